@@ -9,11 +9,11 @@ mod driver;
 mod event_locator;
 mod halt;
 mod interpolate;
+pub mod quadrature_rules;
 mod state;
 mod statistics;
 mod step;
 mod system;
-pub mod quadrature_rules;
 pub mod tableau;
 
 pub use controller::{Adaptive, StepControl};

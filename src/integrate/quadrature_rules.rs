@@ -4,11 +4,8 @@
 //! contains the points of the one before, has positive weights, and integrates polynomials up to the degree 7, 13 or 25.
 
 /// Abscissae and weights of the three-point Gauss rule.
-pub const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
+pub const GAUSS: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
 /// Number of nested rules.
 pub const NESTED_RULES: usize = 4;
@@ -44,8 +41,7 @@ mod tests {
     /// Checks that a rule integrates polynomials up to a degree, but not those of the next even degree.
     fn check(rule: &[(f64, f64)], degree: i32) {
         // Integrals of odd powers about the middle vanish.
-        let integral =
-            |power: i32| rule.iter().map(|(at, weight)| weight * (2.0 * at - 1.0).powi(power)).sum::<f64>();
+        let integral = |power: i32| rule.iter().map(|(at, weight)| weight * (2.0 * at - 1.0).powi(power)).sum::<f64>();
         let exact = |power: i32| if power % 2 == 0 { 1.0 / f64::from(power + 1) } else { 0.0 };
         let error = |power: i32| (integral(power) - exact(power)).abs();
         // Each point contributes one rounding error.

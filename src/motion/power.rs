@@ -85,7 +85,8 @@ pub struct PowerLoads {
 impl PowerLoads {
     /// The loads of a model.
     pub fn new(model: &Model) -> Self {
-        let entries = |load: &DVector<f64>| load.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
+        let entries =
+            |load: &DVector<f64>| load.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
         let shafts = || model.shafts.iter().enumerate();
         let unbalances = shafts().flat_map(|(index, shaft)| {
             let unbalanced = shaft.excitations.iter().filter(|excitation| excitation.unbalance != Complex64::ZERO);
@@ -142,13 +143,7 @@ impl EquationOfMotion<'_> {
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.
-    pub fn powers(
-        &self,
-        loads: &PowerLoads,
-        elapsed: f64,
-        q: &[f64],
-        v: &[f64],
-    ) -> Result<[f64; 6], (usize, Overlap)> {
+    pub fn powers(&self, loads: &PowerLoads, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
         let model = self.model;
         let [mut drive, circulating] = self.link_powers(elapsed, q, v);
         for (shaft, bow) in loads.bowed.iter().zip(q[model.len()..].chunks_exact(2)) {
