@@ -28,7 +28,6 @@ mod contact_tangent;
 mod context;
 mod dense;
 mod driver;
-mod energies;
 mod estimate;
 mod fractions;
 mod in_modes;

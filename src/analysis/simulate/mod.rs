@@ -1,6 +1,7 @@
 //! Time integration: options, initial state, methods, recording, events, energy audit, and the reason of an early stop.
 
 mod audit;
+mod audit_piece;
 mod checkpoint;
 mod component_subspace;
 mod events;
