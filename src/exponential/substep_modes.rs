@@ -218,10 +218,8 @@ fn add(sum: &mut [Lanes; 2], term: &[Lanes; 2]) {
 /// `term *= factor`, both coordinates.
 #[inline(always)]
 fn scale(term: &mut [Lanes; 2], factor: f64) {
-    for side in 0..2 {
-        for lane in 0..WIDTH {
-            term[side][lane] *= factor;
-        }
+    for value in term.as_flattened_mut() {
+        *value *= factor;
     }
 }
 

@@ -39,6 +39,7 @@ pub(super) struct Audit {
     /// Works at the beginning of the last step, and the parts of the step.
     works_before: [f64; 6],
     pieces: Vec<Piece>,
+    /// Loads whose powers are sums over few coordinates.
     pub loads: PowerLoads,
     /// Coordinates from which powers follow, and all of them, ascending.
     selection: PowerCoordinates,

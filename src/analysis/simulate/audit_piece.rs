@@ -176,7 +176,7 @@ mod tests {
             .into_iter()
             .zip([3, 3, 5, 9, 17])
         {
-            let degree = points as i32 - 1;
+            let degree = points - 1;
             let mut piece = Piece::new(3.0, 5.0, rule);
             for ((at, _), sample) in rule.points().zip(&mut piece.samples) {
                 sample.powers = std::array::from_fn(|source| source as f64 * at.powi(degree));
