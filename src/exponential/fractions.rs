@@ -166,7 +166,7 @@ mod tests {
         let of_hundredths = |count: usize| (count as f64 / 100.0, Fraction::Hundredths(count));
         let of_abscissa = |index: usize| (NESTED[index].0, Fraction::Abscissa(index));
         let hundredths = [(0, 1), (1, 7), (2, 50), (3, 99)].map(|(level, count)| (level, of_hundredths(count)));
-        let abscissae = [(0, 0), (1, 3), (2, 14)].map(|(level, index)| (level, of_abscissa(index)));
+        let abscissae = [(0, 3), (1, 5), (2, 14)].map(|(level, index)| (level, of_abscissa(index)));
         for (level, (at, fraction)) in hundredths.into_iter().chain(abscissae) {
             let (nearest, time) = Fractions::nearest(0.9999 * at * time_grid.step(level), time_grid.step(level));
             assert_eq!(nearest, fraction);
