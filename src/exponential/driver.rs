@@ -27,7 +27,10 @@ pub fn run(
     statistics: &mut Statistics,
 ) -> Result<(), Halted> {
     let mut driver = Driver::new(stepper, control, state);
-    let outcome = driver.run((stepper, output), state, end, observer, statistics);
+    let outcome = driver.run((&mut *stepper, &mut *output), state, end, observer, statistics);
+    if let Some(energies) = output.energies() {
+        energies.evaluate(stepper.nonlinear_loads(), true, &mut |energies| observer.shaft_energies(energies));
+    }
     state.method = MethodState::Exponential(driver.own);
     outcome.map_err(|halt| Halted { halt, elapsed: state.elapsed })
 }
@@ -286,10 +289,15 @@ impl Driver {
         change: ContactChange,
         observer: &mut impl Observer,
     ) {
+        let nonlinear_loads = stepper.nonlinear_loads();
+        // Angles of shafts within a piece of a variable speed follow from that piece only.
+        if let (Some(_), Some(energies)) = (nonlinear_loads.motion.piece_at(state.elapsed), output.energies()) {
+            energies.evaluate(nonlinear_loads, true, &mut |energies| observer.shaft_energies(energies));
+        }
         let sampler = &mut self.sampler;
         let mut read = |q: &mut [f64], v: &mut [f64]| {
             let z = sampler.state_at(stepper, level, &state.y, change.at - state.elapsed);
-            output.read(stepper.nonlinear_loads(), change.at, z, q, v);
+            output.read(nonlinear_loads, change.at, z, q, v);
         };
         observer.switched(change.at, &mut read, &self.locator.new_contact_modes);
     }

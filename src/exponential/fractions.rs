@@ -1,14 +1,16 @@
 //! e^{At} of a motion in mode pairs for any time t within the longest step, as a product of tabulated matrices.
 //!
 //! t is written in digits to the base 16, in units of a fraction of the shortest substep. Each digit has a table of fifteen
-//! matrices, computed at its first use. Output times at equal intervals are often hundredths of a step, which have a table
-//! for each step level; each of these matrices is computed at its first use.
+//! matrices, computed at its first use. Other tables for each step level hold frequent fractions of a step: hundredths,
+//! where output times at equal intervals often are, each computed at its first use, and the abscissae of the rules that
+//! integrate powers.
 
 use std::sync::OnceLock;
 
 use super::packed::{Aligned, aligned};
 use super::phi::{Block, exponential_of_pair};
 use super::time_grid::TimeGrid;
+use crate::integrate::quadrature_rules::NESTED;
 use crate::modal::ModePair;
 
 /// Binary digits of a digit to the base 16.
@@ -24,7 +26,7 @@ const VALUES: usize = (1 << BITS) - 1;
 pub(super) const MAX_DIGITS: usize = 12;
 
 /// Number of equal parts of a step that have a table.
-pub(super) const PARTS: usize = 100;
+const PARTS: usize = 100;
 
 /// Tables of e^{At}.
 #[derive(Clone, Debug)]
@@ -35,7 +37,18 @@ pub struct Fractions {
     digits: Vec<Powers>,
     /// For each step level, e^{At} with t = 1 to 99 hundredths of the step.
     parts: Vec<OnceLock<Powers>>,
+    /// For each step level, e^{At} with t at the abscissae of [`NESTED`].
+    abscissae: Vec<OnceLock<Vec<[Aligned; 4]>>>,
     time_grid: TimeGrid,
+}
+
+/// A fraction of a step whose e^{At} has a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fraction {
+    /// A number of hundredths.
+    Hundredths(usize),
+    /// The abscissa of [`NESTED`] with this index.
+    Abscissa(usize),
 }
 
 /// The powers 1, 2, … of e^{At} for a time t, s.
@@ -71,19 +84,37 @@ impl Fractions {
         let unit = time_grid.longest / (1_u64 << (BITS * digits)) as f64;
         let digit = |position| Powers::new(unit * (1_u64 << (BITS * position)) as f64, VALUES);
         let parts = vec![OnceLock::new(); time_grid.finest + 1];
-        Self { unit, digits: (0..=digits).map(digit).collect(), parts, time_grid: *time_grid }
+        let abscissae = vec![OnceLock::new(); time_grid.finest + 1];
+        Self { unit, digits: (0..=digits).map(digit).collect(), parts, abscissae, time_grid: *time_grid }
     }
 
-    /// The number of hundredths of a step, s, closest to a time, s, and their time, s.
-    pub fn nearest_part(time: f64, step: f64) -> (usize, f64) {
-        let nearest = (time / step * PARTS as f64).round();
-        (nearest as usize, nearest / PARTS as f64 * step)
+    /// The fraction with a table closest to a time, s, within a step, s, and its time, s.
+    pub fn nearest(time: f64, step: f64) -> (Fraction, f64) {
+        let hundredths = (time / step * PARTS as f64).round();
+        let mut nearest = (Fraction::Hundredths(hundredths as usize), hundredths / PARTS as f64 * step);
+        for (index, (at, _)) in NESTED.iter().enumerate() {
+            if (at * step - time).abs() < (nearest.1 - time).abs() {
+                nearest = (Fraction::Abscissa(index), at * step);
+            }
+        }
+        nearest
     }
 
-    /// e^{At} of 1 to 99 hundredths of a step of a level.
-    pub fn part(&self, pairs: &[ModePair], level: usize, count: usize) -> &[Aligned; 4] {
-        let time = || self.time_grid.step(level) / PARTS as f64;
-        self.parts[level].get_or_init(|| Powers::new(time(), PARTS - 1)).get(pairs, count)
+    /// e^{At} of a fraction of a step of a level; none for the beginning and the end of the step.
+    pub fn part(&self, pairs: &[ModePair], level: usize, fraction: Fraction) -> Option<&[Aligned; 4]> {
+        let step = self.time_grid.step(level);
+        match fraction {
+            Fraction::Hundredths(count @ 1..PARTS) => {
+                let powers = self.parts[level].get_or_init(|| Powers::new(step / PARTS as f64, PARTS - 1));
+                Some(powers.get(pairs, count))
+            }
+            Fraction::Hundredths(_) => None,
+            Fraction::Abscissa(index) => {
+                let of_pair = |at: f64| packed(pairs.iter().map(|pair| exponential_of_pair(pair, at * step)));
+                let all = || NESTED.iter().map(|(at, _)| of_pair(*at)).collect();
+                self.abscissae[level].get_or_init(all).get(index)
+            }
+        }
     }
 
     /// Positions and digits of a number of units, the lowest first.
@@ -128,17 +159,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hundredths_give_the_exponential_of_parts_of_a_step() {
+    fn fractions_give_the_exponential_of_parts_of_a_step() {
         let time_grid = TimeGrid { longest: 4e-4, finest: 3, event: 2 };
         let fractions = Fractions::new(&time_grid);
         let value = Complex64::new(-30.0, 2e5);
-        for (level, count) in [(0, 1), (1, 7), (2, 50), (3, 99)] {
-            let (part, time) =
-                Fractions::nearest_part(0.9999 * count as f64 / 100.0 * time_grid.step(level), time_grid.step(level));
-            assert_eq!(part, count);
-            let [a, b, ..] = fractions.part(&[ModePair::Oscillation(value); 8], level, count);
-            assert!((Complex64::new(a[0], b[0]) - (value * time).exp()).norm() < 1e-13, "{level} {count}");
+        let of_hundredths = |count: usize| (count as f64 / 100.0, Fraction::Hundredths(count));
+        let of_abscissa = |index: usize| (NESTED[index].0, Fraction::Abscissa(index));
+        let hundredths = [(0, 1), (1, 7), (2, 50), (3, 99)].map(|(level, count)| (level, of_hundredths(count)));
+        let abscissae = [(0, 3), (1, 5), (2, 14)].map(|(level, index)| (level, of_abscissa(index)));
+        for (level, (at, fraction)) in hundredths.into_iter().chain(abscissae) {
+            let (nearest, time) = Fractions::nearest(0.9999 * at * time_grid.step(level), time_grid.step(level));
+            assert_eq!(nearest, fraction);
+            let Some([a, b, ..]) = fractions.part(&[ModePair::Oscillation(value); 8], level, fraction) else {
+                panic!("{fraction:?} has no table")
+            };
+            assert!((Complex64::new(a[0], b[0]) - (value * time).exp()).norm() < 1e-13, "{level} {fraction:?}");
         }
+        let ends = [0, 100].map(|count| fractions.part(&[], 0, Fraction::Hundredths(count)));
+        assert!(ends.iter().all(Option::is_none));
     }
 
     #[test]

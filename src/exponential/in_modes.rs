@@ -51,7 +51,7 @@ impl<'m> InModes<'m> {
             nonlinear_loads,
             linear,
             maps,
-            output,
+            output: output.complete(),
         }
     }
 

@@ -11,6 +11,11 @@ use crate::integrate::{Span, at_each};
 use crate::modal::ModalStateSpace;
 use crate::motion::PowerCoordinates;
 
+/// Number of instants whose energies are evaluated together.
+const BATCH: usize = 8;
+/// Largest number of instants that wait: the last outputs of a step are added to those of earlier steps.
+const MAX_WAITING: usize = 2 * BATCH;
+
 /// Coordinates that a run reads.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
@@ -20,6 +25,10 @@ pub struct Selection {
     pub velocities: Vec<usize>,
     /// Indices of the accelerations.
     pub accelerations: Vec<usize>,
+    /// Indices of the displacements and of the velocities that outputs need besides the energies of the shafts, if the run
+    /// records energies. `displacements` and `velocities` are then complete. The potentials of constant loads follow behind
+    /// the displacements.
+    pub without_energies: Option<[Vec<usize>; 2]>,
     /// Coordinates from which powers follow, if the run records energies.
     pub powers: Option<PowerCoordinates>,
 }
@@ -35,6 +44,8 @@ pub struct OutputMap {
     map: StateMap,
     /// The map to the coordinates from which powers follow.
     powers: Option<Box<OutputMap>>,
+    /// The map to the energies of the shafts.
+    energies: Option<Box<ShaftEnergies>>,
     /// The map to the accelerations, if a run reads any.
     accelerations: Option<Box<AccelerationMap>>,
 }
@@ -47,14 +58,20 @@ impl OutputMap {
         maps: &InterfaceMaps,
         selection: Selection,
     ) -> Self {
-        let Selection { displacements, velocities, accelerations, powers } = selection;
+        let Selection { displacements, velocities, accelerations, without_energies, powers } = selection;
+        let sums = powers.as_ref().map_or_else(Vec::new, |powers| powers.constant_loads().to_vec());
         let powers = powers.map(|PowerCoordinates { displacements, velocities, combinations }| {
             Box::new(Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &combinations))
         });
         let accelerations = (!accelerations.is_empty())
             .then(|| Box::new(AccelerationMap::new(nonlinear_loads, linear, maps, accelerations)));
-        let motion = Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &[]);
-        Self { powers, accelerations, ..motion }
+        let complete = Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &[]);
+        let Some([displacements, velocities]) = without_energies else {
+            return Self { powers, accelerations, ..complete };
+        };
+        let energies = Some(Box::new(ShaftEnergies::new(complete, nonlinear_loads.reference.len())));
+        let motion = Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &sums);
+        Self { powers, energies, accelerations, ..motion }
     }
 
     /// Collects the rows of displacements and velocities with these indices, and of sums of displacements.
@@ -87,6 +104,7 @@ impl OutputMap {
             displacements,
             velocities,
             powers: None,
+            energies: None,
             accelerations: None,
         }
     }
@@ -96,12 +114,27 @@ impl OutputMap {
         self.powers.as_deref_mut()
     }
 
+    /// The energies of the shafts, if a run records them.
+    pub(super) fn energies(&mut self) -> Option<&mut ShaftEnergies> {
+        self.energies.as_deref_mut()
+    }
+
+    /// The map that reads all selected coordinates at every output, also those from which only the energies of the shafts
+    /// follow.
+    pub(super) fn complete(self) -> Self {
+        match self.energies {
+            Some(energies) => Self { accelerations: self.accelerations, ..energies.into_output() },
+            None => self,
+        }
+    }
+
     /// The map to the accelerations, if a run reads any.
     pub(super) fn accelerations(&mut self) -> Option<&mut AccelerationMap> {
         self.accelerations.as_deref_mut()
     }
 
-    /// Writes the selected displacements and velocities of a state into vectors of all coordinates.
+    /// Writes the selected displacements and velocities of a state into vectors of all coordinates. The sums of displacements
+    /// are written if there is room behind the coordinates.
     pub fn read(
         &mut self,
         nonlinear_loads: &NonlinearLoads<'_>,
@@ -145,6 +178,60 @@ impl OutputMap {
     }
 }
 
+/// Kinetic energy and elastic energy of the shafts at output instants. They follow from all displacements and velocities, whose
+/// map from modal states does not fit into the fast memory of a processor. States of several instants are therefore collected,
+/// also over several steps, and the map is read once for all of them.
+#[derive(Clone, Debug)]
+pub(super) struct ShaftEnergies {
+    /// The map to all coordinates.
+    output: OutputMap,
+    /// Elapsed times of the collected states, s.
+    instants: Vec<f64>,
+    /// Scratch: displacements and velocities at all instants, and displacements without the bow.
+    q: Vec<f64>,
+    v: Vec<f64>,
+    unbent: Vec<f64>,
+}
+
+impl ShaftEnergies {
+    /// Allocates the energies of a model with `len` coordinates, to all of which `output` maps.
+    pub fn new(output: OutputMap, len: usize) -> Self {
+        Self {
+            output,
+            instants: Vec::with_capacity(MAX_WAITING),
+            q: vec![0.0; MAX_WAITING * len],
+            v: vec![0.0; MAX_WAITING * len],
+            unbent: vec![0.0; len],
+        }
+    }
+
+    /// The map to all coordinates.
+    pub fn into_output(self) -> OutputMap {
+        self.output
+    }
+
+    /// Adds the state z at an instant.
+    pub fn collect(&mut self, elapsed: f64, z: &[f64]) {
+        self.instants.push(elapsed);
+        self.output.gather(z);
+    }
+
+    /// Passes kinetic energy and elastic energy of the shafts, J, of all collected states to `receive`, oldest first, if there
+    /// are enough of them or `all` are wanted.
+    pub fn evaluate(&mut self, loads: &NonlinearLoads<'_>, all: bool, receive: &mut dyn FnMut([f64; 2])) {
+        if self.instants.len() < if all { 1 } else { BATCH } {
+            return;
+        }
+        let room = self.instants.len() * self.unbent.len();
+        let (q, v) = (&mut self.q[..room], &mut self.v[..room]);
+        self.output.read_gathered(loads, &self.instants, q, v);
+        for (elapsed, q, v) in at_each(&self.instants, q, v) {
+            receive(loads.motion.shaft_energies(elapsed, q, v, &mut self.unbent));
+        }
+        self.instants.clear();
+    }
+}
+
 /// Writes the values of displacements and velocities at each instant to their coordinates.
 fn write<'v>(
     (displacements, velocities): (&[usize], &[usize]),
@@ -156,7 +243,9 @@ fn write<'v>(
     for (values, (_, q, v)) in values.zip(at_each(instants, q, v)) {
         let (displacement_values, velocity_values) = values.split_at(displacements.len());
         for (index, value) in displacements.iter().zip(displacement_values) {
-            q[*index] = *value;
+            if let Some(q) = q.get_mut(*index) {
+                *q = *value;
+            }
         }
         for (index, value) in velocities.iter().zip(velocity_values) {
             v[*index] = *value;

@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::fractions::{Fractions, MAX_DIGITS, PARTS};
+use super::fractions::{Fractions, MAX_DIGITS};
 use super::load_polynomials::LoadPolynomials;
 use super::mode_split::{DEGREE, ModeSplit};
 use super::packed::{Aligned, WIDTH};
@@ -60,9 +60,10 @@ impl SubstepModes {
         let (fractions, pairs) = (&cache.fractions, cache.pairs());
         let mut matrices = [[&[][..]; 4]; MAX_DIGITS];
         let (mut count, mut rest) = (0, 0.0);
-        let (part, at_part) = Fractions::nearest_part(within, split.step);
-        if (1..PARTS).contains(&part) && at_part == within {
-            matrices[0] = lists(fractions.part(pairs, level, part));
+        let (fraction, at_fraction) = Fractions::nearest(within, split.step);
+        let part = (at_fraction == within).then(|| fractions.part(pairs, level, fraction)).flatten();
+        if let Some(part) = part {
+            matrices[0] = lists(part);
             count = 1;
         } else {
             let whole = (within / fractions.unit + ROUND_OFF).floor();
@@ -186,21 +187,61 @@ fn add_series(
     mut term: [Lanes; 2],
     motion: &mut [[Lanes; 2]],
 ) {
-    for (power, motion) in motion.iter_mut().enumerate() {
-        for side in 0..2 {
-            for lane in 0..WIDTH {
-                motion[side][lane] += term[side][lane];
-            }
-        }
-        let factor = 1.0 / (power + 1) as f64;
+    let (forced, free) = motion.split_at_mut(forces.len().min(motion.len()));
+    for (power, (motion, force)) in forced.iter_mut().zip(forces).enumerate() {
+        add(motion, &term);
         term = product(blocks, &term);
         for side in 0..2 {
             for lane in 0..WIDTH {
-                let force = forces.get(power).map_or(0.0, |force| masks[side][lane] * force[side][lane]);
-                term[side][lane] = factor * (term[side][lane] + force);
+                term[side][lane] += masks[side][lane] * force[side][lane];
             }
         }
+        scale(&mut term, 1.0 / (power + 1) as f64);
     }
+    for (power, motion) in free.iter_mut().enumerate() {
+        add(motion, &term);
+        term = product(blocks, &term);
+        scale(&mut term, 1.0 / (forces.len() + power + 1) as f64);
+    }
+}
+
+/// `sum += term`, both coordinates.
+#[inline(always)]
+fn add(sum: &mut [Lanes; 2], term: &[Lanes; 2]) {
+    for side in 0..2 {
+        for lane in 0..WIDTH {
+            sum[side][lane] += term[side][lane];
+        }
+    }
+}
+
+/// `term *= factor`, both coordinates.
+#[inline(always)]
+fn scale(term: &mut [Lanes; 2], factor: f64) {
+    for value in term.as_flattened_mut() {
+        *value *= factor;
+    }
+}
+
+/// Value at τ of the polynomial with coefficients of both coordinates, lowest power first. Even and odd powers are summed
+/// apart, as polynomials in τ²: one sum would wait for each addition.
+#[inline(always)]
+fn polynomial(coefficients: &[[Lanes; 2]], part: f64) -> [Lanes; 2] {
+    let (pairs, last) = coefficients.as_chunks::<2>();
+    let (mut even, mut odd) = ([[0.0; WIDTH]; 2], [[0.0; WIDTH]; 2]);
+    if let [last] = last {
+        even = *last;
+    }
+    let square = part * part;
+    for [zeroth, first] in pairs.iter().rev() {
+        scale(&mut even, square);
+        add(&mut even, zeroth);
+        scale(&mut odd, square);
+        add(&mut odd, first);
+    }
+    scale(&mut odd, part);
+    add(&mut even, &odd);
+    even
 }
 
 /// Products of 2×2 blocks with both coordinates.
@@ -260,14 +301,7 @@ impl WithSimd for Evaluate<'_> {
             }
             let motion = motion.as_chunks::<WIDTH>().0.as_chunks::<2>().0;
             let powers = self.powers.max(if self.powers > 0 { self.split.terms[i] } else { 0 });
-            let mut forced = [[0.0; WIDTH]; 2];
-            for coefficients in motion[..powers].iter().rev() {
-                for side in 0..2 {
-                    for lane in 0..WIDTH {
-                        forced[side][lane] = forced[side][lane] * self.part + coefficients[side][lane];
-                    }
-                }
-            }
+            let forced = polynomial(&motion[..powers], self.part);
             for side in 0..2 {
                 for lane in 0..WIDTH {
                     state[side * half + i][lane] = sum[side][lane] + forced[side][lane];

@@ -8,8 +8,8 @@ use crate::integrate::{Halt, Trajectory};
 
 /// Instants closer to an end of the step than this fraction of it take the state of that end.
 const ROUND_OFF: f64 = 1e-9;
-/// Instants that differ by round-off from a multiple of this fraction of a step, or from a hundredth of it, are there:
-/// e^{At} of such an instant has few factors.
+/// Instants that differ by round-off from a multiple of this fraction of a step, or from a fraction of [`Fractions`], are
+/// there: e^{At} of such an instant has few factors.
 const DYADIC: f64 = 1.0 / 4096.0;
 
 /// The step that was taken last, before it is committed.
@@ -41,7 +41,7 @@ impl CompletedStep<'_, '_> {
     pub fn state_at<'s>(&'s self, sampler: &'s mut SubstepSampler, within: f64) -> &'s [f64] {
         let (length, unit) = (self.length(), self.length() * DYADIC);
         let round_off = 2.0 * f64::EPSILON * (self.begin.abs() + length);
-        let nearest = [Fractions::nearest_part(within, length).1, (within / unit).round() * unit];
+        let nearest = [Fractions::nearest(within, length).1, (within / unit).round() * unit];
         let within = nearest.into_iter().find(|nearest| (within - nearest).abs() <= round_off).unwrap_or(within);
         sampler.state_at(self.stepper, self.level, self.z, within)
     }
@@ -66,18 +66,36 @@ impl Trajectory for StepTrajectory<'_, '_> {
     }
 
     fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
-        read(self.step, self.sampler, self.output, instants, [q, v]);
+        let loads = self.step.stepper.nonlinear_loads();
+        each_state(self.step, self.sampler, instants, |elapsed, z| {
+            self.output.gather(z);
+            if let Some(energies) = self.output.energies() {
+                energies.collect(elapsed, z);
+            }
+        });
+        self.output.read_gathered(loads, instants, q, v);
+    }
+
+    fn defers_energies(&self) -> bool {
+        true
+    }
+
+    fn shaft_energies(&mut self, receive: &mut dyn FnMut([f64; 2])) {
+        if let Some(energies) = self.output.energies() {
+            energies.evaluate(self.step.stepper.nonlinear_loads(), false, receive);
+        }
     }
 
     fn power_states(&mut self, instants: &[f64], _: &[usize], _: &[Vec<(usize, f64)>], q: &mut [f64], v: &mut [f64]) {
         if let Some(output) = self.output.powers() {
-            read(self.step, self.sampler, output, instants, [q, v]);
+            each_state(self.step, self.sampler, instants, |_, z| output.gather(z));
+            output.read_gathered(self.step.stepper.nonlinear_loads(), instants, q, v);
         }
     }
 
     fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
         let Some(map) = self.output.accelerations() else { return Ok(()) };
-        each_state(self.step, self.sampler, instants, |z| map.gather(z));
+        each_state(self.step, self.sampler, instants, |_, z| map.gather(z));
         map.read_gathered(self.step.stepper.nonlinear_loads(), instants, a)
     }
 
@@ -85,29 +103,21 @@ impl Trajectory for StepTrajectory<'_, '_> {
         false
     }
 
+    fn ends_at_state(&self) -> bool {
+        (self.end - self.step.begin - self.step.length()).abs() <= ROUND_OFF * self.step.length()
+    }
+
     fn end_displacement(&self) -> Option<&[f64]> {
         None
     }
 }
 
-/// Reads the motion of a step at some instants through a map.
-fn read(
-    step: CompletedStep<'_, '_>,
-    sampler: &mut SubstepSampler,
-    output: &mut OutputMap,
-    instants: &[f64],
-    [q, v]: [&mut [f64]; 2],
-) {
-    each_state(step, sampler, instants, |z| output.gather(z));
-    output.read_gathered(step.stepper.nonlinear_loads(), instants, q, v);
-}
-
-/// Calls `visit` with the state z at each instant of a step.
+/// Calls `visit` with each instant of a step and the state z there.
 fn each_state(
     step: CompletedStep<'_, '_>,
     sampler: &mut SubstepSampler,
     instants: &[f64],
-    mut visit: impl FnMut(&[f64]),
+    mut visit: impl FnMut(f64, &[f64]),
 ) {
     let length = step.length();
     for elapsed in instants {
@@ -119,6 +129,6 @@ fn each_state(
         } else {
             step.state_at(sampler, within)
         };
-        visit(z);
+        visit(*elapsed, z);
     }
 }

@@ -43,9 +43,25 @@ pub trait Trajectory {
     /// [`Halt`] where the equation is not defined.
     fn accelerations(&mut self, instants: &[f64], coordinates: &[usize], a: &mut [f64]) -> Result<(), Halt>;
 
+    /// Whether [`Self::shaft_energies`] gives the energies of the shafts at the instants of [`Self::states`]. Otherwise, the
+    /// displacements and velocities of all coordinates give them.
+    fn defers_energies(&self) -> bool {
+        false
+    }
+
+    /// Passes kinetic energy and elastic energy of the shafts, J, to `receive`: one pair for each instant of all calls of
+    /// [`Self::states`] in a run, in their order. A method that evaluates several instants together keeps the last ones for
+    /// later calls, or for [`Observer::shaft_energies`](super::Observer::shaft_energies).
+    fn shaft_energies(&mut self, _receive: &mut dyn FnMut([f64; 2])) {}
+
     /// Whether the step resolves every mode, so that a polynomial of low degree is the motion within it.
     fn is_resolved(&self) -> bool {
         true
+    }
+
+    /// Whether the next step begins with exactly the state at [`Self::end`].
+    fn ends_at_state(&self) -> bool {
+        false
     }
 
     /// All displacements at the end, if the method has computed them.

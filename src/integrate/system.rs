@@ -81,6 +81,10 @@ pub trait Observer {
     /// Receives new contact modes. `read` writes displacements and velocities at that instant.
     fn switched(&mut self, _elapsed: f64, _read: &mut dyn FnMut(&mut [f64], &mut [f64]), _contact_modes: &[i64]) {}
 
+    /// Receives kinetic energy and elastic energy of the shafts, J, at one of the last instants that were observed, in their
+    /// order: those that no [`Trajectory::shaft_energies`] has passed before the end of the run.
+    fn shaft_energies(&mut self, _energies: [f64; 2]) {}
+
     /// Whether to continue. The loop over steps asks at regular intervals of steps.
     fn continues(&mut self, elapsed: f64) -> bool;
 }

@@ -86,15 +86,14 @@ impl Link {
         y * (at_rest.re / 2.0 - u[0]) + z * (at_rest.im / 2.0 - u[1])
     }
 
-    /// Powers, W: that of the constant force of the part fixed in space, and that which turns the other part, at the phasor
-    /// e^{iϑ} and the spin, rad/s, of its shaft.
-    pub fn rest_powers(&self, phasor: Complex64, spin: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
-        let Some(rest) = &self.rest else { return [0.0; 2] };
-        let ([u, u_rate], turning) = ([q, v].map(|x| self.scalars(x)), rest.turning * phasor);
-        let fixed = self.local.elastic_force(&[rest.fixed.re, rest.fixed.im]);
+    /// Power, W, that turns the part of the scalars without force that rotates with its shaft, at the phasor e^{iϑ} and the
+    /// spin, rad/s, of the shaft.
+    pub fn rest_power(&self, phasor: Complex64, spin: f64, q: &[f64]) -> f64 {
+        let Some(rest) = &self.rest else { return 0.0 };
+        let (u, turning) = (self.scalars(q), rest.turning * phasor);
         let stretch = [u[0] - rest.fixed.re - turning.re, u[1] - rest.fixed.im - turning.im];
         let (force, rate) = (self.local.elastic_force(&stretch), turning * Complex64::new(0.0, spin));
-        [fixed[0] * u_rate[0] + fixed[1] * u_rate[1], -(rate.re * force[0] + rate.im * force[1])]
+        -(rate.re * force[0] + rate.im * force[1])
     }
 
     /// Directions in which it has stiffness, as entries over the coordinates.

@@ -71,24 +71,14 @@ impl Model {
         self.numbering.translation(node).map_or(0.0, |index| force.re * v[index] + force.im * v[index + 1])
     }
 
-    /// Powers of the constant torques and forces, and of the whole constant load, W.
-    pub fn constant_powers(&self, v: &[f64]) -> [f64; 2] {
-        let torques = self.scene.torques.iter();
-        let torque: f64 =
-            torques.map(|torque| torque.value * self.numbering.twist(torque.node).map_or(0.0, |index| v[index])).sum();
-        let fixed = self.scene.forces.iter().filter(|force| !force.turns);
-        let forces: f64 = fixed.map(|force| self.power(force.node, force.value, v)).sum();
-        let thrust: f64 = self.thrusts().map(|(index, force)| force * v[index]).sum();
-        [torque + forces + thrust, self.constant_load.iter().zip(v).map(|(load, rate)| load * rate).sum()]
-    }
-
     /// Axial forces, N, with the index of their coordinate.
     fn thrusts(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let thrust = |force: &Force| Some((self.numbering.displacement_along(force.node)?, force.axial));
         self.scene.forces.iter().filter(|force| force.axial != 0.0).filter_map(thrust)
     }
 
-    fn assemble_constant_load(&self) -> DVector<f64> {
+    /// Constant torques, N m, and forces, N, of the scene.
+    pub fn given_load(&self) -> DVector<f64> {
         let mut load = DVector::zeros(self.len());
         for torque in &self.scene.torques {
             if let Some(index) = self.numbering.twist(torque.node) {
@@ -102,9 +92,27 @@ impl Model {
             }
         }
         self.thrusts().for_each(|(index, force)| load[index] += force);
+        load
+    }
+
+    /// The given loads, the forces of misaligned couplings, and the weight.
+    fn assemble_constant_load(&self) -> DVector<f64> {
+        let mut load = self.given_load();
         for (link, rest) in self.links.iter().filter_map(|link| Some((link, link.rest?))) {
             link.rest_force(rest.fixed).for_each(|(index, force)| load[index] += force);
         }
+        self.add_weight(load.as_mut_slice());
+        load
+    }
+
+    /// Weights along the coordinates, N.
+    pub fn weight(&self) -> DVector<f64> {
+        let mut load = DVector::zeros(self.len());
+        self.add_weight(load.as_mut_slice());
+        load
+    }
+
+    fn add_weight(&self, load: &mut [f64]) {
         if self.scene.gravity != [0.0; 2] {
             let mut acceleration = DVector::zeros(self.len());
             for dof in self.numbering.nodal_dofs() {
@@ -119,9 +127,8 @@ impl Model {
                     (acceleration[v], acceleration[v + 1]) = self.scene.gravity.into();
                 }
             }
-            self.multiply_mass(acceleration.as_slice(), load.as_mut_slice());
+            self.multiply_mass(acceleration.as_slice(), load);
         }
-        load
     }
 }
 

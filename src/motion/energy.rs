@@ -1,7 +1,7 @@
 //! Energies of the motion, and forces that a response reports.
 
 use super::EquationOfMotion;
-use crate::connection::Connection;
+use crate::connection::{Connection, Row};
 use crate::mesh::{MeshState, Overlap};
 use crate::model::{Link, Model};
 use crate::scene::Node;
@@ -26,23 +26,49 @@ impl Energies {
     }
 }
 
+/// Indices of the displacements from which the energies of bearings, couplings and meshes follow, ascending.
+pub fn connected_coordinates(model: &Model) -> Vec<usize> {
+    let of_rows = |rows: &mut dyn Iterator<Item = &Row>| rows.flatten().map(|(index, _)| *index).collect::<Vec<_>>();
+    let mut coordinates = of_rows(&mut model.links.iter().flat_map(|link| &link.rows));
+    coordinates.extend(of_rows(&mut model.bearings.iter().flat_map(|bearing| &bearing.rows)));
+    coordinates.extend(of_rows(&mut model.nonlinear_bearings.iter().flat_map(|bearing| &bearing.rows)));
+    coordinates.extend(of_rows(&mut model.springs.iter().flat_map(|spring| &spring.rows)));
+    coordinates.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
+    coordinates.extend(model.meshes.iter().flat_map(|mesh| mesh.indices()));
+    coordinates.sort_unstable();
+    coordinates.dedup();
+    coordinates
+}
+
 impl<'m> EquationOfMotion<'m> {
-    /// Kinetic and elastic energy.
+    /// All energies, from all displacements and velocities.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.
     pub fn energies(&mut self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<Energies, (usize, Overlap)> {
         let mut unbent = std::mem::take(&mut self.scratch);
-        self.subtract_bow(elapsed, q, &mut unbent);
-        let shafts = self.model.shaft_form(&unbent) / 2.0;
+        let [kinetic, shafts] = self.shaft_energies(elapsed, q, v, &mut unbent);
         self.scratch = unbent;
+        let [bearings, meshes] = self.connection_energies(elapsed, q, v)?;
+        Ok(Energies { kinetic, shafts, bearings, meshes })
+    }
+
+    /// Kinetic energy and elastic energy of the shafts, J, from all displacements and velocities. `unbent` is scratch for the
+    /// displacements.
+    pub fn shaft_energies(&self, elapsed: f64, q: &[f64], v: &[f64], unbent: &mut [f64]) -> [f64; 2] {
+        self.subtract_bow(elapsed, q, unbent);
+        [self.model.kinetic_form(v) / 2.0, self.model.shaft_form(unbent) / 2.0]
+    }
+
+    /// Elastic energy of the bearings and of all other connections except meshes, and that of the meshes, J, from the
+    /// [`connected_coordinates`] and the velocities of the meshes.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles of the mesh named.
+    pub fn connection_energies(&self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 2], (usize, Overlap)> {
         let meshes = self.mesh_energy(elapsed, q, v)?;
-        Ok(Energies {
-            kinetic: self.model.kinetic_form(v) / 2.0,
-            shafts,
-            bearings: self.model.support_form(q) / 2.0 + self.bearing_energy(elapsed, q) + self.rest_energy(elapsed, q),
-            meshes,
-        })
+        let links = self.bearing_energy(elapsed, q) + self.rest_energy(elapsed, q);
+        Ok([self.model.support_form(q) / 2.0 + links, meshes])
     }
 
     /// Elastic energy that the misalignment of couplings adds to that of their displacements, J.

@@ -8,9 +8,9 @@ mod power;
 mod shaft_rotation;
 mod speed;
 
-pub use energy::Energies;
+pub use energy::{Energies, connected_coordinates};
 pub use equation::EquationOfMotion;
 pub use phase::{DoubleDouble, phasor};
-pub use power::{PowerCoordinates, SOURCES};
+pub use power::{PowerCoordinates, PowerLoads, SOURCES};
 pub use shaft_rotation::{Anchor, RotationState, ShaftRotation};
 pub use speed::{Profile, Speed};

@@ -1,5 +1,6 @@
 //! Powers that change the energy of the motion.
 
+use nalgebra::DVector;
 use num_complex::Complex64;
 
 use super::EquationOfMotion;
@@ -10,6 +11,9 @@ use crate::model::{Excitation, Model, ShaftModel, Support};
 /// Names of the powers that change the energy, in the order of [`EquationOfMotion::powers`].
 pub const SOURCES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
 
+/// Number of sums of a scalar product.
+const LANES: usize = 8;
+
 /// The coordinates from which powers follow.
 #[derive(Clone, Debug)]
 pub struct PowerCoordinates {
@@ -17,11 +21,17 @@ pub struct PowerCoordinates {
     pub displacements: Vec<usize>,
     /// Indices of the velocities, ascending.
     pub velocities: Vec<usize>,
-    /// Sums of displacements as entries (index, coefficient): for each bowed shaft, real and imaginary part of (K_s b)ᴴu, N m.
+    /// Sums of displacements as entries (index, coefficient): for each bowed shaft, real and imaginary part of (K_s b)ᴴu, N m;
+    /// then the [`PowerLoads::constant`] loads times the displacements, J.
     pub combinations: Vec<Vec<(usize, f64)>>,
 }
 
 impl PowerCoordinates {
+    /// The [`PowerLoads::constant`] loads.
+    pub fn constant_loads(&self) -> &[Vec<(usize, f64)>] {
+        &self.combinations[self.combinations.len() - CONSTANT..]
+    }
+
     /// The coordinates of a model.
     pub fn new(model: &Model) -> Self {
         let lateral = |index: usize| [index, index + 1];
@@ -42,7 +52,6 @@ impl PowerCoordinates {
             displacements.extend(of_link().filter(|_| link.rest.is_some() || is_crossed(&link.local)));
             velocities.extend(of_link());
         }
-        velocities.extend((0..model.len()).filter(|index| model.constant_load[*index] != 0.0));
         velocities.extend(model.loads.iter().flat_map(|load| load.rows.iter().flatten().map(|(index, _)| *index)));
         let forces = model.scene.forces.iter().filter_map(|force| model.numbering.translation(force.node));
         velocities.extend(forces.flat_map(lateral));
@@ -56,10 +65,60 @@ impl PowerCoordinates {
             list.sort_unstable();
             list.dedup();
         }
-        let combinations = model.shafts.iter().filter(|shaft| is_bowed(shaft)).flat_map(bow_force).collect();
+        let bowed = model.shafts.iter().filter(|shaft| is_bowed(shaft));
+        let combinations = bowed.flat_map(bow_force).chain(PowerLoads::new(model).constant).collect();
         Self { displacements, velocities, combinations }
     }
 }
+
+/// Loads whose powers are sums over few coordinates, in the order of their addition.
+#[derive(Clone, Debug)]
+pub struct PowerLoads {
+    /// Constant torques and forces of the scene, and weights, N m and N, with the indices of their coordinates.
+    pub constant: [Vec<(usize, f64)>; CONSTANT],
+    /// Excitations with unbalance, and their shafts.
+    unbalances: Vec<(usize, Excitation)>,
+    /// Bowed shafts.
+    bowed: Vec<usize>,
+}
+
+impl PowerLoads {
+    /// The loads of a model.
+    pub fn new(model: &Model) -> Self {
+        let entries =
+            |load: &DVector<f64>| load.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
+        let shafts = || model.shafts.iter().enumerate();
+        let unbalances = shafts().flat_map(|(index, shaft)| {
+            let unbalanced = shaft.excitations.iter().filter(|excitation| excitation.unbalance != Complex64::ZERO);
+            unbalanced.map(move |excitation| (index, *excitation))
+        });
+        Self {
+            constant: [model.given_load(), model.weight()].map(|load| entries(&load)),
+            unbalances: unbalances.collect(),
+            bowed: shafts().filter(|(_, shaft)| is_bowed(shaft)).map(|(index, _)| index).collect(),
+        }
+    }
+
+    /// Constant loads times velocities, W, or times displacements, J. Differences of the latter are works.
+    pub fn times(&self, values: &[f64]) -> [f64; CONSTANT] {
+        self.constant.each_ref().map(|forces| forces.iter().map(|(index, force)| force * values[*index]).sum())
+    }
+}
+
+/// Scalar product, summed in lanes because one sum would wait for each addition.
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
+}
+
+/// Number of sums over constant loads.
+const CONSTANT: usize = 2;
 
 /// Whether the bow of a shaft exerts a force.
 fn is_bowed(shaft: &ShaftModel) -> bool {
@@ -77,30 +136,26 @@ fn bow_force(shaft: &ShaftModel) -> [Vec<(usize, f64)>; 2] {
 }
 
 impl EquationOfMotion<'_> {
-    /// Power of the [`SOURCES`], W: torques and forces; gravity; the drive, which turns bowed shafts and eccentric hubs of
+    /// Power of the [`SOURCES`] without constant loads, W: torques and forces; none for gravity; the drive, which turns bowed shafts and eccentric hubs of
     /// couplings, moves rolling elements and changes the stiffness of bearings with the speed; unbalance; the prescribed motion of the teeth (error,
     /// run-out, stiffness); damping, with the cross-coupling of bearings. q and v need the coordinates of `coordinates`; q is followed by the values of its
     /// combinations.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.
-    pub fn powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
+    pub fn powers(&self, loads: &PowerLoads, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
         let model = self.model;
-        let [mut torque, constant] = model.constant_powers(v);
-        let [loaded, mut drive, circulating] = self.link_powers(elapsed, q, v);
-        let weight = constant - torque - loaded;
+        let [mut drive, circulating] = self.link_powers(elapsed, q, v);
+        for (shaft, bow) in loads.bowed.iter().zip(q[model.len()..].chunks_exact(2)) {
+            // The elastic force of the unbent shape does no work on the bow, which turns with the spin.
+            let phasor = self.phasor(*shaft, elapsed);
+            drive -= self.spin_at(*shaft, elapsed).0 * (bow[1] * phasor.re - bow[0] * phasor.im);
+        }
         let mut unbalance = 0.0;
-        let mut bows = q[model.len()..].chunks_exact(2);
-        for (index, shaft) in model.shafts.iter().enumerate() {
-            let ((spin, rate), phasor) = (self.spin_at(index, elapsed), self.phasor(index, elapsed));
-            if let Some(bow) = is_bowed(shaft).then(|| bows.next()).flatten() {
-                // The elastic force of the unbent shape does no work on the bow, which turns with the spin.
-                drive -= spin * (bow[1] * phasor.re - bow[0] * phasor.im);
-            }
-            for excitation in &shaft.excitations {
-                let force = excitation.unbalance_amplitude(spin, rate) * phasor;
-                unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
-            }
+        for (shaft, excitation) in &loads.unbalances {
+            let (spin, rate) = self.spin_at(*shaft, elapsed);
+            let force = excitation.unbalance_amplitude(spin, rate) * self.phasor(*shaft, elapsed);
+            unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
         }
         let mut damping = self.model.damping_form(v);
         for support in &model.supports {
@@ -110,10 +165,11 @@ impl EquationOfMotion<'_> {
         }
         damping += circulating;
         let turning = model.scene.forces.iter().filter(|force| force.turns);
-        torque += turning.map(|f| model.power(f.node, f.value * self.phasor(f.node.shaft, elapsed), v)).sum::<f64>();
+        let mut torque: f64 =
+            turning.map(|f| model.power(f.node, f.value * self.phasor(f.node.shaft, elapsed), v)).sum();
         if let Some(modal) = &self.modal_damping {
-            for (column, rate) in modal.column_iter().zip(v) {
-                damping += rate * column.iter().zip(v).map(|(entry, rate)| entry * rate).sum::<f64>();
+            for (column, rate) in modal.as_slice().chunks_exact(model.len()).zip(v) {
+                damping += rate * product(column, &v[..model.len()]);
             }
         }
         let mut teeth = 0.0;
@@ -141,21 +197,18 @@ impl EquationOfMotion<'_> {
                 Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),
             }
         }
-        Ok([torque, weight, drive, unbalance, teeth, -damping])
+        Ok([torque, 0.0, drive, unbalance, teeth, -damping])
     }
 
-    /// Powers of links, W: that of the constant forces of misaligned couplings, that which turns their eccentric hubs, and
-    /// that which the cross-coupling takes.
-    fn link_powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 3] {
-        let mut powers = [0.0; 3];
+    /// Powers of links, W: that which turns the eccentric hubs of couplings, and that which the cross-coupling takes.
+    fn link_powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let mut powers = [0.0; 2];
         for link in &self.model.links {
             if let Some(rest) = &link.rest {
-                let spin = self.spin_at(rest.shaft, elapsed).0;
-                let [loaded, turned] = link.rest_powers(self.phasor(rest.shaft, elapsed), spin, q, v);
-                (powers[0], powers[1]) = (powers[0] + loaded, powers[1] + turned);
+                powers[0] += link.rest_power(self.phasor(rest.shaft, elapsed), self.spin_at(rest.shaft, elapsed).0, q);
             }
             let ([[_, a], [b, _]], [y, z], [y_rate, z_rate]) = (link.local.stiffness, link.scalars(q), link.scalars(v));
-            powers[2] += (a - b) / 2.0 * (y_rate * z - z_rate * y);
+            powers[1] += (a - b) / 2.0 * (y_rate * z - z_rate * y);
         }
         powers
     }

@@ -1,118 +1,34 @@
 //! Energy audit: integrates the power of every source of energy over each step.
 //!
 //! If the steps resolve every mode, the three-point Gauss rule is sufficient, because its error is of higher order than
-//! that of the motion. Otherwise the nested rules of seven and fifteen points (Patterson 1968) follow until two rules
-//! agree. A step on which none agree is halved. Works at instants within a step are integrals of polynomials through the same powers. This also applies to teeth with tip relief, because the relief starts
-//! within a step and the power of the teeth jumps there.
+//! that of the motion. Otherwise nested rules follow until two rules agree. A step on which none agree is halved. Works at
+//! instants within a step are integrals of polynomials through the same powers. This also applies to teeth with tip relief,
+//! because the relief starts within a step and the power of the teeth jumps there. Constant loads need no rule: their work is
+//! the load times the displacement.
 
 use std::ops::Range;
 
 use super::RecorderState;
+use super::audit_piece::{Piece, Rule, Sample};
+use crate::integrate::quadrature_rules::{GAUSS, NESTED, NESTED_RULES, POINTS};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory, at_each};
 use crate::mesh::ContactMode;
 use crate::model::Model;
-use crate::motion::{EquationOfMotion, PowerCoordinates};
-
-/// Abscissae on [0, 1], and the weights of each rule.
-const RULES: [(f64, [f64; 3]); 15] = [
-    (0.112_701_665_379_258_31, [5.0 / 18.0, 0.134_244_044_934_166_72, 0.067_207_627_621_892_11]),
-    (0.5, [8.0 / 18.0, 0.225_458_269_329_237_07, 0.112_755_249_899_103_34]),
-    (0.887_298_334_620_741_7, [5.0 / 18.0, 0.134_244_044_934_166_72, 0.067_207_627_621_892_11]),
-    (0.019_754_365_645_989_858, [0.0, 0.052_328_113_013_233_63, 0.025_801_641_498_539_87]),
-    (0.282_878_125_326_598_73, [0.0, 0.200_698_707_387_981_12, 0.100_314_264_688_494_51]),
-    (0.717_121_874_673_401_3, [0.0, 0.200_698_707_387_981_12, 0.100_314_264_688_494_51]),
-    (0.980_245_634_354_010_1, [0.0, 0.052_328_113_013_233_63, 0.025_801_641_498_539_87]),
-    (0.003_084_018_393_622_489, [0.0, 0.0, 0.008_500_859_814_970_13]),
-    (0.055_770_383_563_871_5, [0.0, 0.0, 0.046_463_597_657_562_27]),
-    (0.189_448_526_631_386_8, [0.0, 0.0, 0.085_755_954_568_195_7]),
-    (0.388_306_656_785_516_57, [0.0, 0.0, 0.109_578_429_200_793_75]),
-    (0.611_693_343_214_483_4, [0.0, 0.0, 0.109_578_429_200_793_75]),
-    (0.810_551_473_368_613_2, [0.0, 0.0, 0.085_755_954_568_195_7]),
-    (0.944_229_616_436_128_5, [0.0, 0.0, 0.046_463_597_657_562_27]),
-    (0.996_915_981_606_377_5, [0.0, 0.0, 0.008_500_859_814_970_13]),
-];
-/// Number of abscissae of each rule.
-const POINTS: [usize; 3] = [3, 7, 15];
+use crate::motion::{EquationOfMotion, PowerCoordinates, PowerLoads};
 
 /// Two rules agree if they differ by less than this multiple of the tolerance of the run, but at least and at most by these
 /// fractions, times the total work. The difference is the error of the rule with fewer points.
 const AGREEMENT: f64 = 0.1;
-const AGREEMENTS: [f64; 2] = [1e-9, 1e-6];
+const AGREEMENTS: [f64; 2] = [1e-10, 1e-6];
+/// The same, as a fraction of it, for each nested rule. The polynomials through five points also give the works within a
+/// step, and a fast oscillation may agree by chance on few points.
+const FRACTIONS: [f64; NESTED_RULES] = [0.0, 0.01, 1.0, 1.0];
 /// Largest number of halvings of a step.
 const MAX_HALVINGS: usize = 20;
 
 /// Indices of the works of teeth and damping.
 const TEETH: usize = 4;
 const DAMPING: usize = 5;
-
-/// A part of a step with the powers at its abscissae.
-#[derive(Clone, Copy, Debug)]
-struct Piece {
-    /// Elapsed time at the beginning, s.
-    begin: f64,
-    /// Length, s.
-    length: f64,
-    /// The rule with which its works are integrated.
-    rule: usize,
-    /// Powers of every source, W.
-    powers: [[f64; 6]; RULES.len()],
-}
-
-impl Piece {
-    fn new(begin: f64, length: f64) -> Self {
-        Self { begin, length, rule: 0, powers: [[0.0; 6]; RULES.len()] }
-    }
-
-    /// Work of every source with a rule, J.
-    fn works(&self, rule: usize) -> [f64; 6] {
-        self.sum(rule, |power| power)
-    }
-
-    /// Integral of the absolute powers with a rule, J.
-    fn magnitude(&self, rule: usize) -> f64 {
-        self.sum(rule, f64::abs).iter().sum()
-    }
-
-    fn sum(&self, rule: usize, term: impl Fn(f64) -> f64) -> [f64; 6] {
-        let mut sums = [0.0; 6];
-        for ((_, weights), powers) in RULES[..POINTS[rule]].iter().zip(&self.powers) {
-            for (sum, power) in sums.iter_mut().zip(powers) {
-                *sum += weights[rule] * self.length * term(*power);
-            }
-        }
-        sums
-    }
-
-    /// Work of every source from the beginning to the fraction `part`, J: the integral of the expansion of the powers in
-    /// Legendre polynomials, whose coefficients the rule gives.
-    fn works_until(&self, part: f64) -> [f64; 6] {
-        let degree = DEGREES[self.rule];
-        let at = legendre(2.0 * part - 1.0);
-        let mut works = [0.0; 6];
-        for ((node, weights), powers) in RULES[..POINTS[self.rule]].iter().zip(&self.powers) {
-            let values = legendre(2.0 * node - 1.0);
-            // (2k + 1) times the integral of the polynomial P_k from 0 to the fraction is (P_{k+1} - P_{k-1})/2.
-            let higher = (1..=degree).map(|k| values[k] * (at[k + 1] - at[k - 1]) / 2.0).sum::<f64>();
-            let weight = weights[self.rule] * self.length * (part + higher);
-            works.iter_mut().zip(powers).for_each(|(work, power)| *work += weight * power);
-        }
-        works
-    }
-}
-
-/// Degrees of the polynomials whose coefficients each rule gives: products of two of them are integrated exactly.
-const DEGREES: [usize; 3] = [2, 5, 11];
-
-/// The Legendre polynomials P_0 to P_12 at x in [-1, 1].
-fn legendre(x: f64) -> [f64; 13] {
-    let mut values = [1.0; 13];
-    values[1] = x;
-    for k in 1..12 {
-        let order = k as f64;
-        values[k + 1] = ((2.0 * order + 1.0) * x * values[k] - order * values[k - 1]) / (order + 1.0);
-    }
-    values
-}
 
 /// Works since the start of a run, J.
 #[derive(Clone, Debug)]
@@ -123,6 +39,8 @@ pub(super) struct Audit {
     /// Works at the beginning of the last step, and the parts of the step.
     works_before: [f64; 6],
     pieces: Vec<Piece>,
+    /// Loads whose powers are sums over few coordinates.
+    pub loads: PowerLoads,
     /// Coordinates from which powers follow, and all of them, ascending.
     selection: PowerCoordinates,
     coordinates: Vec<usize>,
@@ -132,6 +50,8 @@ pub(super) struct Audit {
     agreement: f64,
     /// Whether powers can jump within a step, because tip relief starts within it.
     has_jumps: bool,
+    /// The end of the last step, s, and the sample there, if the next step begins with the same state.
+    last: Option<(f64, Sample)>,
     /// Scratch: displacements and velocities at the abscissae of a rule, one vector after the other.
     q: Vec<f64>,
     v: Vec<f64>,
@@ -148,7 +68,7 @@ impl Audit {
             selection.displacements.iter().chain(&selection.velocities).chain(combined).copied().collect();
         coordinates.sort_unstable();
         coordinates.dedup();
-        let room = RULES.len() * (model.len() + selection.combinations.len());
+        let room = NESTED.len() * (model.len() + selection.combinations.len());
         Self {
             has_jumps: model.meshes.iter().any(|mesh| mesh.teeth.is_relieved()),
             works: [0.0; 6],
@@ -157,8 +77,10 @@ impl Audit {
             pieces: Vec::new(),
             coordinates,
             len: model.len(),
+            loads: PowerLoads::new(model),
             agreement: (AGREEMENT * tolerance).clamp(AGREEMENTS[0], AGREEMENTS[1]),
             selection,
+            last: None,
             q: vec![0.0; room],
             v: vec![0.0; room],
             contact_modes: None,
@@ -181,28 +103,29 @@ impl Audit {
         if end > begin {
             self.works_before = self.works;
             self.pieces.clear();
-            let piece = Piece::new(begin, end - begin);
             if step.is_resolved() && !self.has_jumps {
-                let mut piece = piece;
-                self.evaluate(motion, step, 0..POINTS[0], &mut piece)?;
+                let mut piece = Piece::new(begin, end, Rule::Gauss);
+                self.evaluate(motion, step, 0..GAUSS.len(), &mut piece)?;
                 self.keep(piece);
             } else {
-                self.integrate_piece(motion, step, piece, MAX_HALVINGS)?;
+                self.integrate_piece(motion, step, Piece::new(begin, end, Rule::Nested(0)), MAX_HALVINGS)?;
+                self.last = self.last.filter(|_| step.ends_at_state());
             }
             self.until = end;
         }
         Ok(())
     }
 
-    /// Works since the start of the run at an instant of the step that was integrated last, J.
-    pub fn works_at(&self, elapsed: f64) -> [f64; 6] {
+    /// Works since the start of the run at an instant of the step that was integrated last, J, where the constant loads have
+    /// these potentials, J.
+    pub fn works_at(&self, elapsed: f64, potentials: &[f64]) -> [f64; 6] {
         if elapsed >= self.until {
             return self.works;
         }
         let mut works = self.works_before;
-        for piece in self.pieces.iter().take_while(|piece| piece.begin < elapsed) {
-            let part = ((elapsed - piece.begin) / piece.length).min(1.0);
-            let own = if part < 1.0 { piece.works_until(part) } else { piece.works(piece.rule) };
+        for piece in self.pieces.iter().take_while(|piece| piece.span[0] < elapsed) {
+            let part = ((elapsed - piece.span[0]) / piece.length()).min(1.0);
+            let own = if part < 1.0 { piece.works_until(part, potentials) } else { piece.works() };
             works.iter_mut().zip(own).for_each(|(work, added)| *work += added);
         }
         works
@@ -217,26 +140,30 @@ impl Audit {
         halvings: usize,
     ) -> Result<(), Halt> {
         let total: f64 = self.works.iter().map(|work| work.abs()).sum();
-        let mut evaluated = 0;
-        for (rule, points) in POINTS.into_iter().enumerate().skip(1) {
-            self.evaluate(motion, step, evaluated..points, &mut piece)?;
-            evaluated = points;
-            let difference: f64 = piece.works(rule).iter().zip(piece.works(rule - 1)).map(|(a, b)| (a - b).abs()).sum();
-            let is_last = halvings == 0 && evaluated == RULES.len();
-            if is_last || difference <= self.agreement * (total + piece.magnitude(rule)) {
-                piece.rule = rule;
+        let known = self.last.take().filter(|(at, _)| *at == piece.span[0]).map(|(_, sample)| sample);
+        piece.samples[0] = known.unwrap_or_default();
+        self.evaluate(motion, step, usize::from(known.is_some())..POINTS[0], &mut piece)?;
+        self.last = Some((piece.span[1], piece.samples[1]));
+        for rule in 1..NESTED_RULES {
+            let coarse = piece.works();
+            self.evaluate(motion, step, POINTS[rule - 1]..POINTS[rule], &mut piece)?;
+            piece.rule = Rule::Nested(rule);
+            let difference: f64 = piece.works().iter().zip(coarse).map(|(a, b)| (a - b).abs()).sum();
+            let is_last = halvings == 0 && rule == NESTED_RULES - 1;
+            if is_last || difference <= FRACTIONS[rule] * self.agreement * (total + piece.magnitude()) {
                 self.keep(piece);
                 return Ok(());
             }
         }
-        let half = piece.length / 2.0;
-        self.integrate_piece(motion, step, Piece::new(piece.begin, half), halvings - 1)?;
-        self.integrate_piece(motion, step, Piece::new(piece.begin + half, half), halvings - 1)
+        let ([begin, end], middle) = (piece.span, piece.time(0.5));
+        (self.last, piece.rule) = (Some((begin, piece.samples[0])), Rule::Nested(0));
+        self.integrate_piece(motion, step, Piece { span: [begin, middle], ..piece }, halvings - 1)?;
+        self.integrate_piece(motion, step, Piece { span: [middle, end], ..piece }, halvings - 1)
     }
 
     /// Adds the works of a part of the step.
     fn keep(&mut self, piece: Piece) {
-        self.works.iter_mut().zip(piece.works(piece.rule)).for_each(|(work, added)| *work += added);
+        self.works.iter_mut().zip(piece.works()).for_each(|(work, added)| *work += added);
         self.pieces.push(piece);
     }
 
@@ -250,12 +177,23 @@ impl Audit {
     ) -> Result<(), Halt> {
         let combinations = &self.selection.combinations;
         let room = points.len() * (self.len + combinations.len());
-        let instants = RULES.map(|(at, _)| piece.begin + at * piece.length);
+        let mut instants = [0.0; NESTED.len()];
+        for (instant, (at, _)) in instants.iter_mut().zip(piece.rule.points_up_to(points.end)) {
+            *instant = piece.time(at);
+        }
         let instants = &instants[points.clone()];
         let (q, v) = (&mut self.q[..room], &mut self.v[..room]);
         step.power_states(instants, &self.coordinates, combinations, q, v);
-        for (powers, (elapsed, q, v)) in piece.powers[points].iter_mut().zip(at_each(instants, q, v)) {
-            *powers = motion.powers(elapsed, q, v).map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+        for (sample, (elapsed, q, v)) in piece.samples[points].iter_mut().zip(at_each(instants, q, v)) {
+            let powers = motion.powers(&self.loads, elapsed, q, v);
+            sample.powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+            match piece.rule {
+                Rule::Gauss => {
+                    let constant = self.loads.times(v);
+                    sample.powers.iter_mut().zip(constant).for_each(|(power, constant)| *power += constant);
+                }
+                Rule::Nested(_) => sample.potentials.copy_from_slice(&q[q.len() - 2..]),
+            }
         }
         Ok(())
     }
@@ -273,6 +211,7 @@ impl Audit {
         let len = self.len;
         let (q, v) = (&mut self.q[..len], &mut self.v[..len]);
         read(q, v);
+        self.last = None;
         let before = motion.mesh_energy(elapsed, q, v);
         motion.set_contact_modes(contact_modes);
         let Some(old) = self.contact_modes.replace(contact_modes.to_vec()) else {
@@ -285,43 +224,6 @@ impl Audit {
         // The integrator reports overlapping base circles.
         if let (Ok(before), Ok(after)) = (before, motion.mesh_energy(elapsed, q, v)) {
             self.works[source] += after - before;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{DEGREES, POINTS, Piece, RULES};
-
-    #[test]
-    fn partial_works_of_polynomials_are_exact() {
-        for (rule, degree) in DEGREES.into_iter().enumerate() {
-            let mut piece = Piece { rule, ..Piece::new(3.0, 2.0) };
-            for ((at, _), powers) in RULES.iter().zip(&mut piece.powers) {
-                *powers = std::array::from_fn(|source| source as f64 * at.powi(degree as i32));
-            }
-            for part in [0.0, 0.1, 0.5, 0.77, 1.0] {
-                let exact = 2.0 * f64::powi(part, degree as i32 + 1) / (degree + 1) as f64;
-                // Fifteen abscissae with twelve polynomials each.
-                let works = piece.works_until(part);
-                assert!((works[1] - exact).abs() < 1e-14 && (works[5] - 5.0 * exact).abs() < 1e-13);
-            }
-        }
-    }
-
-    #[test]
-    fn rules_integrate_polynomials() {
-        for (rule, (points, degree)) in POINTS.into_iter().zip([5, 11, 23]).enumerate() {
-            assert!(RULES[points..].iter().all(|(_, weights)| weights[rule] == 0.0));
-            // Integrals of odd powers about the middle vanish.
-            let integral = |power: i32| {
-                RULES.iter().map(|(at, weights)| weights[rule] * (2.0 * at - 1.0).powi(power)).sum::<f64>()
-            };
-            let exact = |power: i32| if power % 2 == 0 { 1.0 / f64::from(power + 1) } else { 0.0 };
-            let error = |power: i32| (integral(power) - exact(power)).abs();
-            // Each point contributes one rounding error.
-            assert!((0..=degree).all(|power| error(power) < points as f64 * f64::EPSILON));
-            assert!(error(degree + 1) > 1e-9);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Time integration: options, initial state, methods, recording, events, energy audit, and the reason of an early stop.
 
 mod audit;
+mod audit_piece;
 mod checkpoint;
 mod component_subspace;
 mod events;
@@ -356,6 +357,10 @@ impl Observer for RunObserver<'_, '_> {
 
     fn switched(&mut self, elapsed: f64, read: &mut dyn FnMut(&mut [f64], &mut [f64]), contact_modes: &[i64]) {
         self.recorder.switched(elapsed, read, contact_modes);
+    }
+
+    fn shaft_energies(&mut self, energies: [f64; 2]) {
+        self.recorder.add_shaft_energies(energies);
     }
 
     fn continues(&mut self, elapsed: f64) -> bool {

@@ -52,8 +52,22 @@ pub struct AxialRecord {
     pub bearing_force: Vec<f64>,
 }
 
+/// Number of potentials of constant loads.
+const POTENTIALS: usize = 2;
+
 /// Largest number of outputs that are read together.
 const BATCH: usize = 8;
+
+/// What is read at [`BATCH`] instants, one vector after the other.
+struct Scratch {
+    /// Displacements and velocities; behind the displacements, potentials where energies are recorded.
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    /// Accelerations; empty where none are recorded.
+    acceleration: Vec<f64>,
+    /// Displacements without the bow at one instant; empty where no energies are recorded.
+    unbent: Vec<f64>,
+}
 
 /// Records a run.
 pub(super) struct Recorder<'a, 'm> {
@@ -67,11 +81,11 @@ pub(super) struct Recorder<'a, 'm> {
     accelerated: Vec<usize>,
     /// Displacements of the shafts at the bearing nodes relative to what the bearings stand on.
     bearing_rows: Vec<Option<[Row; 2]>>,
-    /// Scratch: displacements and velocities at [`BATCH`] instants, one vector after the other.
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-    /// Scratch: accelerations at these instants; empty where none are recorded.
-    acceleration: Vec<f64>,
+    /// Number of values behind the coordinates of a vector: potentials of constant loads, where energies are recorded.
+    extra: usize,
+    scratch: Scratch,
+    /// Number of outputs whose energies of the shafts were deferred and are known.
+    shaft_energies: usize,
     audit: Option<Audit>,
     events: EventRecorder,
     every_step: bool,
@@ -105,12 +119,18 @@ impl<'a, 'm> Recorder<'a, 'm> {
             energy: Vec::with_capacity(if plan.energy { count } else { 0 }),
             events: Vec::new(),
         };
+        let extra = if plan.energy { POTENTIALS } else { 0 };
         Self {
             coordinates: plan.coordinates(model),
             bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
-            displacement: vec![0.0; BATCH * model.len()],
-            velocity: vec![0.0; BATCH * model.len()],
-            acceleration: vec![0.0; if plan.acceleration { BATCH * model.len() } else { 0 }],
+            scratch: Scratch {
+                displacement: vec![0.0; BATCH * (model.len() + extra)],
+                velocity: vec![0.0; BATCH * (model.len() + extra)],
+                acceleration: vec![0.0; if plan.acceleration { BATCH * model.len() } else { 0 }],
+                unbent: vec![0.0; if plan.energy { model.len() } else { 0 }],
+            },
+            extra,
+            shaft_energies: 0,
             accelerated: plan.accelerated(model),
             audit: plan.energy.then(|| Audit::new(start, tolerance, model)),
             events: EventRecorder::new(&motion, origin, start),
@@ -143,19 +163,21 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 break;
             }
             let instants = &instants[..count];
-            let room = count * self.motion.model().len();
-            let (q, v) = (&mut self.displacement[..room], &mut self.velocity[..room]);
+            let len = self.motion.model().len();
+            let room = count * (len + self.extra);
+            let (q, v) = (&mut self.scratch.displacement[..room], &mut self.scratch.velocity[..room]);
             motion.states(instants, &self.coordinates, q, v);
             if self.plan.acceleration {
-                motion.accelerations(instants, &self.accelerated, &mut self.acceleration[..room])?;
+                motion.accelerations(instants, &self.accelerated, &mut self.scratch.acceleration[..count * len])?;
             }
             for (index, elapsed) in instants.iter().enumerate() {
                 if let Some(audit) = self.audit.as_mut().filter(|_| !whole) {
                     audit.integrate(&self.motion, motion, *elapsed)?;
                 }
-                self.sample(*elapsed, index)?;
+                self.sample(*elapsed, index, motion.defers_energies())?;
                 self.record.time.push(self.times[self.record.time.len()]);
             }
+            motion.shaft_energies(&mut |energies| self.add_shaft_energies(energies));
         }
         if let Some(audit) = &mut self.audit {
             audit.integrate(&self.motion, motion, end)?;
@@ -176,16 +198,25 @@ impl<'a, 'm> Recorder<'a, 'm> {
             None => self.motion.set_contact_modes(contact_modes),
         }
         let len = self.motion.model().len();
-        let room = (&mut self.displacement[..len], &mut self.velocity[..len]);
+        let room = (&mut self.scratch.displacement[..len], &mut self.scratch.velocity[..len]);
         self.events.switched(&self.motion, elapsed, read, room, contact_modes);
     }
 
+    /// Adds kinetic energy and elastic energy of the shafts, J, to the oldest output without them.
+    pub fn add_shaft_energies(&mut self, [kinetic, shafts]: [f64; 2]) {
+        if let Some((energies, _)) = self.record.energy.get_mut(self.shaft_energies) {
+            (energies.kinetic, energies.shafts) = (kinetic, shafts);
+        }
+        self.shaft_energies += 1;
+    }
+
     /// Records one output from the displacements and velocities at `elapsed`, which have this index among those that were
-    /// read.
-    fn sample(&mut self, elapsed: f64, index: usize) -> Result<(), Halt> {
+    /// read. [`Self::add_shaft_energies`] completes its energies if they are `deferred`.
+    fn sample(&mut self, elapsed: f64, index: usize, deferred: bool) -> Result<(), Halt> {
         let model = self.motion.model();
-        let own = index * model.len()..(index + 1) * model.len();
-        let (q, v) = (&self.displacement[own.clone()], &self.velocity[own.clone()]);
+        let (own, begin) = (index * model.len()..(index + 1) * model.len(), index * (model.len() + self.extra));
+        let (q, potentials) = self.scratch.displacement[begin..begin + model.len() + self.extra].split_at(model.len());
+        let v = &self.scratch.velocity[begin..begin + model.len()];
         // Quantities that can fail come first, so that the record holds complete outputs only.
         let mut meshes = Vec::with_capacity(self.plan.meshes.len());
         for mesh in &self.plan.meshes {
@@ -193,10 +224,9 @@ impl<'a, 'm> Recorder<'a, 'm> {
             meshes.push(state.map_err(|overlap| Halt::Overlap { mesh: *mesh, overlap })?);
         }
         if let Some(audit) = &self.audit {
-            let works = audit.works_at(elapsed);
-            let energies = self.motion.energies(elapsed, q, v);
-            let energies = energies.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
-            self.record.energy.push((energies, works));
+            let deferred = deferred.then_some(potentials);
+            let energies = energies(&self.motion, audit, elapsed, (q, v), deferred, &mut self.scratch.unbent)?;
+            self.record.energy.push(energies);
         }
         for (mesh, state) in self.plan.meshes.iter().zip(&meshes) {
             self.events.check(&self.motion, *mesh, elapsed, &state.centres);
@@ -213,7 +243,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 self.record.twist_rate.push(twist(v));
             }
             if self.plan.acceleration {
-                self.record.acceleration.extend(lateral(model, point, &self.acceleration[own.clone()]));
+                self.record.acceleration.extend(lateral(model, point, &self.scratch.acceleration[own.clone()]));
             }
         }
         for (node, rows) in self.plan.bearings.iter().zip(&self.bearing_rows) {
@@ -231,7 +261,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 self.record.axial.velocity.extend(points().map(|point| along_row(&point.axial, v)));
             }
             if self.plan.acceleration {
-                let a = &self.acceleration[own];
+                let a = &self.scratch.acceleration[own];
                 self.record.axial.acceleration.extend(points().map(|point| along_row(&point.axial, a)));
             }
             let forces = self.plan.bearings.iter().map(|node| model.axial_bearing_force(*node, q, v));
@@ -258,6 +288,25 @@ impl<'a, 'm> Recorder<'a, 'm> {
         self.record.events = self.events.list;
         (self.record, recorder_state)
     }
+}
+
+/// Energies and works at an output, from displacements and velocities. The potentials of constant loads are given if the
+/// energies of the shafts are deferred; otherwise both follow from all coordinates.
+fn energies(
+    motion: &EquationOfMotion<'_>,
+    audit: &Audit,
+    elapsed: f64,
+    (q, v): (&[f64], &[f64]),
+    potentials: Option<&[f64]>,
+    unbent: &mut [f64],
+) -> Result<(Energies, [f64; 6]), Halt> {
+    let others = motion.connection_energies(elapsed, q, v);
+    let [bearings, meshes] = others.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+    let ([kinetic, shafts], works) = match potentials {
+        Some(potentials) => ([0.0; 2], audit.works_at(elapsed, potentials)),
+        None => (motion.shaft_energies(elapsed, q, v, unbent), audit.works_at(elapsed, &audit.loads.times(q))),
+    };
+    Ok((Energies { kinetic, shafts, bearings, meshes }, works))
 }
 
 /// Components along y and z at a point, of the displacements of all coordinates or of a derivative of them.

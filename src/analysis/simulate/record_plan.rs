@@ -3,7 +3,7 @@
 use crate::connection::Row;
 use crate::exponential::Selection;
 use crate::model::Model;
-use crate::motion::PowerCoordinates;
+use crate::motion::{PowerCoordinates, connected_coordinates};
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
 /// Names of everything of one kind.
@@ -220,16 +220,35 @@ impl RecordPlan {
 
     /// Indices of the displacements, velocities and accelerations that recording needs.
     pub(super) fn selection(&self, model: &Model) -> Selection {
-        let displacements = self.coordinates(model);
-        let mut moving = Self { points: if self.velocity { self.points.clone() } else { Vec::new() }, ..self.clone() };
+        let accelerations = self.accelerated(model);
+        let [displacements, velocities] = self.without_energies(model);
+        if !self.energy {
+            return Selection { displacements, velocities, accelerations, ..Selection::default() };
+        }
+        let connected = connected_coordinates(model);
+        let without_energies = [displacements, velocities].map(|mut own| {
+            own.extend(&connected);
+            own.sort_unstable();
+            own.dedup();
+            own
+        });
+        Selection {
+            displacements: self.coordinates(model),
+            velocities: self.coordinates(model),
+            accelerations,
+            without_energies: Some(without_energies),
+            powers: Some(PowerCoordinates::new(model)),
+        }
+    }
+
+    /// Indices of the displacements and of the velocities that recording needs besides the energies, ascending.
+    fn without_energies(&self, model: &Model) -> [Vec<usize>; 2] {
+        let resting = Self { energy: false, ..self.clone() };
+        let points = if self.velocity { self.points.clone() } else { Vec::new() };
+        let mut moving = Self { points, ..resting.clone() };
         // Contact events need the velocities at all meshes with backlash.
         (0..model.meshes.len()).filter(|mesh| model.meshes[*mesh].backlash.is_some()).for_each(|m| moving.add_mesh(m));
-        Selection {
-            accelerations: self.accelerated(model),
-            velocities: if self.energy { displacements.clone() } else { moving.coordinates(model) },
-            powers: self.energy.then(|| PowerCoordinates::new(model)),
-            displacements,
-        }
+        [resting, moving].map(|plan| plan.coordinates(model))
     }
 }
 
