@@ -142,9 +142,19 @@ impl Model {
 
     /// Adds value·left·rightᵀ.
     pub fn add_product(&self, sum: &mut CoupledBands, left: &Row, right: &Row, value: Complex64) {
+        if value == Complex64::ZERO {
+            return;
+        }
+        let columns: Vec<_> = right.iter().map(|(column, factor)| (self.circular(*column), factor)).collect();
         for (row, left) in left {
-            for (column, right) in right {
-                self.add_entry(sum, *row, *column, value * left * right);
+            let rows = self.circular(*row);
+            for (columns, right) in &columns {
+                let value = value * left * *right;
+                for (row, force, _) in rows.iter().flatten() {
+                    for (column, _, displacement) in columns.iter().flatten() {
+                        sum.add(*row, *column, value * force * displacement);
+                    }
+                }
             }
         }
     }
