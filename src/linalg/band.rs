@@ -21,6 +21,8 @@ pub trait Number: ComplexField<RealField = f64> + Copy {}
 
 impl<T: ComplexField<RealField = f64> + Copy> Number for T {}
 
+/// An imaginary part below this fraction of the real part is round-off.
+const REAL: f64 = 1e-12;
 /// Number of subdiagonals of shafts of degree one in torsion.
 const NARROW: usize = 1;
 /// The same in bending.
@@ -142,9 +144,9 @@ impl<T: Number> Band<T> {
 }
 
 impl Band<Complex<f64>> {
-    /// The same matrix with real numbers, if every entry is real.
+    /// The same matrix with real numbers, if every entry is real but for round-off.
     pub fn real(&self) -> Option<Band<f64>> {
-        let entries = self.entries.iter().map(|value| (value.im == 0.0).then_some(value.re));
+        let entries = self.entries.iter().map(|value| (value.im.abs() <= REAL * value.re.abs()).then_some(value.re));
         Some(Band { reach: self.reach, size: self.size, entries: entries.collect::<Option<_>>()? })
     }
 }

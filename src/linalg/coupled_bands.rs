@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
-use super::band::{Band, BandLu, Singular};
+use super::band::{Band, BandLu, Number, Singular};
 use super::couplings::{Couplings, chain_of};
 use super::dense::ComplexLu;
 use super::determinant::Determinant;
@@ -55,6 +55,8 @@ pub struct CoupledBands {
     chains: Vec<BandChain>,
     /// First coordinate of each chain.
     starts: Vec<usize>,
+    /// Whether each chain is the complex conjugate of the chain before.
+    mirrored: Vec<bool>,
     /// Entries (row, column) outside of the bands.
     couplings: BTreeMap<(usize, usize), Complex64>,
     /// Number of coordinates.
@@ -64,6 +66,12 @@ pub struct CoupledBands {
 impl CoupledBands {
     /// Appends the coordinates of a chain.
     pub fn push(&mut self, chain: BandChain) {
+        self.push_mirrored(chain, false);
+    }
+
+    /// Appends the coordinates of a chain, and whether it remains the complex conjugate of the chain before.
+    pub fn push_mirrored(&mut self, chain: BandChain, mirrored: bool) {
+        self.mirrored.push(mirrored);
         self.starts.push(self.size);
         self.size += chain.size();
         self.chains.push(chain);
@@ -91,12 +99,26 @@ impl CoupledBands {
     /// # Errors
     /// [`Singular`] if the matrix, or a chain with dampers, is singular.
     pub fn factor(self, sense: f64) -> Result<CoupledFactors, Singular> {
-        let couplings = Couplings::new(&self.couplings, &self.starts, sense);
+        self.factor_with(Complex64::new(0.0, sense))
+    }
+
+    /// The same with springs in the place of the dampers, for chains that are positive definite but for null motions. Then
+    /// mirrored chains with springs are mirrored too, so that [`CoupledFactors::solve_real`] leaves them out.
+    ///
+    /// # Errors
+    /// As [`Self::factor`].
+    pub fn factor_with_springs(self) -> Result<CoupledFactors, Singular> {
+        self.factor_with(Complex64::ONE)
+    }
+
+    fn factor_with(self, damper: Complex64) -> Result<CoupledFactors, Singular> {
+        let couplings = Couplings::new(&self.couplings, &self.starts, damper);
         let chains = couplings.factor_chains(self.chains.clone())?;
         let columns = couplings.columns(&chains, |_| 0);
         let capacity = couplings.capacity(&columns)?;
         let row_sizes = self.row_sizes();
-        Ok(CoupledFactors { matrix: self, row_sizes, chains, couplings, columns, capacity })
+        let is_mirrored = damper.im == 0.0;
+        Ok(CoupledFactors { matrix: self, row_sizes, chains, couplings, columns, capacity, is_mirrored })
     }
 
     /// Determinant; `sense` is that of [`Self::factor`]. It takes about half the time of the factors.
@@ -104,7 +126,7 @@ impl CoupledBands {
     /// # Errors
     /// As [`Self::factor`].
     pub fn determinant(self, sense: f64) -> Result<Determinant, Singular> {
-        let couplings = Couplings::new(&self.couplings, &self.starts, sense);
+        let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::new(0.0, sense));
         let chains = couplings.factor_chains(self.chains)?;
         let columns = couplings.columns(&chains, |chain| couplings.first_row(chain));
         let capacity = couplings.capacity(&columns)?;
@@ -113,32 +135,40 @@ impl CoupledBands {
     }
 
     /// Whether the matrix, Hermitian but for the scale of the coordinates, is found to be positive definite. The chains alone
-    /// have to be real and positive definite for that.
+    /// have to be so for that.
     ///
     /// With A > 0, S = A + E Δ Eᵀ is positive definite if and only if Z + ZΔZ is (Z of the solution above): both are
     /// congruent to I + √Z Δ √Z.
     pub fn is_positive_definite(&self) -> bool {
-        let real = |chain: &BandChain| {
-            let factors = chain.real()?.factor_without_exchanges().ok()?;
-            let is_positive = factors.pivots().all(|pivot| pivot > 0.0);
+        match self.chains.iter().map(BandChain::real).collect::<Option<Vec<_>>>() {
+            Some(real) => self.is_definite_with(real),
+            None => self.is_definite_with(self.chains.clone()),
+        }
+    }
+
+    /// The same with the matrices of the chains.
+    fn is_definite_with<T: Number>(&self, chains: Vec<Band<T>>) -> bool {
+        let factors = |chain: Band<T>| {
+            let factors = chain.factor_without_exchanges().ok()?;
+            let is_positive = factors.pivots().all(is_positive);
             is_positive.then_some(factors)
         };
-        let Some(chains) = self.chains.iter().map(real).collect::<Option<Vec<_>>>() else {
+        let Some(chains) = chains.into_iter().map(factors).collect::<Option<Vec<_>>>() else {
             return false;
         };
-        let couplings = Couplings::new(&self.couplings, &self.starts, 0.0);
+        let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::ZERO);
         let columns = couplings.columns(&chains, |chain| couplings.first_row(chain));
         let mut receptance = DMatrix::zeros(columns.len(), columns.len());
         for (j, column) in columns.iter().enumerate() {
             for (i, row) in couplings.in_chain(couplings.places[j].0) {
-                receptance[(i, j)] = Complex64::from(column[row]);
+                receptance[(i, j)] = Complex64::new(column[row].real(), column[row].imaginary());
             }
         }
         let mut form = &receptance + &receptance * &couplings.matrix * &receptance;
         // Pivots of Gaussian elimination do not depend on the scale of the coordinates.
         for k in 0..form.nrows() {
             let pivot = form[(k, k)];
-            if pivot.re.is_nan() || pivot.re <= pivot.im.abs() {
+            if !is_positive(pivot) {
                 return false;
             }
             for i in k + 1..form.nrows() {
@@ -161,6 +191,11 @@ impl CoupledBands {
     }
 }
 
+/// Whether a pivot of a Hermitian matrix is positive: its imaginary part is round-off.
+fn is_positive<T: Number>(pivot: T) -> bool {
+    pivot.real() > pivot.imaginary().abs() && pivot.is_finite()
+}
+
 /// LU factors of [`CoupledBands`].
 #[derive(Clone, Debug)]
 pub struct CoupledFactors {
@@ -174,6 +209,8 @@ pub struct CoupledFactors {
     columns: Vec<Vec<Complex64>>,
     /// Factors of I + Z Δ, r × r.
     capacity: ComplexLu,
+    /// Whether the mirrored chains with dampers are mirrored.
+    is_mirrored: bool,
 }
 
 impl CoupledFactors {
@@ -182,26 +219,31 @@ impl CoupledFactors {
     /// # Errors
     /// [`Singular`] if round-off leaves no accurate solution.
     pub fn solve(&self, x: &mut [Complex64]) -> Result<(), Singular> {
-        self.solve_within(0.0, x)
+        self.refine(0.0, false, x)
     }
 
-    /// The same with refinement until the componentwise backward error is at most `tolerance`, or decreases no more.
+    /// The same for a right-hand side of which the mirrored chains have complex conjugates, with refinement until the
+    /// componentwise backward error is at most `tolerance`, or decreases no more.
     ///
     /// # Errors
     /// As [`Self::solve`].
-    pub fn solve_within(&self, tolerance: f64, x: &mut [Complex64]) -> Result<(), Singular> {
+    pub fn solve_real(&self, tolerance: f64, x: &mut [Complex64]) -> Result<(), Singular> {
+        self.refine(tolerance, self.is_mirrored, x)
+    }
+
+    fn refine(&self, tolerance: f64, mirrors: bool, x: &mut [Complex64]) -> Result<(), Singular> {
         let right = x.to_vec();
-        self.solve_once(x);
+        self.substitute(mirrors, x);
         let mut previous = f64::INFINITY;
         for _ in 0..=MAX_REFINEMENTS {
-            let (mut residual, error) = self.residual(&right, x);
+            let (mut residual, error) = self.residual(mirrors, &right, x);
             if error <= tolerance.max(ROUND_OFF) || (error >= previous / 2.0 && error <= MAX_BACKWARD_ERROR) {
                 return Ok(());
             }
             if !error.is_finite() {
                 return Err(Singular);
             }
-            self.solve_once(&mut residual);
+            self.substitute(mirrors, &mut residual);
             x.iter_mut().zip(&residual).for_each(|(x, change)| *x += change);
             if error <= REFINED_ONCE {
                 return Ok(());
@@ -213,11 +255,19 @@ impl CoupledFactors {
 
     /// Replaces the right-hand side `x` by the solution, without refinement.
     pub fn solve_once(&self, x: &mut [Complex64]) {
-        let mut rest = &mut *x;
-        for (chain, matrix) in self.chains.iter().zip(&self.matrix.chains) {
-            let (own, next) = rest.split_at_mut(matrix.size());
-            chain.solve(own);
-            rest = next;
+        self.substitute(false, x);
+    }
+
+    /// The same; `mirrors` copies mirrored chains from those before.
+    fn substitute(&self, mirrors: bool, x: &mut [Complex64]) {
+        let starts = &self.matrix.starts;
+        let is_copied = |chain: usize| mirrors && self.matrix.mirrored[chain];
+        for (number, chain) in self.chains.iter().enumerate() {
+            if is_copied(number) {
+                self.mirror(number, x);
+            } else {
+                chain.solve(&mut x[starts[number]..starts[number] + chain.size()]);
+            }
         }
         let Couplings { coordinates, matrix, .. } = &self.couplings;
         if coordinates.is_empty() {
@@ -228,18 +278,28 @@ impl CoupledFactors {
         self.capacity.solve(&mut coupled);
         let forces = matrix * coupled;
         for ((place, column), force) in self.couplings.places.iter().zip(&self.columns).zip(forces.iter()) {
-            for (x, value) in x[self.matrix.starts[place.0]..].iter_mut().zip(column) {
-                *x -= value * force;
+            if !is_copied(place.0) {
+                for (x, value) in x[starts[place.0]..].iter_mut().zip(column) {
+                    *x -= value * force;
+                }
             }
         }
+        (0..self.chains.len()).filter(|number| is_copied(*number)).for_each(|number| self.mirror(number, x));
+    }
+
+    /// Copies the complex conjugate of the part of `x` in the chain before to that in a chain.
+    fn mirror(&self, chain: usize, x: &mut [Complex64]) {
+        let (before, own) = x[self.matrix.starts[chain - 1]..].split_at_mut(self.chains[chain].size());
+        own.iter_mut().zip(before).for_each(|(own, value)| *own = value.conj());
     }
 
     /// Residual f − S x and the componentwise backward error max |f − S x|/(|S||x| + |f|), with f = `right`.
-    fn residual(&self, right: &[Complex64], x: &[Complex64]) -> (Vec<Complex64>, f64) {
+    fn residual(&self, mirrors: bool, right: &[Complex64], x: &[Complex64]) -> (Vec<Complex64>, f64) {
         let floor = NEGLIGIBLE * x.iter().map(|value| value.l1_norm()).fold(0.0, f64::max);
-        let mut residual = Vec::with_capacity(x.len());
-        let mut sizes = Vec::with_capacity(x.len());
-        for (chain, start) in self.matrix.chains.iter().zip(&self.matrix.starts) {
+        let (mut residual, mut sizes) = (vec![Complex64::ZERO; x.len()], vec![0.0; x.len()]);
+        let is_copied = |chain: usize| mirrors && self.matrix.mirrored[chain];
+        let chains = self.matrix.chains.iter().zip(&self.matrix.starts).enumerate();
+        for (_, (chain, start)) in chains.filter(|(number, _)| !is_copied(*number)) {
             for row in 0..chain.size() {
                 let (columns, entries) = chain.row(row);
                 let force = right[start + row];
@@ -249,14 +309,19 @@ impl CoupledFactors {
                     rest -= term;
                     size += term.l1_norm();
                 }
-                residual.push(rest);
-                sizes.push(size);
+                (residual[start + row], sizes[start + row]) = (rest, size);
             }
         }
         for ((row, column), value) in &self.matrix.couplings {
             let term = value * x[*column];
             residual[*row] -= term;
             sizes[*row] += term.l1_norm();
+        }
+        let mirrored = (0..self.chains.len()).filter(|number| is_copied(*number));
+        for number in mirrored {
+            self.mirror(number, &mut residual);
+            let start = self.matrix.starts[number];
+            sizes[start..start + self.chains[number].size()].fill(f64::INFINITY);
         }
         let ratios = residual.iter().zip(&sizes).filter(|(_, size)| **size != 0.0);
         let error = ratios.map(|(value, size)| value.l1_norm() / size);
@@ -287,7 +352,7 @@ mod tests {
                 add(i + 1, i, Complex64::from(-1.0));
             }
         }
-        let row = [(1, Complex64::ONE), (3, Complex64::new(0.5, 0.3)), (7, Complex64::new(-0.4, 1.0))];
+        let row = [(1, Complex64::ONE), (2, Complex64::new(0.5, 0.3)), (7, Complex64::new(-0.4, 1.0))];
         for (force, shift) in couplings.into_iter().zip(0..) {
             for (i, left) in row {
                 for (j, right) in row {

@@ -27,8 +27,9 @@ pub(super) struct Couplings {
 }
 
 impl Couplings {
-    /// The couplings `entries`, with dampers of this sign, of chains with the first coordinates `starts`.
-    pub fn new(entries: &BTreeMap<(usize, usize), Complex64>, starts: &[usize], sense: f64) -> Self {
+    /// The couplings `entries` of chains with the first coordinates `starts`, with dampers of the size of the couplings times
+    /// `damper`.
+    pub fn new(entries: &BTreeMap<(usize, usize), Complex64>, starts: &[usize], damper: Complex64) -> Self {
         let mut sizes: BTreeMap<usize, f64> = BTreeMap::new();
         for ((row, column), value) in entries.iter().filter(|(_, value)| **value != Complex64::ZERO) {
             *sizes.entry(*row).or_default() += value.norm();
@@ -36,7 +37,7 @@ impl Couplings {
             sizes.entry(*column).or_default();
         }
         let coordinates: Vec<usize> = sizes.keys().copied().collect();
-        let dampers: Vec<Complex64> = sizes.values().map(|size| Complex64::new(0.0, size * sense)).collect();
+        let dampers: Vec<Complex64> = sizes.values().map(|size| damper * *size).collect();
         let mut matrix = DMatrix::zeros(coordinates.len(), coordinates.len());
         let index = |coordinate: &usize| coordinates.binary_search(coordinate);
         for ((row, column), value) in entries {

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::contour::SECTOR;
-use crate::model::{Model, Weights};
+use crate::model::{Model, Support, Weights};
 
 /// Limits of the damping ratio that are tried, in this order. The second one is the cosine of [`SECTOR`].
 const LIGHT: [f64; 2] = [0.2, 0.5];
@@ -53,14 +53,12 @@ impl Bound {
             bound.damping += mobility * a.hypot(b).hypot(c.hypot(d));
             bound.circulatory += mobility * support.skew_part().as_flattened().iter().fold(0.0_f64, |n, k| n.hypot(*k));
             bound.dissipative &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;
-            let [[e, f], [_, g]] = support.symmetric_part;
-            bound.symmetric &= b == c && e >= 0.0 && g >= 0.0 && e * g >= f * f;
+            bound.symmetric &= b == c;
         }
         for connection in model.connections(speed) {
             let coefficients = connection.linear(speed);
             let [stiffness, rate] = [&coefficients.stiffness, &coefficients.damping];
             bound.symmetric &= *stiffness == stiffness.transpose() && *rate == rate.transpose();
-            bound.symmetric &= stiffness.clone().symmetric_eigenvalues().min() >= 0.0;
             let damping = coefficients.damping;
             let mobility: f64 = connection.rows().iter().map(|row| mobility(row)).sum();
             bound.damping += mobility * damping.norm();
@@ -69,9 +67,14 @@ impl Bound {
         // Polar over diametral inertia is at most two, apart from bodies whose data say otherwise.
         let ratio = |body: &crate::scene::Body| body.polar_inertia / body.diametral_inertia;
         let ratios = model.scene.bodies().map(ratio).filter(|ratio| ratio.is_finite());
-        bound.symmetric &= bound.circulatory == 0.0;
+        bound.symmetric &= bound.circulatory == 0.0 && is_semidefinite(model, speed);
         bound.gyroscopic = ratios.fold(2.0, f64::max) * model.max_speed_ratio() * speed.abs();
         bound
+    }
+
+    /// Whether stiffness and damping are symmetric and positive semidefinite.
+    pub fn is_dissipative(&self) -> bool {
+        self.symmetric && self.dissipative
     }
 
     /// The bound without damping, gyroscopic and circulatory forces.
@@ -108,8 +111,19 @@ impl Bound {
             let highest = self.damping / ratio;
             highest <= lowest || is_definite(model, speed, *ratio, [lowest, highest])
         };
-        LIGHT.into_iter().filter(|_| self.symmetric && self.dissipative).find(is_certain)
+        LIGHT.into_iter().filter(|_| self.is_dissipative()).find(is_certain)
     }
+}
+
+/// Whether the symmetric part of the stiffness of every bearing, link and connection is positive semidefinite.
+pub(super) fn is_semidefinite(model: &Model, speed: f64) -> bool {
+    let is_stable = |local: &Support| {
+        let [[a, b], [_, d]] = local.symmetric_part;
+        a >= 0.0 && d >= 0.0 && a * d >= b * b
+    };
+    let mut connections = model.connections(speed).map(|connection| connection.linear(speed).stiffness);
+    model.local_elements().all(is_stable)
+        && connections.all(|stiffness| (&stiffness + stiffness.transpose()).symmetric_eigenvalues().min() >= 0.0)
 }
 
 /// Whether `ratio`·(rM + K/r) − C is found to be positive definite for all r between two rates (1/s).

@@ -260,7 +260,12 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
     /// T at the real shift `shift`, rad/s.
     pub fn new(problem: &'p Problem<'m>, shift: f64) -> Result<Self, DecompositionError> {
         let weights = Weights::dynamic(Complex64::from(shift), problem.speed);
-        let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor(shift.signum())?;
+        let matrix = problem.model.dynamic_stiffness(&weights, problem.speed);
+        let factors = if problem.bound.is_dissipative() && shift > 0.0 {
+            matrix.factor_with_springs()?
+        } else {
+            matrix.factor(shift.signum())?
+        };
         Ok(Self { problem, factors, shift })
     }
 }

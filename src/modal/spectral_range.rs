@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
+use super::bound::is_semidefinite;
 use super::real::{RealModes, null_motions};
 use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse, eigenvector, largest_eigenvalue};
 use crate::model::{Model, Weights};
@@ -166,7 +167,8 @@ impl<'m> ShiftInverse<'m> {
     pub fn new(model: &'m Model, speed: f64, shift: f64) -> Result<Self, DecompositionError> {
         let weights = Weights { symmetric: true, ..Weights::dynamic(Complex64::from(shift), 0.0) };
         let weights = Weights { damping: Complex64::ZERO, ..weights };
-        let factors = model.dynamic_stiffness(&weights, speed).factor(1.0)?;
+        let matrix = model.dynamic_stiffness(&weights, speed);
+        let factors = if is_semidefinite(model, speed) { matrix.factor_with_springs()? } else { matrix.factor(1.0)? };
         Ok(Self { model, factors, shift, tolerance: 0.0 })
     }
 
