@@ -150,10 +150,10 @@ mod tests {
     use super::*;
     use crate::modal::shift_invert::Problem;
     use crate::modal::{CachedModel, modes};
-    use crate::scene::{Scene, SceneDescription};
+    use crate::scene::{Scene, SceneDescription, SceneError};
 
     /// A shaft with a disk on two bearings with these fields.
-    fn rotor(bearing: &str) -> CachedModel {
+    fn rotor(bearing: &str) -> Result<CachedModel, SceneError> {
         let text = format!(
             r#"
             shafts = [{{ name = "s", length = 1.0, outer_diameter = 0.05, elements = 24 }}]
@@ -164,12 +164,12 @@ mod tests {
             ]
             "#
         );
-        let scene = Scene::new(&SceneDescription::from_toml(&text).unwrap()).unwrap();
-        CachedModel::new(Model::new(scene).unwrap())
+        let scene = Scene::new(&SceneDescription::from_toml(&text)?)?;
+        Ok(CachedModel::new(Model::new(scene)?))
     }
 
     #[test]
-    fn no_eigenvalue_exceeds_the_largest_damping_ratio() {
+    fn no_eigenvalue_exceeds_the_largest_damping_ratio() -> Result<(), Box<dyn std::error::Error>> {
         let mut known = Vec::new();
         for bearing in [
             "stiffness = 1e8, damping = 100.0",
@@ -180,13 +180,13 @@ mod tests {
             "stiffness = [[1e7, 6e6], [-6e6, 1e7]], damping = 300.0",
             "stiffness = [[1e7, 1.1e7], [1.1e7, 1e7]], damping = 300.0",
         ] {
-            let cached = rotor(bearing);
+            let cached = rotor(bearing)?;
             for speed in [0.0, 500.0] {
-                let range = cached.spectral_range(speed).unwrap();
-                let problem = Problem::new(&cached.model, speed, range).unwrap();
+                let range = cached.spectral_range(speed)?;
+                let problem = Problem::new(&cached.model, speed, range)?;
                 let ratio = problem.largest_ratio_above(problem.shift);
                 known.push(ratio);
-                for mode in modes(&cached, speed).unwrap() {
+                for mode in modes(&cached, speed)? {
                     let size = mode.eigenvalue.norm();
                     let is_within = mode.eigenvalue.re.abs() <= ratio.unwrap_or(1.0) * size * (1.0 + 1e-9);
                     assert!(size < problem.shift || is_within, "{bearing}: {} for {ratio:?}", mode.eigenvalue);
@@ -196,5 +196,6 @@ mod tests {
         // The bounds are sharp enough for light dampers, and none holds for strong or circulating ones.
         assert_eq!(known[..2], [Some(LIGHT[0]); 2]);
         assert_eq!(known[6..], [None; 8]);
+        Ok(())
     }
 }
