@@ -147,7 +147,9 @@ class Coordinates(Shown):
         node = self._node(housing)
         turns = (*node, "twist") in self._indices and any(dof[2] == "u" for dof in self.dofs)
         # A housing that does not rotate has the motion of its centre of mass; without it, an error.
-        moved = 0.0 if turns and (*node, "u") not in self._indices else values[..., self.axial(housing)]
+        moved = (
+            0.0 if turns and (*node, "u") not in self._indices else values[..., self.axial(housing)]
+        )
         if turns:
             b, g = (values[..., self._index(housing, kind, "rotation")] for kind in ("B", "G"))
             moved = moved + b * z - g * y
