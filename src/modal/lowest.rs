@@ -131,7 +131,7 @@ impl Search<'_, '_> {
         let per_mode = if self.problem.undamped { 1 } else { 2 };
         // Most models need as many steps; decompositions of the projected matrix are as costly as steps.
         let mut target = 2 * per_mode * self.elastic + 24;
-        let most = 4 * target + 60;
+        let most = 6 * target + 30;
         // Two bending planes have equal modes at rest.
         for _ in 0..if self.problem.undamped { 2 } else { 1 } {
             space.add_start()?;
