@@ -79,12 +79,6 @@ FAULTS = (
         "let zeros = at.ln() * 0.0;",
         ("structured",),
     ),
-    Fault(
-        "modal/lowest.rs",
-        "self.problem.largest_ratio_above(radius).map_or(SECTOR.sin(), sine)",
-        "1.0",
-        ("structured",),
-    ),
     # strong dampers that the bound of the damping ratios leaves out
     Fault(
         "modal/bound.rs",
