@@ -5,7 +5,10 @@
 //! solution take time proportional to the number of rows, and they are backward stable, also for an indefinite matrix. The
 //! entries are real or complex.
 
-use nalgebra::ComplexField;
+use std::ops::Range;
+
+use nalgebra::{Complex, ComplexField};
+use pulp::Arch;
 use thiserror::Error;
 
 /// Error: a matrix has no LU factors.
@@ -18,6 +21,8 @@ pub trait Number: ComplexField<RealField = f64> + Copy {}
 
 impl<T: ComplexField<RealField = f64> + Copy> Number for T {}
 
+/// An imaginary part below this fraction of the real part is round-off.
+const REAL: f64 = 1e-12;
 /// Number of subdiagonals of shafts of degree one in torsion.
 const NARROW: usize = 1;
 /// The same in bending.
@@ -57,34 +62,45 @@ impl<T: Number> Band<T> {
         self.entries[2 * self.reach * row + column + self.reach] += value;
     }
 
-    /// Calls `visit(row, column, value)` for every entry within the band.
+    /// The columns of row `row` within the band, and its entries there.
     #[inline]
-    pub fn for_each(&self, mut visit: impl FnMut(usize, usize, T)) {
-        let reach = self.reach;
-        for (row, entries) in self.entries.chunks_exact(2 * reach + 1).enumerate() {
-            for column in row.saturating_sub(reach)..self.size.min(row + reach + 1) {
-                visit(row, column, entries[column + reach - row]);
-            }
-        }
+    pub fn row(&self, row: usize) -> (Range<usize>, &[T]) {
+        let columns = row.saturating_sub(self.reach)..self.size.min(row + self.reach + 1);
+        // The entry (row, column) has the place (2L + 1)·row + column + L − row.
+        let first = 2 * self.reach * row + self.reach + columns.start;
+        let entries = &self.entries[first..first + columns.len()];
+        (columns, entries)
     }
 
     /// LU factors.
     ///
     /// # Errors
     /// [`Singular`] if a pivot is zero or not finite.
-    pub fn factor(&self) -> Result<BandLu<T>, Singular> {
+    pub fn factor(self) -> Result<BandLu<T>, Singular> {
         // The compiler unrolls the loops over a constant number of entries.
-        match self.reach {
-            NARROW => self.factor_with(NARROW),
-            WIDE => self.factor_with(WIDE),
-            reach => self.factor_with(reach),
-        }
+        Arch::new().dispatch(
+            #[inline(always)]
+            || match self.reach {
+                NARROW => self.factor_with(NARROW, true),
+                WIDE => self.factor_with(WIDE, true),
+                reach => self.factor_with(reach, true),
+            },
+        )
+    }
+
+    /// The same without row exchanges: accurate for a positive definite matrix, whose pivots are positive.
+    ///
+    /// # Errors
+    /// As [`Self::factor`].
+    pub fn factor_without_exchanges(self) -> Result<BandLu<T>, Singular> {
+        let reach = self.reach;
+        self.factor_with(reach, false)
     }
 
     #[inline(always)]
-    fn factor_with(&self, reach: usize) -> Result<BandLu<T>, Singular> {
+    fn factor_with(self, reach: usize, exchanges: bool) -> Result<BandLu<T>, Singular> {
         let (size, width) = (self.size, 2 * reach + 1);
-        let mut upper = self.entries.clone();
+        let mut upper = self.entries;
         // Every row begins with its first column within the matrix.
         for (row, entries) in upper.chunks_exact_mut(width).enumerate().take(reach) {
             entries.rotate_left(reach - row);
@@ -96,7 +112,7 @@ impl<T: Number> Band<T> {
         for k in 0..size {
             let end = size.min(k + reach + 1);
             let mut pivot = k;
-            for row in k + 1..end {
+            for row in k + 1..if exchanges { end } else { k + 1 } {
                 if upper[row * width].norm1() > upper[pivot * width].norm1() {
                     pivot = row;
                 }
@@ -127,6 +143,14 @@ impl<T: Number> Band<T> {
     }
 }
 
+impl Band<Complex<f64>> {
+    /// The same matrix with real numbers, if every entry is real but for round-off.
+    pub fn real(&self) -> Option<Band<f64>> {
+        let entries = self.entries.iter().map(|value| (value.im.abs() <= REAL * value.re.abs()).then_some(value.re));
+        Some(Band { reach: self.reach, size: self.size, entries: entries.collect::<Option<_>>()? })
+    }
+}
+
 /// LU factors of a [`Band`].
 #[derive(Clone, Debug)]
 pub struct BandLu<T> {
@@ -143,19 +167,34 @@ pub struct BandLu<T> {
 }
 
 impl<T: Number> BandLu<T> {
+    /// Number of rows.
+    pub fn size(&self) -> usize {
+        self.pivots.len()
+    }
+
     /// Replaces the right-hand side `x` by the solution.
     pub fn solve(&self, x: &mut [T]) {
-        match self.reach {
-            NARROW => self.solve_with(NARROW, x),
-            WIDE => self.solve_with(WIDE, x),
-            reach => self.solve_with(reach, x),
-        }
+        self.solve_part(x, 0, 0);
+    }
+
+    /// The same for a right-hand side that is zero before the entry `from`; the entries of the solution before `to` are not
+    /// computed.
+    pub fn solve_part(&self, x: &mut [T], from: usize, to: usize) {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || match self.reach {
+                NARROW => self.solve_with(NARROW, x, from, to),
+                WIDE => self.solve_with(WIDE, x, from, to),
+                reach => self.solve_with(reach, x, from, to),
+            },
+        );
     }
 
     #[inline(always)]
-    fn solve_with(&self, reach: usize, x: &mut [T]) {
+    fn solve_with(&self, reach: usize, x: &mut [T], from: usize, to: usize) {
         let width = 2 * reach + 1;
-        for (k, lower) in self.lower.chunks_exact(reach).enumerate() {
+        // Row exchanges move an entry up by the reach at most.
+        for (k, lower) in self.lower.chunks_exact(reach).enumerate().skip(from.saturating_sub(reach)) {
             x.swap(k, k + self.pivots[k]);
             let (done, rest) = x.split_at_mut(k + 1);
             let value = done[k];
@@ -163,7 +202,7 @@ impl<T: Number> BandLu<T> {
                 *entry -= *factor * value;
             }
         }
-        for (k, upper) in self.upper.chunks_exact(width).enumerate().rev() {
+        for (k, upper) in self.upper.chunks_exact(width).enumerate().skip(to).rev() {
             let (head, tail) = x.split_at_mut(k + 1);
             let mut sum = head[k];
             for (entry, factor) in tail.iter().zip(&upper[1..]) {
@@ -183,7 +222,7 @@ impl<T: Number> BandLu<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Complex, DMatrix};
+    use nalgebra::DMatrix;
 
     /// Entry of a test matrix without symmetry; `turn` makes it complex.
     fn entry(i: usize, j: usize) -> f64 {
@@ -200,13 +239,20 @@ mod tests {
                 dense[(i, j)] = value;
             }
         }
-        let factors = band.factor()?;
+        let factors = band.clone().factor()?;
         let right: Vec<T> = (0..size).map(|i| T::from_real(i as f64 - 2.0)).collect();
         let mut x = right.clone();
         factors.solve(&mut x);
         for i in 0..size {
             let product = (0..size).map(|j| dense[(i, j)] * x[j]).fold(T::zero(), |sum, term| sum + term);
             assert!((product - right[i]).modulus() < 1e-12 * size as f64);
+        }
+        for from in 0..size {
+            let mut complete: Vec<T> = (0..size).map(|i| if i < from { T::zero() } else { right[i] }).collect();
+            let mut part = complete.clone();
+            factors.solve(&mut complete);
+            factors.solve_part(&mut part, from, from / 2);
+            assert_eq!(part[from / 2..], complete[from / 2..]);
         }
         let determinant = factors.pivots().fold(T::one(), |product, pivot| product * pivot);
         let expected = dense.determinant();
@@ -231,10 +277,10 @@ mod tests {
         band.add(0, 1, 2.0);
         band.add(1, 0, 3.0);
         let mut x = [4.0, 9.0];
-        band.factor()?.solve(&mut x);
+        band.clone().factor()?.solve(&mut x);
         assert_eq!(x, [3.0, 2.0]);
         band.add(1, 0, -3.0);
-        assert!(band.factor().is_err());
+        assert!(band.clone().factor().is_err());
         band.add(1, 0, f64::NAN);
         assert!(band.factor().is_err());
         Ok(())

@@ -9,6 +9,7 @@
 use nalgebra::{Complex, ComplexField as _, DMatrix, DVector};
 
 use super::band::Number;
+use super::columns::{add_combination, products};
 use super::dense::{DecompositionError, Eigen, eigen};
 
 /// A vector that loses more than this factor in orthogonalization lies in the space.
@@ -100,19 +101,17 @@ impl<'a, T: Operator> Krylov<'a, T> {
         };
         let weighted = self.operator.weigh(&vector);
         let before = norm(&vector, &weighted);
-        let basis = nalgebra::DMatrixView::from_slice(&self.basis, size, count);
-        let mut components = DVector::<T::Scalar>::zeros(count);
-        let mut weighted = DVector::from_vec(weighted);
+        let mut components = vec![T::Scalar::from_real(0.0); count];
+        let mut weighted = weighted;
         // Orthogonalization is done twice, because the first time leaves round-off of the removed components.
         for _ in 0..2 {
-            let part = basis.ad_mul(&weighted);
-            let mut view = nalgebra::DVectorViewMut::from_slice(&mut vector, size);
-            view.gemv(T::Scalar::from_real(-1.0), &basis, &part, T::Scalar::from_real(1.0));
-            components += part;
-            weighted = DVector::from_vec(self.operator.weigh(&vector));
+            let part = products(&self.basis, &weighted);
+            let removed: Vec<T::Scalar> = part.iter().map(|value| -*value).collect();
+            add_combination(&self.basis, size, &removed, &mut vector);
+            components.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+            weighted = self.operator.weigh(&vector);
         }
-        let mut components: Vec<T::Scalar> = components.iter().copied().collect();
-        let after = norm(&vector, weighted.as_slice());
+        let after = norm(&vector, &weighted);
         if after > DEPENDENT * before && after.is_finite() {
             self.basis.extend(vector.iter().map(|value| value.unscale(after)));
             components.push(T::Scalar::from_real(after));
@@ -197,13 +196,22 @@ impl<'a, T: Operator> Krylov<'a, T> {
 
     /// The vector of an approximation.
     pub fn vector(&self, pair: &RitzPair) -> DVector<Complex<f64>> {
+        self.first_entries(pair, self.operator.size())
+    }
+
+    /// The first `count` entries of the vector of an approximation.
+    pub fn first_entries(&self, pair: &RitzPair, count: usize) -> DVector<Complex<f64>> {
         let size = self.operator.size();
-        let basis = nalgebra::DMatrixView::from_slice(&self.basis[self.locked * size..], size, self.images.len());
-        let mut vector = DVector::zeros(size);
-        for (column, component) in basis.column_iter().zip(&pair.components) {
-            vector.iter_mut().zip(&column).for_each(|(sum, value)| *sum += complex(*value) * component);
-        }
-        vector
+        let sum = |part: fn(&Complex<f64>) -> f64| {
+            let weights: Vec<T::Scalar> =
+                pair.components.iter().map(|value| T::Scalar::from_real(part(value))).collect();
+            let mut sum = vec![T::Scalar::from_real(0.0); count];
+            add_combination(&self.basis[self.locked * size..], size, &weights, &mut sum);
+            sum
+        };
+        let parts = sum(|value| value.re).into_iter().zip(sum(|value| value.im));
+        let entries = parts.map(|(real, imaginary)| complex(real) + Complex::<f64>::i() * complex(imaginary));
+        DVector::from_iterator(count, entries)
     }
 }
 

@@ -27,7 +27,7 @@ const SMALL_ERROR: f64 = 0.05;
 /// by half a turn: a larger error could differ from its value between −π and π by whole turns.
 const MAX_UNCERTAINTY: f64 = 1.0;
 /// Ratio of the lengths of successive steps.
-const GROWTH: f64 = 4.0;
+const GROWTH: f64 = 8.0;
 /// First step in ln λ: the complex logarithm of a polynomial of degree 10⁵ changes by less than half a turn.
 const FIRST_STEP: f64 = 1e-5;
 /// Largest step in ln λ.
@@ -150,6 +150,11 @@ pub(super) fn missing(
     let value = |z: Complex64| determinant(z.exp()).map(|found| deflated(found, known, z.exp()));
     let first = *contour.0.first()?;
     let begin = value(first)?;
+    // S is real for real λ, so that the values are mirrored at the real axis.
+    let mirrored = |(z, value): (Complex64, Complex64)| {
+        let (z, value) = (z - first, value - begin);
+        (first + Complex64::new(z.re, -z.im), begin + Complex64::new(value.re, -value.im))
+    };
     let mut points = vec![(first, begin)];
     let (mut end, mut step, mut count) = (begin, FIRST_STEP, 0);
     for side in contour.0.windows(2) {
@@ -180,6 +185,9 @@ pub(super) fn missing(
                 continue;
             }
             end = predicted + error;
+            if points.len() == 1 {
+                points.insert(0, mirrored((z, end)));
+            }
             points.push((z, end));
             if points.len() > POINTS {
                 points.remove(0);

@@ -144,7 +144,7 @@ impl<'m> CriticalInverse<'m> {
         let contour = Contour(vec![at(limit, 0.0), at(limit, quarter), at(lowest, quarter), at(lowest, 0.0)]);
         let determinant = |sigma: Complex64| {
             let matrix = self.model.dynamic_stiffness(&weights(sigma, self.order), FORWARD);
-            matrix.factor(-1.0).ok().map(|factors| factors.determinant())
+            matrix.determinant(-1.0).ok()
         };
         contour::missing(determinant, &Known { zeros: 0, values }, &contour)
     }

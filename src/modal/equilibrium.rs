@@ -105,7 +105,7 @@ pub fn equilibrium(
             Some(known) => known,
             None => tangent_factors(model, linear.clone(), &tangent, [&residual, &with_torques])?,
         };
-        let step = model.solve_real(&known, residual.as_slice()).map_err(DecompositionError::from)?;
+        let step = model.solve_real(&known, 0.0, residual.as_slice()).map_err(DecompositionError::from)?;
         let mut step = DVector::from_vec(step);
         pins.remove_null_motions(&mut step);
         let energy = step.dot(&residual).abs();

@@ -6,8 +6,9 @@
 //! cross-coupled stiffness.
 //!
 //! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] counts the eigenvalues with |λ| below a
-//! radius R and those with a damping ratio above one half. As long as one is missing, the spaces are extended. Every other
-//! eigenvalue has |Im λ| > R sin 60°, so that all eigenvalues of lower frequency are known.
+//! radius R and those with a damping ratio above one half, unless [`super::bound`] excludes these. As long as one is
+//! missing, the spaces are extended. Every other eigenvalue has |Im λ| > R sin 60°, so that all eigenvalues of lower
+//! frequency are known.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
@@ -25,6 +26,8 @@ const ACCURATE: f64 = 1e-12;
 const RECOGNISED: f64 = 1e-7;
 /// Smallest relative distance of two magnitudes between which the radius of the count lies.
 const GAP: f64 = 1e-4;
+/// Largest ratio of two magnitudes between which the radius of the count lies, if the larger one is an estimate.
+const FURTHEST: f64 = 1.5;
 /// Relative distance of approximations of one eigenvalue from two spaces.
 const SAME: f64 = 1e-6;
 /// An imaginary part below this fraction of an eigenvalue is round-off.
@@ -127,8 +130,8 @@ impl Search<'_, '_> {
         let mut space = Krylov::new(&base, self.locked.iter().cloned());
         let per_mode = if self.problem.undamped { 1 } else { 2 };
         // Most models need as many steps; decompositions of the projected matrix are as costly as steps.
-        let mut target = 3 * per_mode * self.elastic + 28;
-        let most = 4 * target + 60;
+        let mut target = 2 * per_mode * self.elastic + 24;
+        let most = 6 * target + 30;
         // Two bending planes have equal modes at rest.
         for _ in 0..if self.problem.undamped { 2 } else { 1 } {
             space.add_start()?;
@@ -139,9 +142,10 @@ impl Search<'_, '_> {
             while space.steps() < target && !space.is_complete() {
                 space.step()?;
             }
-            let found = merged(self.recognised(&space)?, &further);
+            let (recognised, next) = self.recognised(&space)?;
+            let found = merged(recognised, &further);
             let steps = space.steps();
-            let Some(radius) = self.radius(&found) else {
+            let Some(radius) = self.radius(&found, next) else {
                 if space.is_complete() || steps >= most {
                     return Ok(None);
                 }
@@ -214,14 +218,14 @@ impl Search<'_, '_> {
             for _ in 0..CHECK_INTERVAL {
                 space.step()?;
             }
-            let mut found = self.recognised(&space)?;
+            let (mut found, _) = self.recognised(&space)?;
             found.retain(|found| annulus.contains(found.value));
             let is_end = space.steps() >= FURTHER_STEPS + dampers.len() || space.is_complete();
             let is_complete = total.is_some_and(|total| weight(found.iter()) >= total);
             if is_end || is_complete && found.iter().all(Found::is_accurate) {
                 for found in &mut found {
                     if let Vector::Base(pair) = &found.vector {
-                        found.vector = Vector::Shape(operator.shape(space.vector(pair)));
+                        found.vector = Vector::Shape(shape_of(&space, pair));
                     }
                 }
                 return Ok(found);
@@ -229,8 +233,9 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Approximations of eigenvalues λ with Im λ ≥ 0 apart from rigid-body modes, in ascending order of |λ|.
-    fn recognised<T: Inverse>(&self, space: &Krylov<'_, T>) -> Result<Vec<Found>, DecompositionError> {
+    /// Approximations of eigenvalues λ with Im λ ≥ 0 apart from rigid-body modes, in ascending order of |λ|, and the
+    /// magnitude of the next approximation, rad/s, which is less accurate.
+    fn recognised<T: Inverse>(&self, space: &Krylov<'_, T>) -> Result<(Vec<Found>, f64), DecompositionError> {
         let is_elastic = |value: &Complex64| self.problem.null.ncols() == 0 || value.norm() > ZERO * self.problem.shift;
         let found = |pair: RitzPair| Found {
             value: without_round_off(space.operator().eigenvalue(pair.value)),
@@ -238,20 +243,26 @@ impl Search<'_, '_> {
             vector: Vector::Base(pair),
         };
         let mut all: Vec<Found> = space.ritz_pairs()?.into_iter().map(found).collect();
-        all.retain(|found| found.residual <= RECOGNISED && found.value.im >= 0.0 && is_elastic(&found.value));
+        all.retain(|found| found.value.im >= 0.0 && is_elastic(&found.value));
         all.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
-        Ok(all)
+        let last = all.iter().rposition(|found| found.residual <= RECOGNISED).map_or(0, |last| last + 1);
+        let next = all.get(last).map_or(f64::INFINITY, |next| next.value.norm());
+        all.truncate(last);
+        all.retain(|found| found.residual <= RECOGNISED);
+        Ok((all, next))
     }
 
     /// Radius in a gap of the magnitudes, rad/s, so that the found modes of lower frequency are enough and all below it are
-    /// accurate.
-    fn radius(&self, found: &[Found]) -> Option<f64> {
-        for (index, pair) in found.windows(2).enumerate() {
-            if !pair[0].is_accurate() {
+    /// accurate; `next` is an estimate of the magnitude that follows the found ones, rad/s.
+    fn radius(&self, found: &[Found], next: f64) -> Option<f64> {
+        for (index, pair) in found.iter().enumerate() {
+            if !pair.is_accurate() {
                 return None;
             }
-            let radius = f64::midpoint(pair[0].value.norm(), pair[1].value.norm());
-            let is_gap = pair[1].value.norm() > (1.0 + GAP) * pair[0].value.norm();
+            let size = pair.value.norm();
+            let following = found.get(index + 1).map_or(next.min(FURTHEST * size), |following| following.value.norm());
+            let radius = f64::midpoint(size, following);
+            let is_gap = following > (1.0 + GAP) * size;
             if is_gap && index + 1 >= self.elastic && self.below(found, radius).count() >= self.elastic {
                 return Some(radius);
             }
@@ -261,7 +272,8 @@ impl Search<'_, '_> {
 
     /// Found modes of lower frequency than every mode outside of the count with a radius, rad/s.
     fn below<'f>(&self, found: &'f [Found], radius: f64) -> impl Iterator<Item = &'f Found> {
-        let top = if self.problem.undamped { radius } else { radius * SECTOR.sin() };
+        let sine = |ratio: f64| (1.0 - ratio * ratio).sqrt();
+        let top = radius * self.problem.largest_ratio_above(radius).map_or(SECTOR.sin(), sine);
         found.iter().filter(move |found| found.value.im < top)
     }
 
@@ -277,7 +289,7 @@ impl Search<'_, '_> {
     fn eigenpairs<T: Inverse>(&self, space: &Krylov<'_, T>, found: &[Found], chosen: &[&Found]) -> Vec<Eigenpair> {
         let problem = self.problem;
         let shape = |found: &Found| match &found.vector {
-            Vector::Base(pair) => space.operator().shape(space.vector(pair)),
+            Vector::Base(pair) => shape_of(space, pair),
             Vector::Shape(shape) => shape.clone(),
         };
         let pairs: Vec<Eigenpair> = if problem.undamped {
@@ -307,6 +319,11 @@ impl Search<'_, '_> {
         all.truncate(self.count);
         all
     }
+}
+
+/// The mode shape of an approximation.
+fn shape_of<T: Inverse>(space: &Krylov<'_, T>, pair: &RitzPair) -> DVector<Complex64> {
+    space.first_entries(pair, space.operator().shape_size())
 }
 
 /// A real eigenvalue for one whose imaginary part is round-off: it splits two equal real eigenvalues into a conjugate pair,

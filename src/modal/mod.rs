@@ -7,10 +7,11 @@
 //! of frequency and speed (`quadratic`).
 //!
 //! A few modes of a large model come from Krylov spaces (`lowest`), those with strong or modal damping from a Galerkin
-//! projection (`lowest_damped`, `galerkin`, `square_root`), with a count of the eigenvalues (`contour`) and the lowest and
-//! highest undamped frequency (`spectral_range`). `rotating_response` is the response to bow and unbalance with modal damping.
+//! projection (`lowest_damped`, `galerkin`, `square_root`), with a count of the eigenvalues (`contour`), bounds of them
+//! (`bound`), and the lowest and highest undamped frequency (`spectral_range`). `rotating_response` is the response to bow and unbalance with modal damping.
 
 mod balanced;
+mod bound;
 mod cached;
 mod clearance;
 mod components;

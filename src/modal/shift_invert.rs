@@ -12,7 +12,8 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::SpectralRange;
-use super::contour::{self, Annulus, Contour, Known, SECTOR};
+use super::bound::Bound;
+use super::contour::{self, Annulus, Contour, Known};
 use super::real::null_motions;
 use super::spectral_range::{ShiftInverse, mass_times};
 use crate::connection::Row;
@@ -45,6 +46,8 @@ pub(super) struct Problem<'m> {
     pub null: DMatrix<f64>,
     /// Numbers of the rigid-body modes whose velocity D does not act on.
     pub free: Vec<usize>,
+    /// Damping ratio that no eigenvalue with |λ| ≥ s exceeds; `None` if none is known.
+    largest_ratio: Option<f64>,
     /// Bound of the eigenvalues.
     bound: Bound,
 }
@@ -66,12 +69,15 @@ impl<'m> Problem<'m> {
             let size = motion.iter().zip(&inertia).map(|(x, m)| x.abs() * m.sqrt()).fold(0.0, f64::max);
             force.iter().zip(&inertia).any(|(force, m)| force.abs() / m.sqrt() > UNCOUPLED * largest * size)
         };
+        let shift = range.slowest.unwrap_or(range.fastest.max(1.0));
+        let bound = Bound::new(model, speed, range.fastest);
         Ok(Self {
-            shift: range.slowest.unwrap_or(range.fastest.max(1.0)),
+            largest_ratio: bound.largest_ratio(model, speed, shift),
+            bound,
+            shift,
             undamped: rate.is_zero() && !circulates,
             circulates,
             free: (0..null.ncols()).filter(|column| !acts(*column)).collect(),
-            bound: Bound::new(model, speed, range.fastest),
             stiffness: model.sparse_symmetric_stiffness(speed),
             model,
             speed,
@@ -104,7 +110,8 @@ impl<'m> Problem<'m> {
             undamped: true,
             null: self.null.clone(),
             free: (0..self.null.ncols()).collect(),
-            bound: Bound { damping: 0.0, gyroscopic: 0.0, circulatory: 0.0, dissipative: true, ..self.bound },
+            largest_ratio: Some(0.0),
+            bound: self.bound.without_damping(),
         }
     }
 
@@ -154,7 +161,7 @@ impl<'m> Problem<'m> {
         let determinant = |at: Complex64| {
             let sense = if at.re < 0.0 { -1.0 } else { 1.0 };
             let matrix = self.model.dynamic_stiffness(&self.weights(at), self.speed);
-            matrix.factor(sense).ok().map(|factors| factors.determinant())
+            matrix.determinant(sense).ok()
         };
         contour::missing(determinant, &known, contour)
     }
@@ -162,12 +169,25 @@ impl<'m> Problem<'m> {
     /// The contour of the eigenvalues with |λ| < `radius` and, if something damps, of those with a damping ratio above one
     /// half.
     pub fn contour(&self, radius: f64) -> Contour {
-        if self.bound.damping == 0.0 && self.bound.circulatory == 0.0 {
+        if self.is_undamped() || self.largest_ratio_above(radius).is_some() {
             return Contour::of_disk(radius);
         }
         let right = self.bound.largest_growing();
         let right = (right > radius).then(|| right.max(2.0 * radius));
         Contour::of_disk_and_sectors(radius, self.bound.largest().max(2.0 * radius), right)
+    }
+
+    /// Damping ratio that no eigenvalue with |λ| ≥ `rate` (1/s) exceeds; `None` if it may be above one half.
+    pub fn largest_ratio_above(&self, rate: f64) -> Option<f64> {
+        if self.is_undamped() && self.bound.symmetric {
+            return Some(0.0);
+        }
+        self.largest_ratio.filter(|_| rate >= self.shift)
+    }
+
+    /// Whether nothing damps or drives a motion.
+    fn is_undamped(&self) -> bool {
+        self.bound.damping == 0.0 && self.bound.circulatory == 0.0
     }
 
     /// Annular sectors of the eigenvalues with |λ| > `radius` and a damping ratio above one half.
@@ -240,7 +260,12 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
     /// T at the real shift `shift`, rad/s.
     pub fn new(problem: &'p Problem<'m>, shift: f64) -> Result<Self, DecompositionError> {
         let weights = Weights::dynamic(Complex64::from(shift), problem.speed);
-        let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor(shift.signum())?;
+        let matrix = problem.model.dynamic_stiffness(&weights, problem.speed);
+        let factors = if problem.bound.is_dissipative() && shift > 0.0 {
+            matrix.factor_with_springs()?
+        } else {
+            matrix.factor(shift.signum())?
+        };
         Ok(Self { problem, factors, shift })
     }
 }
@@ -259,7 +284,7 @@ impl Operator for FirstOrderInverse<'_, '_> {
         let momentum: Vec<f64> = x.iter().zip(z).map(|(x, z)| -(z + shift * x)).collect();
         let mut force = mass_times(model, &momentum);
         rate.multiply_add(-1.0, x, &mut force);
-        let mut image = model.solve_real(&self.factors, &force)?;
+        let mut image = model.solve_real(&self.factors, 0.0, &force)?;
         for index in 0..model.len() {
             image.push(x[index] + shift * image[index]);
         }
@@ -283,8 +308,8 @@ pub(super) trait Inverse: Operator<Scalar = f64> {
     /// λ, rad/s.
     fn eigenvalue(&self, value: Complex64) -> Complex64;
 
-    /// The shape x of a vector of the operator.
-    fn shape(&self, vector: DVector<Complex64>) -> DVector<Complex64>;
+    /// Number of entries of the shape x, the first ones of a vector of the operator.
+    fn shape_size(&self) -> usize;
 }
 
 impl Inverse for ShiftInverse<'_> {
@@ -292,8 +317,8 @@ impl Inverse for ShiftInverse<'_> {
         Complex64::new(0.0, (1.0 / value.re - self.shift * self.shift).max(0.0).sqrt())
     }
 
-    fn shape(&self, vector: DVector<Complex64>) -> DVector<Complex64> {
-        vector
+    fn shape_size(&self) -> usize {
+        self.size()
     }
 }
 
@@ -302,73 +327,7 @@ impl Inverse for FirstOrderInverse<'_, '_> {
         self.shift + 1.0 / value
     }
 
-    fn shape(&self, vector: DVector<Complex64>) -> DVector<Complex64> {
-        vector.rows(0, vector.len() / 2).into_owned()
-    }
-}
-
-/// Bound of all eigenvalues: |λ| ≤ c + Ωg + √(k + κ) follows from xᴴS(λ)x = 0, where c, g, k and κ bound the damping, the
-/// gyroscopic matrix, the symmetric and the skew part of the stiffness relative to the mass.
-struct Bound {
-    /// c, 1/s.
-    damping: f64,
-    /// Ωg, 1/s.
-    gyroscopic: f64,
-    /// κ, 1/s².
-    circulatory: f64,
-    /// √k, rad/s.
-    fastest: f64,
-    /// Whether the damping is positive semidefinite.
-    dissipative: bool,
-}
-
-impl Bound {
-    fn new(model: &Model, speed: f64, fastest: f64) -> Self {
-        let [alpha, beta] = model.scene.rayleigh;
-        let mut bound = Self {
-            damping: alpha.abs() + beta.abs() * fastest * fastest,
-            gyroscopic: 0.0,
-            circulatory: 0.0,
-            fastest,
-            dissipative: alpha >= 0.0 && beta >= 0.0,
-        };
-        // The trace of M⁻¹C bounds the largest eigenvalue.
-        let mobility = |row: &[(usize, f64)]| {
-            let mut column = vec![0.0; model.len()];
-            row.iter().for_each(|(index, coefficient)| column[*index] += coefficient);
-            model.solve_mass(&mut column);
-            row.iter().map(|(index, coefficient)| coefficient * column[*index]).sum::<f64>()
-        };
-        let supports = model.supports.iter().map(|support| (2.0 * mobility(&[(support.index, 1.0)]), support));
-        let links = model.links.iter();
-        let links = links.map(|link| (link.rows.iter().map(|row| mobility(row)).sum::<f64>(), &link.local));
-        for (mobility, support) in supports.chain(links) {
-            let [[a, b], [c, d]] = support.damping;
-            bound.damping += mobility * a.hypot(b).hypot(c.hypot(d));
-            bound.circulatory += mobility * support.skew_part().as_flattened().iter().fold(0.0_f64, |n, k| n.hypot(*k));
-            bound.dissipative &= a >= 0.0 && d >= 0.0 && a * d >= (b + c) * (b + c) / 4.0;
-        }
-        for connection in model.connections(speed) {
-            let damping = connection.linear(speed).damping;
-            let mobility: f64 = connection.rows().iter().map(|row| mobility(row)).sum();
-            bound.damping += mobility * damping.norm();
-            bound.dissipative &= damping.amax() == 0.0 || damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
-        }
-        // Polar over diametral inertia is at most two, apart from bodies whose data say otherwise.
-        let ratio = |body: &crate::scene::Body| body.polar_inertia / body.diametral_inertia;
-        let ratios = model.scene.bodies().map(ratio).filter(|ratio| ratio.is_finite());
-        bound.gyroscopic = ratios.fold(2.0, f64::max) * model.max_speed_ratio() * speed.abs();
-        bound
-    }
-
-    /// Bound of |λ| for eigenvalues with Re λ > |λ| cos [`contour::SECTOR`], rad/s. The real part of xᴴS(λ)x/λ contains
-    /// |λ| xᴴMx cos φ, and of the forces only those of circulatory springs, κ xᴴMx sin φ/|λ| at most, can be negative.
-    fn largest_growing(&self) -> f64 {
-        if self.dissipative { (self.circulatory * SECTOR.tan()).sqrt() } else { self.largest() }
-    }
-
-    /// Bound of |λ|, rad/s.
-    fn largest(&self) -> f64 {
-        2.0 * (self.damping + self.gyroscopic + (self.fastest * self.fastest + self.circulatory).sqrt())
+    fn shape_size(&self) -> usize {
+        self.size() / 2
     }
 }

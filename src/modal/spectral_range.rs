@@ -3,18 +3,23 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
+use super::bound::is_semidefinite;
 use super::real::{RealModes, null_motions};
-use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse};
+use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse, eigenvector, largest_eigenvalue};
 use crate::model::{Model, Weights};
 
 /// Relative change of a frequency at which an iteration ends.
 const CONVERGED: f64 = 1e-7;
-/// Steps between two comparisons.
+/// Steps between two comparisons for the highest frequency, close to which there are many.
 const STEPS: usize = 10;
+/// The same for the lowest one.
+const FEW_STEPS: usize = 4;
+/// Backward error of the solutions that give the lowest frequency.
+const ROUND_OFF: f64 = 1e-11;
 /// Largest number of steps.
 const MAX_STEPS: usize = 300;
-/// Shift of the first iteration for the lowest frequency, relative to the highest one: round-off of the stiffness is
-/// 1e-8 of it.
+/// Shift of the iteration for the lowest frequency, relative to the highest one: round-off of the stiffness is 1e-8 of
+/// it.
 const SHIFT: f64 = 1e-5;
 
 /// Lowest and highest undamped frequency at rest, of the symmetric part of the stiffness.
@@ -44,51 +49,50 @@ impl SpectralRange {
     /// [`DecompositionError`] if an iteration fails.
     pub(super) fn new(model: &Model, speed: f64) -> Result<Self, DecompositionError> {
         let stiffness = model.sparse_symmetric_stiffness(speed);
-        let (fastest, shape) = largest(&MassInverse { model, stiffness: &stiffness }, &DMatrix::zeros(model.len(), 0))?;
+        let none = DMatrix::zeros(model.len(), 0);
+        let (fastest, shape) = largest(&MassInverse { model, stiffness: &stiffness }, &none, STEPS)?;
         let fastest = fastest.sqrt();
         let null = null_motions(model, speed)?;
         let mut slowest = None;
         if null.ncols() < model.len() && fastest > 0.0 {
-            let mut shift = SHIFT * fastest;
-            // The second shift is close to the lowest frequency.
-            for _ in 0..2 {
-                let inverse = ShiftInverse::new(model, speed, shift)?;
-                let (value, _) = largest(&inverse, &null)?;
-                let frequency = (1.0 / value - shift * shift).max(0.0).sqrt();
-                slowest = Some(frequency);
-                shift = frequency.max(shift);
-            }
+            let shift = SHIFT * fastest;
+            let inverse = ShiftInverse { tolerance: ROUND_OFF, ..ShiftInverse::new(model, speed, shift)? };
+            let (value, _) = largest(&inverse, &null, FEW_STEPS)?;
+            slowest = Some((1.0 / value - shift * shift).max(0.0).sqrt());
         }
         Ok(Self { slowest, fastest, fastest_shape: shape })
     }
 }
 
 /// Largest eigenvalue and its vector, apart from those of the columns of `locked`, by the Lanczos method without
-/// reorthogonalization: copies of a converged eigenvalue do no harm (Golub and Van Loan, section 10.3).
+/// reorthogonalization, with comparisons every `interval` steps: copies of a converged eigenvalue do no harm (Golub and Van Loan, section 10.3).
 fn largest(
     operator: &impl Operator<Scalar = f64>,
     locked: &DMatrix<f64>,
+    interval: usize,
 ) -> Result<(f64, DVector<f64>), DecompositionError> {
     let size = operator.size();
-    let weighted: Vec<DVector<f64>> = locked
+    let locked_momenta: Vec<DVector<f64>> = locked
         .column_iter()
         .map(|column| DVector::from_vec(operator.weigh(&column.iter().copied().collect::<Vec<_>>())))
         .collect();
     let without_locked = |x: &mut DVector<f64>| {
-        for (column, weighted) in locked.column_iter().zip(&weighted) {
+        for (column, weighted) in locked.column_iter().zip(&locked_momenta) {
             let part = weighted.dot(x);
             x.axpy(-part, &column, 1.0);
         }
     };
-    let norm = |x: &DVector<f64>| DVector::from_vec(operator.weigh(x.as_slice())).dot(x).max(0.0).sqrt();
+    let weigh = |x: &DVector<f64>| DVector::from_vec(operator.weigh(x.as_slice()));
     // A fixed start vector with components in all directions.
     let mut vector = DVector::from_fn(size, |i, _| ((i * i) as f64).sin());
     vector = DVector::from_vec(operator.apply(vector.as_slice())?);
     without_locked(&mut vector);
-    let length = norm(&vector);
+    let mut weighted = weigh(&vector);
+    let length = weighted.dot(&vector).max(0.0).sqrt();
     if length == 0.0 {
         return Ok((0.0, DVector::zeros(size)));
     }
+    weighted /= length;
     let mut basis = vec![vector / length];
     let (mut diagonal, mut beside): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
     let mut previous = 0.0;
@@ -99,29 +103,25 @@ fn largest(
         if last > 0 {
             next.axpy(-beside[last - 1], &basis[last - 1], 1.0);
         }
-        let along = DVector::from_vec(operator.weigh(next.as_slice())).dot(&basis[last]);
+        let along = weighted.dot(&next);
         next.axpy(-along, &basis[last], 1.0);
         diagonal.push(along);
-        let length = norm(&next);
+        weighted = weigh(&next);
+        let length = weighted.dot(&next).max(0.0).sqrt();
         let steps = diagonal.len();
         let is_end = steps >= MAX_STEPS.min(size) || length <= f64::EPSILON * along.abs();
-        if is_end || steps.is_multiple_of(STEPS) {
-            let tridiagonal = DMatrix::from_fn(steps, steps, |i, j| match i.abs_diff(j) {
-                0 => diagonal[i],
-                1 => beside[i.min(j)],
-                _ => 0.0,
-            });
-            let eigen = tridiagonal.symmetric_eigen();
-            let (index, value) = eigen.eigenvalues.argmax();
+        if is_end || steps.is_multiple_of(interval) {
+            let value = largest_eigenvalue(&diagonal, &beside);
             if is_end || (value - previous).abs() <= CONVERGED * value {
                 let mut shape = DVector::zeros(size);
-                let components = eigen.eigenvectors.column(index).into_owned();
-                basis.iter().zip(components.iter()).for_each(|(vector, part)| shape.axpy(*part, vector, 1.0));
+                let components = eigenvector(&diagonal, &beside, value);
+                basis.iter().zip(components).for_each(|(vector, part)| shape.axpy(part, vector, 1.0));
                 return Ok((value, shape));
             }
             previous = value;
         }
         beside.push(length);
+        weighted /= length;
         basis.push(next / length);
     }
 }
@@ -159,14 +159,17 @@ pub(super) struct ShiftInverse<'m> {
     pub factors: CoupledFactors,
     /// s, rad/s.
     pub shift: f64,
+    /// Componentwise backward error of the solutions; zero for the smallest one.
+    tolerance: f64,
 }
 
 impl<'m> ShiftInverse<'m> {
     pub fn new(model: &'m Model, speed: f64, shift: f64) -> Result<Self, DecompositionError> {
         let weights = Weights { symmetric: true, ..Weights::dynamic(Complex64::from(shift), 0.0) };
         let weights = Weights { damping: Complex64::ZERO, ..weights };
-        let factors = model.dynamic_stiffness(&weights, speed).factor(1.0)?;
-        Ok(Self { model, factors, shift })
+        let matrix = model.dynamic_stiffness(&weights, speed);
+        let factors = if is_semidefinite(model, speed) { matrix.factor_with_springs()? } else { matrix.factor(1.0)? };
+        Ok(Self { model, factors, shift, tolerance: 0.0 })
     }
 
     /// (K + s²M)⁻¹ F, n × m.
@@ -188,7 +191,7 @@ impl<'m> ShiftInverse<'m> {
 
     /// (K + s²M)⁻¹ f, n entries.
     pub fn solve(&self, force: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        Ok(self.model.solve_real(&self.factors, force)?)
+        Ok(self.model.solve_real(&self.factors, self.tolerance, force)?)
     }
 }
 

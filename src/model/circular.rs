@@ -46,18 +46,17 @@ impl Model {
     /// Circular coordinates of a coordinate, with the force on each for a unit force on the coordinate, and the part of
     /// each in the displacement of the coordinate. A force along v or w is f_p = 1 or i and f_m = 1 or −i; v = (p + m)/2
     /// and w = (p − m)/2i.
-    fn circular(&self, index: usize) -> impl Iterator<Item = (usize, Complex64, Complex64)> {
-        let part = self.parts().find(|part| part.contains(index));
-        let entries = part.map(|Part { start, order, lateral }| {
-            let offset = index - start;
-            if !lateral {
-                return [Some((start + order.row(offset), Complex64::ONE, Complex64::ONE)), None];
-            }
-            let force = if offset.is_multiple_of(2) { Complex64::ONE } else { Complex64::I };
-            let p = start + order.row(offset / 2);
-            [Some((p, force, force.conj() * 0.5)), Some((p + order.len(), force.conj(), force * 0.5))]
-        });
-        entries.into_iter().flatten().flatten()
+    pub(super) fn circular(&self, index: usize) -> [Option<(usize, Complex64, Complex64)>; 2] {
+        let Some(Part { start, order, lateral }) = self.parts().find(|part| part.contains(index)) else {
+            return [None; 2];
+        };
+        let offset = index - start;
+        if !lateral {
+            return [Some((start + order.row(offset), Complex64::ONE, Complex64::ONE)), None];
+        }
+        let force = if offset.is_multiple_of(2) { Complex64::ONE } else { Complex64::I };
+        let p = start + order.row(offset / 2);
+        [Some((p, force, force.conj() * 0.5)), Some((p + order.len(), force.conj(), force * 0.5))]
     }
 
     /// Adds `value` to the entry of two coordinates in the order of the core.
@@ -65,8 +64,9 @@ impl Model {
         if value == Complex64::ZERO {
             return;
         }
-        for (row, force, _) in self.circular(row) {
-            for (column, _, displacement) in self.circular(column) {
+        let columns = self.circular(column);
+        for (row, force, _) in self.circular(row).into_iter().flatten() {
+            for (column, _, displacement) in columns.into_iter().flatten() {
                 sum.add(row, column, value * force * displacement);
             }
         }
@@ -107,14 +107,15 @@ impl Model {
         out
     }
 
-    /// Solution of a real system in the order of the core.
+    /// Solution of a real system in the order of the core, with the componentwise backward error `tolerance`, or the
+    /// smallest one if it is zero.
     ///
     /// # Errors
     /// [`Singular`] if round-off leaves no accurate solution.
-    pub fn solve_real(&self, factors: &CoupledFactors, right: &[f64]) -> Result<Vec<f64>, Singular> {
+    pub fn solve_real(&self, factors: &CoupledFactors, tolerance: f64, right: &[f64]) -> Result<Vec<f64>, Singular> {
         let right: Vec<Complex64> = right.iter().map(|value| Complex64::from(*value)).collect();
         let mut x = self.to_circular(&right);
-        factors.solve(&mut x)?;
+        factors.solve_real(tolerance, &mut x)?;
         Ok(self.from_circular(&x).iter().map(|value| value.re).collect())
     }
 }

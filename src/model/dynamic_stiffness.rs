@@ -55,6 +55,11 @@ impl Weights {
         }
     }
 
+    /// Whether all weights are real, so that S is real in the order of the core.
+    fn is_real(&self) -> bool {
+        [self.stiffness, self.damping, self.mass, self.gyroscopic].iter().all(|weight| weight.im == 0.0)
+    }
+
     /// Weights of K.
     pub fn stiffness() -> Self {
         Self::dynamic(Complex64::ZERO, 0.0)
@@ -142,9 +147,19 @@ impl Model {
 
     /// Adds value·left·rightᵀ.
     pub fn add_product(&self, sum: &mut CoupledBands, left: &Row, right: &Row, value: Complex64) {
+        if value == Complex64::ZERO {
+            return;
+        }
+        let columns: Vec<_> = right.iter().map(|(column, factor)| (self.circular(*column), factor)).collect();
         for (row, left) in left {
-            for (column, right) in right {
-                self.add_entry(sum, *row, *column, value * left * right);
+            let rows = self.circular(*row);
+            for (columns, right) in &columns {
+                let value = value * left * *right;
+                for (row, force, _) in rows.iter().flatten() {
+                    for (column, _, displacement) in columns.iter().flatten() {
+                        sum.add(*row, *column, value * force * displacement);
+                    }
+                }
             }
         }
     }
@@ -159,7 +174,7 @@ fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
     for sign in [-1.0, 1.0] {
         let mut band = band.clone();
         add(&mut band, &shaft.gyroscopic, weights.gyroscopic * Complex64::new(0.0, sign * shaft.ratio));
-        sum.push(band);
+        sum.push_mirrored(band, sign > 0.0 && weights.is_real());
     }
 }
 

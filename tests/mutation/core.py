@@ -29,20 +29,20 @@ FAULTS = (
     # Woodbury's formula
     Fault(
         "linalg/coupled_bands.rs",
-        "                *x -= value * force;",
-        "                *x += value * force;",
+        "                    *x -= value * force;",
+        "                    *x += value * force;",
+        ("structured",),
+    ),
+    Fault(
+        "linalg/couplings.rs",
+        "            matrix[(i, i)] -= damper;",
+        "            matrix[(i, i)] += damper;",
         ("structured",),
     ),
     Fault(
         "linalg/coupled_bands.rs",
-        "            coupling[(i, i)] -= damper;",
-        "            coupling[(i, i)] += damper;",
-        ("structured",),
-    ),
-    Fault(
-        "linalg/coupled_bands.rs",
-        "Determinant::product(self.capacity.pivots()), Determinant::times",
-        "Determinant::product(std::iter::empty()), Determinant::times",
+        "Determinant::product(chains.chain(capacity.pivots()))",
+        "Determinant::product(chains)",
         ("structured",),
     ),
     # a coupling between chains that is lost
@@ -79,10 +79,11 @@ FAULTS = (
         "let zeros = at.ln() * 0.0;",
         ("structured",),
     ),
+    # strong dampers that the bound of the damping ratios leaves out
     Fault(
-        "modal/lowest.rs",
-        "if self.problem.undamped { radius } else { radius * SECTOR.sin() }",
-        "radius",
+        "modal/bound.rs",
+        "        damping: Complex64::from(-1.0),",
+        "        damping: Complex64::ZERO,",
         ("structured",),
     ),
 )

@@ -141,6 +141,17 @@ fn overdamped_modes_are_not_left_out() {
 }
 
 #[test]
+fn modes_with_moderate_damping_are_in_the_order_of_their_frequencies() {
+    // A frequency is lower than the magnitude of its eigenvalue.
+    for damping in [3e3, 1e4, 2e4] {
+        let cached = rotor(24, &format!("stiffness = [1e7, 2e7], damping = {damping}"));
+        for count in [4, 7, 10] {
+            assert_same_modes(&cached, 100.0, count);
+        }
+    }
+}
+
+#[test]
 fn strong_dampers_with_modal_damping_need_no_dense_matrices_on_fine_meshes() {
     // Equal dampers have close eigenvalues far from the origin.
     let train = train(70, |text| format!("modal_damping = 0.02\n{}", text.replace("damping = 500.0", "damping = 5e4")));

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -107,7 +108,7 @@ class Coordinates(Shown):
             return values[..., self.lateral(at)]
         housing, (x, y, z) = self.points[at]
         moved = values[..., self.lateral(housing)].copy()
-        if (*self._node(housing), "twist") in self.dofs:
+        if (*self._node(housing), "twist") in self._indices:
             b, g, twist = (
                 values[..., self._index(housing, direction, "rotation")]
                 for direction in ("B", "G", "twist")
@@ -144,9 +145,11 @@ class Coordinates(Shown):
             return values[..., self.axial(at)]
         housing, (_, y, z) = self.points[at]
         node = self._node(housing)
-        turns = (*node, "twist") in self.dofs and any(kind == "u" for *_, kind in self.dofs)
+        turns = (*node, "twist") in self._indices and any(dof[2] == "u" for dof in self.dofs)
         # A housing that does not rotate has the motion of its centre of mass; without it, an error.
-        moved = 0.0 if turns and (*node, "u") not in self.dofs else values[..., self.axial(housing)]
+        moved = (
+            0.0 if turns and (*node, "u") not in self._indices else values[..., self.axial(housing)]
+        )
         if turns:
             b, g = (values[..., self._index(housing, kind, "rotation")] for kind in ("B", "G"))
             moved = moved + b * z - g * y
@@ -239,11 +242,23 @@ class Coordinates(Shown):
         return self._index(at, "u", "axial motion")
 
     def _index(self, at: At, direction: str, motion: str) -> int:
-        wanted = (*self._node(at), direction)
-        for index, dof in enumerate(self.dofs):
-            if dof == wanted:
-                return index
-        raise GearbowError(f"{at!r} has no {motion}: the system does not model this motion")
+        index = self._indices.get((*self._node(at), direction))
+        if index is None:
+            raise GearbowError(f"{at!r} has no {motion}: the system does not model this motion")
+        return index
+
+    @cached_property
+    def _indices(self) -> dict[Dof, int]:
+        """Index of each degree of freedom."""
+        return {dof: index for index, dof in enumerate(self.dofs)}
+
+    @cached_property
+    def _positions(self) -> dict[str, list[float]]:
+        """Positions of the nodes of each shaft, support and housing [m]."""
+        found: dict[str, dict[float, None]] = {}
+        for name, x, _ in nodal(self.dofs):
+            found.setdefault(name, {})[x] = None
+        return {name: list(positions) for name, positions in found.items()}
 
     def _node(self, at: At) -> tuple[str, float]:
         """Find the shaft and the exact position of a node."""
@@ -260,7 +275,7 @@ class Coordinates(Shown):
             shaft, position = self.bodies[at]
         else:
             shaft, position = at
-        positions = [x for name, x, _ in nodal(self.dofs) if name == shaft]
+        positions = self._positions.get(shaft)
         if not positions:
             names = dict.fromkeys(name for name, _, _ in self.dofs)
             raise SceneError(f'at: no shaft is called "{shaft}"{nearest(shaft, names)}')
