@@ -55,8 +55,6 @@ pub struct CoupledBands {
     chains: Vec<BandChain>,
     /// First coordinate of each chain.
     starts: Vec<usize>,
-    /// Whether each chain is the complex conjugate of the chain before.
-    mirrored: Vec<bool>,
     /// Entries (row, column) outside of the bands.
     couplings: BTreeMap<(usize, usize), Complex64>,
     /// Number of coordinates.
@@ -66,12 +64,6 @@ pub struct CoupledBands {
 impl CoupledBands {
     /// Appends the coordinates of a chain.
     pub fn push(&mut self, chain: BandChain) {
-        self.push_mirrored(chain, false);
-    }
-
-    /// Appends the coordinates of a chain, and whether it remains the complex conjugate of the chain before.
-    pub fn push_mirrored(&mut self, chain: BandChain, mirrored: bool) {
-        self.mirrored.push(mirrored);
         self.starts.push(self.size);
         self.size += chain.size();
         self.chains.push(chain);
@@ -99,26 +91,12 @@ impl CoupledBands {
     /// # Errors
     /// [`Singular`] if the matrix, or a chain with dampers, is singular.
     pub fn factor(self, sense: f64) -> Result<CoupledFactors, Singular> {
-        self.factor_with(Complex64::new(0.0, sense))
-    }
-
-    /// The same with springs in the place of the dampers, for chains that are positive definite but for null motions. Then
-    /// mirrored chains with springs are mirrored too, so that [`CoupledFactors::solve_real`] leaves them out.
-    ///
-    /// # Errors
-    /// As [`Self::factor`].
-    pub fn factor_with_springs(self) -> Result<CoupledFactors, Singular> {
-        self.factor_with(Complex64::ONE)
-    }
-
-    fn factor_with(self, damper: Complex64) -> Result<CoupledFactors, Singular> {
-        let couplings = Couplings::new(&self.couplings, &self.starts, damper);
+        let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::new(0.0, sense));
         let chains = couplings.factor_chains(self.chains.clone())?;
         let columns = couplings.columns(&chains, |_| 0);
         let capacity = couplings.capacity(&columns)?;
         let row_sizes = self.row_sizes();
-        let is_mirrored = damper.im == 0.0;
-        Ok(CoupledFactors { matrix: self, row_sizes, chains, couplings, columns, capacity, is_mirrored })
+        Ok(CoupledFactors { matrix: self, row_sizes, chains, couplings, columns, capacity })
     }
 
     /// Determinant; `sense` is that of [`Self::factor`]. It takes about half the time of the factors.
@@ -209,8 +187,6 @@ pub struct CoupledFactors {
     columns: Vec<Vec<Complex64>>,
     /// Factors of I + Z Δ, r × r.
     capacity: ComplexLu,
-    /// Whether the mirrored chains with dampers are mirrored.
-    is_mirrored: bool,
 }
 
 impl CoupledFactors {
@@ -219,31 +195,26 @@ impl CoupledFactors {
     /// # Errors
     /// [`Singular`] if round-off leaves no accurate solution.
     pub fn solve(&self, x: &mut [Complex64]) -> Result<(), Singular> {
-        self.refine(0.0, false, x)
+        self.solve_to(0.0, x)
     }
 
-    /// The same for a right-hand side of which the mirrored chains have complex conjugates, with refinement until the
-    /// componentwise backward error is at most `tolerance`, or decreases no more.
+    /// The same with refinement until the componentwise backward error is at most `tolerance`, or decreases no more.
     ///
     /// # Errors
     /// As [`Self::solve`].
-    pub fn solve_real(&self, tolerance: f64, x: &mut [Complex64]) -> Result<(), Singular> {
-        self.refine(tolerance, self.is_mirrored, x)
-    }
-
-    fn refine(&self, tolerance: f64, mirrors: bool, x: &mut [Complex64]) -> Result<(), Singular> {
+    pub fn solve_to(&self, tolerance: f64, x: &mut [Complex64]) -> Result<(), Singular> {
         let right = x.to_vec();
-        self.substitute(mirrors, x);
+        self.solve_once(x);
         let mut previous = f64::INFINITY;
         for _ in 0..=MAX_REFINEMENTS {
-            let (mut residual, error) = self.residual(mirrors, &right, x);
+            let (mut residual, error) = self.residual(&right, x);
             if error <= tolerance.max(ROUND_OFF) || (error >= previous / 2.0 && error <= MAX_BACKWARD_ERROR) {
                 return Ok(());
             }
             if !error.is_finite() {
                 return Err(Singular);
             }
-            self.substitute(mirrors, &mut residual);
+            self.solve_once(&mut residual);
             x.iter_mut().zip(&residual).for_each(|(x, change)| *x += change);
             if error <= REFINED_ONCE {
                 return Ok(());
@@ -255,19 +226,9 @@ impl CoupledFactors {
 
     /// Replaces the right-hand side `x` by the solution, without refinement.
     pub fn solve_once(&self, x: &mut [Complex64]) {
-        self.substitute(false, x);
-    }
-
-    /// The same; `mirrors` copies mirrored chains from those before.
-    fn substitute(&self, mirrors: bool, x: &mut [Complex64]) {
         let starts = &self.matrix.starts;
-        let is_copied = |chain: usize| mirrors && self.matrix.mirrored[chain];
-        for (number, chain) in self.chains.iter().enumerate() {
-            if is_copied(number) {
-                self.mirror(number, x);
-            } else {
-                chain.solve(&mut x[starts[number]..starts[number] + chain.size()]);
-            }
+        for (chain, start) in self.chains.iter().zip(starts) {
+            chain.solve(&mut x[*start..start + chain.size()]);
         }
         let Couplings { coordinates, matrix, .. } = &self.couplings;
         if coordinates.is_empty() {
@@ -278,28 +239,17 @@ impl CoupledFactors {
         self.capacity.solve(&mut coupled);
         let forces = matrix * coupled;
         for ((place, column), force) in self.couplings.places.iter().zip(&self.columns).zip(forces.iter()) {
-            if !is_copied(place.0) {
-                for (x, value) in x[starts[place.0]..].iter_mut().zip(column) {
-                    *x -= value * force;
-                }
+            for (x, value) in x[starts[place.0]..].iter_mut().zip(column) {
+                *x -= value * force;
             }
         }
-        (0..self.chains.len()).filter(|number| is_copied(*number)).for_each(|number| self.mirror(number, x));
-    }
-
-    /// Copies the complex conjugate of the part of `x` in the chain before to that in a chain.
-    fn mirror(&self, chain: usize, x: &mut [Complex64]) {
-        let (before, own) = x[self.matrix.starts[chain - 1]..].split_at_mut(self.chains[chain].size());
-        own.iter_mut().zip(before).for_each(|(own, value)| *own = value.conj());
     }
 
     /// Residual f − S x and the componentwise backward error max |f − S x|/(|S||x| + |f|), with f = `right`.
-    fn residual(&self, mirrors: bool, right: &[Complex64], x: &[Complex64]) -> (Vec<Complex64>, f64) {
+    fn residual(&self, right: &[Complex64], x: &[Complex64]) -> (Vec<Complex64>, f64) {
         let floor = NEGLIGIBLE * x.iter().map(|value| value.l1_norm()).fold(0.0, f64::max);
         let (mut residual, mut sizes) = (vec![Complex64::ZERO; x.len()], vec![0.0; x.len()]);
-        let is_copied = |chain: usize| mirrors && self.matrix.mirrored[chain];
-        let chains = self.matrix.chains.iter().zip(&self.matrix.starts).enumerate();
-        for (_, (chain, start)) in chains.filter(|(number, _)| !is_copied(*number)) {
+        for (chain, start) in self.matrix.chains.iter().zip(&self.matrix.starts) {
             for row in 0..chain.size() {
                 let (columns, entries) = chain.row(row);
                 let force = right[start + row];
@@ -316,12 +266,6 @@ impl CoupledFactors {
             let term = value * x[*column];
             residual[*row] -= term;
             sizes[*row] += term.l1_norm();
-        }
-        let mirrored = (0..self.chains.len()).filter(|number| is_copied(*number));
-        for number in mirrored {
-            self.mirror(number, &mut residual);
-            let start = self.matrix.starts[number];
-            sizes[start..start + self.chains[number].size()].fill(f64::INFINITY);
         }
         let ratios = residual.iter().zip(&sizes).filter(|(_, size)| **size != 0.0);
         let error = ratios.map(|(value, size)| value.l1_norm() / size);

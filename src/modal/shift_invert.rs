@@ -261,11 +261,7 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
     pub fn new(problem: &'p Problem<'m>, shift: f64) -> Result<Self, DecompositionError> {
         let weights = Weights::dynamic(Complex64::from(shift), problem.speed);
         let matrix = problem.model.dynamic_stiffness(&weights, problem.speed);
-        let factors = if problem.bound.is_dissipative() && shift > 0.0 {
-            matrix.factor_with_springs()?
-        } else {
-            matrix.factor(shift.signum())?
-        };
+        let factors = matrix.factor(shift.signum())?;
         Ok(Self { problem, factors, shift })
     }
 }

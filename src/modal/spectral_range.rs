@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::bound::is_semidefinite;
 use super::real::{RealModes, null_motions};
 use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse, eigenvector, largest_eigenvalue};
 use crate::model::{Model, Weights};
@@ -168,7 +167,7 @@ impl<'m> ShiftInverse<'m> {
         let weights = Weights { symmetric: true, ..Weights::dynamic(Complex64::from(shift), 0.0) };
         let weights = Weights { damping: Complex64::ZERO, ..weights };
         let matrix = model.dynamic_stiffness(&weights, speed);
-        let factors = if is_semidefinite(model, speed) { matrix.factor_with_springs()? } else { matrix.factor(1.0)? };
+        let factors = matrix.factor(1.0)?;
         Ok(Self { model, factors, shift, tolerance: 0.0 })
     }
 

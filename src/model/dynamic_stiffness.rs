@@ -55,11 +55,6 @@ impl Weights {
         }
     }
 
-    /// Whether all weights are real, so that S is real in the order of the core.
-    fn is_real(&self) -> bool {
-        [self.stiffness, self.damping, self.mass, self.gyroscopic].iter().all(|weight| weight.im == 0.0)
-    }
-
     /// Weights of K.
     pub fn stiffness() -> Self {
         Self::dynamic(Complex64::ZERO, 0.0)
@@ -174,7 +169,7 @@ fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
     for sign in [-1.0, 1.0] {
         let mut band = band.clone();
         add(&mut band, &shaft.gyroscopic, weights.gyroscopic * Complex64::new(0.0, sign * shaft.ratio));
-        sum.push_mirrored(band, sign > 0.0 && weights.is_real());
+        sum.push(band);
     }
 }
 

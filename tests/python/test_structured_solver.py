@@ -297,6 +297,26 @@ def test_the_equilibrium_is_that_of_dense_matrices(scene: Drawn):
     assert np.abs(found - wanted).max() <= tolerance(system) * np.abs(wanted).max()
 
 
+def test_bearings_that_are_soft_in_one_direction():
+    # The couplings between the circular coordinates are about as large as the mean stiffness.
+    scene = Drawn(
+        lengths=(1.0, 0.5, 1.0),
+        diameters=(0.0625, 0.02344, 0.0625),
+        elements=(3, 1, 1),
+        degrees=(2, 1, 3),
+        places=(0.25, 0.25, 0.25),
+        teeth=(20, 20, 20),
+        bows=(0j, 0j, 0j),
+        density=3310.0,
+        bearing=(1.0, 0.0625, 0.0, 0.0),
+        mesh=("mean", 10**8.5, 0.0),
+    )
+    system = scene.system()
+    assert_lowest_modes(system, 0.0, count=3)
+    found, wanted = system.static("frozen").state, dense_equilibrium(system)
+    assert np.abs(found - wanted).max() <= tolerance(system) * np.abs(wanted).max()
+
+
 @scenes(5)
 def test_the_critical_speeds_are_those_of_dense_matrices(scene: Drawn):
     system = refined(scene)
