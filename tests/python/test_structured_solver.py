@@ -308,6 +308,7 @@ def test_bearings_that_are_soft_in_one_direction():
         teeth=(20, 20, 20),
         bows=(0j, 0j, 0j),
         density=3310.0,
+        disk=1.0,
         bearing=(1.0, 0.0625, 0.0, 0.0),
         mesh=("mean", 10**8.5, 0.0),
     )
