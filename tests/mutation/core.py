@@ -29,7 +29,7 @@ FAULTS = (
     # Woodbury's formula
     Fault(
         "linalg/coupled_bands.rs",
-        "                    *x -= value * force;",
+        "                *x -= value * force;",
         "                    *x += value * force;",
         ("structured",),
     ),

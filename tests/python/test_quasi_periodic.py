@@ -65,15 +65,19 @@ def relative(found: np.ndarray, exact: np.ndarray) -> float:
 
 
 @pytest.mark.filterwarnings("ignore::gearbow.SceneWarning")
-@pytest.mark.parametrize("geometry", ["live", "frozen"])
-@pytest.mark.parametrize("stiffness", [None, gb.Stiffness.fourier(2e8, [2e7])])
+@pytest.mark.parametrize(
+    ("stiffness", "geometry"),
+    [
+        (None, "live"),
+        (gb.Stiffness.fourier(2e8, [2e7]), "live"),
+        (gb.Stiffness.fourier(2e8, [2e7]), "frozen"),
+    ],
+)
 def test_trains_equal_running_in(stiffness: gb.Stiffness | None, geometry: str, tmp_path: Path):
     system = without_period()
     if stiffness is not None:
         meshes = [replace(mesh, stiffness=stiffness) for mesh in system.meshes]
         system = system.replace(meshes=meshes)
-    elif geometry == "frozen":
-        pytest.skip("the motions of the sources superpose")
     options: dict[str, Any] = {"geometry": geometry, "rtol": 1e-9}
     steady = system.steady_state(100.0, max_period=0.5, **options)
     assert (steady.method, steady.period) == ("quasi-periodic", np.inf)
