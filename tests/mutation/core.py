@@ -30,7 +30,7 @@ FAULTS = (
     Fault(
         "linalg/coupled_bands.rs",
         "                *x -= value * force;",
-        "                    *x += value * force;",
+        "                *x += value * force;",
         ("structured",),
     ),
     Fault(
