@@ -100,7 +100,7 @@ impl Fractions {
         nearest
     }
 
-    /// e^{At} of a fraction of a step of a level; none for the beginning and the end of the step.
+    /// e^{At}, where t is a fraction of the step of a step level; none for the beginning and the end of the step.
     pub fn part(&self, pairs: &[ModePair], level: usize, fraction: Fraction) -> Option<&[Aligned; 4]> {
         let step = self.time_grid.step(level);
         match fraction {

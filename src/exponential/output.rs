@@ -179,7 +179,7 @@ impl OutputMap {
 }
 
 /// Kinetic energy and elastic energy of the shafts at output instants. They follow from all displacements and velocities, whose
-/// map from modal states does not fit into the fast memory of a processor. States of several instants are therefore collected,
+/// map from modal states does not fit into the cache of a processor core. States of several instants are therefore collected,
 /// also over several steps, and the map is read once for all of them.
 #[derive(Clone, Debug)]
 pub(super) struct ShaftEnergies {

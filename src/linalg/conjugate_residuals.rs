@@ -25,7 +25,7 @@ pub fn conjugate_residuals<E>(
     mut apply: impl FnMut(&DVector<Complex64>) -> Result<DVector<Complex64>, E>,
     weigh: impl Fn(&DVector<Complex64>) -> DVector<Complex64>,
 ) -> Result<Option<(DVector<Complex64>, usize)>, E> {
-    // `clamp` keeps what is not a number, unlike `max`.
+    // `f64::max` would replace NaN by zero; `clamp` returns NaN.
     let norm = |x: &DVector<Complex64>| x.dotc(&weigh(x)).re.clamp(0.0, f64::INFINITY).sqrt();
     let size = norm(b);
     let (mut x, mut residual) = (DVector::zeros(b.len()), b.clone());

@@ -41,7 +41,7 @@ pub fn connected_coordinates(model: &Model) -> Vec<usize> {
 }
 
 impl<'m> EquationOfMotion<'m> {
-    /// All energies, from all displacements and velocities.
+    /// Energies of shafts, bearings and meshes, J, from the displacements and velocities of all coordinates.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.

@@ -79,7 +79,7 @@ FAULTS = (
         "let zeros = at.ln() * 0.0;",
         ("structured",),
     ),
-    # strong dampers that the bound of the damping ratios leaves out
+    # the bound of the damping ratios ignores strong dampers
     Fault(
         "modal/bound.rs",
         "        damping: Complex64::from(-1.0),",

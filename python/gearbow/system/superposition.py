@@ -163,7 +163,7 @@ class Superposition:
 
     def _turn(self, order: float) -> float:
         """Give the period of an order of the reference shaft [s]."""
-        return 2.0 * math.pi / abs(order * self.speed)
+        return _turn(order, self.speed)
 
 
 def recorded_duration(system: Simulation, speed: float) -> float:
@@ -181,7 +181,11 @@ def recorded_duration(system: Simulation, speed: float) -> float:
     float
         Duration [s].
     """
-    return _RECORDED * 2.0 * math.pi / abs(float(min(abs(system.speed_ratios))) * speed)
+    return _RECORDED * _turn(float(min(abs(system.speed_ratios))), speed)
+
+
+def _turn(order: float, speed: float) -> float:
+    return 2.0 * math.pi / abs(order * speed)
 
 
 def _silent_force(force: Force) -> Force:

@@ -8,7 +8,7 @@ use crate::integrate::quadrature_rules::{GAUSS, NESTED, NESTED_RULES, POINTS};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
     Gauss,
-    /// The nested rule with this index.
+    /// The rule with this number in [`NESTED`].
     Nested(usize),
 }
 

@@ -12,14 +12,16 @@ use super::anderson::Anderson;
 use super::harmonics::{Combinations, Harmonics};
 use super::period::Sections;
 use super::preconditioner::Preconditioner;
-use super::solver::{AMPLIFICATION, COARSEST, FRACTION, REPEATED, SECANT, drift, predicted, progress, stalls};
+use super::solver::{
+    AMPLIFICATION, COARSEST, FRACTION, REPEATED, SECANT, drift, next_rtol, predicted, progress, stalls,
+};
 use super::turning::Turning;
 use super::{SteadyState, norm};
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::PeriodMap;
 
-/// Number of successive additions of harmonics that help too little, the reduction of the change that is too little, and
-/// the largest number of additions.
+/// No more harmonics are added after [`RESISTS`] additions in a row whose change of the motion is more than [`LITTLE`] times
+/// that of the addition before, or after [`MAX_ADDITIONS`].
 const RESISTS: usize = 2;
 const LITTLE: f64 = 0.5;
 const MAX_ADDITIONS: usize = 20;
@@ -38,8 +40,8 @@ const ACCEPTABLE: f64 = 1e-2;
 const SIGNIFICANT: f64 = 0.1;
 /// Number of iterations in which the accelerated iteration must converge.
 const MAX_ITERATIONS: usize = 40;
-/// Relative error up to which the first order is solved where higher orders follow, and the fraction of the last change up to
-/// which these are.
+/// Relative error up to which the first harmonics are solved if others follow. The others are solved up to a fraction of the
+/// last change of the motion.
 const FIRST_GOAL: f64 = 1e-3;
 const NEXT_GOAL: f64 = 0.1;
 /// Sections at which the harmonics are checked, in multiples of the largest one of the unknowns.
@@ -66,11 +68,11 @@ struct Solution {
     defect: f64,
 }
 
-/// A state at the begin.
+/// A state at the beginning of the record.
 pub struct Begin {
     /// The state z.
     pub state: Vec<f64>,
-    /// What is transient, relative to the motion.
+    /// Estimated transient part of the state, relative to the motion.
     error: f64,
     solution: Solution,
 }
@@ -127,7 +129,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         })
     }
 
-    /// The state at the begin. Its harmonics need no more accuracy than running in leaves of a transient.
+    /// The state at the beginning of the record. Its harmonics need no more accuracy than running in leaves of a transient.
     ///
     /// # Errors
     /// [`AnalysisError`] if the iteration does not converge.
@@ -205,7 +207,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         Harmonics::new(&Combinations::new(Vec::new()))
     }
 
-    /// The state at the begin after running in, for as long as the decay of the first changes asks for, up to `longest` times
+    /// The state at the beginning of the record after running in, for as long as the decay of the first changes asks for, up to `longest` times
     /// the duration of running in.
     fn settled(&mut self, solution: Solution, longest: u64) -> Result<Begin, AnalysisError> {
         let mut begin = Begin { error: f64::INFINITY, state: solution.state(0), solution };
@@ -252,8 +254,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         for count in 0..MAX_ITERATIONS {
             let before = rtol;
             if count > 0 {
-                let expected = predicted(&errors).max(AMPLIFICATION * rtol / self.tolerance);
-                rtol = (FRACTION * expected * self.tolerance).clamp(finest, rtol);
+                rtol = next_rtol(&errors, rtol, (self.tolerance, finest));
             }
             let defects = self.defects(&harmonics, &coefficients, rtol)?;
             let correction = self.correction(&harmonics, &turning, &defects).ok_or_else(|| {
@@ -325,19 +326,20 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         let mut largest = 0.0_f64;
         for factor in CHECKED {
             let section = (factor * (last + 1) as f64).ceil() as i64;
-            let mut defect = self.defect(harmonics, coefficients, (section, self.tolerance))?;
+            let defect = self.defect(harmonics, coefficients, (section, self.tolerance))?;
             drift(&self.constant, &defect, self.tolerance * self.size)?;
-            for entry in &self.constant.positions {
-                defect[*entry] = 0.0;
-            }
-            largest = largest.max(norm(&defect) / self.size);
+            largest = largest.max(self.relative_size(defect));
         }
         Ok(largest)
     }
 
     /// Difference of two states relative to the motion, apart from rigid-body rotation.
     fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
-        let mut difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+        self.relative_size(a.iter().zip(b).map(|(a, b)| a - b).collect())
+    }
+
+    /// Size of a difference of states relative to the motion, apart from rigid-body rotation.
+    fn relative_size(&self, mut difference: Vec<f64>) -> f64 {
         for entry in &self.constant.positions {
             difference[*entry] = 0.0;
         }

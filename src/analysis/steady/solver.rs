@@ -150,8 +150,7 @@ impl<'s, 'a> Solver<'s, 'a> {
         for count in 0..MAX_ITERATIONS {
             let (is_fine, stalls, before) = (rtol <= self.tolerance, stalls(&errors), rtol);
             if count > 0 {
-                let expected = predicted(&errors).max(AMPLIFICATION * rtol / self.tolerance);
-                rtol = (FRACTION * expected * self.tolerance).clamp(self.tolerance, rtol);
+                rtol = next_rtol(&errors, rtol, (self.tolerance, self.tolerance));
             }
             // A period that is expected to be the last one is recorded.
             let is_last = is_fine && (predicted(&errors) <= EXPECTED || stalls);
@@ -253,6 +252,12 @@ pub(super) fn drift(preconditioner: &Preconditioner, defect: &[f64], tolerance: 
     }
     let message = "a mean torque accelerates the train, so that no motion is periodic; balance the torques, or hold the rotation with gb.Drive(at, stiffness=...)";
     Err(SceneError::new("torques", message).into())
+}
+
+/// Tolerance of the steps of the next iteration, between `finest` and that of the last one.
+pub(super) fn next_rtol(errors: &[f64], rtol: f64, (tolerance, finest): (f64, f64)) -> f64 {
+    let expected = predicted(errors).max(AMPLIFICATION * rtol / tolerance);
+    (FRACTION * expected * tolerance).clamp(finest, rtol)
 }
 
 /// Error of the next iterate in multiples of the tolerance, if it decreases as in the last iteration.
