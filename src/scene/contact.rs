@@ -1,5 +1,6 @@
 //! Checks of the contact of a pair of gears at rest: path of contact, contact ratio, interference and undercut.
 
+use super::centre_distance::distance_without_play;
 use super::gear::SAME;
 use super::{EntryPath, Gear, SceneError};
 
@@ -37,7 +38,6 @@ pub(super) fn check_contact(
         );
         return Err(at.field("centre_distance").error(message));
     }
-    let standard = a.pitch_radius + b.pitch_radius;
     let mut interferes = false;
     for (of, other) in [(0, 1), (1, 0)] {
         let excess = reach[of] - tangent;
@@ -57,8 +57,9 @@ pub(super) fn check_contact(
         }
     }
     if ratio < 1.0 - SAME {
-        let cause = if centre_distance > standard * (1.0 + SAME) {
-            format!("centre_distance is {centre_distance} m, the pitch radii add up to {standard:.6} m")
+        let without = distance_without_play([a, b]).filter(|without| centre_distance > without * (1.0 + SAME));
+        let cause = if let Some(without) = without {
+            format!("centre_distance is {centre_distance} m, {without:.6} m is without play")
         } else if interferes {
             "interference shortens the path of contact".to_owned()
         } else {

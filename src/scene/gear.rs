@@ -31,7 +31,7 @@ pub struct Gear {
     pub base_radius: f64,
     /// Reference pitch radius, m.
     pub pitch_radius: f64,
-    /// Tip radius, m.
+    /// Tip radius, m; the default is r + m (1 + x), shortened where the tip clearance of a mesh would be too small.
     pub tip_radius: f64,
     /// Module, m; of a helical gear the normal module.
     pub module: f64,
@@ -125,6 +125,10 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
     }
     let profile_shift = at.field("profile_shift").finite(given.profile_shift.unwrap_or(0.0))?;
     let module_given = optional(given.module, "module", at)?;
+    if module_given.is_none() && profile_shift != 0.0 {
+        let message = format!("{profile_shift} is a multiple of the module, which is not given; give module");
+        return Err(at.field("profile_shift").error(message));
+    }
     let angles = (transverse_pressure_angle(pressure_angle, helix_angle), helix_angle.cos());
     let (module, base_radius) = module_and_base_radius(given, module_given, angles, at)?;
     let pitch_radius = module / helix_angle.cos() * f64::from(given.teeth) / 2.0;
