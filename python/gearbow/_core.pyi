@@ -14,6 +14,7 @@ from gearbow._types import (
     Dof,
     FilmData,
     MatricesData,
+    MeshGeometry,
     ModesData,
     Plain,
     Record,
@@ -36,6 +37,7 @@ __all__ = [
     "film_coefficients",
     "has_constant_coefficients",
     "initial_state",
+    "mesh_geometry",
     "multipliers",
     "recorded_period",
     "rolling_coefficients",
@@ -52,6 +54,7 @@ def connection_channels() -> dict[str, dict[str, str]]: ...
 def film_coefficients(
     bearing: dict[str, Plain], load: tuple[float, float], speed: float
 ) -> FilmData: ...
+def mesh_geometry(description: Mapping[str, Plain]) -> list[MeshGeometry]: ...
 def rolling_coefficients(
     bearing: dict[str, Plain], load: tuple[float, float], cage: float | None = None
 ) -> RollingData: ...

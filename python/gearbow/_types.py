@@ -106,6 +106,19 @@ class FilmData(TypedDict):
     damping: Array
 
 
+class MeshGeometry(TypedDict):
+    """Geometry of one mesh at rest, in m and rad; radii of driver and driven gear.
+
+    The pressure angle is the operating one, in the transverse section.
+    """
+
+    centre_distance: float
+    pressure_angle: float
+    base_radii: tuple[float, float]
+    tip_radii: tuple[float, float]
+    root_radii: tuple[float, float]
+
+
 class RollingData(TypedDict):
     """Equilibrium of one rolling bearing; stiffness of one element, speed ratio of the cage."""
 

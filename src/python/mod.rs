@@ -6,6 +6,7 @@ mod convert;
 mod entries;
 mod errors;
 mod frequency;
+mod gears;
 mod handle;
 mod model;
 mod options;
@@ -26,6 +27,8 @@ mod _core {
     use super::bearing::rolling_coefficients;
     #[pymodule_export]
     use super::convert::connection_channels;
+    #[pymodule_export]
+    use super::gears::mesh_geometry;
     #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]

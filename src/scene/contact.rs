@@ -1,6 +1,8 @@
 //! Checks of the contact of a pair of gears at rest: path of contact, contact ratio, interference and undercut.
 
+use super::centre_distance::{distance_without_play, largest_tip_radius};
 use super::gear::SAME;
+use super::number::short;
 use super::{EntryPath, Gear, SceneError};
 
 /// Begin and end of the path of contact on the line of action, m, measured from the interference point of the driver.
@@ -37,7 +39,6 @@ pub(super) fn check_contact(
         );
         return Err(at.field("centre_distance").error(message));
     }
-    let standard = a.pitch_radius + b.pitch_radius;
     let mut interferes = false;
     for (of, other) in [(0, 1), (1, 0)] {
         let excess = reach[of] - tangent;
@@ -57,12 +58,16 @@ pub(super) fn check_contact(
         }
     }
     if ratio < 1.0 - SAME {
-        let cause = if centre_distance > standard * (1.0 + SAME) {
-            format!("centre_distance is {centre_distance} m, the pitch radii add up to {standard:.6} m")
+        let without = distance_without_play([a, b]).filter(|without| centre_distance > without * (1.0 + SAME));
+        let cause = if let Some(without) = without {
+            format!("centre_distance is {centre_distance} m, {without:.6} m is without play")
         } else if interferes {
             "interference shortens the path of contact".to_owned()
-        } else {
+        } else if [(a, b), (b, a)].iter().any(|(gear, other)| has_short_tips(gear, other, centre_distance)) {
             format!("the tip radii are {:.6} m and {:.6} m; full-depth teeth reach further", a.tip_radius, b.tip_radius)
+        } else {
+            let angle = tangent.atan2(base_circles).to_degrees();
+            format!("the profile shifts increase the pressure angle to {}°", short(angle))
         };
         warnings.push(format!(
             "{at}: the contact ratio is {ratio:.3}, below 1: no teeth are in contact for {:.0} % of the mesh cycle; \
@@ -71,6 +76,12 @@ pub(super) fn check_contact(
         ));
     }
     Ok(())
+}
+
+/// Whether the tip radius is below its default.
+fn has_short_tips(gear: &Gear, other: &Gear, centre_distance: f64) -> bool {
+    let full_depth = gear.full_depth_tip_radius().min(largest_tip_radius(gear, other, centre_distance));
+    gear.tip_radius < full_depth * (1.0 - SAME)
 }
 
 /// Warns of undercut: the generating rack cuts the flank near the base circle of gears with fewer than 2(1 − x) cos β/sin²α_t

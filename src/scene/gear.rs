@@ -31,7 +31,7 @@ pub struct Gear {
     pub base_radius: f64,
     /// Reference pitch radius, m.
     pub pitch_radius: f64,
-    /// Tip radius, m.
+    /// Tip radius, m; the default is r + m (1 + x), shortened where the tip clearance of a mesh would be too small.
     pub tip_radius: f64,
     /// Module, m; of a helical gear the normal module.
     pub module: f64,
@@ -92,6 +92,11 @@ impl Gear {
         (self.root_radius().powi(2) - self.base_radius.powi(2)).max(0.0).sqrt()
     }
 
+    /// Tip radius of full-depth teeth, m.
+    pub fn full_depth_tip_radius(&self) -> f64 {
+        full_depth_tip_radius(self.pitch_radius, self.module, self.profile_shift)
+    }
+
     /// Root radius of full-depth teeth, m.
     pub fn root_radius(&self) -> f64 {
         self.pitch_radius - self.module * (DEDENDUM - self.profile_shift)
@@ -125,11 +130,15 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
     }
     let profile_shift = at.field("profile_shift").finite(given.profile_shift.unwrap_or(0.0))?;
     let module_given = optional(given.module, "module", at)?;
+    if module_given.is_none() && profile_shift != 0.0 {
+        let message = format!("{profile_shift} is a multiple of the module, which is not given; give module");
+        return Err(at.field("profile_shift").error(message));
+    }
     let angles = (transverse_pressure_angle(pressure_angle, helix_angle), helix_angle.cos());
     let (module, base_radius) = module_and_base_radius(given, module_given, angles, at)?;
     let pitch_radius = module / helix_angle.cos() * f64::from(given.teeth) / 2.0;
-    let tip_radius =
-        optional(given.tip_radius, "tip_radius", at)?.unwrap_or(pitch_radius + module * (1.0 + profile_shift));
+    let full_depth = full_depth_tip_radius(pitch_radius, module, profile_shift);
+    let tip_radius = optional(given.tip_radius, "tip_radius", at)?.unwrap_or(full_depth);
     if tip_radius <= base_radius {
         let message = format!("{tip_radius} m leaves no tooth above the base radius of {base_radius} m");
         return Err(at.field("tip_radius").error(message));
@@ -150,6 +159,11 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
         rack: module_given.map(|module| (module, pressure_angle)),
         run_out: complex(given.run_out, &at.field("run_out"))?,
     })
+}
+
+/// Tip radius r + m (1 + x) of full-depth teeth, m.
+fn full_depth_tip_radius(pitch_radius: f64, module: f64, profile_shift: f64) -> f64 {
+    pitch_radius + module * (1.0 + profile_shift)
 }
 
 fn optional(value: Option<f64>, name: &str, at: &EntryPath) -> Result<Option<f64>, SceneError> {

@@ -1,5 +1,6 @@
 //! Pairs of gears in mesh: checks that the gears fit, their distance, teeth and damping.
 
+use super::centre_distance::{check_play, default_distance, largest_tip_radius};
 use super::contact::{check_contact, check_undercut};
 use super::description::{self, SceneDescription};
 use super::gear::{BASE_PITCH_TOLERANCE, SAME};
@@ -33,39 +34,56 @@ pub struct Mesh {
     pub centre_distance: f64,
 }
 
-/// Checks all meshes.
+/// The gears of a mesh and their centre distance.
+struct Pair {
+    /// Index of the driving gear.
+    driver: usize,
+    /// Index of the driven gear.
+    driven: usize,
+    /// Centre distance at rest, m.
+    centre_distance: f64,
+}
+
+/// Checks all meshes, and shortens default tip radii that would leave too little tip clearance.
 pub(super) fn meshes(
     system: &SceneDescription,
     shafts: &[Shaft],
-    gears: &[Gear],
+    gears: &mut [Gear],
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Mesh>, SceneError> {
-    let mut meshes: Vec<Mesh> = Vec::with_capacity(system.meshes.len());
+    let mut pairs: Vec<Pair> = Vec::with_capacity(system.meshes.len());
     for (index, given) in system.meshes.iter().enumerate() {
         let at = EntryPath::entry("meshes", index);
-        let mesh = mesh(given, shafts, gears, &at, warnings)?;
-        let pair = |mesh: &Mesh| (mesh.driver.min(mesh.driven), mesh.driver.max(mesh.driven));
-        if let Some(first) = meshes.iter().position(|other| pair(other) == pair(&mesh)) {
+        let pair = pair(given, shafts, gears, &at, warnings)?;
+        let gears_of = |pair: &Pair| (pair.driver.min(pair.driven), pair.driver.max(pair.driven));
+        if let Some(first) = pairs.iter().position(|other| gears_of(other) == gears_of(&pair)) {
             return Err(at.error(format!("repeats the pair of gears of meshes[{first}]")));
         }
-        meshes.push(mesh);
+        pairs.push(pair);
+    }
+    shorten_tips(system, &pairs, gears)?;
+    let gears = &*gears;
+    let mut meshes = Vec::with_capacity(pairs.len());
+    for (index, (given, pair)) in system.meshes.iter().zip(&pairs).enumerate() {
+        meshes.push(mesh(given, pair, shafts, gears, &EntryPath::entry("meshes", index), warnings)?);
     }
     for (index, gear) in gears.iter().enumerate() {
         // The rack of a gear is unknown if the description gives its base radius only.
-        if gear.rack.is_some() && meshes.iter().any(|mesh| [mesh.driver, mesh.driven].contains(&index)) {
+        if gear.rack.is_some() && pairs.iter().any(|pair| [pair.driver, pair.driven].contains(&index)) {
             check_undercut(gear, &EntryPath::entry("gears", index), warnings);
         }
     }
     Ok(meshes)
 }
 
-fn mesh(
+/// Finds the gears of a mesh, checks that they fit, and finds their centre distance.
+fn pair(
     given: &description::Mesh,
     shafts: &[Shaft],
     gears: &[Gear],
     at: &EntryPath,
     warnings: &mut Vec<String>,
-) -> Result<Mesh, SceneError> {
+) -> Result<Pair, SceneError> {
     let find = |field: &str, name: &str| {
         let place = at.field(field);
         gears.iter().position(|gear| gear.body.name == name).ok_or_else(|| {
@@ -91,19 +109,54 @@ fn mesh(
         )));
     }
     check_racks(a, b, at, warnings)?;
-
     let centre_distance = match given.centre_distance {
         Some(distance) => at.field("centre_distance").positive(distance)?,
-        None => a.pitch_radius + b.pitch_radius,
+        None => default_distance([a, b], at)?,
     };
     let base_circles = a.base_radius + b.base_radius;
     if centre_distance <= base_circles {
         let message = format!("{centre_distance} m is not above the sum of the base radii, {base_circles} m");
         return Err(at.field("centre_distance").error(message));
     }
+    Ok(Pair { driver, driven, centre_distance })
+}
+
+/// Shortens the tips of gears without a given tip radius. The mesh with the least clearance decides.
+fn shorten_tips(system: &SceneDescription, pairs: &[Pair], gears: &mut [Gear]) -> Result<(), SceneError> {
+    for (index, pair) in pairs.iter().enumerate() {
+        for (own, other) in [(pair.driver, pair.driven), (pair.driven, pair.driver)] {
+            let largest = largest_tip_radius(&gears[own], &gears[other], pair.centre_distance);
+            if system.gears[own].tip_radius.is_some() || largest >= gears[own].tip_radius {
+                continue;
+            }
+            if largest <= gears[own].base_radius {
+                return Err(EntryPath::entry("meshes", index).field("centre_distance").error(format!(
+                    "at {} m, the root circle of \"{}\" leaves no tooth above the base circle of \"{}\"; use a larger \
+                     centre_distance or a smaller profile_shift, or give tip_radius",
+                    pair.centre_distance, gears[other].body.name, gears[own].body.name
+                )));
+            }
+            gears[own].tip_radius = largest;
+        }
+    }
+    Ok(())
+}
+
+fn mesh(
+    given: &description::Mesh,
+    &Pair { driver, driven, centre_distance }: &Pair,
+    shafts: &[Shaft],
+    gears: &[Gear],
+    at: &EntryPath,
+    warnings: &mut Vec<String>,
+) -> Result<Mesh, SceneError> {
+    let (a, b) = (&gears[driver], &gears[driven]);
     check_contact([a, b], centre_distance, at, warnings)?;
     let shaft_radii = [a, b].map(|gear| shafts[gear.body.node.shaft].radius_at(gear.body.node.node));
     let teeth = Teeth::new(given, [a, b], shaft_radii, at, warnings)?;
+    if given.centre_distance.is_some() {
+        check_play([a, b], centre_distance, teeth.backlash, at, warnings);
+    }
     let damping = match (given.damping, given.damping_ratio) {
         (Some(_), Some(_)) => {
             return Err(at.field("damping").error("cannot be combined with damping_ratio; give one of them"));

@@ -6,6 +6,7 @@
 
 mod bearing;
 mod bow;
+mod centre_distance;
 mod contact;
 mod curve;
 pub mod description;
@@ -149,8 +150,8 @@ impl Scene {
         let stations = names.stations(system)?;
         let shafts = shaft::build(system, &stations)?;
         let mut warnings = Vec::new();
-        let gears = gear::gears(system, &names, &shafts)?;
-        let meshes = mesh::meshes(system, &shafts, &gears, &mut warnings)?;
+        let mut gears = gear::gears(system, &names, &shafts)?;
+        let meshes = mesh::meshes(system, &shafts, &mut gears, &mut warnings)?;
         let couplings = loads::couplings(system, &names, &shafts)?;
         let train = (&gears[..], &meshes[..], &couplings[..]);
         let speed_ratios = train::speed_ratios(system, &names, train)?;

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.description.layout import layout
+from gearbow.description.train import Train
 from reference import scenes
 from reference.bows import HalfSine
 
@@ -76,7 +76,7 @@ def test_a_mode_shape_figure_has_a_title(number: int, tmp_path):
 def test_shaft_positions_follow_from_the_meshes():
     angles = (0.3, 2.0)
     system = scenes.Geared(angles=angles).package()
-    found = layout(system.shafts, system.gears, system.disks, system.meshes, system.bearings)
+    found = Train.of(system.description, system.speed_ratios).layout
     places = {shaft.name: shaft.origin for shaft in found.shafts}
     distance = 0.003 * (25 + 50) / 2
     assert places["input"] == pytest.approx(np.zeros(3))

@@ -87,9 +87,11 @@ class Gear(_Body):
         Helix angle on the reference circle [rad], positive for a right-hand helix; gears in mesh
         have opposite hands of the same angle. A spur gear has 0.
     profile_shift : float
-        Profile shift coefficient.
+        Profile shift coefficient x; needs `module`. Meshes without `centre_distance` place the
+        centres so that the flanks have no play.
     tip_radius : float
-        Tip radius [m]; the default is that of full-depth teeth.
+        Tip radius [m]; the default is that of full-depth teeth, r + m (1 + x), shortened where the
+        profile shifts would leave a tip clearance below 0.1 module.
     mass : float
         Mass [kg]; the defaults of mass and inertias are those of a solid steel disk with the
         diameter of the pitch circle.
@@ -154,7 +156,8 @@ class Mesh(Part):
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     centre_distance : float, optional
-        Distance of the centres at rest [m]; None is the sum of the reference pitch radii.
+        Distance of the centres at rest [m]; None is the one without play, which follows from the
+        profile shifts (ISO 21771). It is the sum of the reference pitch radii if they add up to 0.
     backlash : float, optional
         Clearance of the flanks along the line of action, normal to the teeth, for the centres at
         rest [m]. None is a mesh that never separates: its force can be tensile.

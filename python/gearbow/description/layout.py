@@ -154,6 +154,7 @@ def layout(
     meshes: Sequence[Mesh],
     bearings: Sequence[Bearing | JournalBearing | RollingBearing],
     *,
+    centre_distances: Sequence[float],
     couplings: Sequence[Coupling] = (),
 ) -> Layout:
     """Find the geometry of a train at rest.
@@ -173,6 +174,8 @@ def layout(
         The meshes.
     bearings : sequence of Bearing
         The bearings.
+    centre_distances : sequence of float
+        Distance of the centres of each mesh at rest [m].
     couplings : sequence of Coupling
         The couplings.
 
@@ -186,7 +189,10 @@ def layout(
     given: list[Gear | Disk] = [*gears, *disks]
     places = {body.name: (body.shaft, body.position) for body in given}
     while found := next(
-        chain(_next_origin(meshes, by_name, origins), _next_coupled(couplings, places, origins)),
+        chain(
+            _next_origin(meshes, centre_distances, by_name, origins),
+            _next_coupled(couplings, places, origins),
+        ),
         None,
     ):
         origins[found[0]] = found[1]
@@ -232,12 +238,14 @@ def reference_radius(body: Gear | Disk) -> float:
 
 
 def _next_origin(
-    meshes: Sequence[Mesh], gears: dict[str, Gear], origins: dict[str, Array]
+    meshes: Sequence[Mesh],
+    centre_distances: Sequence[float],
+    gears: dict[str, Gear],
+    origins: dict[str, Array],
 ) -> Iterator[tuple[str, Array]]:
     """Give the origins of shafts that mesh with a shaft whose origin is known."""
-    for mesh in meshes:
+    for mesh, distance in zip(meshes, centre_distances, strict=True):
         driver, driven = gears[mesh.driver], gears[mesh.driven]
-        distance = mesh.centre_distance or reference_radius(driver) + reference_radius(driven)
         angle = mesh.centre_line_angle
         offset = np.array(
             [

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._core import Model
+from gearbow._core import Model, mesh_geometry
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, ComplexArray, Dof, Plain
 from gearbow.description.couplings import Coupling, Drive, Force
@@ -102,7 +102,11 @@ class Train(ReadOnly):
         bows = [_bow(description, shaft.name) for shaft in parts["shafts"] if shaft.bow is not None]
         return cls(
             parts=parts,
-            layout=layout(*(parts[key] for key in lists), couplings=parts["couplings"]),
+            layout=layout(
+                *(parts[key] for key in lists),
+                centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(description)],
+                couplings=parts["couplings"],
+            ),
             ratios={s.name: float(r) for s, r in zip(parts["shafts"], ratios, strict=True)},
             dofs=tuple(dof for dofs, _ in bows for dof in dofs),
             bow=np.concatenate([np.empty(0, complex), *(values for _, values in bows)]),

@@ -8,9 +8,10 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from gearbow._core import mesh_geometry
 from gearbow._shown import Shown
 from gearbow._types import Array
-from gearbow.description.gears import Gear, Mesh
+from gearbow.description.gears import Gear
 from gearbow.recording.record import Event
 from gearbow.recording.request import RunRequest
 
@@ -179,10 +180,10 @@ class MeshScene(Shown):
     ----------
     backlash : float or None
         Backlash normal to the teeth for the centres at rest [m]; None if the flanks never separate.
+    centre_distance : float
+        Distance of the centres at rest [m].
     pressure_angle : float
-        Pressure angle of the basic rack in the transverse section [rad].
-    centre_distance : float or None
-        Distance of the centres at rest [m]; None is the sum of the reference pitch radii.
+        Operating pressure angle at rest, in the transverse section [rad].
     base_helix_cosine : float
         Cosine of the base helix angle.
     frozen : bool
@@ -190,8 +191,8 @@ class MeshScene(Shown):
     """
 
     backlash: float | None
+    centre_distance: float
     pressure_angle: float
-    centre_distance: float | None
     base_helix_cosine: float
     frozen: bool
 
@@ -213,17 +214,14 @@ class MeshScene(Shown):
         """
         plain = {entry["name"]: entry for entry in request.description["gears"]}
         gear: Gear = Gear._from_description(plain[driver])
-        mesh = next(
-            Mesh._from_description(entry)
-            for entry in request.description["meshes"]
-            if (entry["driver"], entry["driven"]) == (driver, driven)
-        )
-        helix, normal = gear.helix_angle, gear.pressure_angle
+        pairs = [(entry["driver"], entry["driven"]) for entry in request.description["meshes"]]
+        index = pairs.index((driver, driven))
+        at_rest = mesh_geometry(request.description)[index]
         return cls(
-            mesh.backlash,
-            math.atan(math.tan(normal) / math.cos(helix)),
-            mesh.centre_distance,
-            math.sqrt(1.0 - (math.sin(helix) * math.cos(normal)) ** 2),
+            request.description["meshes"][index].get("backlash"),
+            at_rest["centre_distance"],
+            at_rest["pressure_angle"],
+            math.sqrt(1.0 - (math.sin(gear.helix_angle) * math.cos(gear.pressure_angle)) ** 2),
             request.options.get("geometry") == "frozen",
         )
 
@@ -242,15 +240,12 @@ class MeshScene(Shown):
         float
             Deflection normal to the teeth [m].
         """
-        distance, angle = at["centre_distance"], at["pressure_angle"]
-        base = distance * math.cos(angle)
-        rest = self.centre_distance or base / math.cos(self.pressure_angle)
-        angle_at_rest = math.acos(min(1.0, base / rest))
+        distance, angle, rest = at["centre_distance"], at["pressure_angle"], self.pressure_angle
         if self.frozen:
-            longer = math.sin(angle_at_rest) * (distance - rest)
+            longer = math.sin(rest) * (distance - self.centre_distance)
         else:
-            involute = math.tan(angle) - angle - math.tan(angle_at_rest) + angle_at_rest
-            longer = base * involute
+            involute = math.tan(angle) - angle - math.tan(rest) + rest
+            longer = distance * math.cos(angle) * involute
         return -at["deflection"] - (self.backlash or 0.0) - 2.0 * longer * self.base_helix_cosine
 
 

@@ -179,7 +179,7 @@ def limits(study: Study) -> Figure:
             few.plot(study.settings.bows, ratios, **style)
         _, angle, _ = study.pair(study.pairs[0])
         lines = {
-            "tips reach root circles": study.gear(study.gears[0])["module"] / 4.0,
+            "tips reach root circles": min(study.clearance(pair) for pair in study.pairs),
             "backlash used up": study.settings.backlash / (2.0 * math.sin(angle)),
         }
         for text, value in lines.items():

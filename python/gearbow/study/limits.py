@@ -62,21 +62,17 @@ def _backlash(study: Study, found: Measured, pair: str) -> float:
 
 
 def _clearance(study: Study, found: Measured, pair: str) -> float:
-    """Return the tip clearance [m]; it is 0.25 modules at rest for full-depth teeth."""
+    """Return the remaining tip clearance [m]."""
     distance, _, _ = study.pair(pair)
-    module = study.gear(pair.split("/", maxsplit=1)[0])["module"]
-    return module / 4.0 - (distance - found.smallest(pair, "centre_distance"))
+    return study.clearance(pair) - (distance - found.smallest(pair, "centre_distance"))
 
 
 def _involute(study: Study, found: Measured, pair: str) -> float:
     """Return C sin α minus the longer reach √(tip radius² − base radius²) of both gears [m]."""
-    _, angle, _ = study.pair(pair)
-    gears = [study.gear(name) for name in pair.split("/")]
-    radii = [gear["module"] * gear["teeth"] / 2.0 for gear in gears]
-    bases = [radius * math.cos(angle) for radius in radii]
+    mesh = study.mesh(pair)
+    bases = mesh["base_radii"]
     reach = max(
-        math.sqrt((radius + gear["module"]) ** 2 - base**2)
-        for gear, radius, base in zip(gears, radii, bases, strict=True)
+        math.sqrt(tip**2 - base**2) for tip, base in zip(mesh["tip_radii"], bases, strict=True)
     )
     nearest = found.smallest(pair, "centre_distance")
     return math.sqrt(nearest**2 - sum(bases) ** 2) - reach

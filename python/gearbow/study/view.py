@@ -4,6 +4,8 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+from gearbow._core import mesh_geometry
+from gearbow._types import MeshGeometry
 from gearbow.study.case import ALL, Case, middle
 from gearbow.study.measure import Measured, measure
 from gearbow.study.runs import Results, find
@@ -89,13 +91,28 @@ class Study:
         Returns
         -------
         dict
-            Description, with at least teeth, module and pressure angle.
+            Description, with at least teeth and module.
         """
         (found,) = [gear for gear in self.settings.scene["gears"] if gear["name"] == name]
-        return {"pressure_angle": math.radians(20.0), **found}
+        return dict(found)
+
+    def mesh(self, name: str) -> MeshGeometry:
+        """Return the geometry of a mesh at rest.
+
+        Parameters
+        ----------
+        name : str
+            Name of the mesh, for example "g1/g2".
+
+        Returns
+        -------
+        dict
+            Centre distance, pressure angle and radii.
+        """
+        return mesh_geometry(self.settings.scene)[self.pairs.index(name)]
 
     def pair(self, name: str) -> tuple[float, float, float]:
-        """Return the geometry of a mesh with full-depth teeth at rest.
+        """Return centre distance, pressure angle and base pitch of a mesh at rest.
 
         Parameters
         ----------
@@ -107,7 +124,26 @@ class Study:
         tuple of (float, float, float)
             Centre distance [m], pressure angle [rad] and base pitch [m].
         """
-        driver, driven = (self.gear(gear) for gear in name.split("/"))
-        module, angle = driver["module"], driver["pressure_angle"]
-        distance = module * (driver["teeth"] + driven["teeth"]) / 2.0
-        return distance, angle, math.pi * module * math.cos(angle)
+        mesh, driver = self.mesh(name), self.gear(name.split("/", maxsplit=1)[0])
+        pitch = 2.0 * math.pi * mesh["base_radii"][0] / driver["teeth"]
+        return mesh["centre_distance"], mesh["pressure_angle"], pitch
+
+    def clearance(self, name: str) -> float:
+        """Return the smaller tip clearance of a mesh at rest.
+
+        Parameters
+        ----------
+        name : str
+            Name of the mesh, for example "g1/g2".
+
+        Returns
+        -------
+        float
+            Distance between the tip circle of a gear and the root circle of the other one [m].
+        """
+        mesh = self.mesh(name)
+        reach = (
+            tip + root
+            for tip, root in zip(mesh["tip_radii"], mesh["root_radii"][::-1], strict=True)
+        )
+        return mesh["centre_distance"] - max(reach)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array, number, shown, truth, whole
-from gearbow._core import Model
+from gearbow._core import Model, mesh_geometry
 from gearbow.description.layout import layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
@@ -95,6 +95,7 @@ class LinearAnalyses(SystemFiles):
             self.disks,
             self.meshes,
             self.bearings,
+            centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
             couplings=self.couplings,
         )
         return Modes.from_data(data, speed, self.dofs, parts)

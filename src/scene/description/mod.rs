@@ -247,7 +247,7 @@ pub struct Mesh {
     /// Angle from y to the line of centres, driver to driven gear, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_line_angle: Option<f64>,
-    /// Centre distance at rest, m; the sum of the pitch radii by default.
+    /// Centre distance at rest, m; by default that without play, the sum of the pitch radii without profile shift.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_distance: Option<f64>,
     /// Backlash along the line of action, m; by default the flanks never separate.

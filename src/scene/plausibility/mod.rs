@@ -197,8 +197,10 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
     let module = pair[0].module.max(pair[1].module);
     let width = pair.iter().map(|gear| gear.face_width.unwrap_or(10.0 * gear.module)).fold(f64::INFINITY, f64::min);
     found.check_angle(&at.field("centre_line_angle"), mesh.centre_line_angle);
-    let radii = pair[0].pitch_radius + pair[1].pitch_radius;
-    found.check(&at.field("centre_distance"), mesh.centre_distance / radii, &CENTRE_DISTANCE);
+    if let Some(distance) = given.centre_distance {
+        let radii = pair[0].pitch_radius + pair[1].pitch_radius;
+        found.check(&at.field("centre_distance"), distance / radii, &CENTRE_DISTANCE);
+    }
     for (gear, index) in pair.iter().zip([mesh.driver, mesh.driven]) {
         let at = EntryPath::entry("gears", index);
         found.check(&at.field("tip_radius"), gear.tip_radius / mesh.centre_distance, &TIP_REACH);
