@@ -5,7 +5,6 @@ use nalgebra::DVector;
 use super::AnalysisError;
 use crate::mesh::Geometry;
 use crate::modal::{CachedModel, EquilibriumError, EquilibriumSpeeds};
-use crate::model::Model;
 
 /// Displacements q of the equilibrium under torques, gravity and the forces of meshes and films, at `speed` of the reference
 /// shaft, rad/s, which also determines the flanks in contact. Bow and unbalance rotate and are not included.
@@ -24,18 +23,18 @@ pub(super) fn equilibrium_with_flanks(
     geometry: Geometry,
     speeds: EquilibriumSpeeds,
 ) -> Result<DVector<f64>, AnalysisError> {
-    let cached = cached.at_speed(speeds.film)?;
-    cached.equilibrium(geometry, speeds).map_err(|error| explained(&cached.model, error))
+    Ok(cached.at_speed(speeds.film)?.equilibrium(geometry, speeds)?)
 }
 
-fn explained(model: &Model, error: EquilibriumError) -> AnalysisError {
-    match error {
-        EquilibriumError::Scene(error) => error.into(),
-        EquilibriumError::Overlap(mesh, overlap) => {
-            let [driver, driven] = model.gear_names(mesh);
-            AnalysisError::overlap(driver, driven, "in static equilibrium", overlap)
+impl From<EquilibriumError> for AnalysisError {
+    fn from(error: EquilibriumError) -> Self {
+        match error {
+            EquilibriumError::Scene(error) => error.into(),
+            EquilibriumError::Overlap { gears: [driver, driven], overlap } => {
+                Self::overlap(&driver, &driven, "in static equilibrium", overlap)
+            }
+            EquilibriumError::Convergence(message) => Self::Convergence(message),
+            EquilibriumError::Decomposition(error) => error.into(),
         }
-        EquilibriumError::Convergence(message) => AnalysisError::Convergence(message),
-        EquilibriumError::Decomposition(error) => error.into(),
     }
 }

@@ -17,7 +17,6 @@ use super::state_space::ModalStateSpace;
 use crate::linalg::{CoupledFactors, DecompositionError};
 use crate::mesh::Geometry;
 use crate::model::Model;
-use crate::scene::{EntryPath, SceneError};
 
 /// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
 const MIN_KRYLOV: usize = 100;
@@ -130,9 +129,9 @@ impl CachedModel {
     /// coefficients of the static equilibrium at that speed, with live geometry of the meshes.
     ///
     /// # Errors
-    /// [`SceneError`] if a bearing has no coefficients, or a torque no value, at the speed, or nonlinear bearings have no
-    /// equilibrium.
-    pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
+    /// [`EquilibriumError`] if a bearing has no coefficients, or a torque no value, at the speed, or nonlinear bearings have
+    /// no equilibrium.
+    pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, EquilibriumError> {
         if self.model.is_at(speed) {
             self.model.check_speed(speed)?;
             return Ok(AtSpeed::Same(self));
@@ -140,11 +139,8 @@ impl CachedModel {
         if let Some(known) = self.at_speeds.get(&speed) {
             return Ok(AtSpeed::Specialised(known));
         }
-        let mut model = self.model.at_speed(speed)?;
-        if !model.is_at(speed) {
-            model = at_operating_point(model, speed)?;
-        }
-        let model = Self::new(model);
+        let model = self.model.at_speed(speed)?;
+        let model = if model.is_at(speed) { Self::new(model) } else { at_operating_point(model, speed)? };
         model.linear_part.get_or_init(|| self.linear_part().at_speed(speed));
         let model = Arc::new(model);
         self.at_speeds.insert(speed, Arc::clone(&model));
@@ -156,7 +152,7 @@ impl CachedModel {
     ///
     /// # Errors
     /// As [`Self::at_speed`].
-    pub fn with_points_of(&self, speed: f64) -> Result<AtSpeed<'_>, SceneError> {
+    pub fn with_points_of(&self, speed: f64) -> Result<AtSpeed<'_>, EquilibriumError> {
         if self.model.nonlinear_bearings.is_empty() {
             return Ok(AtSpeed::Same(self));
         }
@@ -340,19 +336,13 @@ impl CachedModel {
     }
 }
 
-/// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s.
-fn at_operating_point(model: Model, speed: f64) -> Result<Model, SceneError> {
+/// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s, which it keeps.
+fn at_operating_point(model: Model, speed: f64) -> Result<CachedModel, EquilibriumError> {
     let model = model.with_provisional_points();
-    match equilibrium(&model, Geometry::Live, speed.into()) {
-        Ok(q) => Ok(model.with_points_at(speed, q.as_slice())),
-        Err(EquilibriumError::Scene(error)) => Err(error),
-        Err(error) => {
-            let number = model.nonlinear_bearings.first().map_or(0, |bearing| bearing.number);
-            let message =
-                format!("no static equilibrium at {speed} rad/s, which the stiffness of the bearing needs: {error}");
-            Err(EntryPath::entry("bearings", number).error(message))
-        }
-    }
+    let q = equilibrium(&model, Geometry::Live, speed.into())?;
+    let cached = CachedModel::new(model.with_points_at(speed, q.as_slice()));
+    cached.equilibria.insert((Geometry::Live, speed.into()), q);
+    Ok(cached)
 }
 
 impl LinearPart {

@@ -18,8 +18,7 @@ const CLEARANCE_SHARE: f64 = 0.8;
 /// Stiffness that is added to rolling elements, which have none before they carry: the share of the residual in the load times
 /// the stiffness under the weight. It vanishes with the residual, so that the iteration converges as fast as Newton's method
 /// (Levenberg and Marquardt; Yamashita and Fukushima, Computing Suppl. 15, 2001).
-pub(super) fn regularisation(model: &Model, residual: &DVector<f64>, load: &DVector<f64>) -> Vec<Entry> {
-    let part = residual.norm() / load.norm().max(f64::MIN_POSITIVE);
+pub(super) fn regularisation(model: &Model, part: f64) -> Vec<Entry> {
     let mut entries = Vec::new();
     for bearing in model.nonlinear_bearings.iter().filter(|bearing| bearing.rolling().is_some()) {
         let stiffness = bearing.initial_stiffness * part.clamp(FREE, 1.0);

@@ -9,10 +9,12 @@ use num_complex::Complex64;
 
 use thiserror::Error;
 
+mod forces;
+
+use self::forces::{AtRest, Contacts, Forces};
 use super::clearance::{Entry, check_journals, regularisation, within_clearances};
 use super::pins::Pins;
 use super::real::null_motions;
-use crate::connection::{Connection, Row};
 use crate::film::CLOSEST;
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
 use crate::mesh::{Flank, Geometry, Overlap};
@@ -25,13 +27,21 @@ const BALANCE_TOLERANCE: f64 = 1e-9;
 const UNSUPPORTED_TOLERANCE: f64 = 1e-6;
 /// Component of a null motion, relative to its largest one, below which it is round-off.
 const ROUND_OFF: f64 = 1e-12;
-/// Energy of a Newton step, relative to the energy of the load, below which the iteration has converged; displacements
-/// are then accurate to 1e-13.
-const CONVERGENCE_TOLERANCE: f64 = 1e-26;
+/// Largest displacement of a Newton step, relative to the largest displacement, below which the iteration has converged.
+const CONVERGENCE_TOLERANCE: f64 = 1e-13;
 /// The same limit for steps that have stopped to decrease, because of round-off in stiff scenes.
-const STALL_TOLERANCE: f64 = 1e-14;
-/// Ratio of the energies of successive steps above which the tangent is computed anew.
-const TANGENT_REUSE_RATIO: f64 = 1e-4;
+const STALL_TOLERANCE: f64 = 1e-7;
+/// Ratio of the norms of the unbalanced forces after and before a step above which the tangent is computed anew.
+const TANGENT_REUSE_RATIO: f64 = 1e-2;
+/// Part of the decrease that the tangent predicts which a step must reach (Armijo's condition; Nocedal and Wright, Numerical
+/// Optimization, 2nd ed., 2006, section 11.2).
+const SUFFICIENT_DECREASE: f64 = 1e-4;
+/// Smallest fraction of a Newton step.
+const LEAST_FRACTION: f64 = 1e-6;
+/// Smallest fraction of a Newton step that is tried where base circles overlap.
+const LEAST_FRACTION_OF_OVERLAP: f64 = 1e-3;
+/// Largest unbalanced force of a shaft over its load.
+const MAX_RESIDUAL: f64 = 1e-6;
 /// Largest number of iterations. A smooth problem takes three to five, a loaded journal or rolling bearing up to twenty.
 const MAX_ITERATIONS: usize = 60;
 /// Eccentricity ratio above which a search that fails means that the journal touches.
@@ -45,15 +55,27 @@ pub enum EquilibriumError {
     /// The loads have no equilibrium.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The base circles of the mesh with this index overlap.
+    /// The base circles of a mesh overlap.
     #[error("base circles overlap")]
-    Overlap(usize, Overlap),
-    /// The iteration did not converge.
+    Overlap {
+        /// Names of the driving and the driven gear.
+        gears: [String; 2],
+        /// Distance of the centres and base radii.
+        overlap: Overlap,
+    },
+    /// The iteration did not converge, or left forces unbalanced.
     #[error("{0}")]
     Convergence(String),
     /// A decomposition fails.
     #[error(transparent)]
     Decomposition(#[from] DecompositionError),
+}
+
+impl EquilibriumError {
+    /// Overlap of the base circles of the mesh with this index.
+    fn overlap(model: &Model, mesh: usize, overlap: Overlap) -> Self {
+        Self::Overlap { gears: model.gear_names(mesh).map(str::to_owned), overlap }
+    }
 }
 
 /// Speeds of the reference shaft, rad/s.
@@ -74,80 +96,187 @@ impl From<f64> for EquilibriumSpeeds {
 /// Displacements q of the equilibrium. `model` belongs to the speed of its nonlinear bearings. Bow and unbalance rotate and are not included.
 ///
 /// # Errors
-/// [`EquilibriumError`] if the load has no equilibrium, base circles overlap, a journal touches or carries no load, or the
-/// iteration fails.
+/// [`EquilibriumError`] if the load has no equilibrium, base circles overlap, a journal touches or carries no load, the
+/// iteration fails, or its result leaves a force unbalanced.
 pub fn equilibrium(
     model: &Model,
     geometry: Geometry,
     speeds: EquilibriumSpeeds,
 ) -> Result<DVector<f64>, EquilibriumError> {
-    let (speed, load) = (speeds.flanks, &model.constant_load);
+    let speed = speeds.flanks;
     model.check_speed(speed)?;
-    let with_torques = load + model.speed_torques(speed);
+    let load = &model.constant_load + model.speed_torques(speed);
     let null = null_motions(model, speed)?;
-    check_balance(model, &null, &with_torques, speed)?;
-    let pins = Pins::new(model, &null);
-    let mut linear = model.shaft_stiffness(&Weights::stiffness());
-    pins.add_to(model, &mut linear);
-
-    let mut flanks = vec![Flank::Drive; model.meshes.len()];
-    let mut q = DVector::zeros(model.len());
-    // Part of the residual that only the springs on the null motions balance.
-    let mut carried = DVector::zeros(model.len());
-    let mut previous = f64::INFINITY;
-    let mut factors: Option<CoupledFactors> = None;
-    for _ in 0..MAX_ITERATIONS {
-        let (force, tangent) = connection_forces(model, geometry, speeds, &flanks, &q)?;
-        // Forces from strains avoid the round-off of rigid motions, which are much larger in soft bearings.
-        let residual = load - model.static_force(&q) - force;
-        carried = pins.carried(&residual);
-        let known = match factors.take() {
-            Some(known) => known,
-            None => tangent_factors(model, linear.clone(), &tangent, [&residual, &with_torques])?,
-        };
-        let step = model.solve_real(&known, 0.0, residual.as_slice()).map_err(DecompositionError::from)?;
-        let mut step = DVector::from_vec(step);
-        pins.remove_null_motions(&mut step);
-        let energy = step.dot(&residual).abs();
-        let scale = with_torques.dot(&q).abs().max(energy);
-        let stalled = energy <= STALL_TOLERANCE * scale && energy >= previous / 4.0;
-        let converged = energy <= CONVERGENCE_TOLERANCE * scale || stalled;
-        // An old tangent is used as long as the steps decrease fast.
-        if energy <= TANGENT_REUSE_RATIO * previous {
-            factors = Some(known);
-        }
-        previous = energy;
-        let fraction = admissible(model, geometry, speed, &q, &step)?;
-        q.axpy(fraction, &step, 1.0);
-        if !q.iter().all(|value| value.is_finite()) {
-            break;
-        }
-        if converged {
-            let pressed = pressed_flanks(model, geometry, speed, &flanks, &q)?;
-            if pressed == flanks {
-                check_constraints(&carried, &with_torques)?;
-                check_journals(model, &q, UNLOADED..CLOSEST)?;
-                return Ok(q);
-            }
-            (flanks, previous, factors) = (pressed, f64::INFINITY, None);
-        }
-    }
-    check_journals(model, &q, 0.0..TOUCHING)?;
-    check_constraints(&carried, &with_torques)?;
-    Err(EquilibriumError::Convergence(format!("no static equilibrium found in {MAX_ITERATIONS} Newton iterations")))
+    check_balance(model, &null, &load, speed)?;
+    let search = Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null));
+    let q = search.run(&load)?;
+    check_residuals(model, &search.at_rest.residuals(&q)?)?;
+    Ok(q)
 }
 
-/// Factors of the stiffness of shafts, bearings and pins with the tangent of the connections, where the load leaves a residual.
-fn tangent_factors(
+/// Largest unbalanced force, or moment over the length, of every shaft and then of every support and housing over its load,
+/// at displacements q; see [`Bodies::residuals`](forces::Bodies::residuals).
+///
+/// # Errors
+/// [`EquilibriumError::Overlap`] of base circles.
+pub fn equilibrium_residuals(
     model: &Model,
-    mut sum: CoupledBands,
-    tangent: &[Entry],
-    [residual, load]: [&DVector<f64>; 2],
-) -> Result<CoupledFactors, DecompositionError> {
-    for (row, column, value) in tangent.iter().chain(&regularisation(model, residual, load)) {
-        model.add_entry(&mut sum, *row, *column, Complex64::from(*value));
+    geometry: Geometry,
+    speeds: EquilibriumSpeeds,
+    q: &DVector<f64>,
+) -> Result<Vec<f64>, EquilibriumError> {
+    AtRest::new(model, geometry, speeds).residuals(q)
+}
+
+/// Refuses residuals above their limit.
+fn check_residuals(model: &Model, residuals: &[f64]) -> Result<(), EquilibriumError> {
+    let [shafts, housings] = [&residuals[..model.shafts.len()], &residuals[model.shafts.len()..]];
+    let entries = shafts.iter().enumerate().map(|(index, value)| ("shafts", index, value));
+    for (list, index, value) in entries.chain(housings.iter().enumerate().map(|(index, value)| ("housings", index, value))) {
+        if value.is_nan() || *value > MAX_RESIDUAL {
+            return Err(unconverged(list, index, *value));
+        }
     }
-    Ok(sum.factor(1.0)?)
+    Ok(())
+}
+
+/// The error for forces that do not balance on a shaft or housing.
+fn unconverged(list: &str, index: usize, residual: f64) -> EquilibriumError {
+    EquilibriumError::Convergence(format!(
+        "{list}[{index}]: no static equilibrium found: the best one leaves {} of the load unbalanced, more than {}",
+        short(residual), short(MAX_RESIDUAL)
+    ))
+}
+
+/// Displacements with the forces there, for given flanks.
+struct Point {
+    q: DVector<f64>,
+    forces: Forces,
+    /// Unbalanced forces without the part that only the springs on the null motions balance.
+    residual: DVector<f64>,
+    /// The part that only the springs on the null motions balance.
+    carried: DVector<f64>,
+    /// Tangent of the connections.
+    tangent: Vec<Entry>,
+}
+
+/// Newton's method for the equilibrium.
+struct Search<'m> {
+    at_rest: AtRest<'m>,
+    pins: Pins,
+    /// Stiffness of shafts, bearings with constant coefficients, links and pins.
+    linear: CoupledBands,
+}
+
+impl<'m> Search<'m> {
+    fn new(at_rest: AtRest<'m>, pins: Pins) -> Self {
+        let mut linear = at_rest.model.shaft_stiffness(&Weights::stiffness());
+        pins.add_to(&at_rest.model, &mut linear);
+        Self { at_rest, pins, linear }
+    }
+
+    fn at(&self, q: DVector<f64>, flanks: &[Flank]) -> Result<Point, EquilibriumError> {
+        let mut tangent = Vec::new();
+        let forces = self.at_rest.forces(Contacts::Given(flanks), &q, &mut |entry| tangent.push(entry))?;
+        let residual = forces.residual();
+        let carried = self.pins.carried(&residual);
+        Ok(Point { q, forces, residual: residual - &carried, carried, tangent })
+    }
+
+    /// Norms of the unbalanced forces at two points over the larger loads of both.
+    fn norms(&self, points: [&Point; 2]) -> [f64; 2] {
+        let [a, b] = points.map(|point| self.at_rest.bodies.loads(&point.forces));
+        let loads: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect();
+        points.map(|point| self.at_rest.bodies.norm(&point.forces, &point.residual, &loads))
+    }
+
+    fn run(&self, load: &DVector<f64>) -> Result<DVector<f64>, EquilibriumError> {
+        let model = &*self.at_rest.model;
+        let bodies = &self.at_rest.bodies;
+        let mut flanks = vec![Flank::Drive; model.meshes.len()];
+        let mut point = self.at(DVector::zeros(model.len()), &flanks)?;
+        let mut previous = f64::INFINITY;
+        let mut factors: Option<CoupledFactors> = None;
+        let mut iterations = 0;
+        for _ in 0..MAX_ITERATIONS {
+            iterations += 1;
+            let residual = &point.residual;
+            let [norm, _] = self.norms([&point, &point]);
+            let reused = factors.is_some();
+            let known = match factors.take() {
+                Some(known) => known,
+                None => self.tangent_factors(&point.tangent, norm)?,
+            };
+            let step = model.solve_real(&known, 0.0, residual.as_slice()).map_err(DecompositionError::from)?;
+            let mut step = DVector::from_vec(step);
+            self.pins.remove_null_motions(&mut step);
+            let size = bodies.size(&step);
+            let all = bodies.size(&point.q).max(size);
+            let stalled = size <= STALL_TOLERANCE * all && size >= previous / 2.0;
+            let debug = std::env::var("GBDEBUG").is_ok();
+            if debug { eprintln!("it {iterations} norm {norm:.3e} step {:.3e} reused {reused}", size / all); }
+            if size <= CONVERGENCE_TOLERANCE * all || stalled {
+                point = self.at(point.q + step, &flanks)?;
+                let pressed = pressed_flanks(&self.at_rest, &flanks, &point.q)?;
+                if pressed == flanks {
+                    check_constraints(&point.carried, load)?;
+                    check_journals(model, &point.q, UNLOADED..CLOSEST)?;
+                    return Ok(point.q);
+                }
+                (flanks, previous) = (pressed, f64::INFINITY);
+                point = self.at(point.q, &flanks)?;
+                continue;
+            }
+            previous = size;
+            match self.advance(&point, &flanks, &step)? {
+                Some((next, fraction, ratio)) => {
+                    if debug { eprintln!("   fraction {fraction} ratio {ratio:.3e}"); }
+                    if ratio <= TANGENT_REUSE_RATIO && fraction == 1.0 {
+                        factors = Some(known);
+                    }
+                    point = next;
+                }
+                None if reused => previous = f64::INFINITY,
+                None => break,
+            }
+        }
+        if std::env::var("GBDEBUG").is_ok() { eprintln!("FAILED after {iterations}"); }
+        check_journals(model, &point.q, 0.0..TOUCHING)?;
+        check_constraints(&point.carried, load)?;
+        let residuals = self.at_rest.residuals(&point.q)?;
+        check_residuals(model, &residuals)?;
+        Err(EquilibriumError::Convergence(format!("no static equilibrium found in {iterations} Newton iterations")))
+    }
+
+    /// The point after the largest fraction of a step that reduces the unbalanced forces, with this fraction and the ratio of the
+    /// norms after and before it; none if no fraction does.
+    fn advance(&self, point: &Point, flanks: &[Flank], step: &DVector<f64>) -> Result<Option<(Point, f64, f64)>, EquilibriumError> {
+        let mut fraction = within_clearances(&self.at_rest.model, &point.q, step);
+        while fraction >= LEAST_FRACTION {
+            match self.at(&point.q + step * fraction, flanks) {
+                Err(overlap) if fraction < LEAST_FRACTION_OF_OVERLAP => return Err(overlap),
+                Err(_) => {}
+                Ok(next) => {
+                    let [before, after] = self.norms([point, &next]);
+                    if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) {
+                        return Ok(Some((next, fraction, after / before)));
+                    }
+                }
+            }
+            fraction /= 2.0;
+        }
+        Ok(None)
+    }
+
+    /// Factors of the stiffness of shafts, bearings and pins with the tangent of the connections, where `norm` of the load is
+    /// unbalanced.
+    fn tangent_factors(&self, tangent: &[Entry], norm: f64) -> Result<CoupledFactors, DecompositionError> {
+        let (model, mut sum) = (&self.at_rest.model, self.linear.clone());
+        for (row, column, value) in tangent.iter().chain(&regularisation(model, norm)) {
+            model.add_entry(&mut sum, *row, *column, Complex64::from(*value));
+        }
+        Ok(sum.factor(1.0)?)
+    }
 }
 
 /// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
@@ -255,77 +384,11 @@ fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), 
     Err(SceneError::new("bearings", message).into())
 }
 
-/// Sum of the generalised forces of all connections, on the left side of the equation of motion, and its derivative with
-/// respect to q.
-fn connection_forces(
-    model: &Model,
-    geometry: Geometry,
-    speeds: EquilibriumSpeeds,
-    flanks: &[Flank],
-    q: &DVector<f64>,
-) -> Result<(DVector<f64>, Vec<Entry>), EquilibriumError> {
-    let mut force = DVector::zeros(model.len());
-    let mut tangent = Vec::new();
-    for connection in model.connections(speeds.flanks) {
-        match connection {
-            Connection::Mesh(index, mesh, sigma) => {
-                let contacts = [(flanks[index].drives(), false), (flanks[index].holds_back(), true)];
-                for (_, back) in contacts.into_iter().filter(|(in_contact, _)| *in_contact) {
-                    let (pressed, directions) = mesh
-                        .mean_tangent(geometry, sigma, back, q.as_slice(), |row, column, value| {
-                            tangent.push((row, column, value))
-                        })
-                        .map_err(|overlap| EquilibriumError::Overlap(index, overlap))?;
-                    let sigma = if back { -sigma } else { sigma };
-                    mesh.gradient(sigma, &directions, |row, slope| force[row] += pressed * slope);
-                }
-            }
-            Connection::Bearing(bearing) => {
-                let known = bearing.static_tangent(speeds.flanks, q.as_slice());
-                add_over_scalars(&bearing.rows, &known, &mut force, &mut tangent);
-            }
-            Connection::Nonlinear(bearing) => {
-                let known = bearing.static_tangent(speeds.film, q.as_slice());
-                add_over_scalars(&bearing.rows, &known, &mut force, &mut tangent);
-            }
-            Connection::Load(load) => {
-                for (row, factor) in &load.rows[0] {
-                    force[*row] -= factor * load.constant(speeds.flanks);
-                }
-            }
-            Connection::Spring(spring) => {
-                add_over_scalars(&spring.rows, &spring.static_tangent(q.as_slice()), &mut force, &mut tangent);
-            }
-        }
-    }
-    Ok((force, tangent))
-}
-
-/// Adds the force over the scalars of a connection, and its derivative with respect to the scalars, as generalised forces.
-fn add_over_scalars(
-    rows: &[Row],
-    (known, derivative): &(DVector<f64>, DMatrix<f64>),
-    force: &mut DVector<f64>,
-    tangent: &mut Vec<Entry>,
-) {
-    for (i, left) in rows.iter().enumerate() {
-        for (row, factor) in left {
-            force[*row] += factor * known[i];
-            for (j, right) in rows.iter().enumerate() {
-                let stiffness = factor * derivative[(i, j)];
-                tangent.extend(right.iter().map(|(column, factor)| (*row, *column, stiffness * factor)));
-            }
-        }
-    }
-}
-
 /// The flanks of every mesh that are pressed at `q`, after an iteration with contact on `flanks`. A flank with backlash
 /// does not pull. Both flanks are pressed if the centre distance is smaller than the backlash allows. Flanks are never
 /// apart, because a mesh in equilibrium carries its torque: where neither is pressed, the opposite flank comes next.
 fn pressed_flanks(
-    model: &Model,
-    geometry: Geometry,
-    speed: f64,
+    AtRest { model, geometry, speeds, .. }: &AtRest<'_>,
     flanks: &[Flank],
     q: &DVector<f64>,
 ) -> Result<Vec<Flank>, EquilibriumError> {
@@ -335,9 +398,9 @@ fn pressed_flanks(
             return Ok(*flank);
         }
         let force = |back| {
-            mesh.mean_tangent(geometry, model.sigma(index, speed), back, q.as_slice(), |_, _, _| {})
+            mesh.mean_tangent(*geometry, model.sigma(index, speeds.flanks), back, q.as_slice(), |_, _, _| {})
                 .map(|(force, _)| force)
-                .map_err(|overlap| EquilibriumError::Overlap(index, overlap))
+                .map_err(|overlap| EquilibriumError::overlap(model, index, overlap))
         };
         // The force of an unloaded mesh is round-off.
         let scale = mesh.stiffness * mesh.involute.base_radius[0] * f64::EPSILON;
@@ -349,27 +412,4 @@ fn pressed_flanks(
         })
     };
     flanks.iter().enumerate().map(pressed).collect()
-}
-
-/// Fraction of a Newton step that keeps the base circles apart and journals off their bearings.
-fn admissible(
-    model: &Model,
-    geometry: Geometry,
-    speed: f64,
-    q: &DVector<f64>,
-    step: &DVector<f64>,
-) -> Result<f64, EquilibriumError> {
-    let mut fraction = within_clearances(model, q, step);
-    for (index, mesh) in model.meshes.iter().enumerate() {
-        let sigma = model.sigma(index, speed);
-        while let Err(overlap) =
-            mesh.mean_tangent(geometry, sigma, false, (q + step * fraction).as_slice(), |_, _, _| {})
-        {
-            fraction /= 2.0;
-            if fraction < 1e-3 {
-                return Err(EquilibriumError::Overlap(index, overlap));
-            }
-        }
-    }
-    Ok(fraction)
 }

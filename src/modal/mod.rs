@@ -46,7 +46,7 @@ pub use cached::{AtSpeed, CachedModel};
 pub use components::ComponentModes;
 pub use critical::lowest_critical;
 pub use damped::{Mode, modes, structured_modes, whirl};
-pub use equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
+pub use equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use gyroscopic::{GyroscopicPair, gyroscopic_pairs};
 pub use intersection::{OrderIntersection, intersection};
 pub use pairs::ModePair;

@@ -67,16 +67,23 @@ impl Model {
     }
 
     /// The model with coefficients of its nonlinear bearings in the matrices, one for each.
-    pub fn with_points(mut self, point: impl Fn(&NonlinearBearing) -> OperatingPoint) -> Self {
+    pub fn with_points(self, point: impl Fn(&NonlinearBearing) -> OperatingPoint) -> Self {
+        let mut model = self.without_points();
+        for bearing in &mut model.nonlinear_bearings {
+            bearing.point = Some(point(bearing));
+        }
+        model.add_points();
+        model
+    }
+
+    /// The model without coefficients of its nonlinear bearings in the matrices.
+    pub fn without_points(mut self) -> Self {
         let number = |bearing: &NonlinearBearing| bearing.point.map(|_| bearing.number);
         let with_point: Vec<usize> = self.nonlinear_bearings.iter().filter_map(number).collect();
         let on_ground = with_point.iter().filter(|number| self.scene.bearings[**number].attachment.is_none()).count();
         self.supports.truncate(self.supports.len() - on_ground);
         self.links.truncate(self.links.len() - (with_point.len() - on_ground));
-        for bearing in &mut self.nonlinear_bearings {
-            bearing.point = Some(point(bearing));
-        }
-        self.add_points();
+        self.nonlinear_bearings.iter_mut().for_each(|bearing| bearing.point = None);
         self
     }
 

@@ -8,6 +8,7 @@ use pyo3::{Bound, PyAny, PyErr, PyResult, PyTypeInfo, Python};
 
 use crate::analysis::AnalysisError;
 use crate::linalg::DecompositionError;
+use crate::modal::EquilibriumError;
 use crate::scene::Scene;
 
 pyo3::import_exception!(gearbow.errors, SceneError);
@@ -43,6 +44,12 @@ impl From<crate::scene::SceneError> for PyErr {
 impl From<DecompositionError> for PyErr {
     fn from(error: DecompositionError) -> Self {
         ConvergenceError::new_err(error.to_string())
+    }
+}
+
+impl From<EquilibriumError> for PyErr {
+    fn from(error: EquilibriumError) -> Self {
+        AnalysisError::from(error).into()
     }
 }
 

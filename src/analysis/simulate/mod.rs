@@ -41,7 +41,7 @@ use crate::integrate::{
     Adaptive, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl, StepLimit,
     Trajectory, run,
 };
-use crate::modal::{AtSpeed, CachedModel};
+use crate::modal::{AtSpeed, CachedModel, EquilibriumError};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use initial::Start;
@@ -146,7 +146,7 @@ pub fn simulate(
 }
 
 /// The model of a run. At a constant speed, bearings that depend on it belong to the matrices.
-fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, SceneError> {
+fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, EquilibriumError> {
     match options.speed {
         Speed::Constant(_) => cached.at_speed(options.fastest()),
         Speed::Changing(_) => cached.with_points_of(options.fastest()),
