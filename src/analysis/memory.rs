@@ -83,14 +83,15 @@ impl Kept<'_> {
     }
 
     fn check(&self, available: u64) -> Result<(), SceneError> {
-        let Kept { argument, what, bytes, remedy } = self;
         let available = available.saturating_sub(UNCHECKED);
-        if *bytes <= available {
-            return Ok(());
-        }
+        if self.bytes <= available { Ok(()) } else { Err(self.refused(available)) }
+    }
+
+    fn refused(&self, available: u64) -> SceneError {
+        let Kept { argument, what, bytes, remedy } = self;
         let (needed, available) = (gigabytes(*bytes), gigabytes(available));
         let message = format!("{what} need {needed:.3} GB of memory, {available:.3} GB are available; {remedy}");
-        Err(SceneError::new(*argument, message))
+        SceneError::new(*argument, message)
     }
 
     /// An empty list with room for `count` values.
@@ -99,7 +100,7 @@ impl Kept<'_> {
     /// [`SceneError`] if the memory cannot be allocated.
     pub fn room<T>(&self, count: usize) -> Result<Vec<T>, SceneError> {
         let mut room = Vec::new();
-        room.try_reserve_exact(count).or_else(|_| self.check(0))?;
+        room.try_reserve_exact(count).map_err(|_| self.refused(available()))?;
         Ok(room)
     }
 }

@@ -12,7 +12,7 @@ use super::handle::PyModel;
 use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
 use super::{background, frequency, simulate, speed};
-use crate::analysis::simulate::{Options, round_below, sample_step};
+use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
@@ -351,6 +351,13 @@ impl PyModel {
         let fastest = speed::speed(speed)?.fastest(start, start + duration);
         // At least a thousand samples in the run.
         Ok(round_below(sample_step(self.model(), fastest).min(duration / 1000.0)))
+    }
+
+    /// Memory of the record of a run with a number of times, bytes.
+    fn record_bytes(&self, record: Vec<RecordEntry>, times: usize) -> PyResult<u64> {
+        let requests = record.into_iter().enumerate().map(|(index, entry)| entry.request(index));
+        let plan = RecordPlan::new(self.model(), &requests.collect::<Result<Vec<_>, _>>()?)?;
+        Ok(plan.bytes(self.model(), times))
     }
 
     #[pyo3(signature = (*, initial, times, record, progress, checkpoint, **options))]
