@@ -9,8 +9,8 @@ import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import BufferedRandom
 from pathlib import Path
-from typing import BinaryIO
 
 try:
     import fcntl
@@ -18,7 +18,7 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
     import msvcrt
 
-__all__ = ["BusyError", "FileLock", "replacing"]
+__all__ = ["BusyError", "FileLock", "replacing", "reserve"]
 
 
 class BusyError(Exception):
@@ -26,7 +26,7 @@ class BusyError(Exception):
 
 
 @contextmanager
-def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+def replacing(path: str | os.PathLike[str]) -> Iterator[BufferedRandom]:
     """Open a temporary file that replaces `path` at the end of the block.
 
     After an error within the block, or of the disk, `path` is unchanged and the temporary file is
@@ -40,7 +40,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """
     path = Path(path).resolve()
     trial: Path | None = None
-    file: BinaryIO | None = None
+    file: BufferedRandom | None = None
     try:
         _check_target(path)
         _remove_abandoned(path)
@@ -65,6 +65,28 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
             raise OSError(error.errno or errno.EIO, message, str(path)) from error
         raise
     _synchronise(path.parent)
+
+
+def reserve(file: BufferedRandom, size: int) -> None:
+    """Extend an empty file by zeros for which the disk has the space.
+
+    Raises
+    ------
+    OSError
+        If the disk has not the space.
+    """
+    if hasattr(os, "posix_fallocate") and size > 0:
+        try:
+            os.posix_fallocate(file.fileno(), 0, size)
+        except OSError as error:
+            if error.errno not in {errno.EINVAL, errno.EOPNOTSUPP}:  # the file system lacks it
+                raise
+        else:
+            return
+    zeros = bytes(min(size, 1 << 20))
+    for start in range(0, size, 1 << 20):
+        file.write(zeros[: size - start])
+    file.flush()
 
 
 class FileLock:
@@ -162,11 +184,11 @@ def _short(path: Path) -> str:
     return path.name[:40]
 
 
-def _create(path: Path) -> tuple[Path, BinaryIO]:
+def _create(path: Path) -> tuple[Path, BufferedRandom]:
     """Create a temporary file for `path`, locked while its writer runs."""
     while True:
         trial = path.with_name(f".{_short(path)}.{os.urandom(8).hex()}.part")
-        file = trial.open("xb")
+        file = trial.open("x+b")
         if fcntl is None:
             return trial, file
         with suppress(OSError):  # Without locks an abandoned file is never removed, which is safe.

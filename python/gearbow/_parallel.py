@@ -1,7 +1,7 @@
 """Parallel calls of a function: a limited number of submitted calls, and a stop of running calls.
 
-Python delivers Ctrl-C to the main thread only. A simulation in another thread therefore asks at
-each report of its progress whether it must stop (`check_stop`).
+Python delivers Ctrl-C to the main thread only. The compiled core therefore asks in every thread, at
+the begin of an analysis and every 50 ms, whether the call must stop (`check_stop`).
 """
 
 import os
@@ -21,12 +21,15 @@ __all__ = ["ParallelCalls", "check_stop", "cores"]
 #: Largest number of calls that are submitted and not finished: enough to keep a cluster busy, and
 #: little memory.
 PENDING = 1000
-#: Time that running calls have to end after a request to stop [s]. A simulation needs 0.1 s.
+#: Time that running calls have to end after a request to stop [s]. An analysis needs 0.3 s.
 GRACE = 1.0
+#: Time between two questions whether a call that waits for its own calls must stop [s].
+HEARTBEAT = 0.05
 
 #: Identifiers of the groups of calls that must stop.
 _stopped: set[str] = set()
-#: Data of the current thread: `group` is the identifier of the group of its call.
+#: Data of the current thread: `groups` are the identifiers of the group of its call, and of the
+#: groups of the calls within which this group was made.
 _current = threading.local()
 
 
@@ -37,20 +40,28 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
+def _groups() -> tuple[str, ...]:
+    """Give the groups of the call in this thread."""
+    return getattr(_current, "groups", ())
+
+
 def check_stop() -> None:
-    """Raise `KeyboardInterrupt` in a call whose group must stop."""
-    if getattr(_current, "group", None) in _stopped:
+    """Raise `KeyboardInterrupt` in a call whose group, or that of a call around it, must stop."""
+    if not _stopped.isdisjoint(_groups()):
         raise KeyboardInterrupt
 
 
-def _call(group: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """Call a function as part of a group. It is at module level so that processes can import it."""
-    _current.group = group
+def _call(
+    groups: tuple[str, ...], function: Callable[..., Any], arguments: tuple[Any, ...]
+) -> Any:
+    """Call a function as part of groups. It is at module level so that processes can import it."""
+    before = _groups()
+    _current.groups = groups
     try:
         check_stop()
         return function(*arguments)
     finally:
-        _current.group = None
+        _current.groups = before
 
 
 class ParallelCalls:
@@ -100,7 +111,11 @@ class ParallelCalls:
     def __iter__(self) -> Iterator[tuple[int, "Future[Any]"]]:
         self._submit()
         while self._pending:
-            future = self._done.get()
+            try:
+                future = self._done.get(timeout=HEARTBEAT)
+            except queue.Empty:
+                check_stop()
+                continue
             yield self._pending[future], future
             # Only after the caller has taken it: an exception before that must not lose it.
             del self._pending[future]
@@ -108,7 +123,8 @@ class ParallelCalls:
 
     def _submit(self) -> None:
         for number, arguments in islice(self._waiting, PENDING - len(self._pending)):
-            future = self._executor.submit(_call, self._group, self._function, arguments)
+            groups = (*_groups(), self._group)
+            future = self._executor.submit(_call, groups, self._function, arguments)
             self._pending[future] = number
             future.add_done_callback(self._done.put)
 

@@ -5,7 +5,6 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from gearbow._parallel import check_stop
 from gearbow._types import Progress
 from gearbow.errors import RunTimeWarning, outside
 
@@ -27,8 +26,7 @@ def reported(
     """Give the callable that receives the completed fraction; True makes a progress bar.
 
     With `estimate`, the fraction is that of a run: a run of more than one hour gives a
-    `RunTimeWarning`, and a run in a thread stops when its group of calls must stop. `numbers` is
-    the format of the completed and the total amount.
+    `RunTimeWarning`. `numbers` is the format of the completed and the total amount.
     """
     if progress is not True:
         report = progress or None
@@ -52,10 +50,7 @@ def reported(
 
 
 class _Estimate:
-    """Forwards the completed fraction, and warns once about a run of more than one hour.
-
-    It also ends a run in a thread whose group of calls must stop.
-    """
+    """Forwards the completed fraction, and warns once about a run of more than one hour."""
 
     def __init__(self, report: Progress | None) -> None:
         self._report = report
@@ -63,7 +58,6 @@ class _Estimate:
         self._warned = False
 
     def __call__(self, fraction: float) -> None:
-        check_stop()
         if self._report is not None:
             self._report(fraction)
         now = time.perf_counter()

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import array, number, shown
+from gearbow._core import require_memory
 from gearbow._types import Array
 from gearbow.errors import SceneError
 
@@ -30,6 +31,9 @@ def grid(start: float, duration: float, step: float) -> Array:
             f"more than the {MAX_TIMES:.0e} that a response may have"
         )
     count = int(steps) + 1
+    # Whole numbers, their products and the times.
+    remedy = "give a longer output_step or a shorter duration"
+    require_memory("output_step", f"{count} times", 24.0 * count, remedy)
     times: Array = np.minimum(start + step * np.arange(count), start + duration)
     return times
 

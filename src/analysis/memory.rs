@@ -60,11 +60,65 @@ impl Dense {
     }
 }
 
+/// What an analysis keeps for its caller.
+#[derive(Clone, Debug)]
+pub struct Kept<'a> {
+    /// Argument that determines the amount.
+    pub argument: &'a str,
+    /// What is kept, in plural.
+    pub what: String,
+    /// Memory, bytes.
+    pub bytes: u64,
+    /// How to need less.
+    pub remedy: &'a str,
+}
+
+impl Kept<'_> {
+    /// Refuses an analysis whose results do not fit into the available memory.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the required and the available memory.
+    pub fn require(&self) -> Result<(), SceneError> {
+        if self.bytes <= UNCHECKED { Ok(()) } else { self.check(available()) }
+    }
+
+    fn check(&self, available: u64) -> Result<(), SceneError> {
+        let available = available.saturating_sub(UNCHECKED);
+        if self.bytes <= available { Ok(()) } else { Err(self.refused(available)) }
+    }
+
+    fn refused(&self, available: u64) -> SceneError {
+        let Kept { argument, what, bytes, remedy } = self;
+        let (needed, available) = (gigabytes(*bytes), gigabytes(available));
+        let message = format!("{what} need {needed:.3} GB of memory, {available:.3} GB are available; {remedy}");
+        SceneError::new(*argument, message)
+    }
+
+    /// An empty list with room for `count` values.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the memory cannot be allocated.
+    pub fn room<T>(&self, count: usize) -> Result<Vec<T>, SceneError> {
+        let mut room = Vec::new();
+        room.try_reserve_exact(count).map_err(|_| self.refused(available()))?;
+        Ok(room)
+    }
+}
+
+/// Product of numbers of values; the largest number instead of an overflow.
+pub fn product(factors: &[usize]) -> u64 {
+    factors.iter().fold(1, |product: u64, factor| product.saturating_mul(*factor as u64))
+}
+
+fn gigabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1e9
+}
+
 /// Memory of band matrices, their factors and 300 vectors of 2n entries, for each degree of freedom, bytes.
 const BYTES_OF_BANDS: u64 = 8192;
 /// Memory of the factors of up to 45 band matrices with up to 13 entries in a row, for each degree of freedom, bytes.
 const BYTES_OF_ROOT: u64 = 32_768;
-/// Required memory up to which nothing is checked, bytes.
+/// Required memory up to which nothing is checked, and memory that is left for the work beside the results, bytes.
 const UNCHECKED: u64 = 64 << 20;
 /// Assumed available memory if the system does not provide it, bytes.
 const ASSUMED: u64 = 16 << 30;
@@ -73,7 +127,6 @@ fn check(n: usize, needed: u64, available: u64) -> Result<(), SceneError> {
     if needed <= available {
         return Ok(());
     }
-    let gigabytes = |bytes: u64| bytes as f64 / 1e9;
     let message = format!(
         "{n} degrees of freedom need {:.3} GB of memory for dense matrices, {:.3} GB are available; use fewer elements, or elements of a lower degree",
         gigabytes(needed),
@@ -138,6 +191,19 @@ mod tests {
                     available; use fewer elements, or elements of a lower degree";
         let refused = check(45_005, 97_218_002_400, 16_000_000_000).map_err(|error| error.to_string());
         assert_eq!(refused, Err(text.to_owned()));
+    }
+
+    #[test]
+    fn results_that_do_not_fit_are_refused_with_the_remedy() {
+        let kept = |bytes| Kept { argument: "speeds", what: "amplitudes".to_owned(), bytes, remedy: "give fewer speeds" };
+        assert!(kept(1_000_000).check(1_000_000 + UNCHECKED).is_ok());
+        assert!(kept(UNCHECKED).require().is_ok());
+        let text = "speeds: amplitudes need 12.000 GB of memory, 3.000 GB are available; give fewer speeds";
+        let refused = kept(12_000_000_000).check(3_000_000_000 + UNCHECKED).map_err(|error| error.to_string());
+        assert_eq!(refused, Err(text.to_owned()));
+        assert!(kept(u64::MAX).require().is_err());
+        assert!(kept(16).room::<u128>(usize::MAX).is_err());
+        assert_eq!(product(&[usize::MAX, 2, 3]), u64::MAX);
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub use equilibrium::equilibrium;
 pub use error::AnalysisError;
 pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;
-pub use memory::Dense;
+pub use memory::{Dense, Kept, product};
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
 pub use resolution::{Choice, Resolved, expected_error, resolve, resolve_variation};

@@ -143,8 +143,18 @@ impl<'a, T: Operator> Krylov<'a, T> {
     pub fn add_start_of(&mut self, x: &[T::Scalar]) -> Result<(), DecompositionError> {
         // The operator removes the components of the small eigenvalues.
         let start = self.operator.apply(x)?;
-        self.push(start);
+        self.add_vector(start);
         Ok(())
+    }
+
+    /// Adds the start vector `x`.
+    pub fn add_vector(&mut self, x: Vec<T::Scalar>) {
+        self.push(x);
+    }
+
+    /// Basis vectors apart from those of the locked space, one after the other.
+    pub fn basis(&self) -> &[T::Scalar] {
+        &self.basis[self.locked * self.operator.size()..]
     }
 
     /// Applies the operator to the next basis vector; adds a start vector if there is none.

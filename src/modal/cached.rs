@@ -7,6 +7,7 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::{DMatrix, DVector};
 
 use super::components::ComponentModes;
+use super::load_modes::modes_of_loads;
 use super::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use super::first_order::FirstOrder;
 use super::projected::Projected;
@@ -257,21 +258,18 @@ impl CachedModel {
         self.linear_part().components.get_or_init(|| ComponentModes::new(&self.model)).as_ref().map_err(|error| *error)
     }
 
-    /// Undamped modes in the subspace of the component modes up to `limit`, rad/s, and of the static displacements under loads
-    /// at the coordinates `loaded`, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    /// Undamped modes that `loads` (n entries each) excite, in a Krylov space of `steps` vectors, with the loaded tooth flanks
+    /// of `speed` (reference shaft, rad/s). Time and memory are proportional to n.
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails, or a bearing depends on the speed.
-    pub fn modes_of_components(
+    pub fn modes_of_loads(
         &self,
         speed: f64,
-        loaded: &[usize],
-        limit: f64,
+        loads: &[Vec<f64>],
+        steps: usize,
     ) -> Result<RealModes, DecompositionError> {
-        if self.model.lacks_coefficients() {
-            return Err(DecompositionError::SpeedDependent);
-        }
-        self.component_modes()?.modes(&self.model, speed, loaded, limit)
+        modes_of_loads(&self.model, speed, self.spectral_range(speed)?, loads, steps)
     }
 
     /// The subspace of a key; `find` computes it from its loads and signals, unless it is known.

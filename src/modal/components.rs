@@ -10,7 +10,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::real::{RealModes, null_motions, rigid_body_modes, rigid_motions, spring_deflections, times};
+use super::real::{RealModes, rigid_body_modes, rigid_motions, spring_deflections};
 use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
 use crate::model::Model;
 
@@ -76,14 +76,7 @@ impl ComponentModes {
             }
         }
         let basis = DMatrix::from_columns(&shapes);
-        let null = null_motions(model, speed)?;
-        let transposed = basis.transpose();
-        let projected = &transposed * times(&model.sparse_symmetric_stiffness(speed), &basis);
-        let known = transposed * model.mass_times(&null);
-        let size = basis.ncols();
-        let mut vectors = &basis * symmetric_pencil(&projected, &DMatrix::identity(size, size), &known)?.vectors;
-        vectors.columns_mut(0, null.ncols()).copy_from(&null);
-        Ok(RealModes::of_shapes(model, speed, vectors, null.ncols()))
+        RealModes::in_subspace(model, speed, &basis)
     }
 }
 

@@ -8,7 +8,7 @@
 //!
 //! A few modes of a large model come from Krylov spaces (`lowest`), those with strong or modal damping from a Galerkin
 //! projection (`lowest_damped`, `galerkin`, `square_root`), with a count of the eigenvalues (`contour`), bounds of them
-//! (`bound`), and the lowest and highest undamped frequency (`spectral_range`). `rotating_response` is the response to bow and unbalance with modal damping.
+//! (`bound`), and the lowest and highest undamped frequency (`spectral_range`). `load_modes` finds the modes that given loads excite. `rotating_response` is the response to bow and unbalance with modal damping.
 
 mod balanced;
 mod bound;
@@ -25,6 +25,7 @@ mod first_order;
 mod galerkin;
 mod gyroscopic;
 mod intersection;
+mod load_modes;
 mod lowest;
 mod lowest_damped;
 mod pairs;

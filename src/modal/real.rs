@@ -73,6 +73,19 @@ impl RealModes {
         model.uncoupled_parts().into_iter().map(modes_of_part).collect()
     }
 
+    /// Modes in a subspace (Rayleigh–Ritz), whose basis is orthonormal in M, one vector per column, and contains the
+    /// rigid-body modes; with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    pub(super) fn in_subspace(model: &Model, speed: f64, basis: &DMatrix<f64>) -> Result<Self, DecompositionError> {
+        let null = null_motions(model, speed)?;
+        let transposed = basis.transpose();
+        let projected = &transposed * times(&model.sparse_symmetric_stiffness(speed), basis);
+        let known = transposed * model.mass_times(&null);
+        let size = basis.ncols();
+        let mut vectors = basis * symmetric_pencil(&projected, &DMatrix::identity(size, size), &known)?.vectors;
+        vectors.columns_mut(0, null.ncols()).copy_from(&null);
+        Ok(Self::of_shapes(model, speed, vectors, null.ncols()))
+    }
+
     /// Modes from their shapes, which are orthonormal in M; the first `null` ones are rigid-body modes.
     pub(super) fn of_shapes(model: &Model, speed: f64, vectors: DMatrix<f64>, null: usize) -> Self {
         Self::ascending(model, vectors, null, |shape| model.elastic_form(shape, |mesh| model.sigma(mesh, speed)))

@@ -2,7 +2,8 @@
 //!
 //! Python runs its signal handlers only when the calling thread asks for them. A dense decomposition cannot be
 //! interrupted, and it takes minutes for a few thousand degrees of freedom. Therefore the calling thread waits for the
-//! work and checks for signals every 50 ms. When Python raises an exception (Ctrl-C), work that reports progress stops
+//! work and checks for signals every 50 ms. In a worker of a sweep, which receives no signals, it also asks whether the
+//! sweep must stop. When Python raises an exception (Ctrl-C), work that reports progress stops
 //! at its next report and returns a partial result. Other work stops at its next [`Interrupt::check`]. If that takes
 //! longer than [`GRACE`], the work is abandoned: the call returns, and the thread uses one processor and its memory
 //! until its next check.
@@ -36,11 +37,14 @@ enum Message<T> {
 ///
 /// # Errors
 /// The exception that Python raised, if the analysis was abandoned. An `OSError`, if no thread can be started.
+/// `KeyboardInterrupt` in a worker of a sweep that must stop.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Py<PyAny>>,
     work: impl FnOnce(&Interrupt, &mut dyn FnMut(f64) -> bool) -> T + Send + 'static,
 ) -> PyResult<(T, Option<PyErr>)> {
+    // A sequence of short analyses stops as well.
+    check_stop(py)?;
     let interrupt = Interrupt::default();
     let (send, messages) = mpsc::channel();
     let (answer, answers) = mpsc::channel();
@@ -95,10 +99,34 @@ pub fn run<T: Send + 'static>(
     })
 }
 
-/// Lets Python handle signals and calls `progress` with the completed fraction.
+/// Runs an analysis without progress and returns its result.
+///
+/// # Errors
+/// As [`run`], and the error of the analysis.
+pub fn result_of<T, E>(
+    py: Python<'_>,
+    work: impl FnOnce(&Interrupt) -> Result<T, E> + Send + 'static,
+) -> PyResult<T>
+where
+    T: Send + 'static,
+    E: Send + 'static,
+    PyErr: From<E>,
+{
+    let (result, raised) = run(py, None, move |interrupt, _| work(interrupt))?;
+    raised.map_or(Ok(()), Err)?;
+    Ok(result?)
+}
+
+/// Raises `KeyboardInterrupt` in a worker of a sweep that must stop.
+fn check_stop(py: Python<'_>) -> PyResult<()> {
+    py.import("gearbow._parallel")?.getattr("check_stop")?.call0().map(|_| ())
+}
+
+/// Lets Python handle signals, asks whether the sweep of this thread must stop, and calls `progress` with the completed fraction.
 fn poll_python(progress: Option<&Py<PyAny>>, done: Option<f64>) -> PyResult<()> {
     Python::attach(|py| {
         py.check_signals()?;
+        check_stop(py)?;
         if let (Some(progress), Some(done)) = (progress, done) {
             progress.call1(py, (done,))?;
         }

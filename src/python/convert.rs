@@ -8,15 +8,17 @@ use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::analysis::Kept;
 use crate::connection::{BEARING_CHANNELS, Channel, MESH_CHANNELS, ROLLING_CHANNELS};
 use crate::linalg::Sparse;
 use crate::model::{Model, Numbering};
+use crate::scene::SceneError;
 
 /// Converts an (n, n) matrix from the coordinate order of the core to that of Python.
-pub fn outside_matrix<'py>(py: Python<'py>, numbering: &Numbering, inside: &DMatrix<f64>) -> Bound<'py, PyArray2<f64>> {
+pub fn outside_matrix(numbering: &Numbering, inside: &DMatrix<f64>) -> Array2<f64> {
     let dofs = numbering.dofs();
     let entry = |(i, j): (usize, usize)| inside[(dofs[i].index, dofs[j].index)] * dofs[i].sign * dofs[j].sign;
-    Array2::from_shape_fn((dofs.len(), dofs.len()), entry).into_pyarray(py)
+    Array2::from_shape_fn((dofs.len(), dofs.len()), entry)
 }
 
 /// Entries, columns and row starts (CSR) of a sparse matrix.
@@ -106,6 +108,17 @@ pub fn mesh_fields<'py>(
         }
     }
     Ok(dict)
+}
+
+/// Refuses work whose results, described in plural, need more bytes than there is memory; the argument determines their
+/// amount.
+///
+/// # Errors
+/// [`SceneError`] with the required and the available memory and the remedy.
+#[pyfunction]
+pub fn require_memory(argument: &str, what: String, bytes: f64, remedy: &str) -> Result<(), SceneError> {
+    // A conversion of a larger number gives the largest one.
+    Kept { argument, what, bytes: bytes as u64, remedy }.require()
 }
 
 fn shape_error(error: numpy::ndarray::ShapeError) -> PyErr {

@@ -8,9 +8,10 @@ use pyo3::types::PyDict;
 use super::convert::{stack, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
-use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource};
+use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource, Kept, product};
+use crate::modal::CachedModel;
 use crate::model::Model;
-use crate::scene::{EntryPath, SceneError, range_with_rpm, with_rpm};
+use crate::scene::{EntryPath, Node, SceneError, range_with_rpm, with_rpm};
 
 /// N_c (rad/s), amplitude (m), N₁ and N₂ (rad/s) of a peak, and whether the motion is stable there.
 pub type PeakRow = (f64, f64, f64, f64, bool);
@@ -50,6 +51,7 @@ pub fn campbell<'py>(
     let speeds = speeds.as_array().to_vec();
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let rows = speeds.len();
+    require_campbell(rows, count.min(2 * model.model().len()))?;
     let memory = analysis::memory_of_modes(model.model(), count);
     let found = model
         .run(py, memory, move |cached, interrupt| analysis::campbell(cached, &speeds, count, harmonics, interrupt))?;
@@ -113,48 +115,98 @@ pub fn synchronous<'py>(
     let memory = analysis::memory_of_responses(model.model());
     model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
-    let worker_speeds = speeds.clone();
-    let (amplitudes, largest, unstable) = model.run(py, memory, move |cached, interrupt| {
-        let responses = analysis::Responses::new(cached);
-        let at = |speed: &f64| {
-            interrupt.check()?;
-            responses.all(*speed, part)
-        };
-        let amplitudes = worker_speeds.iter().map(at).collect::<Result<Vec<_>, AnalysisError>>()?;
-        let largest: Vec<f64> = amplitudes.iter().map(|each| largest_displacement(&cached.model, each)).collect();
-        let unstable = match analysis::unstable_ranges(cached, &worker_speeds, &local_maxima(&largest), interrupt) {
-            Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
-            found => found,
-        };
-        Ok((amplitudes, largest, unstable))
-    })?;
     let assembled = &model.cached.model;
-    for (index, largest) in largest.into_iter().enumerate() {
+    let bearings = assembled.scene.bearing_nodes();
+    let (rows, shafts, directions) = (speeds.len(), assembled.shafts.len(), 2 * bearings.len());
+    let kept = amplitudes_kept(rows, shafts * (assembled.len() + directions));
+    kept.require()?;
+    let (amplitudes, forces) =
+        (kept.room(rows * shafts * assembled.len())?, kept.room(rows * shafts * directions)?);
+    let nodes = bearings.clone();
+    let found = model.run(py, memory, move |cached, interrupt| {
+        let mut found = ResponseTable { amplitudes, forces, largest: Vec::new(), unstable: Ok(Vec::new()) };
+        let responses = analysis::Responses::new(cached);
+        for speed in &speeds {
+            interrupt.check()?;
+            found.add(cached, *speed, &responses.all(*speed, part)?, &nodes)?;
+        }
+        found.unstable = match analysis::unstable_ranges(cached, &speeds, &local_maxima(&found.largest), interrupt) {
+            Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
+            unstable => unstable,
+        };
+        Ok(found)
+    })?;
+    for (index, largest) in found.largest.into_iter().enumerate() {
         if let Some(text) = analysis::small_displacement_check(assembled, largest) {
             warn(py, format!("speeds[{index}]: {text}"))?;
         }
     }
-    if let Some(text) = instability_warning(unstable) {
+    if let Some(text) = instability_warning(found.unstable) {
         warn(py, text)?;
     }
-    let bearings = assembled.scene.bearing_nodes();
-    let (mut values, mut forces) = (Vec::new(), Vec::new());
-    for (sources, speed) in amplitudes.iter().zip(&speeds) {
-        let at_speed = model.cached.at_speed(*speed)?;
-        for (column, shaft) in sources.column_iter().zip(&assembled.shafts) {
-            let column = column.into_owned();
-            values.extend(assembled.numbering.to_user_order(column.as_slice()));
-            forces.extend(analysis::bearing_forces(&at_speed.model, &bearings, shaft.ratio * speed, &column).concat());
-        }
-    }
     let dict = PyDict::new(py);
-    let (rows, shafts) = (speeds.len(), assembled.shafts.len());
-    dict.set_item("amplitudes", stack(py, values, rows, shafts, assembled.len())?)?;
-    dict.set_item("bearing_force", stack(py, forces, rows, shafts, 2 * bearings.len())?)?;
+    dict.set_item("amplitudes", stack(py, found.amplitudes, rows, shafts, assembled.len())?)?;
+    dict.set_item("bearing_force", stack(py, found.forces, rows, shafts, directions)?)?;
     dict.set_item("bearings", bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
     let bow: Vec<Complex<f64>> = assembled.numbering.to_user_order(analysis::bow(assembled).as_slice());
     dict.set_item("bow", bow.into_pyarray(py))?;
     Ok(dict)
+}
+
+/// The responses at several speeds, in the form of the result: arrays adopt the lists without copies.
+struct ResponseTable {
+    /// Amplitudes (speeds, shafts, n), m and rad, in the order of the degrees of freedom that users see.
+    amplitudes: Vec<Complex<f64>>,
+    /// Bearing forces (speeds, shafts, 2 bearings), N.
+    forces: Vec<Complex<f64>>,
+    /// Largest displacement at each speed, m.
+    largest: Vec<f64>,
+    /// Ranges of unstable speeds, rad/s.
+    unstable: Result<Vec<[f64; 2]>, AnalysisError>,
+}
+
+impl ResponseTable {
+    /// Adds the amplitudes at a speed, rad/s: one column for each shaft, in the order of the core.
+    fn add(
+        &mut self,
+        cached: &CachedModel,
+        speed: f64,
+        sources: &DMatrix<Complex<f64>>,
+        bearings: &[Node],
+    ) -> Result<(), AnalysisError> {
+        self.largest.push(largest_displacement(&cached.model, sources));
+        let at_speed = cached.at_speed(speed)?;
+        for (column, shaft) in sources.column_iter().zip(&cached.model.shafts) {
+            let column = column.into_owned();
+            self.amplitudes.extend(cached.model.numbering.to_user_order(column.as_slice()));
+            let forces = analysis::bearing_forces(&at_speed.model, bearings, shaft.ratio * speed, &column);
+            self.forces.extend(forces.as_flattened());
+        }
+        Ok(())
+    }
+}
+
+/// Memory of `values` complex amplitudes at each of a number of speeds.
+fn amplitudes_kept(speeds: usize, values: usize) -> Kept<'static> {
+    Kept {
+        argument: "speeds",
+        what: format!("the amplitudes at {speeds} speeds"),
+        bytes: product(&[speeds, values, size_of::<Complex<f64>>()]),
+        remedy: "give fewer speeds at a time",
+    }
+}
+
+/// Refuses a Campbell diagram that does not fit into memory.
+fn require_campbell(speeds: usize, modes: usize) -> Result<(), SceneError> {
+    // A complex eigenvalue in the search and in the result, and the text of the whirl in Rust and in Python.
+    const BYTES: usize = 256;
+    let kept = Kept {
+        argument: "speeds",
+        what: format!("{modes} eigenvalues at {speeds} speeds"),
+        bytes: product(&[speeds, modes, BYTES]),
+        remedy: "give fewer speeds at a time, or a smaller count",
+    };
+    kept.require()
 }
 
 /// Largest magnitude of the displacements of nodes along y and z, m.
@@ -203,6 +255,8 @@ pub fn peaks(
     let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
     let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
+    // The speeds of both directions of rotation, and the size of the response.
+    amplitudes_kept(speeds.len(), 2).require()?;
     let memory = analysis::memory_of_responses(model.model());
     let found = model.run(py, memory, move |cached, interrupt| analysis::peaks(cached, probe, &speeds, interrupt))?;
     let open = f64::NAN;

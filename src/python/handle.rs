@@ -7,10 +7,10 @@ use pyo3::prelude::*;
 
 use super::background;
 use super::errors::warn;
-use crate::analysis::{self, Dense, Interrupt, Resolved};
+use crate::analysis::{self, AnalysisError, Dense, Interrupt, Resolved};
 use crate::modal::CachedModel;
 use crate::model::Model;
-use crate::scene::{Node, Scene, SceneDescription, SceneError};
+use crate::scene::{Node, Scene, SceneDescription};
 
 /// A checked and assembled system.
 #[pyclass(name = "Model", module = "gearbow._core", frozen)]
@@ -29,15 +29,19 @@ pub struct PyModel {
 
 impl PyModel {
     /// Checks and assembles a description.
-    pub fn build(description: SceneDescription) -> Result<Self, SceneError> {
-        let resolved = analysis::resolve(&description)?;
+    pub fn build(description: SceneDescription, interrupt: &Interrupt) -> Result<Self, AnalysisError> {
+        let resolved = analysis::resolve(&description, interrupt)?;
         let model = Model::new(Scene::new(&resolved.description)?)?;
         Ok(Self::of_model(description, resolved, CachedModel::new(model)))
     }
 
     /// Checks and assembles a variation of another system. If the two differ in loads only, the variation has the elements of
     /// the other one where they meet the level, and shares its modes and the reduction of its runs.
-    pub fn build_variation(description: SceneDescription, base: &Self) -> Result<Self, SceneError> {
+    pub fn build_variation(
+        description: SceneDescription,
+        base: &Self,
+        interrupt: &Interrupt,
+    ) -> Result<Self, AnalysisError> {
         let resolution = |description: &SceneDescription| description.resolution.unwrap_or_default();
         let resolved = if linear_part(&description) == linear_part(&base.description)
             && resolution(&description) == resolution(&base.description)
@@ -46,7 +50,7 @@ impl PyModel {
         } else {
             None
         };
-        let resolved = resolved.map_or_else(|| analysis::resolve(&description), Ok)?;
+        let resolved = resolved.map_or_else(|| analysis::resolve(&description, interrupt), Ok)?;
         let scene = || Scene::new(&resolved.description);
         if base.model().nonlinear_bearings.is_empty()
             && linear_part(&resolved.description) == linear_part(&base.resolved.description)
@@ -101,9 +105,7 @@ impl PyModel {
     {
         dense.require(self.model())?;
         let cached = Arc::clone(&self.cached);
-        let (result, raised) = background::run(py, None, move |interrupt, _| work(&cached, interrupt))?;
-        raised.map_or(Ok(()), Err)?;
-        Ok(result?)
+        background::result_of(py, move |interrupt| work(&cached, interrupt))
     }
 
     /// Warns once of digits lost to round-off, before an analysis that needs the matrices of `dense`.

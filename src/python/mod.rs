@@ -28,6 +28,8 @@ mod _core {
     #[pymodule_export]
     use super::convert::connection_channels;
     #[pymodule_export]
+    use super::convert::require_memory;
+    #[pymodule_export]
     use super::gears::mesh_geometry;
     #[pymodule_export]
     use super::handle::PyModel;

@@ -1,6 +1,6 @@
 //! The Python methods of `_core.Model`.
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -11,11 +11,12 @@ use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
-use super::{frequency, simulate, speed};
-use crate::analysis::simulate::{Options, round_below, sample_step};
-use crate::analysis::{self, AnalysisError, Dense};
+use super::{background, frequency, simulate, speed};
+use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
+use crate::analysis::{self, AnalysisError, Dense, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
+use crate::model::Model;
 use crate::scene::{EntryPath, Node, SceneDescription, SceneError, nearest};
 
 /// A gear or disk by name, or a shaft by name and a position on it, m.
@@ -35,26 +36,41 @@ enum Site {
     Element(f64, f64),
 }
 
+/// Refuses modes that do not fit into memory.
+fn require_modes(model: &Model, count: usize) -> Result<(), SceneError> {
+    // A complex shape in the search, twice in the result and its conversion, and four vectors of a Krylov space of states.
+    const BYTES: usize = 160;
+    let modes = count.min(2 * model.len());
+    let kept = Kept {
+        argument: "count",
+        what: format!("the shapes of {modes} modes over {} degrees of freedom", model.len()),
+        bytes: product(&[modes, model.len(), BYTES]),
+        remedy: "ask for fewer modes",
+    };
+    kept.require()
+}
+
 #[pymethods]
 impl PyModel {
     #[new]
     fn new(py: Python<'_>, description: &Bound<'_, PyAny>) -> PyResult<Self> {
         let description = SceneDescription::from_objects(&mut Depythonizer::from_object(description))?;
         // The choice of the elements needs the modes: other threads of Python continue meanwhile.
-        Ok(py.detach(|| Self::build(description))?)
+        background::result_of(py, move |interrupt| Self::build(description, interrupt))
     }
 
     #[staticmethod]
     fn from_toml(py: Python<'_>, text: &str) -> PyResult<Self> {
         let description = SceneDescription::from_toml(text)?;
-        Ok(py.detach(|| Self::build(description))?)
+        background::result_of(py, move |interrupt| Self::build(description, interrupt))
     }
 
     /// A variation of this system. If the two differ in loads only, the variation has the elements of this system where they
     /// meet the level, and shares its modes and the reduction of its runs.
-    fn variation(&self, py: Python<'_>, description: &Bound<'_, PyAny>) -> PyResult<Self> {
+    fn variation(owner: &Bound<'_, Self>, description: &Bound<'_, PyAny>) -> PyResult<Self> {
         let description = SceneDescription::from_objects(&mut Depythonizer::from_object(description))?;
-        Ok(py.detach(|| Self::build_variation(description, self))?)
+        let base = owner.clone().unbind();
+        background::result_of(owner.py(), move |interrupt| Self::build_variation(description, base.get(), interrupt))
     }
 
     /// Uses the modes and state-space models of another system, if the two differ in loads only; returns whether it does.
@@ -176,16 +192,17 @@ impl PyModel {
         let matrices = self.run(py, dense, move |cached, _| -> Result<_, AnalysisError> {
             let cached = cached.at_speed(speed)?;
             let model = &cached.model;
+            let outside = |matrix: DMatrix<f64>| outside_matrix(&model.numbering, &matrix);
             Ok([
-                ("mass", model.mass_matrix()),
-                ("stiffness", model.stiffness_matrix(speed)),
-                ("damping", cached.damping_matrix(speed)?),
-                ("gyroscopic", model.gyroscopic_matrix()),
+                ("mass", outside(model.mass_matrix())),
+                ("stiffness", outside(model.stiffness_matrix(speed))),
+                ("damping", outside(cached.damping_matrix(speed)?)),
+                ("gyroscopic", outside(model.gyroscopic_matrix())),
             ])
         })?;
         let dict = PyDict::new(py);
         for (name, matrix) in matrices {
-            dict.set_item(name, outside_matrix(py, &self.model().numbering, &matrix))?;
+            dict.set_item(name, matrix.into_pyarray(py))?;
         }
         Ok(dict)
     }
@@ -218,18 +235,22 @@ impl PyModel {
     fn modes<'py>(&self, py: Python<'py>, speed: f64, count: Option<usize>) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
         let count = count.unwrap_or(usize::MAX);
+        require_modes(self.model(), count)?;
         let memory = analysis::memory_of_modes(self.model(), count);
         self.warn_of_ill_conditioning(py, speed, memory)?;
-        let modes = self.run(py, memory, move |cached, _| analysis::lowest_modes(cached, speed, count))?;
+        let (modes, shapes, shares) = self.run(py, memory, move |cached, _| -> Result<_, AnalysisError> {
+            let modes = analysis::lowest_modes(cached, speed, count)?;
+            let (model, numbering) = (&cached.model, &cached.model.numbering);
+            let shapes: Vec<Complex<f64>> =
+                modes.iter().flat_map(|mode| numbering.to_user_order(mode.shape.as_slice())).collect();
+            let shares = |mode: &modal::Mode| {
+                let shares = mode.kinetic_shares(model);
+                numbering.dofs().iter().map(|dof| shares[dof.index]).collect::<Vec<_>>()
+            };
+            let shares: Vec<f64> = modes.iter().flat_map(shares).collect();
+            Ok((modes, shapes, shares))
+        })?;
         let numbering = &self.model().numbering;
-        let shapes: Vec<Complex<f64>> =
-            modes.iter().flat_map(|mode| numbering.to_user_order(mode.shape.as_slice())).collect();
-        let model = self.model();
-        let shares = |mode: &modal::Mode| {
-            let shares = mode.kinetic_shares(model);
-            numbering.dofs().iter().map(|dof| shares[dof.index]).collect::<Vec<_>>()
-        };
-        let shares: Vec<f64> = modes.iter().flat_map(shares).collect();
         let list = |of: fn(&modal::Mode) -> f64| modes.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
         let eigenvalues: Vec<_> = modes.iter().map(|mode| mode.eigenvalue).collect();
         let whirl: Vec<_> = modes.iter().map(|mode| mode.whirl.to_string()).collect();
@@ -330,6 +351,13 @@ impl PyModel {
         let fastest = speed::speed(speed)?.fastest(start, start + duration);
         // At least a thousand samples in the run.
         Ok(round_below(sample_step(self.model(), fastest).min(duration / 1000.0)))
+    }
+
+    /// Memory of the record of a run with a number of times, bytes.
+    fn record_bytes(&self, record: Vec<RecordEntry>, times: usize) -> PyResult<u64> {
+        let requests = record.into_iter().enumerate().map(|(index, entry)| entry.request(index));
+        let plan = RecordPlan::new(self.model(), &requests.collect::<Result<Vec<_>, _>>()?)?;
+        Ok(plan.bytes(self.model(), times))
     }
 
     #[pyo3(signature = (*, initial, times, record, progress, checkpoint, **options))]

@@ -26,6 +26,7 @@ pub fn simulate<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let requests = record.into_iter().enumerate().map(|(index, entry)| entry.request(index));
     let plan = RecordPlan::new(owner.model(), &requests.collect::<Result<Vec<_>, _>>()?)?;
+    plan.require_memory(owner.model(), options.times.len())?;
     let cached = Arc::clone(&owner.cached);
     let ((outcome, plan), raised) = background::run(py, progress, move |_, watch| {
         let outcome = simulate::simulate(&cached, &options, &plan, watch);

@@ -79,6 +79,7 @@ pub fn steady_state<'py>(
     warn_of_speed(py, &owner.model().scene, options.fastest())?;
     let progress = progress.as_ref();
     let plan = record_plan(owner, record)?;
+    plan.require_memory(owner.model(), samples)?;
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
     let (outcome, raised) = background::run(py, progress, move |_, watch| match &sections {
         None => steady::steady_state(&cached, &options, &recorded, samples, watch),
@@ -204,6 +205,7 @@ pub fn recorded_period<'py>(
     let options = run_options(py, initial, options)?;
     let state = core_order(owner, state.as_slice()?)?;
     let plan = record_plan(owner, record)?;
+    plan.require_memory(owner.model(), samples)?;
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
     let (outcome, raised) = background::run(py, None, move |_, watch| {
         steady::recorded_period(&cached, &options, (&recorded, samples), &state, watch)

@@ -27,7 +27,11 @@ from test_persistence import assert_same
 from test_response import recorded, train
 
 SUFFIXES = [".npz", ".nc"]
-SEAL = len(seal(b""))
+SEAL = len(seal(BytesIO(), 0))
+
+
+def sealed(data: bytes) -> bytes:
+    return data + seal(BytesIO(data), len(data))
 
 
 def refused(path: Path, match: str | None = None) -> None:
@@ -61,7 +65,7 @@ def edit_netcdf(path: Path, edit: Callable[[Any], None]) -> None:
     buffer = BytesIO(path.read_bytes()[:-SEAL])
     with h5py.File(buffer, "r+") as file:
         edit(file)
-    path.write_bytes(buffer.getvalue() + seal(buffer.getvalue()))
+    path.write_bytes(sealed(buffer.getvalue()))
 
 
 def rewrite(path: Path, change: Callable[[dict[str, Any]], None]) -> None:
@@ -114,7 +118,7 @@ def test_other_content_is_refused(tmp_path, suffix):
     for other in (b"", b"notes", b"PK\x05\x06" + bytes(18), b"\x89HDF\r\n\x1a\n" + bytes(200)):
         path.write_bytes(other)
         refused(path)
-    path.write_bytes(b"notes" + seal(b"notes"))
+    path.write_bytes(sealed(b"notes"))
     refused(path)
 
 

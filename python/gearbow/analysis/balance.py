@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array
+from gearbow._core import require_memory
 from gearbow._lookup import nearest, nodal
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
@@ -136,6 +137,15 @@ def balance(  # numpydoc ignore=PR01
     else:
         measured = places(points, "points")
 
+    # Amplitudes of all coordinates at a time; deflections in every plane, and their copies.
+    amplitudes = len(base.shafts) * (len(base.dofs) + 2 * len(measured))
+    deflections = 2 * len(measured) * (4 * len(chosen) + 4)
+    require_memory(
+        "speed",
+        f"the influence coefficients at {speeds.size} speeds",
+        16.0 * speeds.size * (amplitudes + deflections),
+        "give fewer speeds, planes or points",
+    )
     read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, target=target)
     one = np.ones(1, dtype=np.complex128)
     before = read(base, "both")

@@ -1,6 +1,7 @@
 """The interface of a system that analyses of its variants need."""
 
 import warnings
+from collections.abc import Mapping
 from typing import Any, Protocol, TypeVar
 
 from gearbow._types import Array, Dof
@@ -40,6 +41,11 @@ class System(Protocol):
 
     def _variation(self, **changes: Any) -> Any:
         """Make a system that uses elements and modes of this one, if only loads change."""
+
+    def _require_memory_of_runs(
+        self, count: int, duration: float, speed: Any, options: Mapping[str, Any]
+    ) -> None:
+        """Refuse runs whose records do not fit into memory together."""
 
     def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
         """Find the static equilibrium."""

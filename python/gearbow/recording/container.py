@@ -10,12 +10,13 @@ Readers of HDF5 ignore all bytes after the end of file that the header declares.
 contain a checksum of every member.
 """
 
+import errno
 import hashlib
 import os
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from io import BytesIO
+from io import BufferedRandom, RawIOBase
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias
@@ -24,12 +25,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
+from gearbow._files import reserve
 from gearbow.errors import GearbowError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Container", "Header", "netcdf_bytes", "opened", "seal", "suffix"]
+__all__ = ["Container", "Header", "opened", "seal", "suffix", "write_netcdf"]
 
 #: Declaration of an array in a file.
 Header: TypeAlias = tuple[tuple[int, ...], np.dtype[Any]]
@@ -233,20 +235,32 @@ class _NetCdf:
         return values
 
 
-def seal(content: bytes | memoryview) -> bytes:
-    """Return the seal at the end of a netCDF file with this content."""
-    return _SEAL + hashlib.sha256(content).digest()
+def seal(stream: BinaryIO, size: int) -> bytes:
+    """Return the seal of a netCDF file whose content is the next bytes of a stream.
+
+    Parameters
+    ----------
+    stream : file
+        The stream, at the begin of the content.
+    size : int
+        Number of bytes of the content.
+
+    Returns
+    -------
+    bytes
+        The seal, which follows the content in the file.
+    """
+    digest = hashlib.sha256()
+    while size > 0 and (block := stream.read(min(size, _BLOCK))):
+        digest.update(block)
+        size -= len(block)
+    return _SEAL + digest.digest()
 
 
 def _check_seal(stream: BinaryIO) -> None:
     """Reject a file whose content does not match its seal, and rewind it."""
-    digest = hashlib.sha256()
-    length = len(_SEAL) + digest.digest_size
-    left = _size(stream) - length
-    while left > 0 and (block := stream.read(min(left, _BLOCK))):
-        digest.update(block)
-        left -= len(block)
-    if stream.read() != _SEAL + digest.digest():
+    expected = seal(stream, _size(stream) - len(_SEAL) - hashlib.sha256().digest_size)
+    if stream.read() != expected:
         raise GearbowError(
             "it does not end with the digest of its content; it is incomplete, has changed since "
             "it was written, or was written by another program"
@@ -254,32 +268,108 @@ def _check_seal(stream: BinaryIO) -> None:
     stream.seek(0)
 
 
-def netcdf_bytes(dataset: "xr.Dataset") -> tuple[memoryview, bytes]:
-    """Give a data set as the content of a netCDF file.
+def write_netcdf(dataset: "xr.Dataset", file: BufferedRandom) -> None:
+    """Write a data set as a netCDF file, with the seal at its end.
 
-    The HDF5 library crashes the process when it closes a file that a full disk has truncated. It
-    therefore writes to memory, which needs as much memory again as the arrays.
+    The HDF5 library crashes the process after an error of the file or of the memory beneath it.
+    The disk space of the arrays is therefore reserved first, and the library sees no error.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         The data set.
+    file : BufferedRandom
+        An empty file of `replacing`.
 
-    Returns
-    -------
-    content : memoryview
-        The netCDF file.
-    seal : bytes
-        The bytes that follow the content in the file.
+    Raises
+    ------
+    OSError
+        If the disk is full, or the HDF5 library fails.
     """
     import h5netcdf  # noqa: PLC0415
     from xarray.backends import H5NetCDFStore  # noqa: PLC0415
 
-    buffer = BytesIO()
-    with h5netcdf.File(buffer, "w") as file:
-        dataset.dump_to_store(H5NetCDFStore(file))
-    content = buffer.getbuffer()
-    return content, seal(content)
+    reserve(file, dataset.nbytes)
+    image = _Image(file.raw)
+    try:
+        with h5netcdf.File(image, "w") as content:
+            dataset.dump_to_store(H5NetCDFStore(content))
+    except RuntimeError as error:
+        if image.error is None:
+            raise OSError(errno.EIO, f"the HDF5 library fails: {error}") from error
+    except BaseException:
+        if image.error is None:
+            raise
+    if image.error is not None:
+        raise image.error
+    file.raw.truncate(image.size)
+    file.seek(0)
+    end = seal(file, image.size)
+    file.seek(image.size)
+    file.write(end)
+
+
+class _Image:
+    """The file that the HDF5 library writes. It keeps errors away from the library."""
+
+    def __init__(self, raw: RawIOBase) -> None:
+        self._raw = raw
+        self._at = 0
+        #: Number of bytes, without the reserved space behind them.
+        self.size = 0
+        #: The first error.
+        self.error: BaseException | None = None
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Move to a place relative to the start, to this place or to the end."""
+        self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self.size}[whence]
+        return self._at
+
+    def tell(self) -> int:
+        """Give the place."""
+        return self._at
+
+    def write(self, data: Any) -> int:
+        """Write data; after an error nothing is written any more."""
+        view = memoryview(data).cast("B")
+        done = 0
+        try:
+            self._raw.seek(self._at)
+            while done < len(view) and self.error is None:
+                done += self._raw.write(view[done:]) or 0
+        except BaseException as error:  # noqa: BLE001  # also Ctrl-C must not reach the library
+            self.error = error
+        self._at += len(view)
+        self.size = max(self.size, self._at)
+        return len(view)
+
+    def readinto(self, buffer: Any) -> int:
+        """Read data; zeros behind the end and after an error."""
+        view = memoryview(buffer).cast("B")
+        done = 0
+        try:
+            self._raw.seek(self._at)
+            while done < len(view) and (count := self._raw.readinto(view[done:])):
+                done += count
+        except BaseException as error:  # noqa: BLE001
+            self.error = self.error or error
+        view[done:] = bytes(len(view) - done)
+        self._at += len(view)
+        return len(view)
+
+    def read(self, size: int = -1) -> bytes:
+        """Read data."""
+        data = bytearray(max(self.size - self._at, 0) if size < 0 else size)
+        self.readinto(data)
+        return bytes(data)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the number of bytes; the reserved space stays."""
+        self.size = self._at if size is None else size
+        return self.size
+
+    def flush(self) -> None:
+        """Do nothing: the data are written at once."""
 
 
 def _size(stream: BinaryIO) -> int:

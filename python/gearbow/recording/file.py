@@ -19,7 +19,7 @@ from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
 from gearbow.recording.channels import MESH, RATES, ROLLING
-from gearbow.recording.container import Container, Header, netcdf_bytes, opened, suffix
+from gearbow.recording.container import Container, Header, opened, suffix, write_netcdf
 from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.errors import ErrorEstimate, Errors
 from gearbow.recording.record import RunRecord
@@ -106,10 +106,9 @@ def save(run: RunRecord, path: str | os.PathLike[str], **more: Any) -> None:
     ending = suffix(path)
     metadata = metadata_of(run, more)
     if ending == ".nc":
-        content = netcdf_bytes(to_xarray(run).assign_attrs(metadata=metadata))
+        dataset = to_xarray(run).assign_attrs(metadata=metadata)
         with replacing(path) as file:
-            for part in content:
-                file.write(part)
+            write_netcdf(dataset, file)
         return
     with replacing(path) as file:
         np.savez(file, metadata=np.array(metadata), **arrays_of(run))  # type: ignore[arg-type]

@@ -80,6 +80,7 @@ def simulate_many(
     wanted = [_variation(entry, number) for number, entry in enumerate(variations)]
     if options.get("checkpoint") is not None:
         raise SceneError("checkpoint: one file cannot contain several runs; use simulate")
+    system._require_memory_of_runs(len(wanted), duration, speed, options)
     responses: list[Response | None] = [None] * len(wanted)
     arguments = ((system, changes, duration, speed, options) for changes in wanted)
     calls = ParallelCalls(_simulate, arguments, executor)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearbow._core import require_memory
 from gearbow._extras import extra
 from gearbow.errors import GearbowError
 from gearbow.sweeps.outcome import Outcome
@@ -45,6 +46,10 @@ def column(name: str, outcomes: Mapping[int, Outcome], count: int) -> NDArray[An
     kind = np.result_type(*{value.dtype for value in found.values()})
     if len(found) < count and kind.kind in "biu":
         kind = np.dtype(np.float64)
+    # The array, and its copy with the axes of the parameters.
+    size = 2.0 * count * kind.itemsize * float(np.prod(shape, dtype=np.float64))
+    remedy = "read the values point by point, or let `measure` return fewer"
+    require_memory(name, f"the values of {count} points", size, remedy)
     missing: Any = "" if kind.kind == "U" else np.nan
     values = np.full((count, *shape), missing if len(found) < count else kind.type(), kind)
     for number, value in found.items():

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array, number, shown, truth, whole
-from gearbow._core import Model, mesh_geometry
+from gearbow._core import Model, mesh_geometry, require_memory
 from gearbow.description.layout import layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
@@ -194,6 +194,10 @@ class LinearAnalyses(SystemFiles):
         wanted = array(stiffnesses, "stiffnesses")
         excitation = number(excitation, "excitation")
         count = None if count is None else whole(count, "count")
+        # The shortest list of critical speeds is empty; each speed is an object with its whirl.
+        size = 500.0 * wanted.size * (1 + min(count or 2 * len(self.dofs), 2 * len(self.dofs)))
+        what = f"the critical speeds at {wanted.size} stiffnesses"
+        require_memory("stiffnesses", what, size, "give fewer stiffnesses, or a smaller count")
         speeds, whirl = [], []
         for stiffness in wanted:
             description = self.description

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import number, text, whole
+from gearbow._core import require_memory
 from gearbow._progress import reported
 from gearbow._times import distinct, grid
 from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
 from gearbow.accuracy.levels import Level, check_reduction, find_level
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
-from gearbow.errors import AccuracyWarning, SceneError, outside
+from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
 from gearbow.recording.request import RunRequest
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
@@ -277,6 +278,31 @@ class Simulation(LinearAnalyses):
         if output_step is not None:
             raise SceneError("times: cannot be given together with output_step")
         return distinct(times)
+
+    def _require_memory_of_runs(
+        self, count: int, duration: float, speed: Any, options: Mapping[str, Any]
+    ) -> None:
+        """Refuse runs whose records do not fit into memory together.
+
+        An invalid option, which the first run reports, is not examined.
+        """
+        try:
+            times = options.get("times")
+            if times is None:
+                step = options.get("output_step")
+                step = self.default_output_step(duration, speed) if step is None else step
+                size = min(number(duration, "duration") / number(step, "output_step"), 1e18)
+            else:
+                size = np.size(times)
+            record = requests(options.get("record", ("gears", "meshes")))
+            needed = self._model.record_bytes(record, int(size) + 1)
+        except (GearbowError, ArithmeticError, TypeError, ValueError):
+            return
+        remedy = (
+            "record fewer places or quantities (record=) or fewer times (output_step=, times=), or "
+            "measure each run by gearbow.sweep"
+        )
+        require_memory("variations", f"the records of {count} runs", float(count * needed), remedy)
 
     def _run(
         self,

@@ -16,7 +16,7 @@ mod varying_loads;
 
 pub use variation::resolve_variation;
 
-use super::AnalysisError;
+use super::{AnalysisError, Interrupt};
 use excited_modes::{Excitation, ExcitedMode, excitation};
 use layout::Layout;
 use std::sync::Arc;
@@ -85,8 +85,8 @@ pub struct Choice {
 /// Chooses number and degree of the elements where a description does not give them.
 ///
 /// # Errors
-/// [`SceneError`] if the scene is invalid.
-pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
+/// [`AnalysisError`] if the scene is invalid, or `interrupt` requests a stop.
+pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolved, AnalysisError> {
     let automatic: Vec<usize> =
         given.shafts.iter().enumerate().filter(|(_, shaft)| shaft.is_automatic()).map(|(index, _)| index).collect();
     if automatic.is_empty() {
@@ -111,6 +111,7 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
     });
     let model = Model::new(Scene::new(&probe)?)?;
     let permitted_error = permitted(level, model.meshes.is_empty());
+    interrupt.check()?;
     let known = at_tabulated_speed(model.clone()).map(CachedModel::new).ok();
     let known = known.and_then(|cached| excitation(&cached).ok().map(|excitation| (cached, excitation)));
     let Some((cached, excitation)) = known else {
@@ -127,7 +128,7 @@ pub fn resolve(given: &SceneDescription) -> Result<Resolved, SceneError> {
         weight,
         model: &cached.model,
     };
-    let best = search.best(permitted_error);
+    let best = search.best(permitted_error, interrupt)?;
     let highest = |i: usize| layouts[i].highest_frequency(&best.lengths[i], best.degrees[i], RESOLVED);
     let choice = Choice {
         level,
@@ -255,12 +256,16 @@ struct Candidate {
 
 impl Search<'_> {
     /// The candidate with the fewest coordinates that meets the permitted error; otherwise the most accurate one.
-    fn best(&self, permitted: f64) -> Candidate {
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if `interrupt` requests a stop.
+    fn best(&self, permitted: f64, interrupt: &Interrupt) -> Result<Candidate, AnalysisError> {
         let mut best: Option<Candidate> = None;
         let mut most_accurate: Option<Candidate> = None;
         let longest = self.layouts.iter().map(Layout::longest).fold(0.0, f64::max);
         for degree in 2..=MAX_DEGREE {
             for i in 0..LENGTHS {
+                interrupt.check()?;
                 let candidate = self.uniform(degree, longest * FINER.powi(i as i32));
                 let cheapest = best.as_ref().map_or(MAX_COORDINATES, |best| best.coordinates);
                 if candidate.coordinates >= cheapest && (best.is_some() || most_accurate.is_some()) {
@@ -275,14 +280,18 @@ impl Search<'_> {
                 }
             }
         }
-        let best = best.map(|best| self.trimmed(best, permitted));
-        best.or(most_accurate).unwrap_or_else(|| self.uniform(PROBE_DEGREE, longest))
+        let best = best.map(|best| self.trimmed(best, permitted, interrupt)).transpose()?;
+        Ok(best.or(most_accurate).unwrap_or_else(|| self.uniform(PROBE_DEGREE, longest)))
     }
 
     /// Lowers the degree of a shaft or the number of elements of a segment, as long as the permitted error is met: first
     /// where the error increases least for each saved coordinate.
-    fn trimmed(&self, mut best: Candidate, permitted: f64) -> Candidate {
+    ///
+    /// # Errors
+    /// As [`Self::best`].
+    fn trimmed(&self, mut best: Candidate, permitted: f64, interrupt: &Interrupt) -> Result<Candidate, AnalysisError> {
         loop {
+            interrupt.check()?;
             let price = |coarser: &Candidate| {
                 (coarser.error - best.error).max(0.0) / (best.coordinates - coarser.coordinates) as f64
             };
@@ -290,7 +299,7 @@ impl Search<'_> {
             let coarser = self.coarser(&best).into_iter().filter(meets).min_by(|a, b| price(a).total_cmp(&price(b)));
             match coarser {
                 Some(coarser) => best = coarser,
-                None => return best,
+                None => return Ok(best),
             }
         }
     }

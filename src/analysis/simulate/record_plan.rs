@@ -1,9 +1,10 @@
 //! Quantities to record, with names resolved to nodes and meshes. A run computes only the coordinates that they need.
 
-use crate::connection::Row;
+use crate::analysis::{Kept, product};
+use crate::connection::{MESH_CHANNELS, ROLLING_CHANNELS, Row};
 use crate::exponential::Selection;
 use crate::model::Model;
-use crate::motion::{PowerCoordinates, connected_coordinates};
+use crate::motion::{Energies, PowerCoordinates, connected_coordinates};
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
 /// Names of everything of one kind.
@@ -86,6 +87,36 @@ impl RecordPlan {
             return Err(SceneError::new("record", message));
         }
         Ok(plan)
+    }
+
+    /// Memory of the record of a number of times, bytes.
+    pub fn bytes(&self, model: &Model, times: usize) -> u64 {
+        let axial = usize::from(model.scene.axial);
+        // Displacements over y and z, the twist and the axial displacement, and their rates and accelerations.
+        let rates = 1 + usize::from(self.velocity) + usize::from(self.acceleration);
+        let rolling = self.bearings.iter().filter(|node| model.rolls_at(**node)).count();
+        let values = 1
+            + rates * (3 + axial) * self.points.len()
+            + (4 + axial) * self.bearings.len()
+            + ROLLING_CHANNELS.len() * rolling
+            + MESH_CHANNELS.len() * self.meshes.len();
+        // Energies are kept in the record and in the arrays of the result.
+        let energies = usize::from(self.energy) * (size_of::<(Energies, [f64; 6])>() + 12 * size_of::<f64>());
+        product(&[times, values * size_of::<f64>() + energies])
+    }
+
+    /// Refuses a record of a number of times that does not fit into memory.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the required and the available memory.
+    pub fn require_memory(&self, model: &Model, times: usize) -> Result<(), SceneError> {
+        let kept = Kept {
+            argument: "record",
+            what: format!("the recorded quantities at {times} times"),
+            bytes: self.bytes(model, times),
+            remedy: "record fewer places or quantities (record=), or fewer times (output_step=, times=)",
+        };
+        kept.require()
     }
 
     fn add(&mut self, model: &Model, request: &Request, at: &EntryPath) -> Result<(), SceneError> {
