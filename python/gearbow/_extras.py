@@ -1,9 +1,10 @@
 """Optional libraries that only some functions need."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from gearbow.errors import MissingExtraError
+from gearbow.errors import MissingExtraError, SceneError
 
 __all__ = ["extra"]
 
@@ -20,7 +21,10 @@ _PACKAGES = {
 
 @contextmanager
 def extra(name: str) -> Iterator[None]:
-    """Report how to install an extra if an import within the block fails."""
+    """Report how to install an extra if an import within the block fails.
+
+    matplotlib cannot be imported if the environment names an unknown backend.
+    """
     try:
         yield
     except ModuleNotFoundError as error:
@@ -30,4 +34,12 @@ def extra(name: str) -> Iterator[None]:
         raise MissingExtraError(
             f'{package}: is not installed; install it with: pip install "gearbow[{name}]"',
             name=error.name,
+        ) from error
+    except ValueError as error:
+        given = os.environ.get("MPLBACKEND")
+        if given is None or given not in str(error):
+            raise
+        raise SceneError(
+            f"MPLBACKEND: {given!r} is no backend of matplotlib; remove this environment variable, "
+            "gearbow needs none"
         ) from error

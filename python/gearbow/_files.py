@@ -1,13 +1,14 @@
-"""Files that are written as a whole, and locks between processes.
+"""Names of files, files that are written as a whole, text files, and locks between processes.
 
 gearbow writes every file with `replacing`. It writes a temporary file in the same folder, which
-replaces the target when all data are on the disk. Only the store of a sweep appends to its file.
+replaces the target when all data are on the disk. Only the store of a sweep adds to its file.
 """
 
 import errno
+import hashlib
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from io import BufferedRandom
 from pathlib import Path
@@ -18,11 +19,128 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
     import msvcrt
 
-__all__ = ["BusyError", "FileLock", "replacing", "reserve"]
+from gearbow._convert import shown
+from gearbow.errors import SceneError
+
+__all__ = ["FileLock", "check_name", "check_output", "read_text", "replacing", "reserve"]
+
+#: Longest file name that temporary files and locks contain as it is [bytes]; a file system has at
+#: most 255.
+_LONGEST_NAME = 200
+#: Most links from one to the next, as Linux permits.
+_MOST_LINKS = 40
+#: First bytes of texts that editors and Excel save in an encoding other than UTF-8.
+_MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
-class BusyError(Exception):
-    """Another owner holds the lock."""
+def check_name(path: object, endings: Sequence[str], argument: str = "path") -> tuple[Path, str]:
+    """Check the name of a file, whose suffix means its format.
+
+    Parameters
+    ----------
+    path : object
+        The name.
+    endings : sequence of str
+        Suffixes of the known formats, in small letters.
+    argument : str
+        Name of the argument, for the message.
+
+    Returns
+    -------
+    path : Path
+        The file.
+    ending : str
+        One of the suffixes.
+
+    Raises
+    ------
+    SceneError
+        If it is no name of a file, or has another suffix.
+    """
+    found = _path(path, argument)
+    ending = found.suffix.lower()
+    if ending not in endings:
+        *others, last = endings
+        known = f"{', '.join(others)} or {last}" if others else last
+        raise SceneError(
+            f"{argument}: must end with {known}, which is the format, got {shown(str(found))}"
+        )
+    return found, ending
+
+
+def _path(path: object, argument: str) -> Path:
+    """Check that a value is the name of a file."""
+    if not isinstance(path, str | os.PathLike):
+        raise SceneError(f"{argument}: must be the name of a file, got {shown(path)}")
+    name = os.fspath(path)
+    if not isinstance(name, str) or not name or "\0" in name:
+        raise SceneError(f"{argument}: must be the name of a file, got {shown(name)}")
+    return Path(name)
+
+
+def check_output(path: Path) -> None:
+    """Check, before a computation, that a file can be created or replaced.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    OSError
+        If the folder is missing or not writable, or the file is a folder or a device.
+    """
+    with _unchanged(path):
+        target = _target(path)
+        if not target.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, f"there is no folder {target.parent}")
+        if not os.access(target.parent, os.W_OK):
+            raise PermissionError(errno.EACCES, f"the folder {target.parent} is not writable")
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Read a text file in UTF-8, with or without a byte-order mark.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file.
+
+    Returns
+    -------
+    str
+        Its text.
+
+    Raises
+    ------
+    SceneError
+        If it has another encoding; the message names it as far as it is known.
+    OSError
+        If the file cannot be opened.
+    """
+    data = _path(path, "path").read_bytes()
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        encoding = _MARKS.get(data[:2])
+        guess = f"it is {encoding}" if encoding else "perhaps it is Windows-1252, as of Excel"
+        line = data.count(b"\n", 0, error.start) + 1
+        raise SceneError(
+            f"{path}: is not UTF-8 text: byte {data[error.start]:#04x} in line {line}; {guess}; "
+            'save it as UTF-8 (in Excel: "CSV UTF-8")'
+        ) from None
+
+
+@contextmanager
+def _unchanged(path: Path) -> Iterator[None]:
+    """Name the file in every error of the system within the block."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        message = f"the file cannot be written and is unchanged: {reason}"
+        raise OSError(error.errno or errno.EIO, message, str(path)) from error
 
 
 @contextmanager
@@ -38,32 +156,29 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BufferedRandom]:
     OSError
         If the file cannot be written. The message names `path` and the cause.
     """
-    path = Path(path).resolve()
+    given = _path(path, "path")
     trial: Path | None = None
     file: BufferedRandom | None = None
-    try:
-        _check_target(path)
-        _remove_abandoned(path)
-        trial, file = _create(path)
-        yield file
-        file.flush()
-        os.fsync(file.fileno())
-        if fcntl is None:  # Windows does not rename a file that is open.
-            file.close()
-        trial.replace(path)
-        file.close()
-    except BaseException as error:
-        if file is not None:
-            with suppress(OSError):  # closing retries to write the remaining data
+    with _unchanged(given):
+        try:
+            path = _target(given)
+            _remove_abandoned(path)
+            trial, file = _create(path)
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+            if fcntl is None:  # Windows does not rename a file that is open.
                 file.close()
-        if trial is not None:
-            with suppress(OSError):
-                trial.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            reason = error.strerror or str(error)
-            message = f"the file cannot be written and is unchanged: {reason}"
-            raise OSError(error.errno or errno.EIO, message, str(path)) from error
-        raise
+            trial.replace(path)
+            file.close()
+        except BaseException:
+            if file is not None:
+                with suppress(OSError):  # closing retries to write the remaining data
+                    file.close()
+            if trial is not None:
+                with suppress(OSError):
+                    trial.unlink(missing_ok=True)
+            raise
     _synchronise(path.parent)
 
 
@@ -99,11 +214,17 @@ class FileLock:
     ----------
     path : Path
         The protected file. The lock is a hidden empty file in the same folder.
+    argument : str
+        Name of the argument that gives the file, for messages.
+    user : str
+        What uses the file: "run" or "sweep".
     """
 
-    def __init__(self, path: Path) -> None:
-        path = path.resolve()
-        self._path = path.with_name(f".{_short(path)}.lock")
+    def __init__(self, path: Path, argument: str, user: str) -> None:
+        self._protected = path
+        self._argument = argument
+        self._user = user
+        self._path: Path | None = None
         self._number: int | None = None
 
     def acquire(self) -> None:
@@ -111,27 +232,45 @@ class FileLock:
 
         Raises
         ------
-        BusyError
-            If another owner holds it.
-        OSError
-            If the folder or its file system does not permit a lock.
+        SceneError
+            If another owner holds it, or the folder or its file system does not permit a lock.
         """
+        try:
+            free = self._acquired()
+        except OSError as error:
+            raise SceneError(
+                f"{self._argument}: {self._protected} cannot be protected from other "
+                f"{self._user}s by a lock beside it: {error.strerror}; give a file in a folder "
+                "that can be written to and whose file system has locks"
+            ) from error
+        if not free:
+            raise SceneError(
+                f"{self._argument}: {self._protected} is in use by another {self._user}, of this "
+                f"process or of another one; wait until it has ended, or give each {self._user} a "
+                "file of its own"
+            )
+
+    def _acquired(self) -> bool:
+        """Try to acquire the lock; False if another owner holds it."""
+        target = _followed(self._protected)
+        self._path = target.with_name(f".{_short(target)}.lock")
         flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
         while self._number is None:
             number = os.open(self._path, flags, 0o666)
             try:
                 if not _lock(number):
-                    raise BusyError
+                    return False
                 # The previous owner may have removed the file between the two calls.
                 if _is_at(number, self._path):
                     self._number = number
             finally:
                 if self._number is None:
                     os.close(number)
+        return True
 
     def release(self) -> None:
         """Release the lock, if it is held, and remove its file."""
-        if self._number is None:
+        if self._number is None or self._path is None:
             return
         number, self._number = self._number, None
         with suppress(OSError):
@@ -167,21 +306,41 @@ def _is_at(number: int, path: Path) -> bool:
         return False
 
 
-def _check_target(path: Path) -> None:
-    """Reject a target that is not a regular file, such as a folder or a device."""
+def _target(path: Path) -> Path:
+    """Give the file that is written; reject one that is no regular file, such as a device."""
+    path = _followed(path)
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
-        return
+        return path
     if stat.S_ISDIR(mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     if not stat.S_ISREG(mode):
         raise OSError(errno.EINVAL, "it is a device, not a file")
+    return path
+
+
+def _followed(path: Path) -> Path:
+    """Follow symbolic links to the file itself, which need not exist."""
+    for _ in range(_MOST_LINKS):
+        try:
+            path = path.parent.resolve() / path.name
+        except RuntimeError:  # a loop of folders, up to Python 3.12
+            break
+        if path.parts[1:2] == ("proc",):  # such as /dev/stdout: a file that a program has opened
+            raise OSError(errno.EINVAL, "it is a device, not a file")
+        if not path.is_symlink():
+            return path
+        path = path.parent / path.readlink()
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
 
 
 def _short(path: Path) -> str:
     """Shorten a file name, so that an affix fits into the 255 bytes of a name."""
-    return path.name[:40]
+    name = os.fsencode(path.name)
+    if len(name) <= _LONGEST_NAME:
+        return path.name
+    return f"{path.name[:40]}-{hashlib.sha256(name).hexdigest()[:16]}"
 
 
 def _create(path: Path) -> tuple[Path, BufferedRandom]:

@@ -75,7 +75,11 @@ class MissingExtraError(GearbowError, ImportError):
 
 
 class CheckpointWarning(UserWarning):
-    """The file of a long run could not be written; the run continues, and the file is unchanged."""
+    """The file of a long run or a sweep could not be written, or a part of it is damaged.
+
+    The run continues. A file that could not be written is unchanged; points of a sweep that are
+    damaged are computed again.
+    """
 
 
 class SceneWarning(UserWarning):

@@ -278,7 +278,7 @@ def test_a_file_that_is_no_checkpoint_is_not_changed(tmp_path):
         assert path.read_bytes() == content
     with pytest.raises(gb.SceneError, match=r"^checkpoint: there is no folder"):
         system.simulate(**options, checkpoint=tmp_path / "missing" / "run.npz")
-    with pytest.raises(gb.GearbowError, match=r"ends with \.npz or \.nc"):
+    with pytest.raises(gb.GearbowError, match=r"^checkpoint: must end with \.npz or \.nc"):
         system.simulate(**options, checkpoint=tmp_path / "run.csv")
     with pytest.raises(gb.SceneError, match=r"^checkpoint_interval: must be positive, got 0"):
         system.simulate(**options, checkpoint=tmp_path / "other.npz", checkpoint_interval=0)

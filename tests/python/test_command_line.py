@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 import signal
@@ -189,8 +190,19 @@ def test_tradeoff(scene: str, capsys):
         ),
         (
             ["run", "SCENE", "--duration", "1", "--speed", "1", "--out", "run.csv"],
-            "must end with .npz or .nc, got 'run.csv'",
+            "must end with .npz or .nc, which is the format, got 'run.csv'",
         ),
+        (
+            ["run", "SCENE", "--duration", "1e9", "--speed", "1", "--checkpoint", "none/run.npz"],
+            "argument --checkpoint: none/run.npz: the file cannot be written and is unchanged: ",
+        ),
+        (
+            ["campbell", "SCENE", "--to", "1e3", "--out", "a.xyz"],
+            ", .svgz, .tif, .tiff or .webp, which is the format, got 'a.xyz'",
+        ),
+        (["plot", "SCENE", "--out", ""], "--out: must be the name of a file, got ''"),
+        (["steady", "SCENE", "--speed", "1", "--out", ""], "must be the name of a file, got ''"),
+        (["new", "rotor.xyz"], "new: path: must end with .toml"),
         (["campbell", "SCENE", "--to", "0"], "campbell: speeds: need --points of at least 2"),
         (["modes", "SCENE", "--count", "0"], "modes: count: must be at least 1, got 0"),
         (["swim"], "invalid choice: 'swim'"),
@@ -276,6 +288,90 @@ def test_a_stopped_run_keeps_its_signals(scene: str, tmp_path: Path):
     assert b"Traceback" not in errors
     assert f"signals: {out}" in printed.decode()
     assert gb.Response.load(out).time.size > 10
+
+
+def ended(*arguments: str, **given: object) -> subprocess.CompletedProcess[bytes]:
+    """Run the program as a process of its own, with further variables of the environment."""
+    environment = {**os.environ, **given.pop("env", {})}
+    return subprocess.run(
+        [*COMMAND, *arguments], env=environment, check=False, stderr=subprocess.PIPE, **given
+    )
+
+
+RUN = ("--duration", "1 ms", "--speed", "100")
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+def test_an_output_that_is_not_utf_8_has_escapes(scene: str, encoding: str):
+    text = Path(scene).read_text().replace('"wheel"', '"Räder 齿轮"')
+    Path(scene).write_text(text, encoding="utf-8")
+    environment = {"PYTHONIOENCODING": encoding}
+    for form in ((), ("--json",)):
+        found = ended("run", scene, *RUN, *form, env=environment, stdout=subprocess.PIPE)
+        assert (found.returncode, found.stderr) == (0, b"")
+        printed = found.stdout.decode(encoding)
+        if form:
+            assert "Räder 齿轮" in json.loads(printed)["points"]
+        else:
+            assert r" \u9f7f\u8f6e: peak-to-peak" in printed
+
+
+@pytest.mark.skipif(os.name != "posix", reason="devices")
+def test_a_full_or_closed_stdout_is_an_error_of_one_line(scene: str, tmp_path: Path):
+    with Path("/dev/full").open("wb") as full:
+        found = ended("run", scene, *RUN, "--out", str(tmp_path / "r.npz"), stdout=full)
+    assert (found.returncode, found.stderr.count(b"\n")) == (1, 1)
+    assert b"run: stdout cannot be written: " in found.stderr
+    assert gb.Response.load(tmp_path / "r.npz").time.size
+    line = shlex.join([*COMMAND, "run", scene, "--duration", "1e9", "--speed", "1"])
+    found = subprocess.run(["sh", "-c", f"{line} >&-"], check=False, stderr=subprocess.PIPE)
+    expected = b"gearbow: stdout is closed; redirect it, for example to /dev/null\n"
+    assert (found.returncode, found.stderr) == (2, expected)
+
+
+def test_an_unknown_backend_is_refused_before_the_computation(scene: str, tmp_path: Path):
+    pytest.importorskip("matplotlib")
+    environment = {"MPLBACKEND": "nonsense"}
+    out = ("--out", str(tmp_path / "c.png"))
+    found = ended("campbell", scene, "--to", "1e3", *out, env=environment, stdout=subprocess.PIPE)
+    assert (found.returncode, found.stdout) == (2, b"")
+    assert b"MPLBACKEND: 'nonsense' is no backend of matplotlib; remove this" in found.stderr
+    assert b"Traceback" not in found.stderr
+
+
+def test_the_table_is_printed_before_the_figure_is_drawn(scene, tmp_path, capsys, monkeypatch):
+    pytest.importorskip("matplotlib")
+
+    def fails(_: object) -> None:
+        raise gb.GearbowError("no figure")
+
+    monkeypatch.setattr("gearbow.results.campbell.Campbell.plot", fails)
+    given = ["campbell", scene, "--to", "6000 rpm", "--points", 5, "--harmonics", 0]
+    code, out, err = called(capsys, *given, "--out", tmp_path / "c.svg")
+    assert (code, err) == (1, "campbell: no figure\n")
+    assert "excited by" in out
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends a signal")
+def test_sigterm_keeps_the_checkpoint_and_the_signals(scene: str, tmp_path: Path):
+    out, checkpoint = tmp_path / "part.npz", tmp_path / "run.npz"
+    arguments = ["run", scene, "--duration", "1000", "--speed", "100", "--out", str(out)]
+    process = subprocess.Popen(
+        [*COMMAND, *arguments, "--checkpoint", str(checkpoint), "--progress"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    seen = b""
+    while not re.search(rb"\| 0?\.?0*[1-9]\S*/1e\+03 s", seen):
+        piece = process.stderr.read1(1000)
+        assert piece, seen
+        seen += piece
+    process.send_signal(signal.SIGTERM)
+    printed, errors = process.communicate()
+    assert process.returncode == 143
+    assert errors.decode().splitlines()[-1] == "run: stopped; what was done is kept"
+    assert f"signals: {out}" in printed.decode()
+    assert gb.Response.load(out).time.size == gb.Response.load(checkpoint).time.size > 10
 
 
 def test_the_program_and_the_module_are_the_same(scene: str):

@@ -295,7 +295,7 @@ def test_a_second_run_in_one_process_is_refused(tmp_path):
     assert_same(found, system.simulate(**options))
     assert names(tmp_path) == [path.name]
     # Any number of processes can read a complete file.
-    lock = FileLock(path)
+    lock = FileLock(path, "checkpoint", "run")
     lock.acquire()
     assert_same(system.simulate(**options, checkpoint=path), found)
     lock.release()
@@ -355,14 +355,15 @@ def test_links_and_devices_are_not_replaced(tmp_path):
     train().save(link)
     assert link.is_symlink()
     assert read(tmp_path / "folder" / "rotor.toml") == train().description
-    os.mkfifo(tmp_path / "pipe")
-    for target in (tmp_path / "pipe", tmp_path / "folder"):
+    os.mkfifo(tmp_path / "pipe.toml")
+    (tmp_path / "folder.toml").mkdir()
+    for target in (tmp_path / "pipe.toml", tmp_path / "folder.toml"):
         with pytest.raises(OSError, match="cannot be written and is unchanged") as caught:
             train().save(target)
         assert str(target) in str(caught.value)
     with pytest.raises(FileNotFoundError, match="missing"):
         train().save(tmp_path / "missing" / "rotor.toml")
-    assert names(tmp_path) == ["folder", "pipe", "rotor.toml"]
+    assert names(tmp_path) == ["folder", "folder.toml", "pipe.toml", "rotor.toml"]
 
 
 @posix
@@ -384,7 +385,7 @@ def test_remains_of_killed_writers_are_removed(tmp_path):
 
 @posix
 def test_a_lock_is_released_with_its_file(tmp_path):
-    first, second = FileLock(tmp_path / "run.npz"), FileLock(tmp_path / "run.npz")
+    first, second = (FileLock(tmp_path / "run.npz", "checkpoint", "run") for _ in range(2))
     first.acquire()
     assert names(tmp_path) == [".run.npz.lock"]
     first.release()
@@ -396,6 +397,75 @@ def test_a_lock_is_released_with_its_file(tmp_path):
     first.acquire()
     first.release()
     assert names(tmp_path) == []
+
+
+def test_long_names_with_a_common_beginning_have_locks_of_their_own(tmp_path):
+    beginning = "map of the mesh force over speed and bow, " * 5
+    paths = [tmp_path / f"{beginning}{i}.sweep" for i in range(2)]
+    paths += [tmp_path / f"{beginning[:45]}{i}.sweep" for i in range(2)]
+    locks = [FileLock(path, "store", "sweep") for path in paths]
+    for lock in locks:
+        lock.acquire()
+    with pytest.raises(gb.SceneError, match=r"^store: .*1.sweep is in use by another sweep"):
+        FileLock(paths[1], "store", "sweep").acquire()
+    for lock in locks:
+        lock.release()
+    for path in paths:
+        with replacing(path) as file:
+            file.write(b"1")
+    assert names(tmp_path) == sorted(path.name for path in paths)
+
+
+@posix
+def test_a_loop_of_links_is_an_error_of_the_system(tmp_path):
+    (tmp_path / "a.toml").symlink_to(tmp_path / "b.toml")
+    (tmp_path / "b.toml").symlink_to(tmp_path / "a.toml")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    for path in (tmp_path / "a.toml", tmp_path / "loop" / "a.toml"):
+        with pytest.raises(OSError, match=r"(Too many levels|Symlink loop|symbolic links)"):
+            train().save(path)
+        with pytest.raises(OSError, match="Too many levels"):
+            gb.RotorSystem.load(path)
+    (tmp_path / "a.npz").symlink_to(tmp_path / "a.npz")
+    system, options = RUNS["smooth"][0].package(), asked("smooth")
+    with pytest.raises(gb.SceneError, match=r"^checkpoint: .*Too many levels"):
+        system.simulate(**options, checkpoint=tmp_path / "a.npz")
+
+
+STDOUT = """
+import sys
+from test_response import recorded
+
+link = sys.argv[1]
+try:
+    recorded().save(link)
+except OSError as error:
+    sys.stderr.write(str(error))
+print("printed before")
+"""
+
+
+@posix
+def test_a_link_to_stdout_does_not_replace_the_redirected_file(tmp_path):
+    link, out = tmp_path / "link.npz", tmp_path / "out"
+    link.symlink_to("/dev/stdout")
+    with out.open("wb") as file:
+        subprocess.run(
+            [sys.executable, "-c", STDOUT, str(link)],
+            cwd=Path(__file__).parent,
+            check=True,
+            stdout=file,
+        )
+    assert out.read_text() == "printed before\n"
+    assert sorted(names(tmp_path)) == ["link.npz", "out"]
+
+
+@pytest.mark.parametrize("path", ["", "rotor", "rotor.npz", "rotor\0.toml", 3, None, b"rotor.toml"])
+def test_a_name_that_is_no_file_of_a_known_format_is_refused(path):
+    with pytest.raises(gb.SceneError, match=r"^path: must (be the name of a file|end with \.toml)"):
+        train().save(path)
+    with pytest.raises(gb.SceneError, match=r"^path: must (be the name of a file|end with \.npz)"):
+        recorded().save(path if path != "rotor.npz" else "rotor.toml")
 
 
 def test_a_folder_without_locks_is_an_error(tmp_path, monkeypatch):

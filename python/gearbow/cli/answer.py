@@ -2,13 +2,47 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-__all__ = ["Answer"]
+from gearbow._files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Answer", "Drawing"]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure that a command draws after it has printed its answer.
+
+    Parameters
+    ----------
+    draw : callable
+        Draws the figure.
+    path : Path
+        Its file.
+    """
+
+    draw: "Callable[[], Figure]"
+    path: Path
+
+    def save(self) -> None:
+        """Draw the figure and write the file.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written. An existing file is unchanged.
+        """
+        figure = self.draw()
+        with replacing(self.path) as file:
+            figure.savefig(file, format=self.path.suffix[1:].lower())
 
 
 @dataclass(frozen=True)
@@ -21,20 +55,23 @@ class Answer:
         Lines for a person.
     data : mapping
         The same as plain data; units are SI units, or the ending of a key (`_hz`).
+    drawing : Drawing, optional
+        The figure of the command.
     """
 
     text: str
     data: Mapping[str, Any]
+    drawing: Drawing | None = None
 
     def json(self) -> str:
-        """Format the data as JSON; numbers that JSON lacks (NaN, infinity) become null.
+        """Format the data as JSON in ASCII; numbers that JSON lacks (NaN, infinity) become null.
 
         Returns
         -------
         str
             One JSON object.
         """
-        return json.dumps(_plain(self.data), indent=2, allow_nan=False, ensure_ascii=False)
+        return json.dumps(_plain(self.data), indent=2, allow_nan=False)
 
 
 def _plain(value: Any) -> Any:

@@ -6,12 +6,26 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from gearbow._extras import extra
+from gearbow._files import check_name, check_output
 from gearbow.cli.answer import Answer
-from gearbow.errors import SceneError
+from gearbow.errors import GearbowError, SceneError
+from gearbow.recording.container import suffix
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
 
-__all__ = ["Commands", "add_command", "add_duration", "add_scene", "item", "quantity", "shows"]
+__all__ = [
+    "Commands",
+    "add_command",
+    "add_duration",
+    "add_scene",
+    "add_speed",
+    "figure",
+    "item",
+    "output",
+    "quantity",
+    "shows",
+]
 
 #: The subparsers of the program.
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -141,6 +155,66 @@ def quantity(field: str) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(str(error).removeprefix(f"{field}: ")) from None
 
     return read
+
+
+def output(text: str) -> Path:
+    """Read the name of a file for signals, and check that it can be written.
+
+    Parameters
+    ----------
+    text : str
+        The name.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If the suffix is unknown, a library for the format is missing, or the file cannot be
+        written.
+    """
+    return _writable(lambda: suffix(text)[0])
+
+
+def figure(text: str) -> Path:
+    """Read the name of a file for a figure, and check that it can be drawn and written.
+
+    Parameters
+    ----------
+    text : str
+        The name.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If the suffix is unknown, matplotlib is missing, or the file cannot be written.
+    """
+
+    def checked() -> Path:
+        with extra("plot"):
+            from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
+        return check_name(text, [f".{each}" for each in sorted(FigureCanvasBase.filetypes)])[0]
+
+    return _writable(checked)
+
+
+def _writable(check: Callable[[], Path]) -> Path:
+    try:
+        path = check()
+        check_output(path)
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"{error.filename}: {error.strerror}") from None
+    except GearbowError as error:
+        raise argparse.ArgumentTypeError(str(error).removeprefix("path: ")) from None
+    return path
 
 
 def item(system: RotorSystem, text: str) -> Any:

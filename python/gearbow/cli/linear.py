@@ -3,13 +3,12 @@
 import argparse
 import warnings
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gearbow.cli.answer import Answer
-from gearbow.cli.arguments import Commands, add_command, add_scene, quantity
+from gearbow.cli.answer import Answer, Drawing
+from gearbow.cli.arguments import Commands, add_command, add_scene, figure, quantity
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
 
@@ -42,7 +41,7 @@ def add(commands: Commands) -> None:
     )
     add_scene(parser)
     parser.add_argument(
-        "--out", type=Path, default=Path("train.png"), help="file of the figure; default: train.png"
+        "--out", type=figure, default="train.png", help="file of the figure; default: train.png"
     )
 
     parser = add_command(
@@ -78,7 +77,9 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--harmonics", type=int, default=1, help="harmonics of the tooth frequencies; default: 1"
     )
-    parser.add_argument("--out", type=Path, help="write the diagram to this file, for example .png")
+    parser.add_argument(
+        "--out", type=figure, help="write the diagram to this file, for example .png"
+    )
 
 
 def check(given: argparse.Namespace) -> Answer:
@@ -131,11 +132,10 @@ def plot(given: argparse.Namespace) -> Answer:
     Returns
     -------
     Answer
-        Name of the file.
+        Name of the file, and its figure.
     """
     system: Any = RotorSystem.load(given.scene)
-    system.plot().savefig(given.out)
-    return Answer(f"figure: {given.out}", {"file": str(given.out)})
+    return Answer("", {"file": str(given.out)}, Drawing(system.plot, given.out))
 
 
 def modes(given: argparse.Namespace) -> Answer:
@@ -169,7 +169,7 @@ def campbell(given: argparse.Namespace) -> Answer:
     Returns
     -------
     Answer
-        A row for each intersection.
+        A row for each intersection, and the diagram.
 
     Raises
     ------
@@ -184,10 +184,6 @@ def campbell(given: argparse.Namespace) -> Answer:
     system = RotorSystem.load(given.scene)
     speeds = np.linspace(given.first, given.last, given.points)
     found = system.campbell(speeds, count=given.count, harmonics=given.harmonics)
-    text = found.table()
-    if given.out is not None:
-        found.plot().savefig(given.out)
-        text += f"\ndiagram: {given.out}"
     keys = ("speed", "frequency_hz", "damping_ratio", "whirl", "mode")
     data = {
         "speeds": found.speeds,
@@ -200,4 +196,5 @@ def campbell(given: argparse.Namespace) -> Answer:
         "thresholds": [asdict(one) for one in found.thresholds],
         "file": None if given.out is None else str(given.out),
     }
-    return Answer(text, data)
+    drawing = None if given.out is None else Drawing(found.plot, given.out)
+    return Answer(found.table(), data, drawing)

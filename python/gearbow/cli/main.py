@@ -1,11 +1,16 @@
 """The program: its commands, errors and exit codes."""
 
 import argparse
+import io
 import os
 import re
+import signal
 import sys
+import threading
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 from gearbow._core import __version__
@@ -15,10 +20,18 @@ from gearbow.cli.arguments import add_command
 from gearbow.errors import GearbowError, SceneError
 from gearbow.study import command as study
 
-__all__ = ["FAILED", "INVALID", "STOPPED", "main"]
+__all__ = ["FAILED", "INVALID", "STOPPED", "TERMINATED", "main"]
 
-#: Exit codes: a computation failed, the input is invalid, Ctrl-C.
-FAILED, INVALID, STOPPED = 1, 2, 130
+#: Exit codes: a computation failed, the input is invalid, Ctrl-C, SIGTERM.
+FAILED, INVALID, STOPPED, TERMINATED = 1, 2, 130, 143
+
+
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM, which ends a command as Ctrl-C does."""
+
+
+class _PrintError(Exception):
+    """The answer cannot be written to stdout."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -34,10 +47,43 @@ def main(arguments: Sequence[str] | None = None) -> None:
     SystemExit
         With the exit code.
     """
+    _prepare_output()
     given = _parser().parse_args(arguments)
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), _stopped_by_sigterm():
         warnings.showwarning = _show  # type: ignore[assignment]  # it ignores the place
         sys.exit(_code(given))
+
+
+def _prepare_output() -> None:
+    """Refuse a closed stdout before a computation; write other encodings than UTF-8 with escapes.
+
+    A closed stream is None. The number of a closed stdout is that of the next file that opens.
+    """
+    if sys.stderr is None:
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # until the end
+    if sys.stdout is None:
+        sys.stderr.write("gearbow: stdout is closed; redirect it, for example to /dev/null\n")
+        sys.exit(INVALID)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
+@contextmanager
+def _stopped_by_sigterm() -> Iterator[None]:
+    """Let SIGTERM stop a computation as Ctrl-C does, which keeps what was done."""
+    if threading.current_thread() is not threading.main_thread():  # others get no signals
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # a second one must not interrupt the saving
+        raise _Terminated
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -50,7 +96,7 @@ def _parser() -> argparse.ArgumentParser:
         '  gearbow modes train.toml --speed "1500 rpm"\n'
         '  gearbow run train.toml --duration 0.5 --speed "1500 rpm" --out run.npz\n'
         "\n`gearbow COMMAND --help` describes a command.\n"
-        "Exit codes: 0 fine, 1 a computation failed, 2 invalid input, 130 Ctrl-C.",
+        "Exit codes: 0 fine, 1 a computation failed, 2 invalid input, 130 Ctrl-C, 143 SIGTERM.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"gearbow {__version__}")
@@ -67,24 +113,44 @@ def _code(given: argparse.Namespace) -> int:
     """Carry out a command, and give its exit code."""
     try:
         _write(given.call(given), given)
-    except (SceneError, OSError) as error:
-        if isinstance(error, BrokenPipeError):  # the reader, for example `head`, has enough
+    except (_PrintError, BrokenPipeError) as error:
+        cause = error.__cause__ or error
+        # Python writes the rest at its end.
+        with suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            return FAILED
+        if not isinstance(cause, BrokenPipeError):  # the reader, for example `head`, has enough
+            sys.stderr.write(f"{given.command}: stdout cannot be written: {cause}\n")
+        return FAILED
+    except (SceneError, OSError) as error:
         return _fail(given, error, INVALID)
     except (GearbowError, MemoryError) as error:
         return _fail(given, error, FAILED)
     except KeyboardInterrupt as stop:
-        _write(getattr(stop, "answer", None), given)
+        with suppress(_PrintError):
+            _write(getattr(stop, "answer", None), given)
         sys.stderr.write(f"{given.command}: stopped; what was done is kept\n")
-        return STOPPED
+        return TERMINATED if isinstance(stop, _Terminated) else STOPPED
     return 0
 
 
 def _write(answer: Answer | None, given: argparse.Namespace) -> None:
-    if answer is not None:
-        sys.stdout.write((answer.json() if given.json else answer.text) + "\n")
+    """Print an answer, then draw its figure: an error of the figure must not lose the answer."""
+    if answer is None:
+        _print("")  # a command that prints itself
+        return
+    text = answer.json() if given.json else answer.text
+    _print(f"{text}\n" if text else "")
+    if answer.drawing is not None:
+        answer.drawing.save()
+        _print("" if given.json else f"figure: {answer.drawing.path}\n")
+
+
+def _print(text: str) -> None:
+    try:
+        sys.stdout.write(text)
         sys.stdout.flush()
+    except OSError as error:
+        raise _PrintError from error
 
 
 def _fail(given: argparse.Namespace, error: Exception, code: int) -> int:

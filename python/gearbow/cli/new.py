@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from gearbow._files import replacing
+from gearbow._files import check_name, replacing
 from gearbow.cli.answer import Answer
 from gearbow.cli.arguments import Commands, add_command
 from gearbow.errors import SceneError
@@ -29,9 +29,7 @@ def add(commands: Commands) -> None:
         "write a commented example of a scene file",
         "  gearbow new\n  gearbow new pump.toml",
     )
-    parser.add_argument(
-        "path", type=Path, nargs="?", default=Path("scene.toml"), help="default: %(default)s"
-    )
+    parser.add_argument("path", nargs="?", default="scene.toml", help="default: %(default)s")
     parser.add_argument("--force", action="store_true", help="replace an existing file")
     parser.set_defaults(json=False)
 
@@ -52,9 +50,9 @@ def new(given: argparse.Namespace) -> Answer:
     Raises
     ------
     SceneError
-        If the file exists.
+        If the file exists, or its name does not end with ".toml".
     """
-    path: Path = given.path
+    path, _ = check_name(given.path, [".toml"])
     if path.exists() and not given.force:
         raise SceneError(f"{path}: exists; give another name, or --force to replace it")
     with replacing(path) as file:

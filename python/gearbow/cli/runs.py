@@ -3,7 +3,6 @@
 import argparse
 import math
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from gearbow.cli.arguments import (
     add_scene,
     add_speed,
     item,
+    output,
     quantity,
     shows,
 )
@@ -54,7 +54,7 @@ def add(commands: Commands) -> None:
     add_signals(parser)
     parser.add_argument(
         "--checkpoint",
-        type=_file,
+        type=output,
         help="save during the run; the same command continues after an interruption",
     )
 
@@ -108,7 +108,7 @@ def add_signals(parser: argparse.ArgumentParser) -> None:
         help="names and groups, shaft@position, driver/driven, bearing:shaft@position",
     )
     parser.add_argument(
-        "--out", type=_file, help="save the signals, also after Ctrl-C; .npz or .nc"
+        "--out", type=output, help="save the signals, also after Ctrl-C; .npz or .nc"
     )
 
 
@@ -254,14 +254,6 @@ def _file_line(data: dict[str, Any]) -> list[str]:
 
 def _is_name(recorded: Any) -> bool:
     return isinstance(recorded, str) and recorded != "energy"
-
-
-def _file(text: str) -> Path:
-    """Read the name of a file for signals."""
-    path = Path(text)
-    if path.suffix not in {".npz", ".nc"}:
-        raise argparse.ArgumentTypeError(f"must end with .npz or .nc, got {text!r}")
-    return path
 
 
 def _size(values: Array) -> dict[str, float]:

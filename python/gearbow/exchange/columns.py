@@ -4,10 +4,10 @@ import csv
 import os
 import re
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 
+from gearbow._files import read_text
 from gearbow._lookup import nearest
 from gearbow._types import Array
 from gearbow.errors import SceneError
@@ -51,7 +51,7 @@ def read_columns(
     OSError
         If the file cannot be opened.
     """
-    lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    lines = read_text(path).splitlines()
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip()]
     rows = [(i, line) for i, line in rows if not line.lstrip().startswith("#")]
     if len(rows) < 2:

@@ -14,24 +14,28 @@ import errno
 import hashlib
 import os
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BufferedRandom, RawIOBase
 from math import prod
 from pathlib import Path
+from tokenize import TokenError
 from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
-from gearbow._files import reserve
+from gearbow._files import check_name, reserve
 from gearbow.errors import GearbowError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Container", "Header", "opened", "seal", "suffix", "write_netcdf"]
+__all__ = ["ENDINGS", "Container", "Header", "opened", "seal", "suffix", "write_netcdf"]
+
+#: Suffixes of the formats.
+ENDINGS = (".npz", ".nc")
 
 #: Declaration of an array in a file.
 Header: TypeAlias = tuple[tuple[int, ...], np.dtype[Any]]
@@ -40,7 +44,7 @@ Header: TypeAlias = tuple[tuple[int, ...], np.dtype[Any]]
 #: OverflowError. An encrypted or too new archive is a RuntimeError.
 _INVALID = (
     *(ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, RuntimeError),
-    *(OSError, EOFError, SyntaxError, zipfile.BadZipFile),
+    *(OSError, EOFError, SyntaxError, TokenError, zipfile.BadZipFile),
 )
 
 _METADATA = "metadata"
@@ -62,33 +66,39 @@ class Container(Protocol):
         """Read an array."""
 
 
-def suffix(path: str | os.PathLike[str]) -> str:
-    """Return the suffix of a file, and import the libraries that its format needs.
+def suffix(
+    path: object, argument: str = "path", endings: Sequence[str] = ENDINGS
+) -> tuple[Path, str]:
+    """Check the suffix of a file, and import the libraries that its format needs.
 
     Parameters
     ----------
-    path : str or path-like
+    path : object
         The file.
+    argument : str
+        Name of the argument, for the message.
+    endings : sequence of str
+        The known formats.
 
     Returns
     -------
-    str
-        ".npz" or ".nc".
+    path : Path
+        The file.
+    ending : str
+        One of the formats.
 
     Raises
     ------
     GearbowError
         If the suffix is unknown, or a library for the format is missing.
     """
-    ending = Path(path).suffix
-    if ending not in {".npz", ".nc"}:
-        raise GearbowError(f"{path}: the name of a response's file ends with .npz or .nc")
+    found, ending = check_name(path, endings, argument)
     if ending == ".nc":
         with extra("netcdf"):
             import h5netcdf  # noqa: F401, PLC0415
             import h5py  # noqa: F401, PLC0415
             import xarray  # noqa: F401, PLC0415
-    return ending
+    return found, ending
 
 
 @contextmanager
@@ -112,8 +122,9 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Container]:
     OSError
         If the file cannot be opened.
     """
-    kind = _NetCdf if suffix(path) == ".nc" else _Npz
-    with Path(path).open("rb") as stream:
+    file, ending = suffix(path)
+    kind = _NetCdf if ending == ".nc" else _Npz
+    with file.open("rb") as stream:
         try:
             with kind.open(stream) as container:
                 yield container

@@ -103,7 +103,7 @@ def save(run: RunRecord, path: str | os.PathLike[str], **more: Any) -> None:
     OSError
         If the file cannot be written. An existing file is unchanged.
     """
-    ending = suffix(path)
+    path, ending = suffix(path)
     metadata = metadata_of(run, more)
     if ending == ".nc":
         dataset = to_xarray(run).assign_attrs(metadata=metadata)

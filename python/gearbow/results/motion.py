@@ -3,15 +3,14 @@
 import math
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number, shown
+from gearbow._convert import number
 from gearbow._core import Model
 from gearbow._extras import extra
-from gearbow._files import replacing
+from gearbow._files import check_name, replacing
 from gearbow._times import within
 from gearbow._types import Array
 from gearbow.description.speed import SpeedProfile
@@ -76,9 +75,7 @@ def animate(  # numpydoc ignore=PR01
     with extra("plot"):
         from gearbow.plotting import animation, movie  # noqa: PLC0415
 
-    ending = Path(path).suffix.lower()
-    if ending not in (".gif", ".html"):
-        raise GearbowError(f"path: must end with .gif or .html, got {shown(str(path))}")
+    path, ending = check_name(path, [".gif", ".html"])
     length, rate = _positive(duration, "duration"), _positive(fps, "fps")
     if rate > 50.0:
         raise SceneError(f"fps: must be at most 50, got {rate:g}")

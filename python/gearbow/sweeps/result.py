@@ -1,6 +1,7 @@
 """Result of a sweep: the values of all points, as arrays, tables and files."""
 
 import os
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -9,10 +10,12 @@ from typing import TYPE_CHECKING, Any, overload
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
+from gearbow._files import check_name, replacing
 from gearbow._lookup import nearest
 from gearbow._shown import Shown
 from gearbow._types import Plain
-from gearbow.errors import ChannelError, GearbowError
+from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, outside
+from gearbow.recording.container import suffix, write_netcdf
 from gearbow.sweeps import store, tables
 from gearbow.sweeps.outcome import Outcome, Values
 from gearbow.sweeps.points import Points
@@ -256,33 +259,54 @@ class Sweep(Shown, Sequence[SweepPoint]):
         return tables.to_dataframe(self._points, named, [point.error for point in self])
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the sweep to a file, in the format of the argument `store` of `gearbow.sweep`.
+        """Write the sweep to a file, whose suffix means the format.
 
         Parameters
         ----------
         path : str or path-like
-            The file.
+            The file. ".sweep" is the format of the argument `store` of `gearbow.sweep`, which
+            `load` reads; it has everything. ".nc" (netCDF) has the data set of `to_xarray`, with
+            the real and the imaginary part of complex values as two variables. ".csv" has the table
+            of `to_dataframe`.
 
         Raises
         ------
         SceneError
-            If a parameter is neither a number, a text, None nor a list of them.
+            If the name has another ending, or a parameter in a ".sweep" file is neither a number, a
+            text, None nor a list of them.
+        GearbowError
+            If the values have no data set or no table, see `to_xarray`.
+        MissingExtraError
+            If a library for the format is missing.
         OSError
             If the file cannot be written. An existing file is unchanged.
         """
-        store.write(path, self._head(), self._outcomes)
+        path, ending = suffix(path, endings=(store.SUFFIX, ".nc", ".csv"))
+        if ending == store.SUFFIX:
+            store.write(path, self._head(), self._outcomes)
+        elif ending == ".csv":
+            content = self.to_dataframe().to_csv(index=False).encode()
+            with replacing(path) as file:
+                file.write(content)
+        else:
+            dataset = tables.for_netcdf(self.to_xarray())
+            with replacing(path) as file:
+                write_netcdf(dataset, file)
 
     def _head(self) -> dict[str, Plain]:
         return store.head_of(*self._functions, self._points.plain())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Sweep":
-        """Read a file of `save` or a store, complete or not.
+        """Read a ".sweep" file of `save` or a store, complete or not.
+
+        Points that have changed since they were written count as not computed; a
+        `CheckpointWarning` names them.
 
         Parameters
         ----------
         path : str or path-like
-            The file.
+            The file. Its name ends with ".sweep".
 
         Returns
         -------
@@ -296,7 +320,12 @@ class Sweep(Shown, Sequence[SweepPoint]):
         OSError
             If the file cannot be opened.
         """
-        head, outcomes = store.read(path)
+        path, _ = check_name(path, [store.SUFFIX])
+        found = store.read(path)
+        head, outcomes = found.head, found.outcomes
+        if damage := found.damage():
+            message = f"{path}: is damaged: {damage}; they count as not computed"
+            warnings.warn(message, CheckpointWarning, stacklevel=outside())
         points = Points(next(iter(head["parameters"].values())))
         if max(outcomes, default=-1) >= len(points):
             raise GearbowError(

@@ -52,9 +52,9 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
         that the processes can import. `distributed.Client.get_executor` gives an executor for a
         cluster. At most 1000 points are submitted at the same time.
     store : str or path-like, optional
-        A file to which each finished point is written at once. The same call with an existing file
-        computes the missing and the failed points only. A file of another sweep
-        is refused: other parameters, functions, or versions of gearbow or Python. What `make` and
+        A ".sweep" file to which each finished point is written at once. The same call with an
+        existing file computes the missing and the failed points only. A file of another sweep is
+        refused: other parameters, functions, or versions of gearbow or Python. What `make` and
         `measure` call in other modules is not compared.
     progress : bool or callable, optional
         True shows a progress bar; a callable receives the completed fraction.
@@ -68,7 +68,8 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
     Raises
     ------
     SceneError
-        If an argument is invalid, or the store belongs to another sweep or is in use.
+        If an argument is invalid, or the store belongs to another sweep or is in use. A damaged
+        point of the store is a `CheckpointWarning`.
     GearbowError
         If the workers of the executor have ended, or cannot import the functions.
     OSError

@@ -1,41 +1,57 @@
-"""Files of sweeps: one file that grows by one record for each finished point.
+"""Files of sweeps: SQLite databases that grow by one row for each finished point.
 
-Every record is sealed: its length (8 bytes, little-endian), the SHA-256 digest of its content, and
-the content. The content of the first record is the head, a JSON text: format, versions, functions
-and parameters. That of every other record is a JSON text with the number of the point and either
-the name, type and shape of each value or the error, then a line feed and the little-endian bytes of
-the values. Nothing is pickled, and numbers are not rounded.
+The table ``head`` has one row: format, versions, functions and parameters as a JSON text. The table
+``points`` has one row for each point: a JSON text with the number of the point and either the name,
+type and shape of each value or the error, then a line feed and the little-endian bytes of the
+values. Each row has the SHA-256 digest of its content. Nothing is pickled, and numbers are not
+rounded.
 
-A process that is killed while it writes leaves an incomplete record at the end. It is ignored.
+SQLite writes each row as one transaction with a rollback journal beside the file. A process that is
+killed leaves a journal that the next reader rolls back. Write-ahead logs need memory that processes
+share, which network drives lack. https://www.sqlite.org/atomiccommit.html
 """
 
+import errno
 import hashlib
 import json
 import os
+import sqlite3
 import sys
+import warnings
 from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from gearbow._compare import differences, short
 from gearbow._core import __version__
-from gearbow._files import BusyError, FileLock, replacing
+from gearbow._files import FileLock, check_name, replacing
 from gearbow._types import Plain
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording.schema import anything, each, entries, record, row, text, whole
 from gearbow.sweeps.outcome import Outcome
 
-if TYPE_CHECKING:
-    from io import FileIO
+__all__ = ["SUFFIX", "Contents", "Store", "head_of", "read", "write"]
 
-__all__ = ["Store", "head_of", "read", "write"]
-
+#: The tables of a file.
+_TABLES = (
+    "CREATE TABLE head (content BLOB, digest BLOB)",
+    "CREATE TABLE points (number INTEGER PRIMARY KEY, content BLOB, digest BLOB)",
+)
+#: Suffix of these files.
+SUFFIX = ".sweep"
 _FORMAT = 1
-#: Length of what precedes the content of a record: its own length and the digest.
-_SEAL = 8 + hashlib.sha256().digest_size
+#: Size of a page of a database [bytes], the smallest of SQLite: damage of the structure of a page
+#: concerns the rows of this page.
+_PAGE = 512
+#: Time for which a reader and a writer wait for each other [s]: a transaction takes milliseconds.
+_WAIT = 30.0
+#: Most numbers of points in a message.
+_MOST_NAMED = 10
 #: Types of values: letters of NumPy, with the number of bytes.
 _KINDS = {f"{kind}{size}" for kind in "iu" for size in (1, 2, 4, 8)}
 _KINDS |= {"b1", "f2", "f4", "f8", "c8", "c16"}
@@ -48,6 +64,47 @@ _POINT = record(point=whole)
 _VALUES = each(row(text, text, each(whole)))
 _GRID = record(grid=entries(each(anything)))
 _LIST = record(points=each(record()))
+
+
+@dataclass
+class Contents:
+    """What a file contains.
+
+    Parameters
+    ----------
+    head : dict
+        The head of the sweep.
+    outcomes : dict of {int: Outcome}
+        Outcome of each intact point.
+    damaged : set of int
+        Numbers of the points whose rows have changed since they were written or cannot be read.
+    structure : str
+        The first damage of the structure of the file, with which rows may have been lost; empty for
+        an intact file.
+    """
+
+    head: dict[str, Plain]
+    outcomes: dict[int, Outcome] = field(default_factory=dict)
+    damaged: set[int] = field(default_factory=set)
+    structure: str = ""
+
+    def damage(self) -> str:
+        """Describe the damage.
+
+        Returns
+        -------
+        str
+            The points, and what else is known; empty for an intact file.
+        """
+        named = ", ".join(map(str, sorted(self.damaged)[:_MOST_NAMED]))
+        more = len(self.damaged) - _MOST_NAMED
+        found = []
+        if self.damaged:
+            points = "points" if len(self.damaged) > 1 else "point"
+            found.append(f"the {points} {named}{f' and {more} more' if more > 0 else ''}")
+        if self.structure:
+            found.append(f"its structure ({self.structure}), so that points may be missing")
+        return " and ".join(found)
 
 
 def head_of(
@@ -96,32 +153,25 @@ class Store:
     Raises
     ------
     SceneError
-        If the folder is missing, or the file belongs to another sweep, is no file of a sweep, is
-        damaged, or is in use.
+        If the suffix is not ".sweep", the folder is missing, or the file belongs to another sweep,
+        is no file of a sweep, is damaged beyond its points, or is in use.
     """
 
     def __init__(self, path: str | os.PathLike[str], head: dict[str, Plain]) -> None:
-        self.path = Path(path)
+        self.path, _ = check_name(path, [SUFFIX], "store")
         self.known: dict[int, Outcome] = {}
         self._head = json.loads(json.dumps(head))
-        self._lock = FileLock(self.path)
-        self._file: FileIO | None = None
-        self._end = 0
+        self._lock = FileLock(self.path, "store", "sweep")
+        self._database: sqlite3.Connection | None = None
         if not self.path.parent.is_dir():
             raise SceneError(f"store: there is no folder {self.path.parent}")
 
     def __enter__(self) -> "Store":
-        try:
-            self._lock.acquire()
-        except BusyError:
-            raise SceneError(
-                f"store: {self.path} is in use by another sweep; wait until it has ended, or give "
-                "each sweep a file of its own"
-            ) from None
+        self._lock.acquire()
         try:
             self._open()
         except BaseException:
-            self._lock.release()
+            self._close()
             raise
         return self
 
@@ -129,25 +179,37 @@ class Store:
         if not self.path.exists():
             write(self.path, self._head, {})
         try:
-            head, found, self._end = _read(self.path)
+            found = read(self.path)
         except GearbowError as error:
             raise SceneError(f"store: {error}; remove it or give another file") from None
-        for where, was, now in differences(head, self._head):
+        for where, was, now in differences(found.head, self._head):
             raise SceneError(
                 f"store: {self.path} belongs to a sweep with {where} {short(was)}, not "
                 f"{short(now)}; remove it or give another file"
             )
-        self.known = {i: outcome for i, outcome in found.items() if outcome.values is not None}
-        # Without a buffer, which would keep the data of a write that failed.
-        self._file = self.path.open("r+b", buffering=0)
+        if damage := found.damage():
+            warnings.warn(
+                f"store: {self.path} is damaged: {damage}; its {len(found.outcomes)} intact points "
+                "stay, and the others are computed again",
+                CheckpointWarning,
+                stacklevel=outside(),
+            )
+            write(self.path, self._head, found.outcomes)  # without the damage
+        self.known = {i: one for i, one in found.outcomes.items() if one.values is not None}
+        with self._writing():
+            self._database = _connect(self.path)
+            self._database.execute("BEGIN IMMEDIATE")  # fails for a file that is only readable
+            self._database.execute("COMMIT")
 
     def __exit__(self, *_: object) -> None:
+        self._close()
+
+    def _close(self) -> None:
         try:
-            if self._file is not None:
-                with self._file as file:
-                    os.fsync(file.fileno())
+            if self._database is not None:
+                self._database.close()
         finally:
-            self._file = None
+            self._database = None
             self._lock.release()
 
     def add(self, number: int, outcome: Outcome) -> None:
@@ -163,18 +225,26 @@ class Store:
         Raises
         ------
         OSError
-            If the file cannot be written. Its complete records remain.
+            If the file cannot be written. Its points remain.
         """
-        if self._file is None:
+        if self._database is None:
             raise SceneError("store: the file is not open")
-        sealed = _sealed(_content(number, outcome))
-        # An interrupted call may have left a part of a record.
-        self._file.seek(self._end)
-        self._file.truncate()
-        left = memoryview(sealed)
-        while left:
-            left = left[self._file.write(left) :]
-        self._end += len(sealed)
+        with self._writing():
+            _insert(self._database, number, outcome)
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Turn an error of SQLite into one of the system that names the file."""
+        try:
+            yield
+        except sqlite3.Error as error:
+            full = errno.ENOSPC if "full" in str(error) else errno.EIO
+            raise OSError(
+                full,
+                f"the store cannot be written: {error}; the points that it contains stay, and the "
+                "same call continues when the cause is removed",
+                str(self.path),
+            ) from error
 
 
 def write(
@@ -197,12 +267,27 @@ def write(
         If the file cannot be written. An existing file is unchanged.
     """
     with replacing(path) as file:
-        file.write(_sealed(json.dumps(head).encode()))
-        for number in sorted(outcomes):
-            file.write(_sealed(_content(number, outcomes[number])))
+        try:
+            # Nobody else knows the temporary file, and `replacing` removes it after an error: it
+            # needs neither locks nor a journal.
+            with closing(_connect(Path(file.name), "&nolock=1")) as database:
+                database.execute("PRAGMA journal_mode = OFF")
+                database.execute("PRAGMA synchronous = OFF")
+                database.execute(f"PRAGMA page_size = {_PAGE}")
+                database.execute("BEGIN")
+                for table in _TABLES:
+                    database.execute(table)
+                content = json.dumps(head).encode()
+                database.execute("INSERT INTO head VALUES (?, ?)", (content, _digest(content)))
+                for number in sorted(outcomes):
+                    _insert(database, number, outcomes[number])
+                database.execute("COMMIT")
+        except sqlite3.Error as error:
+            full = "full" in str(error)
+            raise OSError(errno.ENOSPC if full else errno.EIO, str(error)) from error
 
 
-def read(path: str | os.PathLike[str]) -> tuple[dict[str, Plain], dict[int, Outcome]]:
+def read(path: str | os.PathLike[str]) -> Contents:
     """Read a file of a sweep.
 
     Parameters
@@ -212,24 +297,97 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Plain], dict[int, Outc
 
     Returns
     -------
-    head : dict
-        The head of the sweep.
-    outcomes : dict of {int: Outcome}
-        Outcome of each finished point.
+    Contents
+        The head and the intact points.
 
     Raises
     ------
     GearbowError
-        If the file is damaged or has another content.
+        If the head is damaged, or the file has another content.
     OSError
         If the file cannot be opened.
     """
-    head, outcomes, _ = _read(Path(path))
-    return head, outcomes
+    with Path(path).open("rb"):  # an error of the system names the cause
+        pass
+    try:
+        with closing(_connect(Path(path))) as database:
+            tables = database.execute("SELECT sql FROM sqlite_master").fetchall()
+            if tables != [(table,) for table in _TABLES]:
+                raise GearbowError("it has other tables")
+            content, digest = database.execute("SELECT content, digest FROM head").fetchone()
+            if digest != _digest(content):
+                raise GearbowError("its head has changed since it was written")
+            return _points(database, _head(content))
+    except (GearbowError, sqlite3.Error, ValueError, TypeError, RecursionError) as error:
+        raise GearbowError(f"{path}: not a sweep of gearbow, or damaged: {error}") from None
 
 
-def _sealed(content: bytes) -> bytes:
-    return len(content).to_bytes(8, "little") + hashlib.sha256(content).digest() + content
+def _connect(path: Path, options: str = "") -> sqlite3.Connection:
+    """Open a database, each statement of which is a transaction."""
+    address = f"{path.absolute().as_uri()}?mode=rw{options}"
+    database = sqlite3.connect(address, timeout=_WAIT, isolation_level=None, uri=True)
+    database.execute("PRAGMA synchronous = FULL")
+    return database
+
+
+def _insert(database: sqlite3.Connection, number: int, outcome: Outcome) -> None:
+    content = _content(number, outcome)
+    values = (number, content, _digest(content))
+    database.execute("INSERT OR REPLACE INTO points VALUES (?, ?, ?)", values)
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+def _points(database: sqlite3.Connection, head: dict[str, Plain]) -> Contents:
+    """Read the rows of the points; where the structure is damaged, from both ends."""
+    found = Contents(head, structure=_structure(database))
+    ends: list[int] = []
+    for order in ("ASC", "DESC"):
+        number = -1
+        try:
+            rows = database.execute(f"SELECT * FROM points ORDER BY number {order}")
+            for number, content, digest in rows:
+                _keep(found, number, content, digest)
+        except sqlite3.DatabaseError as error:
+            found.structure = found.structure or str(error)
+            ends.append(number)
+        if not found.structure:
+            return found
+    if len(ends) == 2:
+        found.damaged.update(range(ends[0] + 1, ends[1] if ends[1] >= 0 else _count(head)))
+    found.damaged.difference_update(found.outcomes)
+    return found
+
+
+def _structure(database: sqlite3.Connection) -> str:
+    """Check the structure of a database; empty if it is intact."""
+    try:
+        (answer,) = database.execute("PRAGMA quick_check(1)").fetchone()
+    except sqlite3.DatabaseError as error:
+        return str(error)
+    return "" if answer == "ok" else " ".join(str(answer).split())
+
+
+def _count(head: dict[str, Any]) -> int:
+    """Return the number of points of a sweep."""
+    parameters = head["parameters"]
+    if "grid" in parameters:
+        return prod(map(len, parameters["grid"].values()))
+    return len(parameters["points"])
+
+
+def _keep(found: Contents, number: int, content: object, digest: object) -> None:
+    """Keep the outcome of a row, or its number if the row has changed."""
+    if not isinstance(content, bytes) or digest != _digest(content):
+        found.damaged.add(number)
+        return
+    of, outcome = _outcome(content)
+    if of == number:
+        found.outcomes[number] = outcome
+    else:
+        found.damaged.add(number)
 
 
 def _content(number: int, outcome: Outcome) -> bytes:
@@ -241,43 +399,6 @@ def _content(number: int, outcome: Outcome) -> bytes:
     values = [(name, kinds[name], array.shape) for name, array in arrays.items()]
     parts = [array.astype(array.dtype.newbyteorder("<")).tobytes() for array in arrays.values()]
     return b"\n".join([json.dumps({"point": number, "values": values}).encode(), b"".join(parts)])
-
-
-def _read(path: Path) -> tuple[dict[str, Plain], dict[int, Outcome], int]:
-    """Read the head, the outcomes, and the position of the end of the last complete record."""
-    data = memoryview(path.read_bytes())
-    try:
-        records = _records(data)
-        _, first = next(records, (0, None))
-        if first is None:
-            raise GearbowError("it does not begin with the head of a sweep")
-        head = _head(bytes(first))
-        outcomes: dict[int, Outcome] = {}
-        last = _SEAL + len(first)
-        for end, content in records:
-            number, outcome = _outcome(content)
-            outcomes[number] = outcome
-            last = end
-    except (GearbowError, ValueError, RecursionError) as error:
-        raise GearbowError(f"{path}: not a sweep of gearbow, or damaged: {error}") from None
-    return head, outcomes, last
-
-
-def _records(data: memoryview) -> Iterator[tuple[int, memoryview]]:
-    """Give the end and the content of each record; ignore an incomplete record at the end."""
-    begin = 0
-    while len(data) - begin > _SEAL:
-        end = begin + _SEAL + int.from_bytes(data[begin : begin + 8], "little")
-        content = data[begin + _SEAL : end]
-        if hashlib.sha256(content).digest() != data[begin + 8 : begin + _SEAL]:
-            # A loss of power may leave zeros at the end.
-            if end < len(data) and any(data[begin:]):
-                raise GearbowError(f"the record at byte {begin} has changed since it was written")
-            return
-        if end > len(data):
-            return
-        yield end, content
-        begin = end
 
 
 def _head(content: bytes) -> dict[str, Plain]:
@@ -292,8 +413,8 @@ def _head(content: bytes) -> dict[str, Plain]:
     return about
 
 
-def _outcome(content: memoryview) -> tuple[int, Outcome]:
-    text_of, _, data = bytes(content).partition(b"\n")
+def _outcome(content: bytes) -> tuple[int, Outcome]:
+    text_of, _, data = content.partition(b"\n")
     about = json.loads(text_of)
     _POINT(about, "")
     if "error" in about:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["column", "shape_of", "to_dataframe", "to_xarray"]
+__all__ = ["column", "for_netcdf", "shape_of", "to_dataframe", "to_xarray"]
 
 
 def shape_of(name: str, outcomes: Mapping[int, Outcome]) -> tuple[int, ...]:
@@ -72,6 +72,19 @@ def to_xarray(points: Points, values: Mapping[str, NDArray[Any]]) -> "xr.Dataset
         for name, array in values.items()
     }
     return xr.Dataset(variables, coordinates)
+
+
+def for_netcdf(data: "xr.Dataset") -> "xr.Dataset":
+    """Change a data set for a netCDF file, which has neither complex numbers nor half precision."""
+    variables: dict[str, Any] = {}
+    for name, variable in data.data_vars.items():
+        if variable.dtype.kind == "c":
+            variables |= {f"{name}_real": variable.real, f"{name}_imag": variable.imag}
+        else:
+            half = variable.dtype == np.float16
+            variables[str(name)] = variable.astype(np.float32) if half else variable
+    plain: xr.Dataset = data.drop_vars(list(data.data_vars)).assign(variables)
+    return plain
 
 
 def to_dataframe(

@@ -11,7 +11,6 @@ import os
 import time
 import warnings
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeAlias
 
@@ -20,7 +19,7 @@ import numpy as np
 from gearbow._compare import differences, short
 from gearbow._convert import number
 from gearbow._core import __version__, check_final
-from gearbow._files import BusyError, FileLock
+from gearbow._files import FileLock
 from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
@@ -65,22 +64,21 @@ class Checkpoint:
     def __init__(
         self, path: str | os.PathLike[str], interval: object, asked: Mapping[str, Any]
     ) -> None:
-        self.path = Path(path)
+        self.path, _ = suffix(path, "checkpoint")
         self.interval = number(interval, "checkpoint_interval", infinite=True)
         if not self.interval > 0.0:
             raise SceneError(f"checkpoint_interval: must be positive, got {interval!r}")
-        suffix(self.path)
         if not self.path.parent.is_dir():
             raise SceneError(f"checkpoint: there is no folder {self.path.parent}")
         self._asked = json.loads(json.dumps({"version": __version__, **_plain(asked)}))
         self._kept: RunData | None = None
-        self._lock = FileLock(self.path)
+        self._lock = FileLock(self.path, "checkpoint", "run")
         self.complete: RunRecord | None = None
 
     def __enter__(self) -> "Checkpoint":
         self._read()
         if self.complete is None:
-            self._acquire()
+            self._lock.acquire()
             try:
                 self._read()  # Another run may have written the file before this run locked it.
             except BaseException:
@@ -95,21 +93,6 @@ class Checkpoint:
         traceback: TracebackType | None,
     ) -> None:
         self._lock.release()
-
-    def _acquire(self) -> None:
-        try:
-            self._lock.acquire()
-        except BusyError:
-            raise SceneError(
-                f"checkpoint: {self.path} is in use by another run, of this process or of another "
-                "one; wait until that run has ended, or give each run a file of its own"
-            ) from None
-        except OSError as error:
-            raise SceneError(
-                f"checkpoint: {self.path} cannot be protected from other runs by a lock beside it: "
-                f"{error.strerror}; give a file in a folder that can be written to and whose file "
-                "system has locks"
-            ) from error
 
     def _read(self) -> None:
         """Read the file, if it exists."""

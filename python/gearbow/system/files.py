@@ -3,7 +3,7 @@
 import os
 from typing import TYPE_CHECKING
 
-from gearbow._files import replacing
+from gearbow._files import check_name, replacing
 from gearbow.description.load_values import refuse_functions
 from gearbow.system.description import SystemDescription, warn
 
@@ -81,13 +81,17 @@ class SystemFiles(SystemDescription):
         Parameters
         ----------
         path : str or path-like
-            The file. It contains the sampled points of a bow that is given as a function.
+            The file. Its name ends with ".toml". It contains the sampled points of a bow that is
+            given as a function.
 
         Raises
         ------
+        SceneError
+            If the name has another ending, or a load is a function of time.
         OSError
             If the file cannot be written. An existing file is unchanged.
         """
+        path, _ = check_name(path, [".toml"])
         refuse_functions(torques=self.torques, forces=self.forces)
         text = self._model.to_toml()
         with replacing(path) as file:
