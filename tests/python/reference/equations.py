@@ -107,7 +107,15 @@ class ShaftAlone:
             for a, b in zip(self.nodes, self.nodes[1:], strict=False)
         ]
         free = gb.RotorSystem(
-            [gb.Shaft(self.shaft.name, segments=parts, degree=self.degree, material=self.shaft.material, shear=self.shaft.shear)],
+            [
+                gb.Shaft(
+                    self.shaft.name,
+                    segments=parts,
+                    degree=self.degree,
+                    material=self.shaft.material,
+                    shear=self.shaft.shear,
+                )
+            ],
             motion="coupled",
         )
 
@@ -144,7 +152,9 @@ class ShaftAlone:
                 degree, (a, b) = int(kind[1:]), x
                 points, weights = legendre.leggauss(20)
                 there = 0.5 * (a + b) + 0.5 * (b - a) * points
-                slope = np.sqrt(degree - 0.5) * legendre.legval(points, [0.0] * (degree - 1) + [1.0])
+                slope = np.sqrt(degree - 0.5) * legendre.legval(
+                    points, [0.0] * (degree - 1) + [1.0]
+                )
                 outer, inner = self.diameters(0.5 * (a + b))
                 rigidity = young * np.pi / 64.0 * (outer**4 - inner**4)
                 curvature = -(wave**2) * np.sin(wave * there)
@@ -166,13 +176,21 @@ def rotating_force(system: gb.RotorSystem, shaft: gb.Shaft, spin: float) -> Comp
 
 
 class Balance:
-    """Sums of the forces that act on each shaft and housing at rest: y, z, x and the torque about x.
+    """Mean forces on each shaft and housing at rest or in a run: y, z, x and the torque about x.
 
-    `terms` has one row for each force; the sum of the rows of one body is zero at equilibrium.
+    `terms` has one row for each force. The sum of the rows of one body is zero at equilibrium; in a run it is the change of the
+    momentum over the time.
     """
 
-    def __init__(self, system: gb.RotorSystem, static: gb.Static, speed: float) -> None:
-        self.system, self.static = system, static
+    def __init__(
+        self,
+        system: gb.RotorSystem,
+        motion: gb.Static | gb.Response,
+        speed: float,
+        rows: slice = slice(None),
+    ) -> None:
+        """`rows` are the times of a run to which the mean belongs."""
+        self.system, self.motion, self.rows = system, motion, rows
         self.ratio = dict(zip((s.name for s in system.shafts), system.speed_ratios, strict=True))
         self.terms: dict[str, list[Array]] = {}
         self._weights()
@@ -189,19 +207,17 @@ class Balance:
         load = np.array([*3 * [np.abs(rows[:, :3]).sum()], np.abs(rows[:, 3]).sum()])
         return float((np.abs(rows.sum(axis=0)) / np.where(load > 0.0, load, 1.0)).max())
 
-    def _add(self, body: str, y: float = 0.0, z: float = 0.0, x: float = 0.0, torque: float = 0.0) -> None:
-        self.terms.setdefault(body, []).append(np.array([y, z, x, torque]))
+    def _add(self, body: str, y=0.0, z=0.0, x=0.0, torque=0.0) -> None:
+        row = [float(np.mean(value)) for value in (y, z, x, torque)]
+        self.terms.setdefault(body, []).append(np.array(row))
 
-    def _at(self, name: str, x: float, kind: str) -> float:
-        """Displacement of a node; zero where the system does not have it."""
-        return next(
-            (
-                float(self.static.state[i])
-                for i, (body, place, direction) in enumerate(self.system.dofs)
-                if (body, direction) == (name, kind) and not isinstance(place, tuple) and abs(place - x) < 1e-9
-            ),
-            0.0,
-        )
+    def _taken(self, values):
+        """Components first; of a run, the given times only."""
+        return np.asarray(values).T if np.ndim(self._time) == 0 else values[self.rows].T
+
+    @property
+    def _time(self):
+        return getattr(self.motion, "time", 0.0)
 
     def _carriers(self) -> list[gb.Housing | gb.Support]:
         """What bearings stand on."""
@@ -237,51 +253,83 @@ class Balance:
             if torque.value == "balance":
                 self._add(shaft(torque), torque=-power / self.ratio[shaft(torque)])
 
+    def _tilt(self, gear: gb.Gear) -> Array:
+        """Slopes of a gear along y and z; they are neglected in a run, which does not record them."""
+        if not isinstance(self.motion, gb.Static):
+            return np.zeros(2)
+        at = {dof: i for i, dof in enumerate(self.system.dofs)}
+        b, g = (self.motion.state[at[gear.shaft, gear.position, kind]] for kind in "BG")
+        return np.array([g, -b])
+
     def _mesh(self, mesh: gb.Mesh, speed: float) -> None:
-        state = self.static.mesh(mesh.driver, mesh.driven)
-        a, b = (next(g for g in self.system.gears if g.name == name) for name in (mesh.driver, mesh.driven))
-        side, force = np.sign(speed * self.ratio[a.shaft]), state.force
-        if mesh.backlash is not None and force < 0.0:
-            side, force = -side, -force  # the back flanks push
+        state = self.motion.mesh(mesh.driver, mesh.driven)
+        force, alpha, gamma = (
+            self._taken(getattr(state, name))
+            for name in ("force", "pressure_angle", "centre_line_angle")
+        )
+        a, b = (
+            next(g for g in self.system.gears if g.name == name)
+            for name in (mesh.driver, mesh.driven)
+        )
+        side = np.sign(speed * self.ratio[a.shaft])
+        if mesh.backlash is not None:
+            side = np.where(force < 0.0, -side, side)  # the back flanks push
+            force = np.abs(force)
         radii = [base_radius(gear) for gear in (a, b)]
         base_helix = np.arcsin(np.sin(a.helix_angle) * np.cos(a.pressure_angle))
         lead = np.tan(base_helix)
-        force *= np.cos(base_helix)  # of the normal force, the part in the transverse section
-        alpha, gamma = state.pressure_angle, state.centre_line_angle
-        action = side * np.cos(alpha) * np.array([-np.sin(gamma), np.cos(gamma)])
-        action = action + np.sin(alpha) * np.array([np.cos(gamma), np.sin(gamma)])
+        force = force * np.cos(
+            base_helix
+        )  # of the normal force, the part in the transverse section
         # the tilt of the gears turns the plane of action of helical teeth
-        tilt = sum(
-            r * np.array([self._at(g.shaft, g.position, "G"), -self._at(g.shaft, g.position, "B")])
-            for r, g in zip(radii, (a, b), strict=True)
-        ) / sum(radii)
-        action = action - side * lead * tilt
-        push = force * action
-        self._add(a.shaft, *-push, x=side * force * lead, torque=-side * force * radii[0])
-        self._add(b.shaft, *push, x=-side * force * lead, torque=-side * force * radii[1])
+        tilt = sum(r * self._tilt(g) for r, g in zip(radii, (a, b), strict=True)) / sum(radii)
+        y = (
+            -side * np.cos(alpha) * np.sin(gamma)
+            + np.sin(alpha) * np.cos(gamma)
+            - side * lead * tilt[0]
+        )
+        z = (
+            side * np.cos(alpha) * np.cos(gamma)
+            + np.sin(alpha) * np.sin(gamma)
+            - side * lead * tilt[1]
+        )
+        thrust = side * force * lead
+        self._add(a.shaft, -force * y, -force * z, thrust, -side * force * radii[0])
+        self._add(b.shaft, force * y, force * z, -thrust, -side * force * radii[1])
 
     def _bearings(self) -> None:
         for bearing in self.system.bearings:
             place = (bearing.shaft, bearing.position)
-            force = self.static.bearing_force(*place)
-            axial = self.static.axial_bearing_force(*place) if bearing.axial_stiffness else 0.0
+            force = self._taken(self.motion.bearing_force(*place))
+            axial = (
+                self._taken(self.motion.axial_bearing_force(*place))
+                if bearing.axial_stiffness
+                else 0.0
+            )
             self._add(bearing.shaft, *-force, x=-axial)
             if bearing.support is not None:
                 self._add(getattr(bearing.support, "name", bearing.support), *force)
         for body in self._carriers():
-            stiffness = np.broadcast_to(np.asarray(body.stiffness, dtype=float), 2)
-            self._add(body.name, *-stiffness * self.static.displacement(body.name))
+            k_y, k_z = np.broadcast_to(np.asarray(body.stiffness, dtype=float), 2)
+            v, w = self._taken(self.motion.displacement(body.name))
+            self._add(body.name, -k_y * v, -k_z * w)
 
     def _coupling(self, coupling: gb.Coupling) -> None:
         axial, lateral, _, torsional = coupling.stiffness
 
-        def apart(kind: str) -> float:
-            return self._at(*coupling.b, kind) - self._at(*coupling.a, kind)
+        def apart(measure):
+            return self._taken(measure(coupling.b)) - self._taken(measure(coupling.a))
 
-        y, z = (apart("v") + coupling.offset.real, apart("w") + complex(coupling.offset).imag)
-        pull = np.array([lateral * y, lateral * z, axial * apart("u"), torsional * apart("twist")])
+        v, w = apart(self.motion.displacement)
+        along = apart(self.motion.axial) if any(dof[2] == "u" for dof in self.system.dofs) else 0.0
+        pull = (
+            lateral * (v + complex(coupling.offset).real),
+            lateral * (w + complex(coupling.offset).imag),
+            axial * along,
+            torsional * apart(self.motion.twist),
+        )
         self._add(coupling.a[0], *pull)
-        self._add(coupling.b[0], *-pull)
+        self._add(coupling.b[0], *(-value for value in pull))
 
 
 def base_radius(gear: gb.Gear) -> float:
