@@ -1,0 +1,83 @@
+"""The machines of examples/machines: scene, rated speed, and the warnings of each analysis.
+
+A machine is a scene file whose header names the rated speed. A new file is a new row of the test matrix; it needs an entry in
+`WARNINGS` only if an analysis warns.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import gearbow as gb
+
+FOLDER = Path(__file__).parents[2] / "examples" / "machines"
+
+#: Category and beginning of each warning of (machine, analysis at a sense of rotation). Every other warning is an error.
+WARNINGS: dict[tuple[str, str], tuple[tuple[type[Warning], str], ...]] = {
+    # The mean displacement is 40 times the vibration, to which the accuracy refers.
+    ("coaxial_reducer", "run +"): ((gb.AccuracyWarning, r"accuracy: \d+ modes leave an error of"),),
+    ("coaxial_reducer", "run -"): ((gb.AccuracyWarning, r"accuracy: \d+ modes leave an error of"),),
+}
+
+
+@dataclass(eq=False)
+class Machine:
+    """One machine, with the results that its tests share."""
+
+    name: str
+    results: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def path(self) -> Path:
+        return FOLDER / f"{self.name}.toml"
+
+    @cached_property
+    def speed(self) -> float:
+        """Rated speed of the reference shaft [rad/s], from the header of the file."""
+        found = re.search(
+            r"^# Rated speed: ([\d.]+) (rpm|rad/s)", self.path.read_text("utf-8"), re.MULTILINE
+        )
+        assert found, f"{self.path.name} names no rated speed"
+        return float(found[1]) * (pi / 30.0 if found[2] == "rpm" else 1.0)
+
+    @cached_property
+    def system(self) -> gb.RotorSystem:
+        return gb.RotorSystem.load(self.path)
+
+    def result(
+        self, analysis: str, sense: int, compute: Callable[[gb.RotorSystem, float], Any]
+    ) -> Any:
+        """Return the result of an analysis at the rated speed in a sense of rotation, and check its warnings."""
+        key = f"{analysis} {'+' if sense > 0 else '-'}"
+        if key not in self.results:
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                self.results[key] = compute(self.system, sense * self.speed)
+            check_warnings(caught, WARNINGS.get((self.name, key), ()))
+        return self.results[key]
+
+
+def check_warnings(
+    caught: list[warnings.WarningMessage], expected: tuple[tuple[type[Warning], str], ...]
+) -> None:
+    """Require each expected warning, and no other."""
+    left = list(expected)
+    for each in caught:
+        text = str(each.message)
+        match = next(
+            (one for one in left if issubclass(each.category, one[0]) and re.match(one[1], text)),
+            None,
+        )
+        assert match is not None, f"unexpected {each.category.__name__}: {text}"
+        left.remove(match)
+    assert not left, f"no warning: {left}"
+
+
+MACHINES = tuple(path.stem for path in sorted(FOLDER.glob("*.toml")))
