@@ -51,9 +51,7 @@ def check_stop() -> None:
         raise KeyboardInterrupt
 
 
-def _call(
-    groups: tuple[str, ...], function: Callable[..., Any], arguments: tuple[Any, ...]
-) -> Any:
+def _call(groups: tuple[str, ...], function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """Call a function as part of groups. It is at module level so that processes can import it."""
     before = _groups()
     _current.groups = groups

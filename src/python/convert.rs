@@ -110,15 +110,15 @@ pub fn mesh_fields<'py>(
     Ok(dict)
 }
 
-/// Refuses work whose results, described in plural, need more bytes than there is memory; the argument determines their
+/// Refuses work whose results, described in plural, take more memory, in bytes, than is available; the argument determines their
 /// amount.
 ///
 /// # Errors
 /// [`SceneError`] with the required and the available memory and the remedy.
 #[pyfunction]
-pub fn require_memory(argument: &str, what: String, bytes: f64, remedy: &str) -> Result<(), SceneError> {
+pub fn require_memory(argument: &str, what: String, needed: f64, remedy: &str) -> Result<(), SceneError> {
     // A conversion of a larger number gives the largest one.
-    Kept { argument, what, bytes: bytes as u64, remedy }.require()
+    Kept { argument, what, bytes: needed as u64, remedy }.require()
 }
 
 fn shape_error(error: numpy::ndarray::ShapeError) -> PyErr {

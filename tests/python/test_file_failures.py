@@ -124,6 +124,31 @@ def small_disk(tmp_path):
     subprocess.run(["umount", folder], check=True)
 
 
+SHORT = """
+import pathlib, resource, sys
+from test_file_failures import read, write
+from test_persistence import assert_same
+from test_response import recorded
+
+path = pathlib.Path(sys.argv[1])
+write(path, small=True)  # imports the libraries
+run = recorded(rows=500_000)
+used = int(pathlib.Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + 40_000_000, resource.RLIM_INFINITY))
+run.save(path)
+resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+assert path.stat().st_size > 80_000_000
+assert_same(read(path), run)
+print("done")
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is Linux's")
+def test_a_netcdf_file_needs_no_memory_of_its_size(tmp_path):
+    ended = python(SHORT, tmp_path / "run.nc")
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+
+
 FULL = """
 import pathlib, sys
 from test_file_failures import write

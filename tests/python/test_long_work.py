@@ -148,6 +148,81 @@ def check(name, call):
     assert [line.split()[0] for line in lines] == list(refused)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is Linux's")
+def test_results_that_do_not_fit_are_an_error_before_the_computation():
+    # Each result needs 8 GB and more; a computation would take minutes.
+    calls = {
+        "synchronous": "system.synchronous(speeds)",
+        "balance": "system.balance(['disk'], speeds)",
+        "balance (influence)": "system.balance(['disk'], speeds[:100_000])",
+        "campbell": "system.campbell(speeds, count=20)",
+        "critical_speed_map": "system.critical_speed_map(speeds)",
+        "simulate": "system.simulate(1.0, 100.0, output_step=1e-6, record=['nodes', 'velocity'])",
+        "steady_state": "system.steady_state(100.0, output_step=1e-8, record=['nodes'])",
+        "simulate_many": "system.simulate_many([{}] * 20_000, 1.0, 100.0, output_step=1e-4)",
+        "sweep": "large_sweep()",
+    }
+    checks = "\n".join(f"check({name!r}, lambda: {call})" for name, call in calls.items())
+    program = f"""{LARGE}
+import resource
+system = large(100)
+speeds = np.linspace(1.0, 500.0, 3_000_000)
+tables = np.zeros(10)
+
+def large_sweep():
+    # One value whose array would take 8 GB, as the broadcast of one number
+    value = np.broadcast_to(0.0, (10_000, 100_000))
+    from gearbow.sweeps.outcome import Outcome
+    from gearbow.sweeps.tables import column
+    return column("value", {{0: Outcome({{"value": value}})}}, 1)
+
+resource.setrlimit(resource.RLIMIT_AS, (3_000_000_000, resource.RLIM_INFINITY))
+
+def check(name, call):
+    try:
+        call()
+    except gb.GearbowError as error:
+        text = str(error)
+        assert "GB of memory, " in text and "GB are available; " in text, (name, text)
+        print(name)
+
+{checks}
+"""
+    assert child(program).splitlines() == list(calls)
+
+
+def test_arrays_adopt_what_the_core_computed():
+    # A conversion row by row would stop the other threads of Python.
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    model = gb.RotorSystem([shaft], bearings=bearings)._model
+    response, modes = model.synchronous([100.0], "both"), model.modes(0.0)
+    arrays = [response["amplitudes"], response["bearing_force"], modes["shapes"]]
+    arrays += [modes["kinetic_shares"], model.matrices(0.0)["mass"]]
+    assert {type(array.base).__name__ for array in arrays} == {"PySliceContainer"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
+def test_ctrl_c_ends_the_choice_of_elements():
+    # 60 reference shafts take tens of seconds
+    program = """
+import signal, threading, time
+import gearbow as gb
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+shafts = [gb.Shaft(f"s{i}", length=5.0, outer_diameter=0.02) for i in range(60)]
+supports = [(i, x) for i in range(60) for x in (0.0, 2.5, 5.0)]
+bearings = [gb.Bearing(f"s{i}", x, stiffness=1e8) for i, x in supports]
+threading.Timer(0.5, signal.raise_signal, [signal.SIGINT]).start()
+begin = time.monotonic()
+try:
+    gb.RotorSystem(shafts, bearings=bearings, resolution="reference")
+except KeyboardInterrupt:
+    print(time.monotonic() - begin - 0.5)
+"""
+    assert float(child(program)) < BOUND
+
+
 @pytest.mark.parametrize("damping", [0.0, 0.01])
 def test_the_response_of_a_large_system_needs_no_dense_matrix(damping: float):
     program = f"""{LARGE}

@@ -421,6 +421,78 @@ def test_ctrl_c_stops_the_runs_in_threads_and_keeps_the_others(tmp_path):
     assert ended.stdout == f"{text} 1.0\n{text}\n", ended.stderr
 
 
+EVERY = """
+import os, signal, threading, time
+import numpy as np
+import gearbow as gb
+from test_sweep import pair
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+speeds = np.linspace(1.0, 500.0, 1_000_000)
+
+def rotor(elements):
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=elements)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    disk = gb.Disk("disk", "rotor", 0.5, 10.0, 0.1, 0.2, unbalance=1e-4)
+    return gb.RotorSystem([shaft], bearings=bearings, disks=[disk])
+
+def forever(call):
+    while True:
+        call()
+
+small, train = rotor(4), pair(100.0, 1e-4)
+long = {"output_step": 1.0, "record": ["meshes"], "rtol": 1e-6}
+calls = {
+    "campbell": lambda: small.campbell(speeds),
+    "synchronous": lambda: small.synchronous(speeds),
+    "peaks": lambda: small._model.peaks(speeds, 0, 0, "both", None),
+    "balance": lambda: small.balance(["disk"], speeds[:300_000]),
+    "map": lambda: small.critical_speed_map(speeds[:100_000], count=4),
+    "static": lambda: forever(small.static),
+    "simulate_many": lambda: train.simulate_many([{}], 1e4, 100.0, **long),
+    "continuation": lambda: forever(
+        lambda: train.continuation("torque", 1.0, 2.0, speed=100.0, step=1e-4, max_points=10_000)
+    ),
+    "modes": lambda: rotor(400).modes(),
+}
+
+for name, call in calls.items():
+    def measure(system, name):
+        threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT]).start()
+        call()
+        return 1.0
+
+    try:
+        gb.sweep(lambda name: small, [{"name": name}], measure)
+    except KeyboardInterrupt:
+        workers = [each for each in threading.enumerate() if each.name.startswith("gearbow")]
+        for worker in workers:
+            worker.join(20.0)
+        print(name, any(worker.is_alive() for worker in workers), flush=True)
+os._exit(0)  # a decomposition of `modes` may go on
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
+def test_ctrl_c_stops_every_analysis_in_threads():
+    # each call would take minutes
+    names = ["campbell", "synchronous", "peaks", "balance", "map", "static", "simulate_many"]
+    names += ["continuation", "modes"]
+    ended = python(EVERY)
+    assert ended.stdout.splitlines() == [f"{name} False" for name in names], ended.stderr
+
+
+def test_an_interrupt_does_not_stop_unrelated_threads():
+    _parallel._stopped.add("outer")
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            _parallel._call(("outer", "inner"), pair(100.0, 1e-4).static, ())
+        _parallel._call(("other",), pair(100.0, 1e-4).static, ())
+        pair(100.0, 1e-4).static()
+    finally:
+        _parallel._stopped.discard("outer")
+
+
 def test_a_sweep_is_drawn_over_one_or_two_parameters():
     one = gb.sweep(lambda x: x, {"x": [2.0, 1.0]}, lambda s, x: {"y": 3.0 * x})
     (panel,) = one.plot("y").axes

@@ -76,7 +76,7 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
         If the store cannot be written.
     KeyboardInterrupt
         At Ctrl-C. This and every other exception after the start has the attribute `.sweep`: the
-        points computed so far. Simulations in threads end within 0.1 s.
+        points computed so far. Analyses in threads end within 0.5 s.
 
     Examples
     --------
