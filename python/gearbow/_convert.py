@@ -20,8 +20,12 @@ from gearbow.units.fields import unit_of
 
 #: Integers of at least this magnitude are converted to floats: the core reads 64-bit integers.
 _LARGEST_INTEGER = 2**63
+#: Largest count: the core counts with at least 32 bits.
+LARGEST_COUNT = 2**32 - 1
 #: Keys whose values may be complex.
 _COMPLEX = ("unbalance", "run_out", "offset", "angle", "runout")
+#: Types of bytes, which are no sequences of numbers.
+BYTES = (bytes, bytearray, memoryview)
 #: Longest representation of a value in an error message.
 _LONGEST = 100
 
@@ -70,13 +74,15 @@ def number(value: object, path: str, *, infinite: bool = False) -> float:
     return found
 
 
-def whole(value: object, path: str, least: int = 1) -> int:
+def whole(value: object, path: str, least: int = 1, most: int = LARGEST_COUNT) -> int:
     """Convert one whole number; 25.0 is valid, 25.5 is invalid."""
     found = real(value, path, "a whole number")
     if not float(found).is_integer():
         raise SceneError(f"{path}: must be a whole number, got {found}")
     if found < least:
         raise SceneError(f"{path}: must be at least {least}, got {shown(value)}")
+    if found > most:
+        raise SceneError(f"{path}: must be at most {most}, got {shown(value)}")
     return int(found)
 
 
@@ -138,6 +144,8 @@ def text(value: object, path: str) -> str:
     """Convert a string."""
     if not isinstance(value, str):
         raise SceneError(f"{path}: must be text, got {shown(value)}")
+    if "\0" in value:  # no file format has it in a text
+        raise SceneError(f"{path}: must not contain the character NUL, got {shown(value)}")
     return str(value)
 
 
@@ -168,7 +176,7 @@ def _remedy(value: object, path: str) -> str:
 
 
 def _is_real(value: object) -> bool:
-    if isinstance(value, (bool, np.bool_, str, bytes, bytearray, np.ma.MaskedArray)):
+    if isinstance(value, (bool, np.bool_, str, *BYTES, np.ma.MaskedArray)):
         return False
     if isinstance(value, np.generic):
         return value.dtype.kind in "iuf"
@@ -180,7 +188,7 @@ def _is_real(value: object) -> bool:
 
 
 def _is_sequence(value: object) -> bool:
-    return isinstance(value, Iterable) and not isinstance(value, (str, bytes, bytearray, Mapping))
+    return isinstance(value, Iterable) and not isinstance(value, (str, *BYTES, Mapping))
 
 
 def copied(value: Any, path: str) -> Plain:
@@ -194,7 +202,7 @@ def copied(value: Any, path: str) -> Plain:
             if item is not None
         }
     if isinstance(value, (str, bool, np.bool_)):
-        return value if isinstance(value, str) else bool(value)
+        return text(value, path) if isinstance(value, str) else bool(value)
     if path.rsplit(".", 1)[-1] in _COMPLEX:
         return complex_number(value, path)
     if _is_sequence(value) and not isinstance(value, np.ndarray):

@@ -22,7 +22,7 @@ except ImportError:  # Windows
 from gearbow._convert import shown
 from gearbow.errors import SceneError
 
-__all__ = ["FileLock", "check_name", "check_output", "read_text", "replacing", "reserve"]
+__all__ = ["FileLock", "check_name", "check_output", "reading", "replacing", "reserve"]
 
 #: Longest file name that temporary files and locks contain as it is [bytes]; a file system has at
 #: most 255.
@@ -99,29 +99,31 @@ def check_output(path: Path) -> None:
             raise PermissionError(errno.EACCES, f"the folder {target.parent} is not writable")
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
-    """Read a text file in UTF-8, with or without a byte-order mark.
+@contextmanager
+def reading(path: str | os.PathLike[str]) -> Iterator[str]:
+    """Read a text file in UTF-8, with or without a byte-order mark, and parse it in the block.
 
     Parameters
     ----------
     path : str or path-like
         The file.
 
-    Returns
-    -------
+    Yields
+    ------
     str
         Its text.
 
     Raises
     ------
     SceneError
-        If it has another encoding; the message names it as far as it is known.
+        If it has another encoding; the message names it as far as it is known. If the block exceeds
+        the depth of recursion of Python.
     OSError
         If the file cannot be opened.
     """
     data = _path(path, "path").read_bytes()
     try:
-        return data.decode("utf-8-sig")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         encoding = _MARKS.get(data[:2])
         guess = f"it is {encoding}" if encoding else "perhaps it is Windows-1252, as of Excel"
@@ -130,6 +132,10 @@ def read_text(path: str | os.PathLike[str]) -> str:
             f"{path}: is not UTF-8 text: byte {data[error.start]:#04x} in line {line}; {guess}; "
             'save it as UTF-8 (in Excel: "CSV UTF-8")'
         ) from None
+    try:
+        yield text
+    except RecursionError:
+        raise SceneError(f"{path}: is nested too deeply; the file is damaged") from None
 
 
 @contextmanager

@@ -4,17 +4,19 @@ Python delivers Ctrl-C to the main thread only. The compiled core therefore asks
 the begin of an analysis and every 50 ms, whether the call must stop (`check_stop`).
 """
 
+import multiprocessing
 import os
 import queue
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
+from functools import cache
 from itertools import islice
 from types import TracebackType
 from typing import Any
 
 from gearbow._convert import shown
-from gearbow.errors import SceneError
+from gearbow.errors import GearbowError, SceneError
 
 __all__ = ["ParallelCalls", "check_stop", "cores"]
 
@@ -53,6 +55,7 @@ def check_stop() -> None:
 
 def _call(groups: tuple[str, ...], function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """Call a function as part of groups. It is at module level so that processes can import it."""
+    _end_with_parent()
     before = _groups()
     _current.groups = groups
     try:
@@ -60,6 +63,23 @@ def _call(groups: tuple[str, ...], function: Callable[..., Any], arguments: tupl
         return function(*arguments)
     finally:
         _current.groups = before
+
+
+@cache
+def _end_with_parent() -> None:
+    """End this process when the process that started it ends, also if that was killed.
+
+    A worker of a `ProcessPoolExecutor` would finish its call, and then wait for ever.
+    """
+    parent = multiprocessing.parent_process()
+    if parent is None:
+        return
+
+    def end() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=end, name="gearbow-parent", daemon=True).start()
 
 
 class ParallelCalls:
@@ -121,10 +141,21 @@ class ParallelCalls:
 
     def _submit(self) -> None:
         for number, arguments in islice(self._waiting, PENDING - len(self._pending)):
-            groups = (*_groups(), self._group)
-            future = self._executor.submit(_call, groups, self._function, arguments)
+            future = self._submitted(arguments)
             self._pending[future] = number
             future.add_done_callback(self._done.put)
+
+    def _submitted(self, arguments: tuple[Any, ...]) -> "Future[Any]":
+        """Submit one call."""
+        try:
+            return self._executor.submit(
+                _call, (*_groups(), self._group), self._function, arguments
+            )
+        except Exception as error:
+            raise GearbowError(
+                f"executor: does not accept calls: {str(error) or type(error).__name__}; give an "
+                "executor that is open and whose workers run"
+            ) from error
 
     def __exit__(
         self,

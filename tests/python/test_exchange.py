@@ -215,3 +215,54 @@ def test_measured_run_out(tmp_path: Path):
     path.write_text("position,amplitude\n")
     with pytest.raises(gb.SceneError, match="needs a line of headings and lines of numbers"):
         gb.Bow.read_csv(path)
+
+
+# --- text files of other programs -----------------------------------------------------------------
+
+TABLE = "speed [rpm];stiffness [N/µm]\n0;10\n100;20\n"
+DEEP = b"a = " + 20_000 * b"["
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (
+            TABLE.encode("cp1252"),
+            "is not UTF-8 text: byte 0xb5 in line 1; perhaps it is Windows-1252, as of Excel; save it",
+        ),
+        (TABLE.encode("utf-16"), "is not UTF-8 text: byte 0xff in line 1; it is UTF-16; save it"),
+        (b"speed;stiffness\n0;" + 140_000 * b"1", "line 2: is no line of a CSV file: field larger"),
+    ],
+)
+def test_a_table_of_another_program_names_the_file_and_the_encoding(tmp_path, content, message):
+    path = tmp_path / "table.csv"
+    path.write_bytes(content)
+    with pytest.raises(gb.SceneError) as caught:
+        gb.SpeedTable.read_csv(path)
+    assert str(caught.value).startswith(f"{path}: {message}")
+
+
+@pytest.mark.parametrize(
+    ("read", "name", "content", "message"),
+    [
+        (gb.RotorSystem.load, "a.toml", DEEP, "is nested too deeply"),
+        (gb.RotorSystem.from_ross, "a.toml", DEEP, "is nested too deeply"),
+        (gb.RotorSystem.from_ross, "a.json", 200_000 * b"[", "is nested too deeply"),
+        (gb.RotorSystem.from_ross, "a.toml", b"\xe9 = 1", "is not UTF-8 text: byte 0xe9 in line 1"),
+        (gb.RotorSystem.load, "a.toml", b"\n\xe9 = 1", "is not UTF-8 text: byte 0xe9 in line 2"),
+    ],
+)
+def test_a_damaged_text_file_is_an_error_that_names_it(tmp_path, read, name, content, message):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(gb.SceneError) as caught:
+        read(path)
+    assert str(caught.value).startswith(f"{path}: {message}")
+
+
+def test_a_byte_order_mark_does_not_change_a_scene(tmp_path: Path):
+    path = tmp_path / "scene.toml"
+    gb.RotorSystem.from_ross(ROSS / "rotor.toml").save(path)
+    expected = gb.RotorSystem.load(path).description
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert gb.RotorSystem.load(path).description == expected

@@ -559,5 +559,20 @@ def test_a_checkpoint_with_too_many_meshes_is_refused(tmp_path):
 def test_a_system_entry_that_is_no_text_is_refused(tmp_path):
     path = tmp_path / "rotor.toml"
     path.write_bytes(b"\xff\xfe name")
-    with pytest.raises(gb.SceneError, match=r"rotor\.toml is not UTF-8 text"):
+    with pytest.raises(gb.SceneError, match=r"rotor\.toml: is not UTF-8 text"):
         gb.RotorSystem.load(path)
+
+
+@pytest.mark.parametrize("header", [b"{'descr': '<f8', 'shape': (", b"{" + 4000 * b"("])
+def test_a_header_that_numpy_cannot_read_is_an_error_of_gearbow(tmp_path, header):
+    path = tmp_path / "run.npz"
+    recorded().save(path)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    header += b"\n"
+    members["time.npy"] = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    with pytest.raises(gb.GearbowError, match="not a response of gearbow, or damaged"):
+        gb.Response.load(path)

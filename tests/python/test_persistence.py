@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -147,3 +149,15 @@ def test_numbers_with_all_digits_are_read_back_exactly():
     system = train(bow=gb.Bow.half_sine(1e-4, phase=tenth))
     again = gb.RotorSystem._from_model(type(system._model).from_toml(system._model.to_toml()))
     assert again.description["shafts"][0]["bow"]["phase"] == tenth
+
+
+def test_a_steady_state_goes_through_pickle():
+    bow = gb.Bow.half_sine(1e-4)
+    rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2, bow=bow)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    steady = system.steady_state(100.0, record=[("rotor", 0.5)])
+    for found in (pickle.loads(pickle.dumps(steady)), copy.deepcopy(steady)):
+        assert_same(found.response, steady.response)
+        assert (found.period, found.method) == (steady.period, steady.method)
+        np.testing.assert_array_equal(found.multipliers, steady.multipliers)

@@ -146,6 +146,7 @@ def test_a_grid_of_a_billion_points_is_not_expanded():
         ({"a": []}, "parameters.a: must have at least one entry"),
         ({"a": 1.0}, "parameters.a: must be a list of values, got 1.0"),
         ({"a": "half"}, "parameters.a: must be a list of values, got 'half'"),
+        ({"a": bytearray(b"ab")}, "parameters.a: must be a list of values, got bytearray"),
         ({"a": np.zeros((2, 2))}, r"parameters.a: must be one list.*\(2, 2\)"),
         (3, "parameters: must be a dict of lists or a list of dicts, got 3"),
         ({1: [2]}, "parameters: the name of a parameter must be text, got 1"),
@@ -360,6 +361,75 @@ def test_the_end_of_a_worker_process_is_an_error():
     ):
         gb.sweep(plain, {"a": [0, 1, 2]}, die, processes)
     assert caught.value.sweep.computed < 3
+
+
+def test_a_closed_or_broken_executor_is_refused():
+    closed = ThreadPoolExecutor(1)
+    closed.shutdown()
+    with pytest.raises(
+        gb.GearbowError, match=r"^executor: does not accept calls: .*shutdown; give"
+    ):
+        gb.sweep(plain, AB, number, closed)
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as broken:
+        for _ in range(2):  # the second sweep begins with an executor that is broken already
+            with pytest.raises(gb.GearbowError, match=r"^executor: "):
+                gb.sweep(plain, {"a": [1]}, die, broken)
+
+
+TERMINATED = """
+import multiprocessing, os, sys, time
+from concurrent.futures import ProcessPoolExecutor
+import gearbow as gb
+from test_sweep import plain, sleep
+
+if __name__ == "__main__":
+    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
+        gb.sweep(plain, {"a": range(100), "folder": [sys.argv[1]]}, sleep, processes)
+"""
+
+
+def sleep(system: object, a: int, folder: str) -> None:
+    import os
+
+    (Path(folder) / str(os.getpid())).touch()
+    time.sleep(600.0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
+def test_a_terminated_sweep_leaves_no_worker_processes(tmp_path):
+    import os
+
+    script, folder = tmp_path / "script.py", tmp_path / "workers"
+    script.write_text(TERMINATED, encoding="utf-8")
+    folder.mkdir()
+    here = str(Path(__file__).parent)
+    path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))
+    with subprocess.Popen(
+        [sys.executable, script, folder], env={**os.environ, "PYTHONPATH": path}
+    ) as main:
+        while len(workers := list(folder.iterdir())) < 2:
+            assert main.poll() is None
+            time.sleep(0.05)
+        main.terminate()
+    left = [int(worker.name) for worker in workers]
+    end = time.monotonic() + 30.0
+    while left and time.monotonic() < end:
+        time.sleep(0.05)
+        left = [number for number in left if runs(number)]
+    assert not left
+
+
+def runs(process: int) -> bool:
+    import os
+
+    try:
+        os.kill(process, 0)
+        # A process that has ended may wait for a parent that asks for its code.
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except ProcessLookupError:
+        return False
+    except FileNotFoundError:
+        return not Path("/proc/self").exists()
 
 
 # --- progress and interruption --------------------------------------------------------------------

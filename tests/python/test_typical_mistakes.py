@@ -425,3 +425,52 @@ def test_the_warning_of_a_speed_points_to_the_line_of_the_user():
         warnings.simplefilter("error")
         run(2e-3, gb.SpeedProfile.table([0.0, 1e-3], [100.0, 110.0]))
         run(2e-3, ([0.0, 2e-3], [100.0, 110.0]))
+
+
+REFUSED: dict[str, tuple[Callable[[], object], str]] = {
+    "a record": (lambda: gb.Response.from_record(3), "record: must be that of to_record, got 3"),
+    "data": (lambda: gb.Response(3, 1), "data: must be the data of a run, got 3"),
+    "no run": (lambda: gb.waterfall([], "g1"), "responses: must be a list of at least one"),
+    "no responses": (lambda: gb.waterfall(3, "g1"), "responses: must be a list of at least one"),
+    "orders": (
+        lambda: run().orders("pinion", shaft_harmonics=2**70),
+        "shaft_harmonics: must be at most 1000, got 1180591620717411303424",
+    ),
+    "modes": (lambda: system().modes(count=2**63), "count: must be at most 4294967295, got"),
+    "harmonics": (
+        lambda: system().campbell([1.0, 2.0], harmonics=2**62),
+        "harmonics: must be at most 4294967295, got",
+    ),
+    "truth": (
+        lambda: system().tradeoff(1e-3, 100.0, budget=1.0, frozen="no"),
+        "frozen: must be True or False, got 'no'",
+    ),
+    "bytes": (
+        lambda: system().synchronous(memoryview(b"abc")),
+        "speeds: must be a number, got <memory",
+    ),
+    "a file": (lambda: gb.RotorSystem.load("a\0b"), "path: must be the name of a file, got 'a"),
+    "no file": (lambda: gb.Response.load(None), "path: must be the name of a file, got None"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_value_of_another_kind_is_refused(case: str):
+    call, message = REFUSED[case]
+    with pytest.raises(gb.SceneError) as caught:
+        call()
+    assert message in str(caught.value)
+
+
+def test_a_name_with_nul_is_refused_in_descriptions_and_files(tmp_path: Path):
+    description = system().description
+    description["shafts"][0]["name"] = "in\0put"
+    message = r"^shafts\[0\]\.name: must not contain the character NUL"
+    with pytest.raises(gb.SceneError, match=message):
+        gb.RotorSystem.from_dict(description)
+    path = tmp_path / "scene.toml"
+    system().save(path)
+    name = system().shafts[0].name
+    path.write_text(path.read_text().replace(f'"{name}"', f'"{name}\\u0000"'))
+    with pytest.raises(gb.SceneError, match=message):
+        gb.RotorSystem.load(path)

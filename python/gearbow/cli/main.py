@@ -60,7 +60,7 @@ def _prepare_output() -> None:
     A closed stream is None. The number of a closed stdout is that of the next file that opens.
     """
     if sys.stderr is None:
-        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # until the end
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115  # until the end
     if sys.stdout is None:
         sys.stderr.write("gearbow: stdout is closed; redirect it, for example to /dev/null\n")
         sys.exit(INVALID)

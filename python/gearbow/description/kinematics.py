@@ -21,6 +21,9 @@ from gearbow.description.shafts import Shaft
 
 __all__ = ["Kinematics", "Order", "Train"]
 
+#: Largest number of harmonics and of sidebands, which bounds the memory for the list of orders.
+MOST_HARMONICS = 1000
+
 #: Orders with a smaller relative difference are equal: speed ratios are rounded.
 SAME = 1e-9
 
@@ -180,10 +183,10 @@ class Kinematics(Shown):
         tuple of Order
             In ascending order.
         """
-        shaft_harmonics = whole(shaft_harmonics, "shaft_harmonics", least=0)
-        mesh_harmonics = whole(mesh_harmonics, "mesh_harmonics", least=0)
-        sidebands = whole(sidebands, "sidebands", least=0)
-        bearing_harmonics = whole(bearing_harmonics, "bearing_harmonics", least=0)
+        shaft_harmonics = whole(shaft_harmonics, "shaft_harmonics", 0, MOST_HARMONICS)
+        mesh_harmonics = whole(mesh_harmonics, "mesh_harmonics", 0, MOST_HARMONICS)
+        sidebands = whole(sidebands, "sidebands", 0, MOST_HARMONICS)
+        bearing_harmonics = whole(bearing_harmonics, "bearing_harmonics", 0, MOST_HARMONICS)
         named = [
             *self._shafts(shaft_harmonics),
             *self._meshes(mesh_harmonics, 0),

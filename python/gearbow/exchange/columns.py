@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from gearbow._files import read_text
+from gearbow._files import reading
 from gearbow._lookup import nearest
 from gearbow._types import Array
 from gearbow.errors import SceneError
@@ -51,13 +51,14 @@ def read_columns(
     OSError
         If the file cannot be opened.
     """
-    lines = read_text(path).splitlines()
+    with reading(path) as text:
+        lines = text.splitlines()
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip()]
     rows = [(i, line) for i, line in rows if not line.lstrip().startswith("#")]
     if len(rows) < 2:
         raise SceneError(f"{path}: needs a line of headings and lines of numbers")
     separator = next((each for each in ";\t" if each in rows[0][1]), ",")
-    head, *body = ((i, next(csv.reader([line], delimiter=separator))) for i, line in rows)
+    head, *body = ((i, _cells(line, separator, f"{path}: line {i}")) for i, line in rows)
     units = _headings(head[1], known, hints or {}, f"{path}: line {head[0]}")
     found: dict[str, list[float]] = {name: [] for name in units}
     for i, cells in body:
@@ -71,6 +72,14 @@ def read_columns(
             # The text, not the number: the conversion of a text is correctly rounded.
             found[name].append(parsed(f"{cell} {unit}", known[name]) if unit else number)
     return {name: np.array(values) for name, values in found.items()}
+
+
+def _cells(line: str, separator: str, where: str) -> list[str]:
+    """Split a line into its cells."""
+    try:
+        return next(csv.reader([line], delimiter=separator))
+    except csv.Error as error:
+        raise SceneError(f"{where}: is no line of a CSV file: {error}") from None
 
 
 def _headings(

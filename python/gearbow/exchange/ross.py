@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from gearbow._files import reading
 from gearbow._types import Plain
 from gearbow.errors import SceneError
 
@@ -107,9 +108,11 @@ def read_ross(path: str | os.PathLike[str]) -> dict[str, Plain]:
 
 
 def _read(path: str | os.PathLike[str]) -> _File:
-    text = Path(path).read_text(encoding="utf-8")
     try:
-        plain = json.loads(text) if Path(path).suffix == ".json" else tomllib.loads(text)
+        with reading(path) as text:
+            plain = json.loads(text) if Path(path).suffix == ".json" else tomllib.loads(text)
+    except SceneError:
+        raise
     except ValueError as error:  # of both formats
         raise SceneError(f"{path}: not a rotor of ROSS: {error}") from None
     if not isinstance(plain, dict) or "ross_version" not in plain:

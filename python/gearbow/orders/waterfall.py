@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number
+from gearbow._convert import number, shown
 from gearbow._extras import extra
 from gearbow._keywords import checked
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Record
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import GearbowError
+from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.spectrum import spectrum
 from gearbow.recording.recording import Recording
 from gearbow.sensors.sensor import SignalSensor
@@ -126,8 +126,10 @@ def waterfall(
 
     Raises
     ------
+    SceneError
+        If there is no run.
     GearbowError
-        If there is no run, the speed of a run changes, or the output steps or numbers of times
+        If the speed of a run changes, or the output steps or numbers of times
         differ.
     ChannelError
         If the signal was not recorded.
@@ -148,9 +150,14 @@ def waterfall(
     >>> result.amplitudes.shape
     (2, 500)
     """
-    runs = list(responses)
-    if not runs:
-        raise GearbowError("a waterfall needs at least one run")
+    try:
+        runs = list(responses)
+    except TypeError:
+        runs = []
+    if not runs or not all(isinstance(run, Recording) for run in runs):
+        raise SceneError(
+            f"responses: must be a list of at least one response, got {shown(responses)}"
+        )
     speeds = []
     for run in runs:
         if isinstance(run.speed, SpeedProfile):

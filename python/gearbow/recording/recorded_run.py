@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array
+from gearbow._convert import array, number, shown
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, Record, RunData
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import ChannelError
+from gearbow.errors import ChannelError, SceneError
 from gearbow.recording.record import RunRecord, Statistics
 
 if TYPE_CHECKING:
@@ -48,6 +48,13 @@ class RecordedRun(ReadOnly):
     """
 
     def __init__(self, data: RunData, speed: float | SpeedProfile) -> None:
+        if not isinstance(data, Mapping):
+            raise SceneError(
+                f"data: must be the data of a run, got {shown(data)}; simulate and load make "
+                "responses"
+            )
+        if not isinstance(speed, SpeedProfile):
+            speed = number(speed, "speed")
         self._data = read_only(data)
         self.time = data["time"]
         self.speed = speed

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearbow._convert import shown
 from gearbow._shown import Table, span
 from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.places import place_label
-from gearbow.errors import GearbowError
+from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
 from gearbow.recording import tables
 from gearbow.recording.errors import Errors
@@ -80,7 +81,14 @@ class Response(RunFigures):
         -------
         Response
             The response.
+
+        Raises
+        ------
+        SceneError
+            If it is no such record.
         """
+        if not isinstance(record, RunRecord):
+            raise SceneError(f"record: must be that of to_record, got {shown(record)}")
         response = cls(record.data, record.speed)
         response.kinematics, response.accuracy = record.kinematics, record.accuracy
         response.request, response._errors = record.request, record.errors

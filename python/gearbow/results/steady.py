@@ -257,6 +257,10 @@ class SteadyState(Shown):
             model, **options, smallest=number_of(magnitude, "magnitude"), progress=None
         )
 
+    def __getstate__(self) -> dict[str, Any]:
+        # The response knows the scene, from which the model can be built again.
+        return {**self.__dict__, "_model": None}
+
     def __repr__(self) -> str:
         return (
             f"SteadyState(period {self.period:g} s, residual {self.residual:.1e}, "

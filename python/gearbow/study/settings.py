@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from gearbow._files import reading
 from gearbow._types import Plain
 from gearbow.accuracy.levels import LEVELS
 from gearbow.errors import SceneError
@@ -94,7 +95,8 @@ class Settings:
             If the file is invalid; the message begins with the path of the entry.
         """
         try:
-            text = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+            with reading(path) as document:
+                text = tomllib.loads(document)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"{path}: not TOML, {error}") from None
         table = text.pop("study", None)

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias, overload
 
 import numpy as np
 
-from gearbow._convert import shown
+from gearbow._convert import BYTES, shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
 
@@ -138,7 +138,7 @@ def _list(values: object, where: str) -> list[Any]:
     """Read a list. NumPy numbers become those of Python, so that a file gives the same values."""
     if isinstance(values, np.ndarray) and values.ndim == 1:
         values = values.tolist()
-    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+    if isinstance(values, (str, *BYTES, Mapping)) or not isinstance(values, Iterable):
         wanted = "a list of values" if "." in where else "a dict of lists or a list of dicts"
         raise SceneError(f"{where}: must be {wanted}, got {shown(values)}")
     if isinstance(values, np.ndarray):

@@ -1,12 +1,12 @@
 """Scene files: TOML, with numbers in SI units or texts with units."""
 
 import os
+import re
 import sys
-from pathlib import Path
 
 from gearbow._convert import copied
 from gearbow._core import Model
-from gearbow.errors import SceneError
+from gearbow._files import reading
 from gearbow.units.convert import without_texts
 
 if sys.version_info >= (3, 11):
@@ -15,6 +15,8 @@ else:
     import tomli as tomllib
 
 __all__ = ["read_scene"]
+
+_NUL = re.compile(r"\\(u0000|U00000000)")
 
 
 def read_scene(path: str | os.PathLike[str]) -> Model:
@@ -37,17 +39,13 @@ def read_scene(path: str | os.PathLike[str]) -> Model:
     OSError
         If the file cannot be opened.
     """
-    try:
-        document = Path(path).read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise SceneError(
-            f"toml: {path} is not UTF-8 text (byte {error.object[error.start]:#04x} at "
-            f"position {error.start}); save it as UTF-8"
-        ) from None
-    try:
-        plain = tomllib.loads(document)
-    except tomllib.TOMLDecodeError:
-        return Model.from_toml(document)  # which describes the error
-    converted = without_texts(plain)
-    # Without units, the errors of the core name the line.
-    return Model.from_toml(document) if converted == plain else Model(copied(converted, ""))
+    with reading(path) as document:
+        try:
+            plain = tomllib.loads(document)
+        except tomllib.TOMLDecodeError:
+            return Model.from_toml(document)  # which describes the error
+        converted = without_texts(plain)
+        # Without units, the errors of the core name the line. Only an escape can give a NUL.
+        if converted == plain and not _NUL.search(document):
+            return Model.from_toml(document)
+        return Model(copied(converted, ""))

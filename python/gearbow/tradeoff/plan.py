@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Generic
 
-from gearbow._convert import number, whole
+from gearbow._convert import number, truth, whole
 from gearbow._times import grid
 from gearbow._types import Array
 from gearbow.accuracy.refine import MAX_DEGREE
@@ -156,8 +156,8 @@ def plan(
         settings=settings,
         simpler=simplified(
             system,
-            frozen=frozen,
-            mean_stiffness=mean_stiffness,
+            frozen=truth(frozen, "frozen"),
+            mean_stiffness=truth(mean_stiffness, "mean_stiffness"),
             factors=factors,
             degrees=orders,
             modes=_modes(modes, names, system),
