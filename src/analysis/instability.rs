@@ -4,25 +4,18 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Complex, ComplexField};
+use nalgebra::Complex;
 
 use super::modes::lowest_modes;
 use super::{AnalysisError, Interrupt};
-use crate::modal::CachedModel;
+use crate::modal::{CachedModel, is_growing};
 
-/// Smallest ratio of a growth rate Re λ to |λ| and to the speed that counts as unstable; round-off causes smaller ones.
-const MIN_GROWTH: f64 = 1e-6;
 /// Number of lowest modes that are examined.
 const MODES: usize = 6;
 /// Number of modes more for each bearing, whose damper can make four modes without oscillation.
 const MODES_OF_BEARING: usize = 4;
 /// Number of speeds that are examined at first, from the first to the last speed.
 const SAMPLES: usize = 9;
-
-/// Whether a mode with the eigenvalue λ, rad/s, grows at a speed, rad/s.
-pub(super) fn is_growing(eigenvalue: Complex<f64>, speed: f64) -> bool {
-    eigenvalue.re > MIN_GROWTH * eigenvalue.modulus().max(speed.abs())
-}
 
 /// Whether the linear motion at a speed of the reference shaft, rad/s, is unstable. The lowest modes decide; without an
 /// element that can feed energy into the motion, no mode is computed.
@@ -31,11 +24,21 @@ pub(super) fn is_growing(eigenvalue: Complex<f64>, speed: f64) -> bool {
 /// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, or `interrupt` requests a stop.
 pub fn is_unstable(cached: &CachedModel, speed: f64, interrupt: &Interrupt) -> Result<bool, AnalysisError> {
     interrupt.check()?;
+    Ok(!growing_modes(cached, speed)?.is_empty())
+}
+
+/// Eigenvalues with Im λ ≥ 0, rad/s, of the growing modes among the lowest modes at a speed of the reference shaft, rad/s;
+/// without an element that can feed energy into the motion, no mode is computed.
+///
+/// # Errors
+/// [`AnalysisError`] if a decomposition fails, or a bearing has no coefficients at the speed.
+pub(super) fn growing_modes(cached: &CachedModel, speed: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
     if cached.at_speed(speed)?.model.is_dissipative(speed) {
-        return Ok(false);
+        return Ok(Vec::new());
     }
     let count = MODES + MODES_OF_BEARING * cached.model.scene.bearings.len();
-    Ok(lowest_modes(cached, speed, count)?.iter().any(|mode| is_growing(mode.eigenvalue, speed)))
+    let eigenvalues = lowest_modes(cached, speed, count)?.into_iter().map(|mode| mode.eigenvalue);
+    Ok(eigenvalues.filter(|value| is_growing(*value, speed)).collect())
 }
 
 /// The ranges of `speeds`, rad/s, in which the motion is unstable: the first and the last unstable speed of each.

@@ -7,8 +7,8 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::{AnalysisError, Dense};
 use crate::linalg::{CoupledFactors, Singular, solve_complex};
-use crate::modal::{CachedModel, Pins, Projected, null_motions};
-use crate::model::{Excitation, Model, Weights};
+use crate::modal::{CachedModel, DynamicKey, Projected};
+use crate::model::{Excitation, Model};
 use crate::scene::Node;
 
 /// Part of the excitation by a rotating shaft.
@@ -152,21 +152,15 @@ fn without_modal_damping(
     flank_speed: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<Option<DVector<Complex<f64>>>, AnalysisError> {
-    let model = &cached.model;
-    let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
-    let factors = cached.dynamic_factors([speed, spin, flank_speed], || {
-        let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
-        let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
-        let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
-        pins.add_to(model, &mut matrix);
-        matrix.factor(if spin < 0.0 { -1.0 } else { 1.0 })
-    });
-    let solution = factors.and_then(|factors| solve_structured(model, &factors, force));
-    let Ok(mut found) = solution else {
+    let found = cached.dynamic_factors(DynamicKey { speed, spin, flank_speed })?;
+    let Ok(factors) = &found.factors else {
         return Ok(None);
     };
-    pins.remove_null_motions(&mut found);
-    Ok(Some(found))
+    let Ok(mut solution) = solve_structured(&cached.model, factors, force) else {
+        return Ok(None);
+    };
+    found.pins.remove_null_motions(&mut solution);
+    Ok(Some(solution))
 }
 
 /// Solves S x = f with the factors of the band matrices of the shafts.

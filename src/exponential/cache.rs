@@ -1,5 +1,6 @@
 //! Propagators of all step lengths. Each is computed at its first use.
 
+use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
@@ -14,19 +15,37 @@ use super::quadrature::QuadratureRule;
 use super::time_grid::TimeGrid;
 use crate::modal::{ModalStateSpace, ModePair, StateMatrix};
 
+/// What the propagators of a run follow from.
+#[derive(Clone, Debug)]
+pub struct PropagatorKey {
+    /// The linear motion ż = A z.
+    pub linear: Arc<ModalStateSpace>,
+    /// Stages of a step and their polynomials.
+    pub rule: QuadratureRule,
+    /// Rows and columns of the interface over z.
+    pub maps: InterfaceMaps,
+    /// Step lengths.
+    pub time_grid: TimeGrid,
+    /// Angular velocities of the rotating sources, rad/s.
+    pub spins: Vec<f64>,
+}
+
+impl PartialEq for PropagatorKey {
+    fn eq(&self, other: &Self) -> bool {
+        // Two computations of one linear motion have the same entries, but comparing these takes long.
+        Arc::ptr_eq(&self.linear, &other.linear)
+            && self.rule == other.rule
+            && self.time_grid == other.time_grid
+            && self.spins == other.spins
+            && self.maps == other.maps
+    }
+}
+
 /// The propagators and stage responses of all step levels of a time grid.
 #[derive(Clone, Debug)]
 pub struct PropagatorCache {
-    /// Stages of a step and their polynomials.
-    pub rule: QuadratureRule,
-    /// Step lengths.
-    pub time_grid: TimeGrid,
-    /// The linear motion ż = A z.
-    pub linear: Arc<ModalStateSpace>,
-    /// Rows and columns of the interface over z.
-    pub maps: InterfaceMaps,
-    /// Angular velocities of the rotating sources, rad/s.
-    spins: Vec<f64>,
+    /// What all entries follow from.
+    key: Arc<PropagatorKey>,
     /// Gram matrix of the columns b of the mesh loads.
     pub gram: Panel,
     propagators: Vec<OnceLock<StepPropagator>>,
@@ -37,15 +56,18 @@ pub struct PropagatorCache {
     pub fractions: Fractions,
 }
 
+impl Deref for PropagatorCache {
+    type Target = PropagatorKey;
+
+    fn deref(&self) -> &PropagatorKey {
+        &self.key
+    }
+}
+
 impl PropagatorCache {
-    /// Creates the cache of a time grid; `spins` are the angular velocities of the rotating sources, rad/s.
-    pub fn new(
-        linear: Arc<ModalStateSpace>,
-        rule: QuadratureRule,
-        maps: InterfaceMaps,
-        time_grid: TimeGrid,
-        spins: Vec<f64>,
-    ) -> Self {
+    /// Creates the cache of a key.
+    pub fn new(key: Arc<PropagatorKey>) -> Self {
+        let PropagatorKey { linear, rule, maps, time_grid, spins } = &*key;
         let columns: Vec<f64> = maps.columns.iter().take(maps.meshes).flatten().copied().collect();
         let gram = gram(&columns, maps.meshes);
         let (propagators, stage_responses) = match &linear.matrix {
@@ -54,30 +76,14 @@ impl PropagatorCache {
             }
             // Doubling a step yields the next longer one, so that all levels are computed together.
             StateMatrix::Dense(matrix) => {
-                let phasors = |level| stage_phasors(&rule, &time_grid, &spins, level);
-                let levels = dense::levels(matrix, &rule, &maps, &time_grid, phasors);
+                let phasors = |level| stage_phasors(rule, time_grid, spins, level);
+                let levels = dense::levels(matrix, rule, maps, time_grid, phasors);
                 levels.into_iter().map(|(propagator, response)| (propagator.into(), response.into())).unzip()
             }
         };
         let mode_splits = vec![OnceLock::new(); time_grid.finest + 1];
-        let fractions = Fractions::new(&time_grid);
-        Self { rule, time_grid, linear, maps, spins, gram, propagators, stage_responses, mode_splits, fractions }
-    }
-
-    /// Whether this is the cache of a linear motion with a rule, interface maps, a time grid and spins.
-    pub fn serves(
-        &self,
-        linear: &Arc<ModalStateSpace>,
-        rule: &QuadratureRule,
-        maps: &InterfaceMaps,
-        time_grid: &TimeGrid,
-        spins: &[f64],
-    ) -> bool {
-        Arc::ptr_eq(&self.linear, linear)
-            && (self.rule.stages(), self.rule.explicit) == (rule.stages(), rule.explicit)
-            && self.time_grid == *time_grid
-            && self.spins == spins
-            && self.maps == *maps
+        let fractions = Fractions::new(time_grid);
+        Self { gram, propagators, stage_responses, mode_splits, fractions, key }
     }
 
     /// Propagator of the state over a step of a level.

@@ -58,7 +58,7 @@ mod substep_modes;
 mod time_grid;
 mod trajectory;
 
-pub use cache::PropagatorCache;
+pub use cache::{PropagatorCache, PropagatorKey};
 pub use changing_speed::SpeedChange;
 pub use driver::run;
 pub use in_modes::InModes;

@@ -35,11 +35,17 @@ const SAME: f64 = 1e-9;
 /// Number of tables that are kept.
 const CAPACITY: usize = 16;
 
-/// Ratio L/D and the grooves of a table.
-type Key = (f64, Vec<[f64; 2]>);
+/// What a table follows from.
+#[derive(Clone, Debug, PartialEq)]
+struct TableKey {
+    /// Ratio L/D.
+    length_ratio: f64,
+    /// Grooves (angle of the middle, extent), rad.
+    grooves: Vec<[f64; 2]>,
+}
 
 /// The tables of this process; the bearings of a study have the same few.
-static KNOWN: Mutex<Vec<(Key, Arc<FilmTable>)>> = Mutex::new(Vec::new());
+static KNOWN: Mutex<Vec<(TableKey, Arc<FilmTable>)>> = Mutex::new(Vec::new());
 
 /// The table of a film.
 #[derive(Clone, Debug)]
@@ -63,13 +69,13 @@ type Local = ([usize; 4], [f64; 4], [f64; 4]);
 impl FilmTable {
     /// The table of a ratio L/D and grooves (angle of the middle, extent), rad; computed at the first use.
     pub fn known(length_ratio: f64, grooves: &[[f64; 2]]) -> Arc<Self> {
-        let key = (length_ratio, grooves.to_vec());
+        let key = TableKey { length_ratio, grooves: grooves.to_vec() };
         // A panic in another thread cannot leave the list half-written.
         let mut list = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, table)) = list.iter().find(|(known, _)| *known == key) {
             return Arc::clone(table);
         }
-        let table = Arc::new(Self::new(length_ratio, grooves));
+        let table = Arc::new(Self::new(&key));
         if list.len() >= CAPACITY {
             list.remove(0);
         }
@@ -77,8 +83,8 @@ impl FilmTable {
         table
     }
 
-    fn new(length_ratio: f64, grooves: &[[f64; 2]]) -> Self {
-        let mut solver = Reynolds::new(length_ratio, grooves);
+    fn new(TableKey { length_ratio, grooves }: &TableKey) -> Self {
+        let mut solver = Reynolds::new(*length_ratio, grooves);
         let sector = (!grooves.is_empty()).then(|| TAU / f64::from(symmetry(grooves)));
         let turns = sector.map_or(1, |sector| ((TURNS as f64 * sector / TAU).round() as usize).max(6));
         let angle = |index: usize| TAU * index as f64 / DIRECTIONS as f64;

@@ -8,6 +8,10 @@
 //!
 //! In modal coordinates the integrals are explicit. With the eigenvalues μ_i and the components β_i of the loads,
 //! ∫ e^{−2σt} ζ_i ζ_jᴴ dt = β_i β_jᴴ/(2σ − μ_i − μ_jᴴ). The shift σ limits the integral of undamped modes.
+//!
+//! The displacements of growing modes and of their duals come before all others, so that every subspace contains them:
+//! however small they are within the horizon, they outgrow the rest. With them, the Galerkin projection keeps the eigenvalues
+//! of these modes.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -28,6 +32,8 @@ pub struct Directions {
     pub vectors: DMatrix<f64>,
     /// Share of each direction in the Gramians.
     pub shares: Vec<f64>,
+    /// Number of the first directions, which belong to growing modes: every subspace contains them.
+    pub growing: usize,
 }
 
 /// What a reduced model carries from its loads to its signals.
@@ -49,7 +55,8 @@ struct Coordinate {
 }
 
 impl Directions {
-    /// Ranks the directions of a model; `linear` is its state-space model, in pairs. The responses have the `horizon`, s.
+    /// Ranks the directions of a model; `linear` is its state-space model, in pairs. The responses have the `horizon`, s. The
+    /// displacements `growing`, n × k, of growing modes come first.
     ///
     /// # Errors
     /// [`DecompositionError`] if the decomposition of the Gramian fails.
@@ -59,10 +66,11 @@ impl Directions {
         linear: &ModalStateSpace,
         ports: &Ports,
         horizon: f64,
+        growing: &DMatrix<f64>,
     ) -> Result<Self, DecompositionError> {
         let pairs = if let StateMatrix::Pairs(pairs) = &linear.matrix { &pairs[..] } else { &[] };
         let (size, shift) = (linear.len(), 1.0 / horizon);
-        let (coordinates, dual) = (coordinates(pairs, false), coordinates(pairs, true));
+        let (coordinates, dual) = (coordinates(pairs, shift, false), coordinates(pairs, shift, true));
         let null = projected.modes.null;
         let elastic = projected.modes.frequencies.len() - null;
         let weighted = model.mass_times(&projected.modes.vectors.columns(null, elastic).into_owned());
@@ -91,12 +99,12 @@ impl Directions {
         let rows = scaled(&ports.rows, &motion);
         add(&test, gramian(&dual, &responses(&dual, &rows, Some(shift)), shift, size));
         let statics = statics(&coordinates, &ports.columns.concat(), size);
-        Self::ranked(&total, &(&position * statics))
+        Self::ranked(&total, &weighted.tr_mul(growing), &(&position * statics))
     }
 
     /// Number of directions after which the remaining ones have this share in the size of the motion.
     pub fn count(&self, share: f64) -> usize {
-        self.first_below(share * self.tail(0).sqrt())
+        self.first_below(share * self.tail(0).sqrt()).max(self.growing)
     }
 
     /// Number of directions after which the size of the remaining motion is smaller by the factor `excess` than after
@@ -115,24 +123,27 @@ impl Directions {
     }
 
     /// Ranks the directions of a model for the forces and signals with the entries `ports`, as if each undamped mode had
-    /// only its own damping. No eigenvalue problem of the damped system is necessary.
+    /// only its own damping. No eigenvalue problem of the damped system is necessary. The displacements `growing`, n × k, of
+    /// growing modes come first.
     ///
     /// # Errors
     /// [`DecompositionError`] if the decomposition of the Gramian fails.
     pub fn of_undamped(
+        model: &Model,
         projected: &Projected,
         ports: &[Vec<(usize, f64)>],
         horizon: f64,
+        growing: &DMatrix<f64>,
     ) -> Result<Self, DecompositionError> {
         let (modes, null, shift) = (&projected.modes, projected.modes.null, 1.0 / horizon);
         let size = modes.frequencies.len() - null;
         // The entries of z are ωη and η̇ of every mode.
         let pair = |index: usize| {
             let frequency = modes.frequencies[null + index];
-            ModePair::Oscillation(Complex64::new(-projected.damping_of(null + index) / 2.0, frequency))
+            ModePair::Oscillation(Complex64::new(-projected.damping_of(null + index).max(0.0) / 2.0, frequency))
         };
         let pairs: Vec<ModePair> = (0..size).map(pair).collect();
-        let coordinates = coordinates(&pairs, false);
+        let coordinates = coordinates(&pairs, shift, false);
         let load = |port: &Vec<(usize, f64)>| -> Vec<f64> {
             let force = |mode: usize| port.iter().map(|(row, value)| modes.vectors[(*row, null + mode)] * value).sum();
             std::iter::repeat_n(0.0, size).chain((0..size).map(force)).collect()
@@ -161,14 +172,20 @@ impl Directions {
             }
         }
         let statics = statics(&coordinates, &columns, 2 * size).rows(0, size).into_owned();
-        Self::ranked(&total, &displacement(&statics))
+        let growing = modes.vectors.columns(null, size).tr_mul(&model.mass_times(growing));
+        Self::ranked(&total, &growing, &displacement(&statics))
     }
 
-    /// The directions of `first`, then the eigenvectors of the rest of a Gramian.
-    fn ranked(gramian: &DMatrix<f64>, first: &DMatrix<f64>) -> Result<Self, DecompositionError> {
+    /// The directions of `growing` and `statics`, then the eigenvectors of the rest of a Gramian.
+    fn ranked(
+        gramian: &DMatrix<f64>,
+        growing: &DMatrix<f64>,
+        statics: &DMatrix<f64>,
+    ) -> Result<Self, DecompositionError> {
         let size = gramian.nrows();
         let mut vectors: Vec<DVector<f64>> = Vec::new();
-        for column in first.column_iter() {
+        let mut kept = 0;
+        for (index, column) in growing.column_iter().chain(statics.column_iter()).enumerate() {
             let mut rest = column.into_owned();
             for _ in 0..2 {
                 for known in &vectors {
@@ -177,6 +194,9 @@ impl Directions {
             }
             if rest.norm() > DEPENDENT * column.norm() {
                 vectors.push(rest.normalize());
+            }
+            if index < growing.ncols() {
+                kept = vectors.len();
             }
         }
         let count = vectors.len();
@@ -189,13 +209,13 @@ impl Directions {
         let order: Vec<usize> = (0..count).chain((count..size).rev()).collect();
         let mut shares: Vec<f64> = order.iter().map(|index| pencil.values[*index].max(0.0)).collect();
         shares[..count].fill(f64::INFINITY);
-        Ok(Self { vectors: pencil.vectors.select_columns(&order), shares })
+        Ok(Self { vectors: pencil.vectors.select_columns(&order), shares, growing: kept })
     }
 }
 
-/// Coordinates of all pairs except for the rigid-body motions and constant entries; those of the transposed matrix for
-/// the `dual` system.
-fn coordinates(pairs: &[ModePair], dual: bool) -> Vec<Coordinate> {
+/// Coordinates of all pairs except for the rigid-body motions, constant entries and motions that grow at the rate `shift`,
+/// 1/s, or faster, whose Gramian does not exist; those of the transposed matrix for the `dual` system.
+fn coordinates(pairs: &[ModePair], shift: f64, dual: bool) -> Vec<Coordinate> {
     let mut coordinates = Vec::new();
     let slots = pairs.len();
     for (slot, pair) in pairs.iter().enumerate() {
@@ -212,6 +232,7 @@ fn coordinates(pairs: &[ModePair], dual: bool) -> Vec<Coordinate> {
             ModePair::RigidBodyPair(_) => {}
         }
     }
+    coordinates.retain(|coordinate| coordinate.eigenvalue.re < shift);
     coordinates
 }
 
@@ -343,7 +364,7 @@ mod tests {
         let column = vec![1.0, -0.4, 0.7, 0.2, 1.3, -0.6];
         let load = DVector::from_column_slice(&column);
         for (dual, matrix) in [(false, matrix.clone()), (true, matrix.transpose())] {
-            let coordinates = coordinates(&pairs, dual);
+            let coordinates = coordinates(&pairs, shift, dual);
             let given = responses(&coordinates, std::slice::from_ref(&column), None);
             let found = gramian(&coordinates, &given, shift, size);
             let residual = &matrix * &found + &found * matrix.transpose() + &load * load.transpose();

@@ -4,34 +4,86 @@ use std::any::Any;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::components::ComponentModes;
-use super::load_modes::modes_of_loads;
 use super::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use super::first_order::FirstOrder;
+use super::load_modes::modes_of_loads;
+use super::pins::Pins;
 use super::projected::Projected;
-use super::real::RealModes;
+use super::real::{RealModes, null_motions};
 use super::recent::Recent;
 use super::spectral_range::SpectralRange;
 use super::state_space::ModalStateSpace;
-use crate::linalg::{CoupledFactors, DecompositionError};
+use crate::linalg::{CoupledFactors, DecompositionError, Singular};
 use crate::mesh::Geometry;
-use crate::model::Model;
+use crate::model::{Model, Weights};
 
 /// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
 const MIN_KRYLOV: usize = 100;
 
-/// Speed of the reference shaft, rad/s, and whether the meshes are included.
-type Key = (f64, bool);
+/// What a state-space model reads beside its model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct LinearKey {
+    /// Speed of the reference shaft, rad/s.
+    speed: f64,
+    /// Whether the meshes are included.
+    includes_meshes: bool,
+}
 
-/// What a subspace depends on: speed of the reference shaft, rad/s, highest frequency, rad/s, and the scalars of its loads
-/// and signals as entries (index, coefficient).
-type SubspaceKey = (f64, f64, Vec<Vec<(usize, f64)>>);
+/// What a subspace of the component modes reads beside its model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SubspaceKey {
+    /// Speed of the reference shaft, rad/s.
+    pub speed: f64,
+    /// Highest frequency of the component modes, rad/s.
+    pub highest: f64,
+    /// Coordinates under whose loads the static displacements are exact, ascending.
+    pub loaded: Vec<usize>,
+    /// What selects directions in the space of the component modes; none keeps all.
+    pub selection: Option<DirectionSelection>,
+}
 
-/// What the dynamic stiffness without modal damping depends on: speed of the reference shaft, spin of the source shaft and
-/// speed of the flanks in contact, rad/s.
-type DynamicKey = [f64; 3];
+/// What selects the directions of a subspace.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DirectionSelection {
+    /// Scalars of loads and signals as entries (index, coefficient).
+    pub scalars: Vec<Vec<(usize, f64)>>,
+    /// Horizon of the responses, s.
+    pub horizon: f64,
+    /// Largest share of the omitted directions in the motion.
+    pub share: f64,
+}
+
+/// What the dynamic stiffness without modal damping reads beside its model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DynamicKey {
+    /// Speed of the reference shaft, rad/s.
+    pub speed: f64,
+    /// Spin of the source shaft, rad/s.
+    pub spin: f64,
+    /// Speed of the reference shaft that determines the flanks in contact, rad/s.
+    pub flank_speed: f64,
+}
+
+/// What a static equilibrium reads beside its model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct EquilibriumKey {
+    /// Geometry of the meshes.
+    geometry: Geometry,
+    /// Speeds of bearings and flanks.
+    speeds: EquilibriumSpeeds,
+}
+
+/// Factors of the dynamic stiffness without modal damping.
+#[derive(Debug)]
+pub struct DynamicFactors {
+    /// Factors of the matrix; none where it is singular.
+    pub factors: Result<CoupledFactors, Singular>,
+    /// Springs on the null motions, which a spin of zero needs.
+    pub pins: Pins,
+}
 
 /// What follows from the linear part of a model alone, computed on first use: of the loads, only torques over the speed have an
 /// effect on it, their damping.
@@ -42,13 +94,13 @@ struct LinearPart {
     /// Lowest and highest frequency for each [`crate::model::Rotation`].
     ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
     /// State-space models; `None` marks a model that modes cannot represent.
-    linear: Recent<Key, Option<Arc<ModalStateSpace>>>,
+    linear: Recent<LinearKey, Option<Arc<ModalStateSpace>>>,
     /// Undamped modes of the components.
     components: OnceLock<Result<ComponentModes, DecompositionError>>,
     /// Subspaces.
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
     /// Factors of the dynamic stiffness at the last speeds.
-    dynamic: Recent<DynamicKey, Arc<CoupledFactors>>,
+    dynamic: Recent<DynamicKey, Arc<DynamicFactors>>,
     /// The linear parts at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<LinearPart>>,
 }
@@ -63,7 +115,7 @@ pub struct CachedModel {
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<CachedModel>>,
     /// Displacements of the last static equilibria.
-    equilibria: Recent<(Geometry, EquilibriumSpeeds), DVector<f64>>,
+    equilibria: Recent<EquilibriumKey, DVector<f64>>,
     /// Results of runs; their type belongs to a later folder.
     run_results: OnceLock<Arc<dyn Any + Send + Sync>>,
     /// The model of which this one is a variation.
@@ -171,7 +223,8 @@ impl CachedModel {
     /// # Errors
     /// As [`equilibrium`].
     pub fn equilibrium(&self, geometry: Geometry, speeds: EquilibriumSpeeds) -> Result<DVector<f64>, EquilibriumError> {
-        self.equilibria.get_or_try((geometry, speeds), || equilibrium(&self.model, geometry, speeds))
+        let key = EquilibriumKey { geometry, speeds };
+        self.equilibria.get_or_try(key, || equilibrium(&self.model, key.geometry, key.speeds))
     }
 
     /// The results that runs of this model share, in a type of a later folder.
@@ -188,8 +241,9 @@ impl CachedModel {
         if self.model.lacks_coefficients() {
             return Err(DecompositionError::SpeedDependent);
         }
-        let cell = &self.linear_part().modes[self.model.rotation(speed) as usize];
-        cell.get_or_init(|| RealModes::new(&self.model, speed)).as_ref().map_err(|error| *error)
+        let rotation = self.model.rotation(speed);
+        let cell = &self.linear_part().modes[rotation as usize];
+        cell.get_or_init(|| RealModes::new(&self.model, rotation.speed())).as_ref().map_err(|error| *error)
     }
 
     /// Lowest and highest undamped frequency, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
@@ -200,13 +254,14 @@ impl CachedModel {
         if self.model.lacks_coefficients() {
             return Err(DecompositionError::SpeedDependent);
         }
-        let cell = &self.linear_part().ranges[self.model.rotation(speed) as usize];
+        let rotation = self.model.rotation(speed);
+        let cell = &self.linear_part().ranges[rotation as usize];
         let range = || {
             // The choice does not depend on what is known, so that the same run has the same steps.
             if self.model.len() < MIN_KRYLOV {
-                Ok(SpectralRange::of_modes(self.real_modes(speed)?))
+                Ok(SpectralRange::of_modes(self.real_modes(rotation.speed())?))
             } else {
-                SpectralRange::new(&self.model, speed)
+                SpectralRange::new(&self.model, rotation.speed())
             }
         };
         cell.get_or_init(range).as_ref().map_err(|error| *error)
@@ -217,12 +272,13 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
     pub fn linear(&self, speed: f64) -> Result<Arc<ModalStateSpace>, DecompositionError> {
+        let key = LinearKey { speed, includes_meshes: true };
         let known = &self.linear_part().linear;
-        if let Some(Some(linear)) = known.get(&(speed, true)) {
+        if let Some(Some(linear)) = known.get(&key) {
             return Ok(linear);
         }
-        let linear = Arc::new(ModalStateSpace::new(self.real_modes(speed)?, &self.first_order(speed)?)?);
-        known.insert((speed, true), Some(Arc::clone(&linear)));
+        let linear = Arc::new(ModalStateSpace::new(self.real_modes(key.speed)?, &self.first_order(key.speed)?)?);
+        known.insert(key, Some(Arc::clone(&linear)));
         Ok(linear)
     }
 
@@ -232,13 +288,9 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
     pub fn linear_without_meshes(&self, speed: f64) -> Result<Option<Arc<ModalStateSpace>>, DecompositionError> {
-        let known = &self.linear_part().linear;
-        if let Some(linear) = known.get(&(speed, false)) {
-            return Ok(linear);
-        }
-        let linear = ModalStateSpace::without_meshes(&self.model, speed)?.map(Arc::new);
-        known.insert((speed, false), linear.clone());
-        Ok(linear)
+        let key = LinearKey { speed, includes_meshes: false };
+        let find = || Ok(ModalStateSpace::without_meshes(&self.model, key.speed)?.map(Arc::new));
+        self.linear_part().linear.get_or_try(key, find)
     }
 
     /// The complete model at `speed` of the reference shaft, rad/s, in its undamped modes.
@@ -272,34 +324,35 @@ impl CachedModel {
         modes_of_loads(&self.model, speed, self.spectral_range(speed)?, loads, steps)
     }
 
-    /// The subspace of a key; `find` computes it from its loads and signals, unless it is known.
+    /// A subspace of the component modes.
     ///
     /// # Errors
-    /// [`DecompositionError`] of `find`.
-    pub fn subspace(
-        &self,
-        key: SubspaceKey,
-        find: impl FnOnce(&[Vec<(usize, f64)>]) -> Result<Projected, DecompositionError>,
-    ) -> Result<Arc<Projected>, DecompositionError> {
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn subspace(&self, key: SubspaceKey) -> Result<Arc<Projected>, DecompositionError> {
         let subspaces = &self.linear_part().subspaces;
         if let Some(known) = subspaces.get(&key) {
             return Ok(known);
         }
-        let found = Arc::new(find(&key.2)?);
+        let found = Arc::new(Projected::of_components(&self.model, self.component_modes()?, &key)?);
         subspaces.insert(key, Arc::clone(&found));
         Ok(found)
     }
 
-    /// Factors of the dynamic stiffness of a key; `find` computes them, unless they are known.
+    /// Factors of the dynamic stiffness K + iωC − ω²M + iωΩG of the spin ω, without modal damping.
     ///
     /// # Errors
-    /// Those of `find`.
-    pub fn dynamic_factors<E>(
-        &self,
-        key: DynamicKey,
-        find: impl FnOnce() -> Result<CoupledFactors, E>,
-    ) -> Result<Arc<CoupledFactors>, E> {
-        self.linear_part().dynamic.get_or_try(key, || find().map(Arc::new))
+    /// [`DecompositionError`] if the null motions cannot be found.
+    pub fn dynamic_factors(&self, key: DynamicKey) -> Result<Arc<DynamicFactors>, DecompositionError> {
+        let model = &self.model;
+        self.linear_part().dynamic.get_or_try(key, || {
+            let DynamicKey { speed, spin, flank_speed } = key;
+            let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
+            let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
+            let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
+            let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
+            pins.add_to(model, &mut matrix);
+            Ok(Arc::new(DynamicFactors { factors: matrix.factor(if spin < 0.0 { -1.0 } else { 1.0 }), pins }))
+        })
     }
 
     /// First-order form of the complete system at `speed` of the reference shaft, rad/s.
@@ -339,7 +392,7 @@ fn at_operating_point(model: Model, speed: f64) -> Result<CachedModel, Equilibri
     let model = model.with_provisional_points();
     let q = equilibrium(&model, Geometry::Live, speed.into())?;
     let cached = CachedModel::new(model.with_points_at(speed, q.as_slice()));
-    cached.equilibria.insert((Geometry::Live, speed.into()), q);
+    cached.equilibria.insert(EquilibriumKey { geometry: Geometry::Live, speeds: speed.into() }, q);
     Ok(cached)
 }
 

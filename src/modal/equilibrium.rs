@@ -132,7 +132,9 @@ pub fn equilibrium_residuals(
 fn check_residuals(model: &Model, residuals: &[f64]) -> Result<(), EquilibriumError> {
     let [shafts, housings] = [&residuals[..model.shafts.len()], &residuals[model.shafts.len()..]];
     let entries = shafts.iter().enumerate().map(|(index, value)| ("shafts", index, value));
-    for (list, index, value) in entries.chain(housings.iter().enumerate().map(|(index, value)| ("housings", index, value))) {
+    for (list, index, value) in
+        entries.chain(housings.iter().enumerate().map(|(index, value)| ("housings", index, value)))
+    {
         if value.is_nan() || *value > MAX_RESIDUAL {
             return Err(unconverged(list, index, *value));
         }
@@ -144,7 +146,8 @@ fn check_residuals(model: &Model, residuals: &[f64]) -> Result<(), EquilibriumEr
 fn unconverged(list: &str, index: usize, residual: f64) -> EquilibriumError {
     EquilibriumError::Convergence(format!(
         "{list}[{index}]: no static equilibrium found: the best one leaves {} of the load unbalanced, more than {}",
-        short(residual), short(MAX_RESIDUAL)
+        short(residual),
+        short(MAX_RESIDUAL)
     ))
 }
 
@@ -214,7 +217,9 @@ impl<'m> Search<'m> {
             let all = bodies.size(&point.q).max(size);
             let stalled = size <= STALL_TOLERANCE * all && size >= previous / 2.0;
             let debug = std::env::var("GBDEBUG").is_ok();
-            if debug { eprintln!("it {iterations} norm {norm:.3e} step {:.3e} reused {reused}", size / all); }
+            if debug {
+                eprintln!("it {iterations} norm {norm:.3e} step {:.3e} reused {reused}", size / all);
+            }
             if size <= CONVERGENCE_TOLERANCE * all || stalled {
                 point = self.at(point.q + step, &flanks)?;
                 let pressed = pressed_flanks(&self.at_rest, &flanks, &point.q)?;
@@ -230,7 +235,9 @@ impl<'m> Search<'m> {
             previous = size;
             match self.advance(&point, &flanks, &step)? {
                 Some((next, fraction, ratio)) => {
-                    if debug { eprintln!("   fraction {fraction} ratio {ratio:.3e}"); }
+                    if debug {
+                        eprintln!("   fraction {fraction} ratio {ratio:.3e}");
+                    }
                     if ratio <= TANGENT_REUSE_RATIO && fraction == 1.0 {
                         factors = Some(known);
                     }
@@ -240,7 +247,9 @@ impl<'m> Search<'m> {
                 None => break,
             }
         }
-        if std::env::var("GBDEBUG").is_ok() { eprintln!("FAILED after {iterations}"); }
+        if std::env::var("GBDEBUG").is_ok() {
+            eprintln!("FAILED after {iterations}");
+        }
         check_journals(model, &point.q, 0.0..TOUCHING)?;
         check_constraints(&point.carried, load)?;
         let residuals = self.at_rest.residuals(&point.q)?;
@@ -250,7 +259,12 @@ impl<'m> Search<'m> {
 
     /// The point after the largest fraction of a step that reduces the unbalanced forces, with this fraction and the ratio of the
     /// norms after and before it; none if no fraction does.
-    fn advance(&self, point: &Point, flanks: &[Flank], step: &DVector<f64>) -> Result<Option<(Point, f64, f64)>, EquilibriumError> {
+    fn advance(
+        &self,
+        point: &Point,
+        flanks: &[Flank],
+        step: &DVector<f64>,
+    ) -> Result<Option<(Point, f64, f64)>, EquilibriumError> {
         let mut fraction = within_clearances(&self.at_rest.model, &point.q, step);
         while fraction >= LEAST_FRACTION {
             match self.at(&point.q + step * fraction, flanks) {

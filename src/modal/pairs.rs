@@ -39,6 +39,16 @@ impl ModePair {
         }
     }
 
+    /// The two eigenvalues, rad/s.
+    pub fn eigenvalues(&self) -> [Complex64; 2] {
+        let real = |value: f64| Complex64::new(value, 0.0);
+        match self {
+            Self::Oscillation(value) => [*value, value.conj()],
+            Self::Real(values) => values.map(real),
+            Self::RigidBodyPair(rate) => [0.0, *rate].map(real),
+        }
+    }
+
     /// Largest |λ|, rad/s.
     pub(super) fn largest(&self) -> f64 {
         match self {

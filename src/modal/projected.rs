@@ -8,11 +8,13 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::balanced::Directions;
+use super::cached::{DirectionSelection, SubspaceKey};
 use super::components::ComponentModes;
 use super::first_order::FirstOrder;
 use super::real::RealModes;
 use super::recent::Recent;
-use super::state_space::ModalStateSpace;
+use super::state_space::{ModalStateSpace, StateMatrix};
 use crate::linalg::{DecompositionError, LuFactors, symmetric_pencil};
 use crate::model::Model;
 
@@ -34,19 +36,34 @@ pub struct Projected {
 }
 
 impl Projected {
-    /// The model in the modes of its components up to `limit`, rad/s, and in the static displacements under loads at the
-    /// coordinates `loaded`, at `speed` of the reference shaft, rad/s. Modal damping acts on the modes of this subspace.
+    /// The model in a subspace of the modes of its components and of static displacements. Modal damping acts on the modes of
+    /// this subspace.
     ///
     /// # Errors
     /// [`DecompositionError`] if the modes cannot be computed.
-    pub fn of_components(
+    pub(super) fn of_components(
         model: &Model,
         components: &ComponentModes,
-        speed: f64,
-        loaded: &[usize],
-        limit: f64,
+        key: &SubspaceKey,
     ) -> Result<Self, DecompositionError> {
-        Ok(Self::new(model, components.modes(model, speed, loaded, limit)?, speed))
+        let SubspaceKey { speed, highest, loaded, selection } = key;
+        let whole = Self::new(model, components.modes(model, *speed, loaded, *highest)?, *speed);
+        let Some(DirectionSelection { scalars, horizon, share }) = selection else {
+            return Ok(whole);
+        };
+        let growing = if model.is_dissipative(*speed) {
+            DMatrix::zeros(model.len(), 0)
+        } else {
+            let linear = whole.state_space()?;
+            if matches!(linear.matrix, StateMatrix::Dense(_)) {
+                // Which modes grow is unknown.
+                return Ok(whole);
+            }
+            linear.growing_shapes(*speed)
+        };
+        let directions = Directions::of_undamped(model, &whole, scalars, *horizon, &growing)?;
+        let kept = directions.vectors.columns(0, directions.count(*share)).into_owned();
+        whole.restricted(model, *speed, &kept)
     }
 
     /// The model in undamped `modes`, at `speed` of the reference shaft, rad/s.

@@ -19,7 +19,12 @@ impl<K, V, const CAPACITY: usize> Default for Recent<K, V, CAPACITY> {
 impl<K: PartialEq, V: Clone, const CAPACITY: usize> Recent<K, V, CAPACITY> {
     /// The result of a key, if it is known.
     pub fn get(&self, key: &K) -> Option<V> {
-        self.find(|known, _| known == key)
+        let mut list = self.lock();
+        let index = list.iter().rposition(|(known, _)| known == key)?;
+        let entry = list.remove(index);
+        let value = entry.1.clone();
+        list.push(entry);
+        Some(value)
     }
 
     /// The result of a key, if it is known; otherwise the result of `compute`, which is kept if it is not an error.
@@ -38,16 +43,6 @@ impl<K: PartialEq, V: Clone, const CAPACITY: usize> Recent<K, V, CAPACITY> {
     /// The result of a key, if it is known; otherwise the result of `compute`, which is kept.
     pub fn get_or(&self, key: K, compute: impl FnOnce() -> V) -> V {
         self.get_or_try(key, || Ok::<V, Infallible>(compute())).unwrap_or_else(|never| match never {})
-    }
-
-    /// The result that was used last among those that match.
-    pub fn find(&self, matches: impl Fn(&K, &V) -> bool) -> Option<V> {
-        let mut list = self.lock();
-        let index = list.iter().rposition(|(key, value)| matches(key, value))?;
-        let entry = list.remove(index);
-        let value = entry.1.clone();
-        list.push(entry);
-        Some(value)
     }
 
     /// Keeps a result; the one that was not used for the longest time makes room.

@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 use num_complex::Complex64;
 
 use super::first_order::FirstOrder;
+use super::growth::is_growing;
 use super::pairs::{ModePair, Pairs};
 use super::real::RealModes;
 use crate::linalg::DecompositionError;
@@ -217,6 +218,30 @@ impl ModalStateSpace {
         let parts = |part: fn(&Complex64) -> f64| &self.displacement * state.map(|value| part(&value));
         let (re, im) = (parts(|value| value.re), parts(|value| value.im));
         Some(DVector::from_fn(re.len(), |i, _| Complex64::new(re[i], im[i])))
+    }
+
+    /// Displacements of the growing modes at `speed` of the reference shaft, rad/s, n × k: of the modes and of their duals,
+    /// to which a force is projected. A Galerkin projection on a space that contains them keeps their eigenvalues. Empty if A
+    /// is dense.
+    pub fn growing_shapes(&self, speed: f64) -> DMatrix<f64> {
+        let pairs = if let StateMatrix::Pairs(pairs) = &self.matrix { &pairs[..] } else { &[] };
+        let mut shapes = Vec::new();
+        for (slot, pair) in pairs.iter().enumerate() {
+            let grows = pair.eigenvalues().map(|value| is_growing(value, speed));
+            let entries = [slot, self.slots + slot].into_iter().zip(grows);
+            for (entry, _) in entries.filter(|(_, grows)| *grows) {
+                shapes.push(self.displacement.column(entry).into_owned());
+                shapes.push(self.from_velocity.row(entry).transpose());
+            }
+        }
+        if shapes.is_empty() { DMatrix::zeros(self.displacement.nrows(), 0) } else { DMatrix::from_columns(&shapes) }
+    }
+
+    /// Eigenvalues of A, rad/s, without those of rigid-body motions; none if A is dense.
+    pub fn eigenvalues(&self) -> Vec<Complex64> {
+        let pairs = if let StateMatrix::Pairs(pairs) = &self.matrix { &pairs[..] } else { &[] };
+        let used = pairs.iter().take(if self.parts.len() > 1 { pairs.len() } else { self.modes });
+        used.filter(|pair| !matches!(pair, ModePair::RigidBodyPair(_))).flat_map(ModePair::eigenvalues).collect()
     }
 
     /// Output row w of the scalar w·z = Σ coefficient·qᵢ over the entries (i, coefficient) of `scalar`; with

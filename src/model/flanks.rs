@@ -23,6 +23,17 @@ pub enum Rotation {
     Standing,
 }
 
+impl Rotation {
+    /// A speed of the reference shaft with this direction, rad/s: what follows from the direction alone is computed at it.
+    pub fn speed(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+            Self::Standing => 0.0,
+        }
+    }
+}
+
 impl Model {
     /// σ of a mesh at a speed of the reference shaft, rad/s.
     pub fn sigma(&self, mesh: usize, speed: f64) -> f64 {

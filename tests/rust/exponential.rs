@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::common::{Noise, cached, everything, largest, motion, train};
 use gearbow::analysis::{ExcitationPart, equilibrium, synchronous};
 use gearbow::exponential::{
-    InterfaceMaps, LevelControl, NonlinearLoads, OutputMap, PropagatorCache, QuadratureRule, Selection, Stepper,
-    TimeGrid, run,
+    InterfaceMaps, LevelControl, NonlinearLoads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection,
+    Stepper, TimeGrid, run,
 };
 use gearbow::integrate::{Halt, Observer, State, Statistics, Trajectory};
 use gearbow::mesh::Geometry;
@@ -203,6 +203,18 @@ fn apart(first: &[f64], second: &[f64]) -> f64 {
     largest(&difference) / largest(first).max(f64::MIN_POSITIVE)
 }
 
+/// The propagators of a linear motion with a rule and the loads of `field`.
+fn propagators(
+    linear: &Arc<ModalStateSpace>,
+    rule: &QuadratureRule,
+    maps: &InterfaceMaps,
+    time_grid: TimeGrid,
+    field: &NonlinearLoads<'_>,
+) -> PropagatorCache {
+    let (linear, rule, maps, spins) = (Arc::clone(linear), rule.clone(), maps.clone(), field.spins());
+    PropagatorCache::new(Arc::new(PropagatorKey { linear, rule, maps, time_grid, spins }))
+}
+
 #[test]
 fn dense_propagators_equal_modal_propagators() {
     for (system, geometry) in [(train(), Geometry::Live), (everything(), Geometry::Frozen)] {
@@ -215,8 +227,8 @@ fn dense_propagators_equal_modal_propagators() {
             let finest = (longest * linear.radius).log2().ceil() as usize + 1;
             let time_grid = TimeGrid { longest, finest, event: finest };
             let rule = QuadratureRule::gauss(stages);
-            let pairs = PropagatorCache::new(linear.clone(), rule.clone(), maps.clone(), time_grid, field.spins());
-            let matrices = PropagatorCache::new(Arc::clone(&whole), rule, maps, time_grid, field.spins());
+            let pairs = propagators(&linear, &rule, &maps, time_grid, &field);
+            let matrices = propagators(&whole, &rule, &maps, time_grid, &field);
             let mut z = vec![0.0; linear.len()];
             let noise = linear.state(
                 &cached.model,
@@ -344,8 +356,7 @@ fn integrate(
     let time_grid = TimeGrid { longest, finest: event + 4, event };
     let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect(), ..Selection::default() };
     let mut output = OutputMap::new(&field, form, &maps, selection);
-    let table =
-        PropagatorCache::new(Arc::new(form.clone()), QuadratureRule::gauss(stages), maps, time_grid, field.spins());
+    let table = propagators(&Arc::new(form.clone()), &QuadratureRule::gauss(stages), &maps, time_grid, &field);
     let (carried, turning) = field.reference_motion(0.0);
     let [q, v] = disturbed(cached, geometry);
     let z = form.state(&cached.model, (q - carried).as_slice(), (v - turning).as_slice());

@@ -5,7 +5,7 @@ use allocation_counter::{AllocationInfo, measure};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, simulate};
 use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, synchronous};
 use gearbow::exponential::{
-    self, NonlinearLoads, OutputMap, PropagatorCache, QuadratureRule, Selection, Stepper, TimeGrid,
+    self, NonlinearLoads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection, Stepper, TimeGrid,
 };
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
@@ -243,7 +243,13 @@ fn exponential(
     let time_grid = TimeGrid { longest, finest: event + 12, event };
     let selection = Selection { displacements: vec![3], velocities: vec![3], ..Selection::default() };
     let mut output = OutputMap::new(&field, &linear, &maps, selection);
-    let table = PropagatorCache::new(linear.clone(), rule.clone(), maps, time_grid, field.spins());
+    let table = PropagatorCache::new(Arc::new(PropagatorKey {
+        linear: linear.clone(),
+        rule: rule.clone(),
+        maps,
+        time_grid,
+        spins: field.spins(),
+    }));
     let mut stepper = Stepper::new(field, table.into());
     let control = if adaptive {
         exponential::LevelControl::Adaptive { rtol: 1e-6, floor: 1e-12 }

@@ -3,11 +3,10 @@
 use nalgebra::Complex;
 
 use super::super::AnalysisError;
-use super::super::instability::is_growing;
 use super::super::root::root;
 use super::Tracker;
 use super::state::State;
-use crate::modal::Whirl;
+use crate::modal::{Whirl, is_growing};
 
 /// A speed at which a mode becomes unstable or stable.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,7 @@ use super::ports::interface;
 use super::ramp::reference_speed;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
-use crate::modal::{Directions, Projected};
+use crate::modal::{DirectionSelection, Projected, SubspaceKey};
 use crate::model::Model;
 use crate::motion::EquationOfMotion;
 
@@ -33,19 +33,14 @@ pub(super) fn of_components(
     loaded.extend(ports.iter().flatten().map(|(index, _)| *index));
     loaded.sort_unstable();
     loaded.dedup();
-    let highest = limit * excited_frequency(motion, fastest);
-    let share = COMPONENT_SHARE / (limit * limit);
-    let found = at_fastest.subspace((speed, highest, ports), |ports| {
-        let projected = Projected::of_components(model, at_fastest.component_modes()?, speed, &loaded, highest)?;
-        // An oil film is such a strong damper that it constrains the motion, which directions of undamped motion do not show.
-        if has_film(model) {
-            return Ok(projected);
-        }
-        let directions = Directions::of_undamped(&projected, ports, PILOT_DURATION)?;
-        let kept = directions.vectors.columns(0, directions.count(share)).into_owned();
-        projected.restricted(model, speed, &kept)
+    // An oil film is such a strong damper that it constrains the motion, which directions of undamped motion do not show.
+    let selection = (!has_film(model)).then(|| DirectionSelection {
+        scalars: ports,
+        horizon: PILOT_DURATION,
+        share: COMPONENT_SHARE / (limit * limit),
     });
-    Ok(found?)
+    let highest = limit * excited_frequency(motion, fastest);
+    Ok(at_fastest.subspace(SubspaceKey { speed, highest, loaded, selection })?)
 }
 
 /// Whether a bearing of the model has an oil film.

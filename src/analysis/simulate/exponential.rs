@@ -10,7 +10,8 @@ use super::longest_step::{RESONANT_FACTOR, STEPS_PER_CYCLE, excitation_frequency
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use super::run_cache::RunCache;
 use crate::exponential::{
-    InterfaceMaps, LevelControl, NonlinearLoads, PropagatorCache, QuadratureRule, Stepper, TimeGrid, run as integrate,
+    InterfaceMaps, LevelControl, NonlinearLoads, PropagatorCache, PropagatorKey, QuadratureRule, Stepper, TimeGrid,
+    run as integrate,
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
 use crate::modal::{CachedModel, MAX_CONDITION, ModalStateSpace, StateMatrix};
@@ -82,13 +83,9 @@ pub(super) fn propagators(
     } else {
         QuadratureRule::gauss(options.stages.unwrap_or(DEFAULT_STAGES))
     };
+    let key = Arc::new(PropagatorKey { linear: Arc::clone(linear), rule, maps, time_grid, spins });
     let known = cached.run_results::<RunCache>();
-    let serves = |_: &(), cache: &Arc<PropagatorCache>| cache.serves(linear, &rule, &maps, &time_grid, &spins);
-    known.propagators.find(serves).unwrap_or_else(|| {
-        let cache = Arc::new(PropagatorCache::new(Arc::clone(linear), rule, maps, time_grid, spins));
-        known.propagators.insert((), Arc::clone(&cache));
-        cache
-    })
+    known.propagators.get_or(Arc::clone(&key), || Arc::new(PropagatorCache::new(key)))
 }
 
 /// The time grid of a run that ends at `end` (elapsed time, s), if its units can be counted.

@@ -7,14 +7,14 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
 use super::super::synchronous::{motion, synchronous_in, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart, Spectrum};
-use super::run_cache::RunCache;
+use super::run_cache::{Amplitudes, RunCache, StartKey};
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
 use crate::integrate::{
     FirstOrderSystem as _, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
 };
 use crate::mesh::Geometry;
-use crate::modal::{CachedModel, EquilibriumSpeeds, Projected};
+use crate::modal::{CachedModel, EquilibriumSpeeds, SubspaceKey};
 use crate::model::Model;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
@@ -181,21 +181,19 @@ fn equilibrium_at(
     equilibrium_with_flanks(cached, options.geometry, speeds)
 }
 
-/// Complex amplitudes of the synchronous motion at `speed`, rad/s, one column for each source shaft.
-fn amplitudes(cached: &CachedModel, options: &Options, speed: f64) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    let (model, flank_speed) = (&cached.model, options.fastest());
+/// Complex amplitudes of the synchronous motion of a key, one column for each source shaft.
+fn amplitudes(cached: &CachedModel, key: StartKey) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+    let StartKey { speed, flank_speed, uses_components } = key;
+    let model = &cached.model;
     let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
     let sources: Vec<usize> =
         (0..model.shafts.len()).filter(|shaft| !model.shafts[*shaft].excitations.is_empty()).collect();
     // The matrix of modal damping is full. In a reduced run it acts on few modes.
-    let subspace = if options.uses_components(model) && model.scene.modal_damping > 0.0 && !sources.is_empty() {
+    let subspace = if uses_components && model.scene.modal_damping > 0.0 && !sources.is_empty() {
         let at_speed = cached.at_speed(speed)?;
-        let limit = DAMPED * model.max_speed_ratio() * speed.abs();
-        let model = &at_speed.model;
-        let loaded = model.coupled_coordinates(flank_speed);
-        // No signal adds to the coordinates of this subspace.
-        let find = || Projected::of_components(model, at_speed.component_modes()?, speed, &loaded, limit);
-        Some(at_speed.subspace((speed, limit, Vec::new()), |_| find())?)
+        let highest = DAMPED * model.max_speed_ratio() * speed.abs();
+        let loaded = at_speed.model.coupled_coordinates(flank_speed);
+        Some(at_speed.subspace(SubspaceKey { speed, highest, loaded, selection: None })?)
     } else {
         None
     };
@@ -209,6 +207,12 @@ fn amplitudes(cached: &CachedModel, options: &Options, speed: f64) -> Result<DMa
     Ok(amplitudes)
 }
 
+/// The synchronous motion of a key, which the runs of a system share.
+pub(super) fn start_amplitudes(cached: &CachedModel, key: StartKey) -> Result<Amplitudes, AnalysisError> {
+    let known = cached.run_results::<RunCache>();
+    known.start_amplitudes.get_or_try(key, || amplitudes(cached, key).map(Arc::new))
+}
+
 /// Displacements and velocities of the equilibrium `found` plus the linear synchronous motion at the origin of `rotation`.
 fn synchronous(
     cached: &CachedModel,
@@ -218,9 +222,8 @@ fn synchronous(
 ) -> Result<Vec<f64>, AnalysisError> {
     let time = rotation.origin;
     let speed = options.speed.at(time);
-    let key = (speed, options.fastest(), options.uses_components(&cached.model));
-    let known = cached.run_results::<RunCache>();
-    let amplitudes = known.start_amplitudes.get_or_try(key, || amplitudes(cached, options, speed).map(Arc::new))?;
+    let uses_components = options.uses_components(&cached.model);
+    let amplitudes = start_amplitudes(cached, StartKey { speed, flank_speed: options.fastest(), uses_components })?;
     check_size(cached, &amplitudes)?;
     let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
     let (q, v) = motion(cached, speed, &amplitudes, &phasors);

@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Initial, Method, Options, RecordPlan};
-use crate::mesh::Geometry;
+use super::{Initial, Options, RecordPlan, Run};
 use crate::modal::{ModalStateSpace, Projected};
-use crate::motion::Speed;
 
 /// A reduction of the linear motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,41 +15,27 @@ pub struct Reduction {
     pub errors: [f64; 2],
 }
 
-/// What the reduction of a run depends on beside its system.
+/// What the reduction of a run reads beside its model.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ReductionKey {
-    speed: Speed,
-    geometry: Geometry,
-    method: Method,
-    initial: Initial,
-    /// Step and tolerance.
-    steps: [Option<f64>; 2],
-    stages: Option<usize>,
-    modes: Option<usize>,
-    reduction: Option<[f64; 2]>,
-    /// Time at the start, and duration, s.
-    span: [f64; 2],
-    plan: RecordPlan,
+    /// Options of the run, without output times.
+    pub options: Options,
+    /// The recorded quantities.
+    pub plan: RecordPlan,
+    /// Whether the run may take the reduction of the system of which its model is a variation.
+    pub takes_base: bool,
 }
 
 impl ReductionKey {
-    /// The key of a run; `None` for a run that continues another one, whose state decides on the modes too.
-    pub fn new(options: &Options, plan: &RecordPlan) -> Option<Self> {
+    /// The key of a run that records `plan`; `None` for a run that continues another one, whose state decides on the modes
+    /// too.
+    pub fn new(run: &Run<'_>, plan: &RecordPlan) -> Option<Self> {
+        let options = run.options;
         if options.checkpoint.is_some() || matches!(options.initial, Initial::Continue(_)) {
             return None;
         }
-        Some(Self {
-            speed: options.speed.clone(),
-            geometry: options.geometry,
-            method: options.method,
-            initial: options.initial.clone(),
-            steps: [options.step, options.rtol],
-            stages: options.stages,
-            modes: options.modes,
-            reduction: options.reduction,
-            span: [options.start, options.duration],
-            plan: plan.clone(),
-        })
+        let options = Options { times: Vec::new(), ..options.clone() };
+        Some(Self { options, plan: plan.clone(), takes_base: run.base.is_some() })
     }
 }
 

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use nalgebra::{Complex, DMatrix};
 
-use super::super::synchronous::{synchronous_in, synchronous_of};
-use super::super::{AnalysisError, ExcitationPart};
-use super::initial::Start;
-use super::run_cache::{Identity, RunCache};
+use super::super::AnalysisError;
+use super::super::synchronous::synchronous_in;
+use super::initial::{Start, start_amplitudes};
+use super::run_cache::StartKey;
 use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
@@ -56,23 +56,20 @@ impl<'m> ModalSetup<'m> {
             (None, None) => at_fastest.linear(speed)?,
         };
         // At a changing speed, bow and unbalance are loads, and no shaft is a source of synchronous motion.
-        let amplitudes = || -> Result<_, AnalysisError> {
-            let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
-            for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
-                let forces = || motion.rotating_forces(shaft);
-                let amplitude = match subspace {
-                    Some(subspace) => synchronous_in(subspace, cached, speed, speed, shaft)?,
-                    None => linear
-                        .synchronous(motion.spin(shaft), &forces())
-                        .map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?,
-                };
-                amplitudes.set_column(shaft, &amplitude);
-            }
-            Ok(Arc::new(amplitudes))
-        };
-        let known = cached.run_results::<RunCache>();
-        let key = (speed, changes, Identity::of(&linear));
-        let amplitudes = known.amplitudes.get_or_try(key, amplitudes)?;
+        let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
+        for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
+            let amplitude = match subspace {
+                Some(subspace) => synchronous_in(subspace, cached, speed, speed, shaft)?,
+                None => match linear.synchronous(motion.spin(shaft), &motion.rotating_forces(shaft)) {
+                    Some(found) => found,
+                    None => {
+                        let key = StartKey { speed, flank_speed: speed, uses_components: false };
+                        start_amplitudes(cached, key)?.column(shaft).into_owned()
+                    }
+                },
+            };
+            amplitudes.set_column(shaft, &amplitude);
+        }
         let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
         let (mut nonlinear_loads, mut maps) = loads.map_err(|(mesh, overlap)| {
             let [driver, driven] = cached.model.gear_names(mesh);

@@ -127,7 +127,7 @@ impl StepSetting {
 }
 
 /// All options of a run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Duration, s.
     pub duration: f64,

@@ -8,26 +8,32 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use nalgebra::Complex;
+
 use super::exponential::{countable_grid, propagators};
 use super::initial::{Start, start};
 use super::known_reduction::Reduction;
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
+use super::options::is_large;
 use super::record::Recorder;
 use super::{
-    HEARTBEAT, Options, RecordPlan, Response, Run, RunObserver, explain, foreign_contact_modes, limited_by, of_run,
-    reduced_setup, tolerance,
+    HEARTBEAT, Options, RecordPlan, Response, Run, RunObserver, explain, foreign_contact_modes, limited_by, motion,
+    of_run, reduced_setup, tolerance,
 };
+use crate::analysis::instability::growing_modes;
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::exponential::{LevelControl, Stepper, TimeGrid, run as integrate};
 use crate::integrate::{Halt, Halted, Observer, State, Statistics, Trajectory};
 use crate::modal::{CachedModel, ModalStateSpace};
-use crate::motion::EquationOfMotion;
 
 /// Duration of the run that a reduction to fewer modes is chosen for, in periods: about as many as a solution takes.
 const PERIODS: f64 = 10.0;
 /// The stage equations of planned steps are solved to this fraction of the motion: differences of two runs then have
 /// seven digits, where two states differ by 1e-6 of the motion.
 const SOLVE_RTOL: f64 = 1e-13;
+
+/// Relative distance of two eigenvalues of one mode, of the complete model and of the modes of its components.
+const CLOSE: f64 = 1e-2;
 
 /// The period map of a system at a constant speed.
 pub struct PeriodMap<'a> {
@@ -94,11 +100,7 @@ fn with_map_of<T>(
     let cached = &*of_run(cached, options)?;
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = start(cached, several, &spectrum, watch)?;
-    let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
-    if plan.energy {
-        motion = motion.with_modal_damping(cached)?;
-    }
-    motion.join_smooth_pieces();
+    let motion = motion(cached, options, plan, &start)?;
     if !motion.accepts_contact_modes(&start.state.contact_modes) {
         return Err(foreign_contact_modes(&start).into());
     }
@@ -145,6 +147,28 @@ impl PeriodMap<'_> {
         &self.setup.linear
     }
 
+    /// Eigenvalues, rad/s, of the modes of the complete linear motion that the run leaves out: those that remain after each
+    /// mode of the run is given the closest one. Of a large model, the modes of its components are those of the run, and the
+    /// lowest modes of the complete model that grow remain where no mode of the run is close.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the modes cannot be computed.
+    pub fn omitted_eigenvalues(&self) -> Result<Vec<Complex<f64>>, AnalysisError> {
+        let (linear, speed) = (&self.setup.linear, self.options.fastest());
+        let at_speed = self.cached.at_speed(speed)?;
+        let kept = linear.eigenvalues();
+        if linear.modes >= at_speed.model.len() {
+            return Ok(Vec::new());
+        }
+        if !is_large(&at_speed.model) {
+            return Ok(without_closest(at_speed.linear(speed)?.eigenvalues(), &kept));
+        }
+        let pair = |value: Complex<f64>| if value.im == 0.0 { vec![value] } else { vec![value, value.conj()] };
+        let growing = growing_modes(self.cached, speed)?;
+        let is_known = |value: &Complex<f64>| kept.iter().any(|own| (own - value).norm() <= CLOSE * value.norm());
+        Ok(growing.into_iter().filter(|value| !is_known(value)).flat_map(pair).collect())
+    }
+
     /// Period, s.
     pub fn period(&self) -> f64 {
         self.period
@@ -188,6 +212,25 @@ impl PeriodMap<'_> {
         let norm = self.stepper.clone().energy_norm(begin, z);
         let norm = norm.map_err(|halt| self.explained(&Halted { halt, elapsed: begin }))?;
         Ok(norm.max(self.start.floor))
+    }
+
+    /// Where a difference of two states is largest: shaft, position and coordinate. Displacements and rotations count by their
+    /// velocities' kinetic energy, √Mᵢᵢ |qᵢ|.
+    pub fn place_of(&self, difference: &[f64]) -> String {
+        let (model, (q, _)) = (&self.cached.model, self.setup.linear.motion(difference));
+        let mut unit = vec![0.0; q.len()];
+        let mut size = |index: usize| {
+            unit[index] = 1.0;
+            let size = model.kinetic_form(&unit).sqrt() * q[index].abs();
+            unit[index] = 0.0;
+            size
+        };
+        let sizes = model.numbering.dofs().iter().map(|dof| (size(dof.index), dof));
+        let Some((_, dof)) = sizes.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return String::new();
+        };
+        let (name, position) = model.scene.place(dof.node);
+        format!("most at \"{name}\", {position} m, coordinate {}", dof.name())
     }
 
     /// Announces the completed part of the solution, at which Ctrl-C is checked too.
@@ -363,6 +406,22 @@ impl PeriodMap<'_> {
             None => LevelControl::Adaptive { rtol, floor: self.start.floor },
         }
     }
+}
+
+/// The eigenvalues of `all` that remain after each one of `kept` has taken the closest one; closest pairs come first.
+fn without_closest(all: Vec<Complex<f64>>, kept: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(all.len() * kept.len());
+    for (i, value) in all.iter().enumerate() {
+        pairs.extend(kept.iter().enumerate().map(|(j, own)| ((own - value).norm(), i, j)));
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut taken, mut placed) = (vec![false; all.len()], vec![false; kept.len()]);
+    for (_, i, j) in pairs {
+        if !taken[i] && !placed[j] {
+            (taken[i], placed[j]) = (true, true);
+        }
+    }
+    all.into_iter().zip(taken).filter(|(_, taken)| !taken).map(|(value, _)| value).collect()
 }
 
 /// An observer that only asks whether to continue.

@@ -2,13 +2,13 @@
 //! variation, or one that the run finds.
 
 use super::initial::Start;
-use super::known_reduction::{Reduction, ReductionKey};
+use super::known_reduction::{KnownReduction, Reduction, ReductionKey};
 use super::modal_setup::ModalSetup;
 use super::options::is_large;
 use super::reduction::{find, is_short};
 use super::run_cache::RunCache;
 use super::variation::{adopt, reductions_of_base};
-use super::{RecordPlan, Run};
+use super::{RecordPlan, Run, initial, motion};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::motion::EquationOfMotion;
@@ -30,25 +30,44 @@ pub(super) fn set_up<'m>(
     if keeps_all {
         return Ok((run.complete(motion, start, plan, None)?, None));
     }
-    let (known, key) = (run.cached.run_results::<RunCache>(), ReductionKey::new(options, plan));
-    if let Some(known) = key.as_ref().and_then(|key| known.reductions.get(key)) {
-        let (unreduced, reduced) = run.with_reduction(&known, motion, start, plan)?;
-        return Ok((reduced.unwrap_or(unreduced), known.reduction));
-    }
-    let of_base = match &key {
-        Some(key) => reductions_of_base(run, key, plan, observer)?,
-        None => Vec::new(),
+    // A run that continues another one keeps the modes of that run.
+    let Some(key) = ReductionKey::new(run, plan) else {
+        return match find(run, &motion, start, plan, &[1.0], observer)?.pop() {
+            Some((setup, reduction)) => Ok((setup, reduction.reduction)),
+            None => Ok((run.complete(motion, start, plan, None)?, None)),
+        };
     };
-    let found = match adopt(run, &motion, start, plan, of_base, observer)? {
-        Some(adopted) => Some(adopted),
-        None => find(run, &motion, start, plan, &[1.0], observer)?.pop(),
-    };
-    let Some((setup, reduction)) = found else {
+    let Some(known) = reduction_of(run, key, observer)? else {
         return Ok((run.complete(motion, start, plan, None)?, None));
     };
-    let measured = reduction.reduction;
-    if let Some(key) = key {
-        known.reductions.insert(key, reduction);
+    let (unreduced, reduced) = run.with_reduction(&known, motion, start, plan)?;
+    Ok((reduced.unwrap_or(unreduced), known.reduction))
+}
+
+/// The reduction of a key: a known one, one of the system of which the model is a variation, or one that is found; none if the
+/// modes are nearly parallel.
+fn reduction_of(
+    run: &Run<'_>,
+    key: ReductionKey,
+    observer: &mut impl Observer,
+) -> Result<Option<KnownReduction>, AnalysisError> {
+    let known = run.cached.run_results::<RunCache>();
+    if let Some(known) = known.reductions.get(&key) {
+        return Ok(Some(known));
     }
-    Ok((setup, measured))
+    let found = {
+        let ReductionKey { options, plan, takes_base } = &key;
+        let start = initial::start(run.cached, options, run.spectrum, &mut |_| true)?;
+        let motion = motion(run.cached, options, plan, &start)?;
+        let of_base = if *takes_base { reductions_of_base(run, &key, observer)? } else { Vec::new() };
+        let run = Run { options, floor: start.floor, ..*run };
+        match adopt(&run, &motion, &start, plan, of_base, observer)? {
+            Some(adopted) => Some(adopted),
+            None => find(&run, &motion, &start, plan, &[1.0], observer)?.pop().map(|(_, found)| found),
+        }
+    };
+    if let Some(found) = &found {
+        known.reductions.insert(key, found.clone());
+    }
+    Ok(found)
 }

@@ -12,6 +12,8 @@ use std::cell::OnceCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use nalgebra::DMatrix;
+
 use super::component_subspace::{has_film, of_components};
 use super::exponential::countable_grid;
 use super::initial::Start;
@@ -340,18 +342,35 @@ impl<'a, 'm> Reducer<'a, 'm> {
         }
         let (model, linear) = (&self.run.cached.model, &self.unreduced.linear);
         let ports = ports(model, &self.unreduced, &self.plan.selection(model));
-        let found = Directions::new(model, &self.projected, linear, &ports, PILOT_DURATION)?;
+        let growing = self.growing_shapes()?;
+        let found = Directions::new(model, &self.projected, linear, &ports, PILOT_DURATION, &growing)?;
         Ok(self.directions.get_or_init(|| found))
     }
 
-    /// The set-up with `count` modes, rigid-body modes included.
+    /// Displacements of the growing modes, n × k, which every reduced model keeps: at the speed of the linear motion, and of a
+    /// run at a changing speed at the largest speed too.
+    fn growing_shapes(&self) -> Result<DMatrix<f64>, AnalysisError> {
+        let (options, linear) = (self.run.options, &self.unreduced.linear);
+        let (speed, fastest) = (reference_speed(options), options.fastest());
+        let shapes = linear.growing_shapes(speed);
+        let at_fastest = self.run.cached.at_speed(fastest)?;
+        if speed == fastest || is_large(&at_fastest.model) || at_fastest.model.is_dissipative(fastest) {
+            return Ok(shapes);
+        }
+        let further = at_fastest.linear(fastest)?.growing_shapes(fastest);
+        let columns: Vec<_> = shapes.column_iter().chain(further.column_iter()).collect();
+        Ok(if columns.is_empty() { shapes } else { DMatrix::from_columns(&columns) })
+    }
+
+    /// The set-up with `count` modes, rigid-body modes included, or with as many as the growing modes take.
     fn reduced(&self, count: usize) -> Result<ModalSetup<'m>, AnalysisError> {
         let model = &self.run.cached.model;
         if count >= self.unreduced.linear.modes {
             return Ok(self.unreduced.clone());
         }
-        let elastic = count.saturating_sub(self.projected.modes.null);
-        let kept = self.directions()?.vectors.columns(0, elastic).into_owned();
+        let directions = self.directions()?;
+        let elastic = count.saturating_sub(self.projected.modes.null).max(directions.growing);
+        let kept = directions.vectors.columns(0, elastic).into_owned();
         // The frequencies are those with the bearings at the largest speed.
         let at_fastest = self.run.cached.at_speed(self.run.options.fastest())?;
         let subspace = self.projected.restricted(&at_fastest.model, reference_speed(self.run.options), &kept)?;

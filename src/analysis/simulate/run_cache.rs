@@ -1,51 +1,42 @@
 //! Results that the runs of one system share: a repeated run computes them once.
+//!
+//! A key holds all that its result reads beside the model of the cache, so that no result depends on what ran before.
 
-use std::sync::{Arc, Mutex, Weak};
+use std::sync::{Arc, Mutex};
 
 use nalgebra::{Complex, DMatrix};
 
 use super::known_reduction::{KnownReduction, ReductionKey};
-use crate::exponential::PropagatorCache;
-use crate::modal::{ModalStateSpace, Recent};
+use crate::exponential::{PropagatorCache, PropagatorKey};
+use crate::modal::Recent;
 
 /// Number of settings whose propagators and reductions are kept: they take most of the memory, see docs/limits.md.
-pub(super) const SETTINGS: usize = 2;
+const SETTINGS: usize = 2;
 
-/// What the synchronous motion at the start of a run depends on: speed, and speed of the flanks in contact, rad/s, and
-/// whether modal damping acts in component modes.
-type StartKey = (f64, f64, bool);
+/// What the synchronous motion at the start of a run reads beside its model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct StartKey {
+    /// Speed of the reference shaft, rad/s.
+    pub speed: f64,
+    /// Speed of the reference shaft that determines the flanks in contact, rad/s.
+    pub flank_speed: f64,
+    /// Whether modal damping acts on the modes of the components.
+    pub uses_components: bool,
+}
 
 /// Complex amplitudes of the synchronous motion, m and rad: one column for each source shaft.
-type Amplitudes = Arc<DMatrix<Complex<f64>>>;
+pub(super) type Amplitudes = Arc<DMatrix<Complex<f64>>>;
 
 /// Results of the last runs.
 #[derive(Debug, Default)]
 pub(super) struct RunCache {
     /// Propagators.
-    pub propagators: Recent<(), Arc<PropagatorCache>, SETTINGS>,
+    pub propagators: Recent<Arc<PropagatorKey>, Arc<PropagatorCache>, SETTINGS>,
     /// Synchronous motions at the start.
     pub start_amplitudes: Recent<StartKey, Amplitudes>,
-    /// Synchronous motions of a linear motion at a speed, rad/s, which changes or not.
-    pub amplitudes: Recent<(f64, bool, Identity), Amplitudes>,
     /// Reductions with their measured errors.
     pub reductions: Recent<ReductionKey, KnownReduction, SETTINGS>,
-    /// Reductions that variations of the model share; none for a run that fails or is not reduced.
-    pub shared_reductions: Mutex<Vec<(ReductionKey, Vec<KnownReduction>)>>,
-}
-
-/// A linear motion as a key, which does not keep its matrices in memory.
-#[derive(Clone, Debug)]
-pub(super) struct Identity(Weak<ModalStateSpace>);
-
-impl Identity {
-    /// The identity of a linear motion.
-    pub fn of(linear: &Arc<ModalStateSpace>) -> Self {
-        Self(Arc::downgrade(linear))
-    }
-}
-
-impl PartialEq for Identity {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.ptr_eq(&other.0)
-    }
+    /// Reductions that variations of the model share; none for a run that fails or is not reduced. One variation finds them,
+    /// while the others wait.
+    pub shared_reductions: Mutex<Recent<ReductionKey, Vec<KnownReduction>, SETTINGS>>,
 }

@@ -8,8 +8,7 @@ use std::sync::PoisonError;
 use super::initial::Start;
 use super::known_reduction::{KnownReduction, Reduction, ReductionKey, excess, with_components};
 use super::pilot::{Pilot, differences};
-use super::reduction::Reduced;
-use super::run_cache::{RunCache, SETTINGS};
+use super::run_cache::RunCache;
 use super::{RecordPlan, Run, initial, motion, of_run, reduction};
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::integrate::Observer;
@@ -24,39 +23,31 @@ const ERROR_SHARES: [f64; 2] = [0.5, 0.25];
 pub(super) fn reductions_of_base(
     run: &Run<'_>,
     key: &ReductionKey,
-    plan: &RecordPlan,
     observer: &mut impl Observer,
 ) -> Result<Vec<KnownReduction>, AnalysisError> {
-    let Some(Ok(base)) = run.base.map(|base| of_run(base, run.options)) else {
+    let ReductionKey { options, plan, .. } = key;
+    let Some(Ok(base)) = run.base.map(|base| of_run(base, options)) else {
         return Ok(Vec::new());
     };
     let known = base.run_results::<RunCache>();
-    // One variation finds the reductions, while the others wait. A panic cannot leave the list half-written.
-    let mut shared = known.shared_reductions.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, known)) = shared.iter().find(|(known, _)| known == key) {
-        return Ok(known.clone());
-    }
     let mut find = || {
-        let spectrum = Spectrum::new(&base, run.options.fastest())?;
-        let start = initial::start(&base, run.options, &spectrum, &mut |_| true)?;
-        let motion = motion(&base, run.options, plan, &start)?;
-        let run = Run { cached: &base, base: None, spectrum: &spectrum, floor: start.floor, ..*run };
+        let spectrum = Spectrum::new(&base, options.fastest())?;
+        let start = initial::start(&base, options, &spectrum, &mut |_| true)?;
+        let motion = motion(&base, options, plan, &start)?;
+        let run = Run { cached: &base, base: None, options, spectrum: &spectrum, floor: start.floor, end: run.end };
         let found = reduction::find(&run, &motion, &start, plan, &ERROR_SHARES, observer)?;
         Ok(found.into_iter().map(|(_, reduction)| reduction).collect())
     };
-    let found: Vec<KnownReduction> = match find() {
-        Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
-        found => found.unwrap_or_default(),
-    };
-    if shared.len() >= SETTINGS {
-        shared.remove(0);
-    }
-    shared.push((key.clone(), found.clone()));
-    Ok(found)
+    // One variation finds the reductions, while the others wait. A panic leaves no partial result.
+    let shared = known.shared_reductions.lock().unwrap_or_else(PoisonError::into_inner);
+    shared.get_or_try(key.clone(), || match find() {
+        Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
+        found => Ok(found.unwrap_or_default()),
+    })
 }
 
-/// Sets up a variation with the first reduction of its system that keeps the permitted errors; `None` if none does. The
-/// errors are those of the system, or those of a part of this run if they are larger.
+/// The first reduction of the system of a variation that keeps the permitted errors; `None` if none does. The errors are
+/// those of the system, or those of a part of this run if they are larger.
 pub(super) fn adopt<'m>(
     run: &Run<'m>,
     motion: &EquationOfMotion<'m>,
@@ -64,13 +55,13 @@ pub(super) fn adopt<'m>(
     plan: &RecordPlan,
     of_base: Vec<KnownReduction>,
     observer: &mut impl Observer,
-) -> Result<Option<Reduced<'m>>, AnalysisError> {
+) -> Result<Option<KnownReduction>, AnalysisError> {
     let pilot = Pilot::check(run, start);
     let mut exact = None;
     for known in of_base {
         let (unreduced, setup) = match run.with_reduction(&known, motion.clone(), start, plan)? {
             (unreduced, Some(reduced)) => (unreduced, reduced),
-            (unreduced, None) => return Ok(Some((unreduced, known))),
+            (_, None) => return Ok(Some(known)),
         };
         // All reductions of a system have the same unreduced motion.
         let signals = match exact.take() {
@@ -83,7 +74,7 @@ pub(super) fn adopt<'m>(
             let of_system = known.reduction.map_or([0.0; 2], |reduction| reduction.errors);
             let errors = std::array::from_fn(|kind| own[kind].max(of_system[kind]));
             let reduction = Some(Reduction { modes: setup.linear.modes, errors });
-            return Ok(Some((setup, KnownReduction { reduction, ..known })));
+            return Ok(Some(KnownReduction { reduction, ..known }));
         }
         exact = Some(signals);
     }

@@ -50,6 +50,10 @@ pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex
         return Err(error);
     }
     let mut values = found?;
+    let map = operator.map.into_inner();
+    let period = map.period();
+    // No load reaches the modes that the run leaves out: their motion is linear.
+    values.extend(map.omitted_eigenvalues()?.into_iter().map(|value| (value * period).exp()));
     values.retain(|value| value.norm() >= smallest);
     values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
     Ok(values)
@@ -134,10 +138,13 @@ impl Operator for Monodromy<'_, '_> {
 }
 
 /// Eigenvalues of magnitude `smallest` and more.
+///
+/// # Errors
+/// [`AnalysisError::Convergence`] if one of them is not accurate.
 fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
     let mut space = Krylov::new(operator, []);
     let limit = operator.size().min(MAX_PRODUCTS);
-    let mut found = Vec::new();
+    let mut largest_residual = 0.0;
     for count in 1..=limit {
         space.step()?;
         if operator.failure.borrow().is_some() {
@@ -147,11 +154,17 @@ fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Comple
             continue;
         }
         let pairs = space.ritz_pairs()?;
-        found = pairs.iter().map(|pair| pair.value).collect();
-        let above = pairs.iter().filter(|pair| pair.value.norm() >= smallest);
-        if above.clone().count() + 2 < count && above.clone().all(|pair| pair.residual <= RESIDUAL) {
-            break;
+        // An approximation may become one of the wanted values if its residual reaches them.
+        let may_be_wanted = pairs.iter().filter(|pair| pair.value.norm() * (1.0 + pair.residual) >= smallest);
+        largest_residual = may_be_wanted.clone().map(|pair| pair.residual).fold(0.0, f64::max);
+        if count == operator.size() || largest_residual <= RESIDUAL && may_be_wanted.count() + 2 < count {
+            return Ok(pairs.iter().map(|pair| pair.value).collect());
         }
     }
-    Ok(found)
+    if limit == 0 {
+        return Ok(Vec::new());
+    }
+    Err(AnalysisError::Convergence(format!(
+        "multipliers: one of magnitude {smallest} or more has a relative residual of {largest_residual:.1e} after {limit} products, and must have {RESIDUAL:e}; add damping, or take a larger magnitude with multipliers_above()"
+    )))
 }

@@ -108,10 +108,13 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
     pub fn solve(&mut self, sections: u64, samples: usize) -> Result<SteadyState, AnalysisError> {
         let found = self.begin()?;
         let (response, last) = self.map.record(sections, &found.state, samples)?;
-        let difference = self.distance(&last, &found.solution.state(sections as i64));
+        let expected = found.solution.state(sections as i64);
+        let difference = self.distance(&last, &expected);
         if found.error == 0.0 && difference > LEAVES * self.tolerance {
             return Err(AnalysisError::Convergence(format!(
-                "the motion of these frequencies is unstable, or contains further ones: a run that begins with it differs by {difference:.1e} of the motion at its end; run in with simulate()"
+                "the motion of these frequencies is unstable, or contains further ones: a run that begins with it differs by {difference:.1e} of the motion at its end, {}; run in with simulate()",
+                self.map
+                    .place_of(&last.iter().zip(&expected).map(|(last, expected)| last - expected).collect::<Vec<_>>())
             )));
         }
         let warning = format!(

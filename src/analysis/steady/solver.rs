@@ -118,9 +118,10 @@ impl<'s, 'a> Solver<'s, 'a> {
             };
         }
         Err(AnalysisError::Convergence(format!(
-            "the steady state did not converge in {} periods: the state after a period differs by {:.1e} of the motion; start from another initial motion, add damping, or run in with simulate()",
+            "the steady state did not converge in {} periods: the state after a period differs by {:.1e} of the motion, {}; start from another initial motion, add damping, or run in with simulate()",
             self.map.runs,
-            norm(&best.defect) / best.size
+            norm(&best.defect) / best.size,
+            self.map.place_of(&best.defect)
         )))
     }
 
