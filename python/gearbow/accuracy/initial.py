@@ -47,7 +47,9 @@ def check_initial_state(model: Model, options: Mapping[str, Any]) -> None:
     profile = read_speed(options["speed"])
     speed = float(profile(begin)) if isinstance(profile, SpeedProfile) else profile
     static = model.static(options["geometry"], speed)
-    _check("the forces at the static equilibrium do not balance", speed, static.get("residual", 0.0))
+    _check(
+        "the forces at the static equilibrium do not balance", speed, static.get("residual", 0.0)
+    )
     motion = [static["state"], np.zeros_like(static["state"])]
     if initial == "synchronous":
         response = model.synchronous(np.array([speed]))

@@ -74,8 +74,8 @@ class Level:
         sentence = (
             f"{self.name}: total error at most {self.displacement:.0e} of the RMS about the mean "
             f"of displacements and {self.mesh_force:.0e} of mesh forces (where the RMS is below "
-            f"{SHARE_OF_MEAN:.0%} of the mean, of this share), over the first 0.1 s or the time that "
-            "damping needs to forget; afterwards the error applies to RMS values and "
+            f"{SHARE_OF_MEAN:.0%} of the mean, of this share), over the first 0.1 s or the time "
+            "that damping needs to forget; afterwards the error applies to RMS values and "
             f"spectra; rtol {self.rtol:.0e}"
         )
         if coarse is not None:

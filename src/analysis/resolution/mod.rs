@@ -44,7 +44,6 @@ const PROBE_ELEMENTS: f64 = 8.0;
 /// of that error in the calibration scenes of `benches/accuracy`. Where a harmonic of the tooth frequency is close to a
 /// lightly damped natural frequency, the responses to successive steps add up, and it is up to 1.2 times as large.
 const SAFETY: f64 = 2.0;
-fn safety() -> f64 { std::env::var("GBSAFETY").ok().and_then(|v| v.parse().ok()).unwrap_or(SAFETY) }
 /// Further safety factor on displacements at [`Resolution::Reference`]. Where teeth separate, a difference of the instants
 /// of impact adds to that of the frequencies. Without this factor, the error of a displacement in random scene 1 of
 /// `benches/accuracy` is 1.2e-6, and the expected one at most 9.2e-7.
@@ -359,7 +358,7 @@ impl Search<'_> {
             let weight = if signal.displacement { self.weight } else { 1.0 };
             weight * (difference / response.max(f64::MIN_POSITIVE)).sqrt()
         });
-        safety() * relative.fold(0.0, f64::max)
+        SAFETY * relative.fold(0.0, f64::max)
     }
 
     /// Integrals over T of the squares of e^{−ct/2}(cos ωt − cos(ω + Δω)t) and of e^{−ct/2} cos ωt, without their fast
