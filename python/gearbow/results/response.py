@@ -93,8 +93,9 @@ class Response(RunFigures):
         The error is the RMS of the difference divided by the RMS of the signal about its mean (or
         by 2 % of the mean where this is larger), for the worst recorded displacement and the worst
         recorded mesh force. It applies to the time series over the first 0.1 s, or over the time
-        that damping needs to forget, if that is longer. Later, phase errors of undamped modes grow, and the error applies to RMS values and
-        spectra. After chaotic contact it applies to neither; `Errors.chaotic` is then true.
+        that damping needs to forget, if that is longer. Later, phase errors of undamped modes grow,
+        and the error applies to RMS values and spectra. After chaotic contact it applies to
+        neither; `Errors.chaotic` is then true.
 
         The first access runs the system again over this time, with a much smaller tolerance, with
         all modes, and with finer elements. It first checks the initial state, which all runs share,
