@@ -114,6 +114,8 @@ class Response(RunFigures):
         ------
         GearbowError
             If the response does not know its system.
+        ConvergenceError
+            If the initial state does not satisfy its equations.
         """
         if self._errors is None:
             if self.request is None:
