@@ -7,7 +7,8 @@ Each of these companion runs removes one cause of error, from the same initial s
 3. with finer elements: without the error of the elements.
 
 The difference between one run and the next is the contribution of one cause, and the difference
-between the given run and the last companion is the total error.
+between the given run and the last companion is the total error. All of them would share a wrong
+initial state, so that this state is checked against its own equations first.
 """
 
 import math
@@ -21,7 +22,9 @@ import numpy as np
 from gearbow._core import Model
 from gearbow._times import grid
 from gearbow._types import Array, RunData
+from gearbow.accuracy.initial import check_initial_state
 from gearbow.accuracy.refine import refined
+from gearbow.accuracy.scale import root_mean_square, unit_of_errors, variation
 from gearbow.errors import AccuracyWarning, RunTimeWarning
 from gearbow.recording.errors import ErrorEstimate, Errors
 from gearbow.recording.request import RunRequest
@@ -50,8 +53,6 @@ _OTHER_METHOD = 1e-9
 _DEFAULT_RTOL = 1e-6
 #: Smallest tolerance that round-off permits.
 _SMALLEST = 1e-13
-#: A signal varies if its variation exceeds this fraction of its RMS: round-off varies less.
-_VARIES = 1e-9
 #: Differences above this fraction of the signal are of its size.
 _LARGE = 0.3
 #: Smallest growth of the difference between two models, from the first to the last quarter of the
@@ -83,6 +84,11 @@ def estimate_errors(request: RunRequest, modes: int | None) -> Errors:
     -------
     Errors
         Errors of displacements, recorded rates and mesh forces.
+
+    Raises
+    ------
+    ConvergenceError
+        If the initial state does not satisfy its equations.
     """
     model = Model(dict(request.description))
     options = dict(request.options)
@@ -94,6 +100,7 @@ def estimate_errors(request: RunRequest, modes: int | None) -> Errors:
         for category in (AccuracyWarning, RunTimeWarning):
             warnings.simplefilter("ignore", category)
         times = _times(model, options)
+        check_initial_state(model, options)
         runs = list(_runs(request, model, options, times))
     own, exact, complete, fine = (_signals(run) for run in runs)
     estimates = {}
@@ -101,7 +108,7 @@ def estimate_errors(request: RunRequest, modes: int | None) -> Errors:
         rows = [
             (a, b, c, d)
             for a, b, c, d in zip(own, exact, complete, fine, strict=True)
-            if d.kind == kind and _variation(d.values) > 0.0
+            if d.kind == kind and variation(d.values) > 0.0
         ]
         if rows:
             estimates[kind] = ErrorEstimate(
@@ -229,25 +236,15 @@ def _signals(data: RunData) -> list[_Signal]:
 
 
 def _difference(first: _Signal, second: _Signal, scale: _Signal) -> float:
-    """Give the RMS of a difference relative to the variation of a signal."""
-    return _rms(first.values - second.values) / _variation(scale.values)
+    """Give the RMS of a difference relative to the unit of the errors of a signal."""
+    return root_mean_square(first.values - second.values) / unit_of_errors(scale.values)
 
 
 def _diverges(own: _Signal, other: _Signal, growth: float) -> bool:
     """Tell whether a difference grows by a factor in the window, to the size of the signal."""
-    variation = _variation(other.values)
-    if not variation > 0.0:
+    size = variation(other.values)
+    if not size > 0.0:
         return False
-    first, *_, last = (_rms(part) for part in np.array_split(own.values - other.values, 4))
-    return last > max(_LARGE * variation, growth * first)
-
-
-def _variation(values: Array) -> float:
-    """Give the RMS of a signal about its mean; 0 if it is constant to round-off."""
-    variation = _rms(values - values.mean(axis=0))
-    return variation if variation > _VARIES * _rms(values) else 0.0
-
-
-def _rms(values: Array) -> float:
-    """Give the root mean square over time of the vector length."""
-    return float(np.sqrt(np.mean(np.sum(values**2, axis=1))))
+    parts = np.array_split(own.values - other.values, 4)
+    first, *_, last = (root_mean_square(part) for part in parts)
+    return last > max(_LARGE * size, growth * first)

@@ -1,7 +1,8 @@
 """Accuracy levels: the total error that they promise, and the tolerance that they use.
 
 The total error is that of elements, modes and integration, RMS of the difference over RMS of the
-signal about its mean. `benches/accuracy/measure.py` measures it.
+signal about its mean, or over 2 % of the mean if this is larger (`scale`).
+`benches/accuracy/measure.py` measures it.
 """
 
 import warnings
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gearbow._core import Model
+from gearbow.accuracy.scale import SHARE_OF_MEAN
 from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.recording.record import Event, Statistics
 
@@ -71,8 +73,9 @@ class Level:
         """
         sentence = (
             f"{self.name}: total error at most {self.displacement:.0e} of the RMS about the mean "
-            f"of displacements and {self.mesh_force:.0e} of mesh forces, over the first 0.1 s or "
-            "the time that damping needs to forget; afterwards the error applies to RMS values and "
+            f"of displacements and {self.mesh_force:.0e} of mesh forces (where the RMS is below "
+            f"{SHARE_OF_MEAN:.0%} of the mean, of this share), over the first 0.1 s or the time "
+            "that damping needs to forget; afterwards the error applies to RMS values and "
             f"spectra; rtol {self.rtol:.0e}"
         )
         if coarse is not None:
@@ -200,7 +203,7 @@ def check_reduction(statistics: Statistics, level: Level | None, *, given: bool)
     cure = (
         "keep more modes, or leave out modes"
         if given
-        else "a signal varies little about its mean: give rtol instead of accuracy, for example "
+        else "give rtol instead of accuracy, which keeps all modes, for example "
         f"rtol={level.rtol / 100:.0e}"
     )
     for kind, error, most in zip(kinds, statistics.modes_error, permitted, strict=True):

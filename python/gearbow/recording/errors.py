@@ -14,6 +14,8 @@ __all__ = ["ErrorEstimate", "Errors"]
 class ErrorEstimate(Shown):
     """Error of one kind of signal: RMS of the difference / RMS of the signal about its mean.
 
+    Where the RMS about the mean is below 2 % of the mean, the error refers to 2 % of the mean.
+
     Parameters
     ----------
     elements : float

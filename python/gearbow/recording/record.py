@@ -172,8 +172,8 @@ class Statistics(Shown):
         Number of modes that a reduced model keeps; None if the run used the complete model.
     modes_error : tuple of float, optional
         Error of the reduction to these modes, of gear displacements and of mesh forces: RMS of the
-        difference / RMS of the signal about its mean, for the worst recorded signal, over at most
-        0.1 s: the beginning, or the part around the largest speed.
+        difference / RMS of the signal about its mean, at least 2 % of the mean, for the worst
+        recorded signal, over at most 0.1 s: the beginning, or the part around the largest speed.
     """
 
     steps: int

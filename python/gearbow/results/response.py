@@ -98,14 +98,17 @@ class Response(RunFigures):
     def errors(self) -> Errors:
         """Estimated error of the run: contributions of elements, modes and integration.
 
-        The error is the RMS of the difference divided by the RMS of the signal about its mean, for
-        the worst recorded displacement and the worst recorded mesh force. It applies to the time
-        series over the first 0.1 s, or over the time that damping needs to forget, if that is
-        longer. Later, phase errors of undamped modes grow, and the error applies to RMS values and
-        spectra. After chaotic contact it applies to neither; `Errors.chaotic` is then true.
+        The error is the RMS of the difference divided by the RMS of the signal about its mean (or
+        by 2 % of the mean where this is larger), for the worst recorded displacement and the worst
+        recorded mesh force. It applies to the time series over the first 0.1 s, or over the time
+        that damping needs to forget, if that is longer. Later, phase errors of undamped modes grow,
+        and the error applies to RMS values and spectra. After chaotic contact it applies to
+        neither; `Errors.chaotic` is then true.
 
         The first access runs the system again over this time, with a much smaller tolerance, with
-        all modes, and with finer elements. This takes several times as long as a run of this time.
+        all modes, and with finer elements. It first checks the initial state, which all runs share,
+        against the equations of the equilibrium and of the synchronous response. This takes several
+        times as long as a run of this time.
         The result is kept, and saved with the response.
 
         Returns
@@ -119,6 +122,8 @@ class Response(RunFigures):
         ------
         GearbowError
             If the response does not know its system.
+        ConvergenceError
+            If the initial state does not satisfy its equations.
         """
         if self._errors is None:
             if self.request is None:

@@ -74,12 +74,12 @@ class Simulation(LinearAnalyses):
             accelerates a section of a shaft acts on this section.
         accuracy : {"draft", "engineering", "reference"}, optional
             Largest total error of elements, modes and integration, instead of method, step, rtol
-            and stages: 1e-2, 1e-3 or 1e-6 of displacements, and 1e-1, 1e-2 or 1e-4 of mesh
-            forces (RMS of the difference / RMS of the signal about its mean, over the first 0.1 s
-            or the time that damping needs to forget). None is "engineering", if neither method,
-            step nor rtol is given. `Response.accuracy` says what the level promises for the run,
-            and `Response.errors` estimates the error. "draft" and "engineering" keep as many
-            modes as the error allows (`Statistics.modes`).
+            and stages: 1e-2, 1e-3 or 1e-6 of displacements, and 1e-1, 1e-2 or 1e-4 of mesh forces
+            (RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean,
+            over the first 0.1 s or the time that damping needs to forget). None is "engineering",
+            if neither method, step nor rtol is given. `Response.accuracy` says what the level
+            promises for the run, and `Response.errors` estimates the error. "draft" and
+            "engineering" keep as many modes as the error allows (`Statistics.modes`).
         method : {"exponential", "rk45", "rk4", "etdrk4"}, optional
             "exponential" integrates the linear motion exactly and the mesh forces by Gauss
             collocation; it is the default. "rk45" is the Dormand–Prince 5(4) method with error

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic
 from gearbow._convert import number
 from gearbow._extras import extra
 from gearbow._shown import Shown
+from gearbow.accuracy.scale import UNIT
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError, SceneError
 from gearbow.tradeoff.models import GIVEN
@@ -57,7 +58,7 @@ class Recommendation(Shown, Generic[S]):
         Returns
         -------
         float
-            RMS of the difference / RMS of the signal about its mean.
+            RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean.
         """
         return self.trial.bound
 
@@ -154,7 +155,7 @@ class Tradeoff(Shown, Generic[S]):
         Parameters
         ----------
         error : float
-            RMS of the difference / RMS of the signal about its mean.
+            RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean.
         duration : float, optional
             Simulated time of the compared runs [s]; None is the duration of the study.
         simplified : bool
@@ -280,7 +281,7 @@ class Tradeoff(Shown, Generic[S]):
         worst = ", worst signal" if len(self.signals) > 1 else ""
         lines = [
             f"{self.duration:g} s at {self.speed:g} rad/s; signals: {', '.join(self.signals)}",
-            f"error: RMS of the difference / RMS of the signal about its mean{worst}",
+            f"error: RMS of the difference / {UNIT}{worst}",
             f"reference: {self.reference}; uncertainty {self.floor:.1e} (check: {self.check})",
         ]
         if self.discretisation is not None:

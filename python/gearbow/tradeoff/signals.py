@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from gearbow._types import Array, At
+from gearbow.accuracy.scale import root_mean_square, unit_of_errors, variation
 from gearbow.analysis.protocol import System
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import is_pair, is_place, place, place_label
@@ -85,15 +86,18 @@ class Signals:
         other : Signals
             The other run, with the same output times.
         scale : Signals
-            The run whose RMS about the mean is the unit of the difference.
+            The run whose signals give the unit of the difference.
 
         Returns
         -------
         dict of {str: float}
-            RMS of the difference / RMS of the signal about its mean.
+            RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean.
         """
-        rows = zip(self._wanted, self._values, other._values, scale._scales(), strict=True)
-        return {str(signal): _rms(mine - others) / rms for signal, mine, others, rms in rows}
+        rows = zip(self._wanted, self._values, other._values, scale._values, strict=True)
+        return {
+            str(signal): root_mean_square(mine - others) / unit_of_errors(exact)
+            for signal, mine, others, exact in rows
+        }
 
     def error(self, other: "Signals", scale: "Signals") -> float:
         """Return the relative difference from another run for the worst signal.
@@ -118,15 +122,12 @@ class Signals:
         SceneError
             If a signal is constant to round-off.
         """
-        for signal, values, scale in zip(self._wanted, self._values, self._scales(), strict=True):
-            if not scale > 1e3 * np.finfo(float).eps * _rms(values):
+        for signal, values in zip(self._wanted, self._values, strict=True):
+            if not variation(values) > 0.0:
                 raise SceneError(
                     f"signals: {signal} is constant in this run, so its relative error is "
                     "undefined; give another signal"
                 )
-
-    def _scales(self) -> list[float]:
-        return [_rms(values - values.mean(axis=0)) for values in self._values]
 
 
 def read_signals(system: System, given: object) -> tuple[Signal, ...]:
@@ -185,8 +186,3 @@ def _signal(system: System, item: Any) -> Signal:
         message = f"signals: {item!r} has no lateral motion; give a mesh, (driver, driven)"
         raise SceneError(message) from None
     return Signal(at)
-
-
-def _rms(values: Array) -> float:
-    """Return the root mean square over time of the vector length."""
-    return float(np.sqrt(np.mean(np.sum(values**2, axis=1))))

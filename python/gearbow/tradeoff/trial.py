@@ -44,7 +44,7 @@ class Trial(Shown, Generic[S]):
         Name of the method.
     errors : mapping of {str: float}
         Error of each signal: RMS of the difference from the reference / RMS of the reference
-        about its mean.
+        about its mean, at least 2 % of its mean.
     integration_error : float
         Difference from the reference run of the same model.
     model_error : float
@@ -104,7 +104,7 @@ class Trial(Shown, Generic[S]):
         Returns
         -------
         float
-            RMS of the difference / RMS of the signal about its mean.
+            RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean.
         """
         return max(self.errors.values())
 

@@ -11,7 +11,7 @@ pub struct Reduction {
     /// Number of modes that the run keeps.
     pub modes: usize,
     /// Estimated error of displacements and of mesh forces: RMS of the difference to all modes over RMS of the
-    /// variation, for the worst recorded signal.
+    /// variation, at least 2 % of the mean, for the worst recorded signal.
     pub errors: [f64; 2],
 }
 

@@ -144,7 +144,7 @@ pub struct Options {
     /// Number of modes that the exponential method keeps; if none, `reduction` decides.
     pub modes: Option<usize>,
     /// Largest errors of displacements and of mesh forces that a reduction to fewer modes may cause, as RMS of the
-    /// difference over RMS of the variation; the run keeps all modes if none.
+    /// difference over RMS of the variation, at least 2 % of the mean; the run keeps all modes if none.
     pub reduction: Option<[f64; 2]>,
     /// Initial state.
     pub initial: Initial,

@@ -22,8 +22,8 @@ const MEASURING: (f64, f64) = (0.1, 0.01);
 const CHECK_DURATION: f64 = 0.02;
 /// Smallest and largest number of samples of a pilot run.
 const PILOT_SAMPLES: [f64; 2] = [200.0, 4000.0];
-/// Variation of a signal, relative to its size, below which it is round-off.
-const ROUND_OFF: f64 = 1e-9;
+/// Smallest unit of an error, as a part of the mean of the signal; `gearbow.accuracy.scale` has the same value and its reason.
+const SHARE_OF_MEAN: f64 = 0.02;
 
 /// The part of a run that is integrated with models of different size.
 pub(super) struct Pilot {
@@ -95,7 +95,8 @@ impl Pilot {
     }
 }
 
-/// RMS of the difference over RMS of the variation, of displacements and of mesh forces, for the worst signal.
+/// Errors of displacements and of mesh forces, for the worst signal: RMS of the difference over the RMS of the variation,
+/// or over a share of the mean where this is larger.
 pub(super) fn differences(found: &Record, exact: &Record) -> [f64; 2] {
     let samples = found.time.len().min(exact.time.len());
     let worst = |found: &[f64], exact_signals: &[f64], lanes: usize| {
@@ -105,8 +106,8 @@ pub(super) fn differences(found: &Record, exact: &Record) -> [f64; 2] {
                 .map(|channel| squares(&found[channel..], &exact_signals[channel..], channels, samples));
             let [difference, variation, size] =
                 sums.fold([0.0; 3], |sum, own| std::array::from_fn(|index| sum[index] + own[index]));
-            let variation = variation.max(ROUND_OFF * ROUND_OFF * size);
-            if difference > 0.0 { (difference / variation).sqrt() } else { 0.0 }
+            let square = variation.max(SHARE_OF_MEAN * SHARE_OF_MEAN * (size - variation));
+            if difference > 0.0 { (difference / square).sqrt() } else { 0.0 }
         });
         errors.fold(0.0, f64::max)
     };
