@@ -279,7 +279,8 @@ impl<'m> Search<'m> {
 
     /// Newton step, without null motions.
     fn step(&self, factors: &CoupledFactors, residual: &DVector<f64>) -> Result<DVector<f64>, EquilibriumError> {
-        let step = self.at_rest.model.solve_real(factors, 0.0, residual.as_slice()).map_err(DecompositionError::from)?;
+        let step =
+            self.at_rest.model.solve_real(factors, 0.0, residual.as_slice()).map_err(DecompositionError::from)?;
         let mut step = DVector::from_vec(step);
         self.pins.remove_null_motions(&mut step);
         Ok(step)

@@ -40,9 +40,8 @@ pub fn film_coefficients<'py>(
         );
         return Err(speed_at.error(message).into());
     }
-    let (displacement, film) = py
-        .detach(|| Film::new(&journal).carrying(load, speed))
-        .map_err(|cause| uncarried(cause, load, Some(speed)))?;
+    let (displacement, film) =
+        py.detach(|| Film::new(&journal).carrying(load, speed)).map_err(|cause| uncarried(cause, load, Some(speed)))?;
     coefficients(py, displacement, &film)
 }
 

@@ -61,17 +61,16 @@ def test_the_matrices_belong_to_the_static_equilibrium():
         assert np.array_equal(second.matrices(speed).stiffness, matrices.stiffness)
 
 
-def test_residuals_of_a_shaft_and_its_support():
+def test_the_result_has_a_residual_of_each_shaft_and_support():
     support = gb.Support("pedestal", mass=3.0, stiffness=(4e6, 2e6))
-    system = rotor(
-        bearings=[gb.Bearing("r", x, stiffness=1e7, support=support) for x in (0.0, 0.5)]
-    )
-    found = system.static()
-    assert (
-        set(found.residuals) == {"r", *(housing.name for housing in system.housings)}
-        or len(found.residuals) >= 2
-    )
-    assert found.residual == max(found.residuals.values()) <= 1e-12
+    bearings = [
+        gb.Bearing("r", 0.0, stiffness=1e7, support=support),
+        gb.Bearing("r", 0.5, stiffness=1e7),
+    ]
+    system = rotor(bearings=bearings)
+    static = system.static()
+    assert set(static.residuals) == {"r", "pedestal"}
+    assert static.residual == max(static.residuals.values()) <= 1e-12
     # Without a load nothing is unbalanced.
     assert system.replace(gravity=0.0).static().residual == 0.0
 
@@ -258,11 +257,15 @@ def add_teeth(
         force = state.force * math.cos(base)
         if mesh.backlash is not None and force < 0.0:
             sense, force = -sense, -force
-        centres = np.array([math.cos(state.centre_line_angle), math.sin(state.centre_line_angle)])
+        # Frozen geometry is that at rest; the reported one is that of the displaced centres.
+        line = mesh.centre_line_angle if helix else state.centre_line_angle
+        centres = np.array([math.cos(line), math.sin(line)])
         across = sense * np.array([-centres[1], centres[0]])
         angle = transverse if helix else state.pressure_angle
         lateral = force * (math.sin(angle) * centres + math.cos(angle) * across)
-        pitch = state.centre_distance * np.array([a.teeth, b.teeth]) / (a.teeth + b.teeth)
+        at_rest = a.module * (a.teeth + b.teeth) / 2.0 / math.cos(helix)
+        distance = at_rest if helix else state.centre_distance
+        pitch = distance * np.array([a.teeth, b.teeth]) / (a.teeth + b.teeth)
         for gear, sign, radius in ((a, -1.0, pitch[0]), (b, 1.0, pitch[1])):
             point = -sign * radius * centres  # of the pitch point over the centre
             push, thrust = sign * lateral, sign * state.thrust
@@ -289,7 +292,12 @@ def add_torques(found: dict[str, Balance], system: gb.RotorSystem) -> None:
 
 
 #: Errors of scenes without an equilibrium, and their largest part of all scenes.
-EXPECTED = {"the journal touches the bearing": 0.1, "no load acts on the journal bearing": 0.02}
+EXPECTED = {
+    "the journal touches the bearing": 0.1,
+    "no load acts on the journal bearing": 0.02,
+    "no static equilibrium found": 0.05,
+    "base circles overlap": 0.02,
+}
 
 
 def test_forces_balance_on_every_shaft_of_random_scenes():
@@ -304,16 +312,19 @@ def test_forces_balance_on_every_shaft_of_random_scenes():
                 static = system.static("frozen" if helical else "live", speed=omega)
                 if helical:
                     assert system.static(speed=omega).residual <= TOLERANCE
-            except gb.SceneError as error:
+            except (gb.SceneError, gb.ConvergenceError, gb.ContactError) as error:
                 refused[next(text for text in EXPECTED if text in str(error))] += 1
                 continue
+            assert static.residual <= TOLERANCE, (seed, omega)
+            meshes = [(mesh, static.mesh(mesh.driver, mesh.driven)) for mesh in system.meshes]
+            if any(state.stiffness > mesh.stiffness for mesh, state in meshes):
+                continue  # Both flanks are pressed, and the result has the difference of their forces.
             found = balances(system, static)
             if system.gears:
                 add_teeth(found, system, static, omega)
                 add_torques(found, system)
             for shaft, balance in found.items():
                 assert balance.residual <= TOLERANCE, (seed, omega, shaft)
-            assert static.residual <= TOLERANCE, (seed, omega)
     for text, part in EXPECTED.items():
         assert refused[text] <= part * 2 * SCENES + 2, refused
 
@@ -398,6 +409,6 @@ def test_the_threshold_of_a_jeffcott_rotor_is_that_of_lund(flexibility: float):
         gravity=9.81,
         motion="lateral",
     )
-    found = system.campbell(np.linspace(0.93, 1.05, 4) * expected, count=6).thresholds
+    found = system.campbell(np.array([0.91, 0.97, 1.04]) * expected, count=6).thresholds
     # The shaft has a mass of 1e-6 of that of the disk.
     assert min(abs(one.speed / expected - 1.0) for one in found) <= 1e-5
