@@ -65,7 +65,7 @@ test-python: $(VENV)/.dev
 random: $(VENV)/.dev
 	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py tests/python/test_random_run_up.py \
 		tests/python/test_structured_solver.py tests/python/test_accuracy_of_random_trains.py \
-		tests/python/test_examples.py
+		tests/python/test_equilibrium_residuals.py tests/python/test_examples.py
 
 fuzz: $(VENV)/.dev
 	GEARBOW_CASES=350 $(CARGO_TEST) --test rust fuzz::

@@ -15,3 +15,12 @@ pub struct BearingForce {
     /// Damping ∂F/∂u̇, N s/m.
     pub damping: Matrix,
 }
+
+/// The reason why a bearing carries no static load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Uncarried {
+    /// The journal touches the bearing.
+    Touching,
+    /// The search leaves this part of the load unbalanced.
+    Unbalanced(f64),
+}

@@ -90,6 +90,7 @@ class StaticData(TypedDict):
     """Static equilibrium: n degrees of freedom, the meshes and the bearings."""
 
     state: Array
+    residuals: list[tuple[str, float]]
     meshes: list[tuple[str, str]]
     mesh: dict[str, Array]
     bearings: list[tuple[str, float]]

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::AnalysisError;
 use crate::mesh::Geometry;
-use crate::modal::{CachedModel, EquilibriumError, EquilibriumSpeeds};
+use crate::modal::{self, CachedModel, EquilibriumError, EquilibriumSpeeds};
 
 /// Displacements q of the equilibrium under torques, gravity and the forces of meshes and films, at `speed` of the reference
 /// shaft, rad/s, which also determines the flanks in contact. Bow and unbalance rotate and are not included.
@@ -14,6 +14,20 @@ use crate::modal::{CachedModel, EquilibriumError, EquilibriumSpeeds};
 /// fails.
 pub fn equilibrium(cached: &CachedModel, geometry: Geometry, speed: f64) -> Result<DVector<f64>, AnalysisError> {
     equilibrium_with_flanks(cached, geometry, EquilibriumSpeeds::from(speed))
+}
+
+/// Largest unbalanced force, or moment over the length, of every shaft and then of every support and housing over its load,
+/// at displacements q of [`equilibrium`] with the same arguments.
+///
+/// # Errors
+/// As [`equilibrium`].
+pub fn equilibrium_residuals(
+    cached: &CachedModel,
+    geometry: Geometry,
+    speed: f64,
+    q: &DVector<f64>,
+) -> Result<Vec<f64>, AnalysisError> {
+    Ok(modal::equilibrium_residuals(&cached.at_speed(speed)?.model, geometry, speed.into(), q)?)
 }
 
 /// The static equilibrium. One speed determines the bearings; a second one determines the flanks in contact and the torques

@@ -21,7 +21,7 @@ mod synchronous;
 pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, Threshold, campbell, lines};
 pub use critical::{Critical, critical_speeds, memory_of_critical_speeds};
 pub use diagnostics::{ill_conditioning, small_displacement_check};
-pub use equilibrium::equilibrium;
+pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;
 pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;

@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::instant::{Instant, InterfaceOptions, OutOfRange, Touch};
 use super::{Bounds, Coefficients, Row};
-use crate::bearing_force::{BearingForce, Vector};
+use crate::bearing_force::{BearingForce, Uncarried, Vector};
 use crate::film::Film;
 use crate::mesh::ShaftPhase;
 use crate::rolling::RollingElements;
@@ -149,6 +149,18 @@ impl NonlinearBearing {
     pub fn point_at(&self, speed: f64, q: &[f64]) -> OperatingPoint {
         let BearingForce { stiffness, damping, .. } = self.law.mean(self.scalars(q), self.ratio * speed);
         OperatingPoint { speed: Some(speed), stiffness, damping }
+    }
+
+    /// Displacement, m, at which it carries a static force over (y, z), N, at a speed of the reference shaft, rad/s, and force and
+    /// stiffness there.
+    ///
+    /// # Errors
+    /// [`Uncarried`] if it cannot carry the force.
+    pub fn carrying(&self, force: Vector, speed: f64) -> Result<(Vector, BearingForce), Uncarried> {
+        match &self.law {
+            BearingLaw::Film(film) => film.carrying(force, self.ratio * speed),
+            BearingLaw::Rolling(elements) => elements.carrying(force, None),
+        }
     }
 
     /// Eccentricity ratio ε of a journal at displacements q; none for rolling elements.

@@ -26,7 +26,7 @@ mod table;
 
 use std::sync::Arc;
 
-pub use equilibrium::CLOSEST;
+pub use equilibrium::{CLOSEST, TOUCHING};
 pub use reynolds::Reynolds;
 pub use table::FilmTable;
 

@@ -11,11 +11,11 @@ use thiserror::Error;
 
 mod forces;
 
-use self::forces::{AtRest, Contacts, Forces};
+use self::forces::{AtRest, BearingTangent, Contacts, Forces, Laws};
 use super::clearance::{Entry, check_journals, regularisation, within_clearances};
 use super::pins::Pins;
 use super::real::null_motions;
-use crate::film::CLOSEST;
+use crate::film::{CLOSEST, TOUCHING};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
 use crate::mesh::{Flank, Geometry, Overlap};
 use crate::model::{Dof, DofKind, Model, Weights};
@@ -40,12 +40,15 @@ const SUFFICIENT_DECREASE: f64 = 1e-4;
 const LEAST_FRACTION: f64 = 1e-6;
 /// Smallest fraction of a Newton step that is tried where base circles overlap.
 const LEAST_FRACTION_OF_OVERLAP: f64 = 1e-3;
+/// Largest number of iterations for the displacements with which Newton's method starts.
+const MAX_START_ITERATIONS: usize = 20;
+/// Distance of a nonlinear bearing from where it carries its force, relative to its displacement, below which Newton's
+/// method starts.
+const START_TOLERANCE: f64 = 0.03;
 /// Largest unbalanced force of a shaft over its load.
 const MAX_RESIDUAL: f64 = 1e-6;
 /// Largest number of iterations. A smooth problem takes three to five, a loaded journal or rolling bearing up to twenty.
 const MAX_ITERATIONS: usize = 60;
-/// Eccentricity ratio above which a search that fails means that the journal touches.
-const TOUCHING: f64 = 0.9;
 /// Eccentricity ratio below which a journal carries no load.
 const UNLOADED: f64 = 1e-9;
 
@@ -110,8 +113,8 @@ pub fn equilibrium(
     check_balance(model, &null, &load, speed)?;
     let search = Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null));
     let q = search.run(&load)?;
-    check_residuals(model, &search.at_rest.residuals(&q)?)?;
-    Ok(q)
+    let residuals = search.at_rest.residuals(&q)?;
+    if residuals.iter().all(|residual| *residual <= MAX_RESIDUAL) { Ok(q) } else { Err(unconverged(model, &residuals)) }
 }
 
 /// Largest unbalanced force, or moment over the length, of every shaft and then of every support and housing over its load,
@@ -128,27 +131,26 @@ pub fn equilibrium_residuals(
     AtRest::new(model, geometry, speeds).residuals(q)
 }
 
-/// Refuses residuals above their limit.
-fn check_residuals(model: &Model, residuals: &[f64]) -> Result<(), EquilibriumError> {
-    let [shafts, housings] = [&residuals[..model.shafts.len()], &residuals[model.shafts.len()..]];
-    let entries = shafts.iter().enumerate().map(|(index, value)| ("shafts", index, value));
-    for (list, index, value) in
-        entries.chain(housings.iter().enumerate().map(|(index, value)| ("housings", index, value)))
-    {
-        if value.is_nan() || *value > MAX_RESIDUAL {
-            return Err(unconverged(list, index, *value));
-        }
-    }
-    Ok(())
-}
-
-/// The error for forces that do not balance on a shaft or housing.
-fn unconverged(list: &str, index: usize, residual: f64) -> EquilibriumError {
+/// The error for forces that do not balance, on the shaft or housing with the largest residual.
+fn unconverged(model: &Model, residuals: &[f64]) -> EquilibriumError {
+    let worse = |most: (usize, f64), (body, value): (usize, &f64)| {
+        if *value > most.1 || value.is_nan() { (body, *value) } else { most }
+    };
+    let (body, residual) = residuals.iter().enumerate().fold((0, -1.0), worse);
+    let (list, index) =
+        if body < model.shafts.len() { ("shafts", body) } else { ("housings", body - model.shafts.len()) };
     EquilibriumError::Convergence(format!(
-        "{list}[{index}]: no static equilibrium found: the best one leaves {} of the load unbalanced, more than {}",
+        "{list}[{index}]: no static equilibrium found: {} of the load is unbalanced, more than {}; change the load or the speed in small steps to find where the equilibrium ends",
         short(residual),
         short(MAX_RESIDUAL)
     ))
+}
+
+/// A point after a step.
+struct Advance {
+    next: Point,
+    /// Norm of the unbalanced forces over that before the step.
+    ratio: f64,
 }
 
 /// Displacements with the forces there, for given flanks.
@@ -178,9 +180,9 @@ impl<'m> Search<'m> {
         Self { at_rest, pins, linear }
     }
 
-    fn at(&self, q: DVector<f64>, flanks: &[Flank]) -> Result<Point, EquilibriumError> {
+    fn at(&self, q: DVector<f64>, flanks: &[Flank], laws: Laws<'_>) -> Result<Point, EquilibriumError> {
         let mut tangent = Vec::new();
-        let forces = self.at_rest.forces(Contacts::Given(flanks), &q, &mut |entry| tangent.push(entry))?;
+        let forces = self.at_rest.forces(Contacts::Given(flanks), laws, &q, &mut |entry| tangent.push(entry))?;
         let residual = forces.residual();
         let carried = self.pins.carried(&residual);
         Ok(Point { q, forces, residual: residual - &carried, carried, tangent })
@@ -193,87 +195,114 @@ impl<'m> Search<'m> {
         points.map(|point| self.at_rest.bodies.norm(&point.forces, &point.residual, &loads))
     }
 
-    fn run(&self, load: &DVector<f64>) -> Result<DVector<f64>, EquilibriumError> {
+    /// Displacements with which Newton's method starts: zero without nonlinear bearings, and where the search fails.
+    ///
+    /// With nonlinear bearings, forces are better known than displacements: they are nearly those of the lever. Each iteration solves
+    /// the system with the tangents of the bearings where they carry the forces found before. Thus journals stay within their
+    /// clearance, and rolling elements are in contact.
+    fn start(&self, flanks: &[Flank]) -> Result<DVector<f64>, EquilibriumError> {
         let model = &*self.at_rest.model;
-        let bodies = &self.at_rest.bodies;
+        let zero = DVector::zeros(model.len());
+        let bearings = &model.nonlinear_bearings;
+        if bearings.is_empty() {
+            return Ok(zero);
+        }
+        let mut tangents: Vec<BearingTangent> =
+            bearings.iter().map(|bearing| BearingTangent::elastic(bearing.initial_stiffness)).collect();
+        let mut q = zero.clone();
+        for _ in 0..MAX_START_ITERATIONS {
+            let point = match self.at(q.clone(), flanks, Laws::Tangents(&tangents)) {
+                Err(EquilibriumError::Overlap { .. }) => return Ok(zero),
+                other => other?,
+            };
+            q += self.step(&self.tangent_factors(&point.tangent, 0.0)?, &point.residual)?;
+            let mut distance = 0.0;
+            for (tangent, bearing) in tangents.iter_mut().zip(bearings) {
+                let u = bearing.scalars(q.as_slice());
+                let Some(found) = tangent.towards(u, bearing, self.at_rest.speeds.film) else { return Ok(zero) };
+                *tangent = found;
+                let [y, z] = found.displacement;
+                distance = f64::max(distance, (u[0] - y).hypot(u[1] - z) / y.hypot(z).max(f64::MIN_POSITIVE));
+            }
+            if distance <= START_TOLERANCE {
+                break;
+            }
+        }
+        Ok(if check_journals(model, &q, 0.0..1.0).is_ok() { q } else { zero })
+    }
+
+    /// Newton's method from [`Self::start`].
+    fn run(&self, load: &DVector<f64>) -> Result<DVector<f64>, EquilibriumError> {
+        let (model, bodies) = (&*self.at_rest.model, &self.at_rest.bodies);
         let mut flanks = vec![Flank::Drive; model.meshes.len()];
-        let mut point = self.at(DVector::zeros(model.len()), &flanks)?;
+        let mut point = self.at(self.start(&flanks)?, &flanks, Laws::Exact)?;
         let mut previous = f64::INFINITY;
         let mut factors: Option<CoupledFactors> = None;
-        let mut iterations = 0;
         for _ in 0..MAX_ITERATIONS {
-            iterations += 1;
-            let residual = &point.residual;
             let [norm, _] = self.norms([&point, &point]);
-            let reused = factors.is_some();
-            let known = match factors.take() {
-                Some(known) => known,
-                None => self.tangent_factors(&point.tangent, norm)?,
+            let (known, is_old) = match factors.take() {
+                Some(known) => (known, true),
+                None => (self.tangent_factors(&point.tangent, norm)?, false),
             };
-            let step = model.solve_real(&known, 0.0, residual.as_slice()).map_err(DecompositionError::from)?;
-            let mut step = DVector::from_vec(step);
-            self.pins.remove_null_motions(&mut step);
+            let step = self.step(&known, &point.residual)?;
             let size = bodies.size(&step);
-            let all = bodies.size(&point.q).max(size);
-            let stalled = size <= STALL_TOLERANCE * all && size >= previous / 2.0;
-            let debug = std::env::var("GBDEBUG").is_ok();
-            if debug {
-                eprintln!("it {iterations} norm {norm:.3e} step {:.3e} reused {reused}", size / all);
-            }
-            if size <= CONVERGENCE_TOLERANCE * all || stalled {
-                point = self.at(point.q + step, &flanks)?;
-                let pressed = pressed_flanks(&self.at_rest, &flanks, &point.q)?;
-                if pressed == flanks {
+            let largest = bodies.size(&point.q).max(size);
+            let is_stalled = size <= STALL_TOLERANCE * largest && size >= previous / 2.0;
+            if size <= CONVERGENCE_TOLERANCE * largest || is_stalled {
+                let q = point.q + step;
+                let pressed = pressed_flanks(&self.at_rest, &flanks, &q)?;
+                let is_final = pressed == flanks;
+                (flanks, previous) = (pressed, f64::INFINITY);
+                point = self.at(q, &flanks, Laws::Exact)?;
+                if is_final {
                     check_constraints(&point.carried, load)?;
                     check_journals(model, &point.q, UNLOADED..CLOSEST)?;
                     return Ok(point.q);
                 }
-                (flanks, previous) = (pressed, f64::INFINITY);
-                point = self.at(point.q, &flanks)?;
                 continue;
             }
             previous = size;
             match self.advance(&point, &flanks, &step)? {
-                Some((next, fraction, ratio)) => {
-                    if debug {
-                        eprintln!("   fraction {fraction} ratio {ratio:.3e}");
-                    }
-                    if ratio <= TANGENT_REUSE_RATIO && fraction == 1.0 {
-                        factors = Some(known);
-                    }
+                Some(Advance { next, ratio }) => {
+                    // An old tangent is used as long as the unbalanced forces decrease fast.
+                    factors = (ratio <= TANGENT_REUSE_RATIO).then_some(known);
                     point = next;
                 }
-                None if reused => previous = f64::INFINITY,
+                None if is_old => previous = f64::INFINITY,
                 None => break,
             }
         }
-        if std::env::var("GBDEBUG").is_ok() {
-            eprintln!("FAILED after {iterations}");
-        }
         check_journals(model, &point.q, 0.0..TOUCHING)?;
         check_constraints(&point.carried, load)?;
-        let residuals = self.at_rest.residuals(&point.q)?;
-        check_residuals(model, &residuals)?;
-        Err(EquilibriumError::Convergence(format!("no static equilibrium found in {iterations} Newton iterations")))
+        Err(unconverged(model, &self.at_rest.residuals(&point.q)?))
     }
 
-    /// The point after the largest fraction of a step that reduces the unbalanced forces, with this fraction and the ratio of the
-    /// norms after and before it; none if no fraction does.
+    /// Newton step, without null motions.
+    fn step(&self, factors: &CoupledFactors, residual: &DVector<f64>) -> Result<DVector<f64>, EquilibriumError> {
+        let step =
+            self.at_rest.model.solve_real(factors, 0.0, residual.as_slice()).map_err(DecompositionError::from)?;
+        let mut step = DVector::from_vec(step);
+        self.pins.remove_null_motions(&mut step);
+        Ok(step)
+    }
+
+    /// The point after the largest fraction of a step that reduces the unbalanced forces; none if no fraction does.
     fn advance(
         &self,
         point: &Point,
         flanks: &[Flank],
         step: &DVector<f64>,
-    ) -> Result<Option<(Point, f64, f64)>, EquilibriumError> {
+    ) -> Result<Option<Advance>, EquilibriumError> {
         let mut fraction = within_clearances(&self.at_rest.model, &point.q, step);
         while fraction >= LEAST_FRACTION {
-            match self.at(&point.q + step * fraction, flanks) {
-                Err(overlap) if fraction < LEAST_FRACTION_OF_OVERLAP => return Err(overlap),
-                Err(_) => {}
+            match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
+                Err(error) if fraction < LEAST_FRACTION_OF_OVERLAP => return Err(error),
+                Err(EquilibriumError::Overlap { .. }) => {}
+                Err(error) => return Err(error),
                 Ok(next) => {
                     let [before, after] = self.norms([point, &next]);
                     if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) {
-                        return Ok(Some((next, fraction, after / before)));
+                        return Ok(Some(Advance { next, ratio: after / before }));
                     }
                 }
             }

@@ -5,7 +5,8 @@ use pyo3::types::PyDict;
 use pythonize::Depythonizer;
 
 use super::convert::table;
-use crate::bearing_force::BearingForce;
+use crate::analysis::AnalysisError;
+use crate::bearing_force::{BearingForce, Uncarried};
 use crate::film::Film;
 use crate::rolling::RollingElements;
 use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError};
@@ -39,9 +40,8 @@ pub fn film_coefficients<'py>(
         );
         return Err(speed_at.error(message).into());
     }
-    let (displacement, film) = py
-        .detach(|| Film::new(&journal).carrying(load, speed))
-        .ok_or_else(|| touching(load[0].hypot(load[1]), speed))?;
+    let (displacement, film) =
+        py.detach(|| Film::new(&journal).carrying(load, speed)).map_err(|cause| uncarried(cause, load, Some(speed)))?;
     coefficients(py, displacement, &film)
 }
 
@@ -65,8 +65,7 @@ pub fn rolling_coefficients<'py>(
     load_at.finite(load[1])?;
     let elements = RollingElements::new(&rolling, damping);
     let cage = cage.map(|cage| EntryPath::root("cage_angle").finite(cage)).transpose()?;
-    let (displacement, found) =
-        elements.carrying(load, cage).ok_or_else(|| load_at.error("the deflection was not found"))?;
+    let (displacement, found) = elements.carrying(load, cage).map_err(|cause| uncarried(cause, load, None))?;
     let dict = coefficients(py, displacement, &found)?;
     dict.set_item("contact_forces", elements.contact_forces(displacement, cage.unwrap_or(0.0)).collect::<Vec<_>>())?;
     dict.set_item("hertz_stiffness", rolling.hertz_stiffness)?;
@@ -83,9 +82,12 @@ fn coefficients<'py>(py: Python<'py>, displacement: [f64; 2], found: &BearingFor
     Ok(dict)
 }
 
-fn touching(load: f64, speed: f64) -> SceneError {
-    let message = format!(
-        "the journal touches the bearing at {load} N and {speed} rad/s; raise the speed, the viscosity or the length, or reduce the clearance or the load"
-    );
-    SceneError::new("load", message)
+/// The error for a load that a bearing does not carry; a film turns at a speed, rad/s.
+fn uncarried(cause: Uncarried, load: [f64; 2], speed: Option<f64>) -> AnalysisError {
+    let at_speed = speed.map_or_else(String::new, |speed| format!(" and {speed} rad/s"));
+    let load = format!("{} N{at_speed}", load[0].hypot(load[1]));
+    match cause {
+        Uncarried::Touching => SceneError::new("load", format!("the journal touches the bearing at {load}; raise the speed, the viscosity or the length, or reduce the clearance or the load")).into(),
+        Uncarried::Unbalanced(part) => AnalysisError::Convergence(format!("load: no displacement found at which the bearing carries {load}: {part:.1e} of the load is unbalanced")),
+    }
 }

@@ -311,7 +311,11 @@ impl PyModel {
         let at_speed = self.cached.at_speed(speed)?;
         let model = &at_speed.model;
         self.warn_of_ill_conditioning(py, speed, Dense::Bands)?;
-        let found = self.run(py, Dense::Bands, move |cached, _| analysis::equilibrium(cached, geometry, speed))?;
+        let (found, residuals) = self.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
+            let found = analysis::equilibrium(cached, geometry, speed)?;
+            let residuals = analysis::equilibrium_residuals(cached, geometry, speed, &found)?;
+            Ok((found, residuals))
+        })?;
         let q = found.as_slice();
         let largest = model.translations().map(|i| q[i].abs()).fold(0.0, f64::max);
         if let Some(text) = analysis::small_displacement_check(model, largest) {
@@ -331,6 +335,9 @@ impl PyModel {
         let forces: Vec<f64> = bearings.iter().flat_map(|node| model.static_bearing_force(*node, speed, q)).collect();
         let dict = PyDict::new(py);
         dict.set_item("state", outside_vector(py, &model.numbering, &found))?;
+        let names = model.scene.shafts.iter().map(|shaft| &shaft.name);
+        let names = names.chain(model.scene.housings.iter().map(|housing| &housing.name));
+        dict.set_item("residuals", names.zip(residuals).collect::<Vec<_>>())?;
         dict.set_item("meshes", mesh_names(model, 0..model.meshes.len()))?;
         dict.set_item("mesh", mesh_fields(py, series, 1, model.meshes.len(), true)?)?;
         dict.set_item("bearings", bearings.iter().map(|node| self.place(*node)).collect::<Vec<_>>())?;

@@ -99,6 +99,36 @@ class Static(ReadOnly):
         self.state = data["state"]
         self.coordinates = coordinates
 
+    @property
+    def residuals(self) -> dict[str, float]:
+        """What the forces leave unbalanced on each shaft, support and housing, over its load.
+
+        The forces are evaluated anew at `state`. The unbalanced force is the largest one of all
+        degrees of freedom, or of the sums of forces and moments over the shaft; moments are divided
+        by the length of the shaft, and those of a housing by that of the longest shaft. The load is
+        the sum of the sizes of all forces of weight, torques, bearings, meshes, couplings and other
+        loads on the shaft, and at least 1e-6 of the largest load of all. At a degree of freedom the
+        round-off of elastic forces, 8 ε Σ|K||q| with ε = 2.2e-16, does not count.
+
+        Returns
+        -------
+        dict of str to float
+            The unbalanced part of the load by name.
+        """
+        return dict(self._data["residuals"])
+
+    @property
+    def residual(self) -> float:
+        """Largest value of `residuals`.
+
+        Returns
+        -------
+        float
+            The largest unbalanced part of the load of a shaft, support or housing; usually below
+            1e-9, and never above 1e-6.
+        """
+        return max(self.residuals.values())
+
     def displacement(self, name: At) -> Array:
         """Lateral displacement of a place.
 

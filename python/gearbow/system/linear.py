@@ -117,7 +117,8 @@ class LinearAnalyses(SystemFiles):
         Returns
         -------
         Static
-            Displacements, mesh states and bearing forces.
+            Displacements, mesh states and bearing forces, and the forces that remain unbalanced
+            (`residual`).
 
         Raises
         ------
@@ -126,7 +127,8 @@ class LinearAnalyses(SystemFiles):
         ContactError
             If the base circles of a pair overlap in live geometry.
         ConvergenceError
-            If the iteration does not converge.
+            If the iteration does not converge: more than 1e-6 of the load of a shaft, support or
+            housing remains unbalanced. The error names it.
         """
         if not isinstance(geometry, str):
             # `modes` and `synchronous` take the speed first.

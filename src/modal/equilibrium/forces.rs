@@ -2,10 +2,11 @@
 
 use std::borrow::Cow;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::{EquilibriumError, EquilibriumSpeeds};
-use crate::connection::{Connection, Row};
+use crate::bearing_force::{BearingForce, Matrix, Vector};
+use crate::connection::{Connection, NonlinearBearing, Row};
 use crate::linalg::ChainMatrix;
 use crate::mesh::{Flank, Geometry};
 use crate::modal::clearance::Entry;
@@ -17,6 +18,9 @@ const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// Load of a shaft, relative to the largest load of all, below which it is the round-off of other loads.
 const LEAST_LOAD: f64 = 1e-6;
 
+/// Smallest part of the change of a bearing force that is tried.
+const LEAST_PART: f64 = 1e-3;
+
 /// The flanks in contact of every mesh.
 #[derive(Clone, Copy)]
 pub(super) enum Contacts<'a> {
@@ -24,6 +28,58 @@ pub(super) enum Contacts<'a> {
     Given(&'a [Flank]),
     /// A flank with backlash carries if it is pressed.
     Pressed,
+}
+
+/// The laws of the nonlinear bearings.
+#[derive(Clone, Copy)]
+pub(super) enum Laws<'a> {
+    /// Films and rolling elements.
+    Exact,
+    /// Their tangents, one for each.
+    Tangents(&'a [BearingTangent]),
+}
+
+/// Tangent F + K (u − u₀) of the law of a nonlinear bearing.
+#[derive(Clone, Copy)]
+pub(super) struct BearingTangent {
+    /// Displacement u₀ over (v, w), m.
+    pub displacement: Vector,
+    /// Force F there, N.
+    force: Vector,
+    /// Stiffness K there, N/m.
+    stiffness: Matrix,
+}
+
+impl BearingTangent {
+    /// A spring with the same stiffness, N/m, in every direction.
+    pub(super) fn elastic(stiffness: f64) -> Self {
+        Self { displacement: [0.0; 2], force: [0.0; 2], stiffness: [[stiffness, 0.0], [0.0, stiffness]] }
+    }
+
+    /// The tangent where the bearing carries the force that this one has at a displacement u, or as large a part of the change as it
+    /// can carry; none below [`LEAST_PART`].
+    pub(super) fn towards(&self, u: Vector, bearing: &NonlinearBearing, speed: f64) -> Option<Self> {
+        let (aim, mut part) = (self.force_at(u), 1.0);
+        while part >= LEAST_PART {
+            let force = [0, 1].map(|i| self.force[i] + part * (aim[i] - self.force[i]));
+            if let Ok((displacement, BearingForce { force, stiffness, .. })) = bearing.carrying(force, speed) {
+                return Some(Self { displacement, force, stiffness });
+            }
+            part /= 2.0;
+        }
+        None
+    }
+
+    /// Force and stiffness at a displacement.
+    fn at(&self, u: Vector) -> (DVector<f64>, DMatrix<f64>) {
+        (DVector::from_column_slice(&self.force_at(u)), DMatrix::from_fn(2, 2, |i, j| self.stiffness[i][j]))
+    }
+
+    /// Force at a displacement, N.
+    fn force_at(&self, u: Vector) -> Vector {
+        let moved = [u[0] - self.displacement[0], u[1] - self.displacement[1]];
+        [0, 1].map(|i| self.force[i] + self.stiffness[i][0] * moved[0] + self.stiffness[i][1] * moved[1])
+    }
 }
 
 /// What a coordinate belongs to.
@@ -182,6 +238,7 @@ impl<'m> AtRest<'m> {
     pub(super) fn forces(
         &self,
         contacts: Contacts<'_>,
+        laws: Laws<'_>,
         q: &DVector<f64>,
         visit: &mut dyn FnMut(Entry),
     ) -> Result<Forces, EquilibriumError> {
@@ -191,7 +248,7 @@ impl<'m> AtRest<'m> {
             load.iter().enumerate().for_each(|(index, force)| forces.add(index, *force));
         }
         forces.add_elements(&self.model, q.as_slice());
-        forces.add_connections(self, contacts, q.as_slice(), visit)?;
+        forces.add_connections(self, (contacts, laws), q.as_slice(), visit)?;
         forces.add_elastic(&self.model, q.as_slice());
         Ok(forces)
     }
@@ -203,7 +260,7 @@ impl AtRest<'_> {
     /// # Errors
     /// [`EquilibriumError::Overlap`] of base circles.
     pub(super) fn residuals(&self, q: &DVector<f64>) -> Result<Vec<f64>, EquilibriumError> {
-        Ok(self.bodies.residuals(&self.forces(Contacts::Pressed, q, &mut |_| {})?))
+        Ok(self.bodies.residuals(&self.forces(Contacts::Pressed, Laws::Exact, q, &mut |_| {})?))
     }
 }
 
@@ -242,10 +299,11 @@ impl Forces {
     fn add_connections(
         &mut self,
         AtRest { model, geometry, speeds, .. }: &AtRest<'_>,
-        contacts: Contacts<'_>,
+        (contacts, laws): (Contacts<'_>, Laws<'_>),
         q: &[f64],
         visit: &mut dyn FnMut(Entry),
     ) -> Result<(), EquilibriumError> {
+        let mut bearings = 0;
         for connection in model.connections(speeds.flanks) {
             let (rows, (known, derivative)) = match connection {
                 Connection::Mesh(index, mesh, sigma) => {
@@ -271,7 +329,14 @@ impl Forces {
                 // Loads over the speed have their value at this speed, and other loads no constant part.
                 Connection::Load(_) => continue,
                 Connection::Bearing(bearing) => (&bearing.rows[..], bearing.static_tangent(speeds.flanks, q)),
-                Connection::Nonlinear(bearing) => (&bearing.rows[..], bearing.static_tangent(speeds.film, q)),
+                Connection::Nonlinear(bearing) => {
+                    let known = match laws {
+                        Laws::Exact => bearing.static_tangent(speeds.film, q),
+                        Laws::Tangents(tangents) => tangents[bearings].at(bearing.scalars(q)),
+                    };
+                    bearings += 1;
+                    (&bearing.rows[..], known)
+                }
                 Connection::Spring(spring) => (&spring.rows[..], spring.static_tangent(q)),
             };
             for (i, left) in rows.iter().enumerate() {
