@@ -12,6 +12,9 @@ import gearbow as gb
 
 #: Number of random systems; `make random` takes more.
 CASES = 30 * int(os.environ.get("GEARBOW_CASES") or 1)
+#: Eigenvalues of the rigid-body rotation, which are zero: the root of round-off in a double
+#: eigenvalue, relative to the largest one.
+ROTATION = 1e-7
 #: Growth rate, relative to the largest of the eigenvalue and of the speed, from which a motion
 #: counts as unstable.
 GROWTH = 1e-6
@@ -28,7 +31,8 @@ def eigenvalues(system: gb.RotorSystem, speed: float) -> np.ndarray:
     ]
     size = mass.shape[0]
     first = np.block([[np.zeros((size, size)), np.eye(size)], [-scaled[0], -scaled[1]]])
-    return np.linalg.eigvals(first)
+    found = np.linalg.eigvals(first)
+    return found[np.abs(found) > ROTATION * np.abs(found).max()]
 
 
 def cross_coupled(stiffness: float, cross: float, damping: float) -> dict[str, Any]:
@@ -41,13 +45,13 @@ def rotor(random: np.random.Generator) -> tuple[gb.RotorSystem, float]:
     shaft = gb.Shaft(
         "rotor",
         length=length,
-        outer_diameter=random.uniform(0.02, 0.06),
         elements=int(random.integers(2, 6)),
+        outer_diameter=random.uniform(0.02, 0.06),
         bow=gb.Bow.half_sine(1e-5),
     )
     disk = gb.Disk("disk", "rotor", 0.0, random.uniform(1.0, 20.0), 0.05, 0.03, unbalance=1e-4)
     stiffness = 10 ** random.uniform(6.0, 8.0)
-    cross = stiffness * 10 ** random.uniform(-3.0, -1.0)
+    cross = stiffness * 10 ** random.uniform(-3.0, -1.5)
     damping = 10 ** random.uniform(0.0, 3.0)
     bearings = [
         gb.Bearing("rotor", x, **cross_coupled(stiffness, cross, damping)) for x in (0.0, length)
@@ -64,7 +68,7 @@ def pair(random: np.random.Generator) -> tuple[gb.RotorSystem, float]:
     ]
     wheel = {"position": 0.25, "module": 3e-3, "face_width": 0.03}
     gears = [gb.Gear("p", "a", teeth=20, **wheel), gb.Gear("w", "b", teeth=40, **wheel)]
-    soft = cross_coupled(3e7, 3e7 * 10 ** random.uniform(-2.5, -0.5), 50.0)
+    soft = cross_coupled(3e7, 3e7 * 10 ** random.uniform(-2.5, -1.0), 200.0)
     bearings = [
         gb.Bearing(name, x, **(soft if name == "a" else {"stiffness": 1e8, "damping": 200.0}))
         for name in ("a", "b")
@@ -90,20 +94,22 @@ def compare(system: gb.RotorSystem, speed: float, **options: Any) -> bool:
     return bool(growing.size)
 
 
-@pytest.mark.filterwarnings("ignore::gearbow.GearbowWarning")
+@pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
 def test_stability_of_random_rotors_is_that_of_their_eigenvalues():
     random = np.random.default_rng(4)
     unstable = 0
     for number in range(CASES):
         system, speed = (pair if number % 3 == 2 else rotor)(random)
-        unstable += compare(system, speed, rtol=1e-9, record=["gears", "disks"])
+        # few modes leave no room for growing ones that the loads do not reach
+        modes = None if number % 2 else 4
+        unstable += compare(system, speed, rtol=1e-9, modes=modes, record=["gears", "disks"])
     # the test must contain both kinds
-    assert 10 <= unstable / CASES * 30 <= 28
+    assert CASES / 3 <= unstable <= 0.9 * CASES
 
 
 def whirling() -> gb.RotorSystem:
     """Return a disk of 5 kg in the middle of a shaft on two bearings that make it whirl."""
-    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.04, elements=8)
+    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.04)
     disk = gb.Disk("disk", "rotor", 0.2, 5.0, 0.02, 0.01, unbalance=1e-4)
     bearings = [gb.Bearing("rotor", x, **cross_coupled(1e7, 434838.0, 3.32)) for x in (0.0, 0.4)]
     return gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
@@ -131,7 +137,7 @@ def test_a_sum_of_motions_without_a_period_is_unstable_with_its_modes():
 
 def test_a_branch_is_unstable_where_a_mode_grows():
     bow = gb.Bow.half_sine(1e-5)
-    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.04, elements=2, bow=bow)
+    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.04, bow=bow)
     bearings = [gb.Bearing("rotor", x, **cross_coupled(1e7, 434838.0, 3.32)) for x in (0.0, 0.4)]
     system = gb.RotorSystem([shaft], bearings=bearings)
     branch = system.continuation("bow", 1.0, 2.0, speed=100.0, step=1.0, record=[("rotor", 0.2)])

@@ -1,5 +1,7 @@
 //! Time steps, and all functions that run once per step, allocate no memory.
 
+use std::sync::Arc;
+
 use crate::common::{Noise, cached, motion, train};
 use allocation_counter::{AllocationInfo, measure};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, simulate};

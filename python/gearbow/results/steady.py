@@ -84,8 +84,9 @@ class SteadyState(Shown):
     period : float
         Period [s]; infinite for a motion without a common period.
     residual : float
-        Difference of the state after one more period, relative to the motion, both in the energy
-        norm. It is measured by a run with the given tolerance. For a sum, the largest of them; for
+        Difference of the state after one more period, relative to the motion about the
+        equilibrium, both in the energy norm, which is zero for no difference. It is measured by a
+        run with the given tolerance. For a sum, the largest of them; for
         a quasi-periodic motion, the largest difference after a section and at the end of the
         record.
     periods : int
@@ -125,13 +126,19 @@ class SteadyState(Shown):
 
         They are the eigenvalues of the derivative of the state after a period with respect to the
         state before; for a motion without a period, after a tenth of the record. The rigid-body
-        rotation of a train that nothing holds is left out. The first access computes them; the
-        result is kept, and saved with the motion.
+        rotation of a train that nothing holds is left out. Modes that the run left out have the
+        multipliers e^{λT} of the linear system. The first access computes them; the result is kept,
+        and saved with the motion.
 
         Returns
         -------
         ndarray, shape (m,)
             Complex multipliers.
+
+        Raises
+        ------
+        ConvergenceError
+            If a multiplier is not accurate.
         """
         if self._multipliers is None:
             self._multipliers = self.multipliers_above(SMALLEST_MULTIPLIER)
