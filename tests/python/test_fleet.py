@@ -278,3 +278,13 @@ def test_the_list_of_machines_is_true(machine):
     value, unit = row[4].split()
     speed = float(value) * (pi / 30.0 if unit == "rpm" else 1.0)
     assert speed == pytest.approx(machine.speed, rel=1e-12)
+
+
+@pytest.mark.xfail(raises=KeyError, reason="the diagram has no mark for axial modes")
+def test_a_diagram_draws_axial_modes():
+    # the ninth elastic mode of the reducer moves along the axis
+    machine = Machine("coaxial_reducer")
+    campbell = machine.system.campbell([0.9 * machine.speed, machine.speed], count=9, harmonics=0)
+    assert "axial" in campbell.whirl
+    (legend,) = campbell.plot().legends
+    assert "axial" in [text.get_text() for text in legend.get_texts()]
