@@ -195,7 +195,8 @@ mod tests {
 
     #[test]
     fn results_that_do_not_fit_are_refused_with_the_remedy() {
-        let kept = |bytes| Kept { argument: "speeds", what: "amplitudes".to_owned(), bytes, remedy: "give fewer speeds" };
+        let kept =
+            |bytes| Kept { argument: "speeds", what: "amplitudes".to_owned(), bytes, remedy: "give fewer speeds" };
         assert!(kept(1_000_000).check(1_000_000 + UNCHECKED).is_ok());
         assert!(kept(UNCHECKED).require().is_ok());
         let text = "speeds: amplitudes need 12.000 GB of memory, 3.000 GB are available; give fewer speeds";

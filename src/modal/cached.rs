@@ -7,9 +7,9 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::{DMatrix, DVector};
 
 use super::components::ComponentModes;
-use super::load_modes::modes_of_loads;
 use super::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use super::first_order::FirstOrder;
+use super::load_modes::modes_of_loads;
 use super::projected::Projected;
 use super::real::RealModes;
 use super::recent::Recent;

@@ -103,10 +103,7 @@ pub fn run<T: Send + 'static>(
 ///
 /// # Errors
 /// As [`run`], and the error of the analysis.
-pub fn result_of<T, E>(
-    py: Python<'_>,
-    work: impl FnOnce(&Interrupt) -> Result<T, E> + Send + 'static,
-) -> PyResult<T>
+pub fn result_of<T, E>(py: Python<'_>, work: impl FnOnce(&Interrupt) -> Result<T, E> + Send + 'static) -> PyResult<T>
 where
     T: Send + 'static,
     E: Send + 'static,

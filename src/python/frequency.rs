@@ -120,8 +120,7 @@ pub fn synchronous<'py>(
     let (rows, shafts, directions) = (speeds.len(), assembled.shafts.len(), 2 * bearings.len());
     let kept = amplitudes_kept(rows, shafts * (assembled.len() + directions));
     kept.require()?;
-    let (amplitudes, forces) =
-        (kept.room(rows * shafts * assembled.len())?, kept.room(rows * shafts * directions)?);
+    let (amplitudes, forces) = (kept.room(rows * shafts * assembled.len())?, kept.room(rows * shafts * directions)?);
     let nodes = bearings.clone();
     let found = model.run(py, memory, move |cached, interrupt| {
         let mut found = ResponseTable { amplitudes, forces, largest: Vec::new(), unstable: Ok(Vec::new()) };
