@@ -8,6 +8,7 @@ import sys
 import warnings
 from contextlib import redirect_stderr
 
+import numpy as np
 import pytest
 from tqdm import tqdm
 
