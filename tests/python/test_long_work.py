@@ -8,6 +8,7 @@ import sys
 import warnings
 from contextlib import redirect_stderr
 
+import numpy as np
 import pytest
 from tqdm import tqdm
 
@@ -159,7 +160,7 @@ def test_results_that_do_not_fit_are_an_error_before_the_computation():
         "critical_speed_map": "system.critical_speed_map(speeds)",
         "simulate": "system.simulate(1.0, 100.0, output_step=1e-6, record=['nodes', 'velocity'])",
         "steady_state": "system.steady_state(100.0, output_step=1e-8, record=['nodes'])",
-        "simulate_many": "system.simulate_many([{}] * 20_000, 1.0, 100.0, output_step=1e-4)",
+        "simulate_many": "system.simulate_many([{}] * 2000, 1.0, 100.0, output_step=1e-4, record=['nodes'])",
         "sweep": "large_sweep()",
     }
     checks = "\n".join(f"check({name!r}, lambda: {call})" for name, call in calls.items())
@@ -167,7 +168,6 @@ def test_results_that_do_not_fit_are_an_error_before_the_computation():
 import resource
 system = large(100)
 speeds = np.linspace(1.0, 500.0, 3_000_000)
-tables = np.zeros(10)
 
 def large_sweep():
     # One value whose array would take 8 GB, as the broadcast of one number
@@ -196,31 +196,10 @@ def test_arrays_adopt_what_the_core_computed():
     shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
     bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     model = gb.RotorSystem([shaft], bearings=bearings)._model
-    response, modes = model.synchronous([100.0], "both"), model.modes(0.0)
+    response, modes = model.synchronous(np.array([100.0]), "both"), model.modes(0.0)
     arrays = [response["amplitudes"], response["bearing_force"], modes["shapes"]]
     arrays += [modes["kinetic_shares"], model.matrices(0.0)["mass"]]
     assert {type(array.base).__name__ for array in arrays} == {"PySliceContainer"}
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
-def test_ctrl_c_ends_the_choice_of_elements():
-    # 60 reference shafts take tens of seconds
-    program = """
-import signal, threading, time
-import gearbow as gb
-
-signal.signal(signal.SIGINT, signal.default_int_handler)
-shafts = [gb.Shaft(f"s{i}", length=5.0, outer_diameter=0.02) for i in range(60)]
-supports = [(i, x) for i in range(60) for x in (0.0, 2.5, 5.0)]
-bearings = [gb.Bearing(f"s{i}", x, stiffness=1e8) for i, x in supports]
-threading.Timer(0.5, signal.raise_signal, [signal.SIGINT]).start()
-begin = time.monotonic()
-try:
-    gb.RotorSystem(shafts, bearings=bearings, resolution="reference")
-except KeyboardInterrupt:
-    print(time.monotonic() - begin - 0.5)
-"""
-    assert float(child(program)) < BOUND
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.01])
