@@ -166,8 +166,9 @@ def _remedy(value: object, path: str) -> str:
 
     try:
         plain = f"{parsed(value, path, bare=True):.12g}"
-    except SceneError:
-        return ""
+    except SceneError as error:
+        _, found, remedy = str(error).partition("did you mean ")
+        return f"; {found}{remedy}" if found else ""
     unit = unit_of(path)
     text = f"; write {plain} without quotes{'' if unit in (None, '1') else f' [{unit}]'}"
     number, _, given = value.strip().partition(" ")

@@ -114,7 +114,10 @@ def test_a_rotor_without_mesh_shows_its_displacement(rotor, tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"path": "run.mp4"}, r"^path: must end with \.gif or \.html, got '.*run\.mp4'"),
+        (
+            {"path": "run.mp4"},
+            r"^path: must end with \.gif or \.html, which is the format, got '.*run\.mp4'",
+        ),
         ({"duration": 0.0}, "^duration: must be positive, got 0"),
         ({"duration": 1e4}, "^duration: .* are 150000 frames, at most 2000"),
         ({"fps": 60.0}, "^fps: must be at most 50, got 60"),

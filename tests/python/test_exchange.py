@@ -183,6 +183,22 @@ def test_a_table_of_coefficients(tmp_path: Path):
             "25,5;",
             "line 5, column \"kyy\": must be a number with a decimal point, got ' 25,5'",
         ),
+        (
+            "25;",
+            "nan;",
+            "line 5, column \"kyy\": must be a number with a decimal point, got ' nan'",
+        ),
+        (
+            "25;",
+            "2_5;",
+            "line 5, column \"kyy\": must be a number with a decimal point, got ' 2_5'",
+        ),
+        ("25;", "1e400;", "line 5, column \"kyy\": must be below 1.8e308, got ' 1e400'"),
+        (
+            "kyz",
+            "k",
+            'has the column "k", which is isotropic, and "kyy"; give either "k", or "kyy"',
+        ),
         ("0.4", "0.4;", "line 5: must have 5 numbers, as the headings, got 6"),
         ("speed [rpm]; ", "", "line 4: must have 4 numbers"),
         ("kyy [N/um]", "kzy [N/um]", 'needs the column "k", or "kyy" and "kzz"'),

@@ -223,5 +223,7 @@ def test_a_waterfall_has_a_ridge_along_each_order():
     assert "1× input" in {text.get_text() for text in panel.texts}
     with pytest.raises(gb.GearbowError, match="different frequencies"):
         gb.waterfall([runs[0], system.simulate(0.5, 50.0, output_step=1e-3)], "g1")
-    with pytest.raises(gb.GearbowError, match="at least one run"):
+    with pytest.raises(
+        gb.GearbowError, match=r"^responses: must be a list of at least one response"
+    ):
         gb.waterfall([], "g1")

@@ -449,6 +449,10 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
         lambda: system().synchronous(memoryview(b"abc")),
         "speeds: must be a number, got <memory",
     ),
+    "capital letters": (
+        lambda: gb.SpeedProfile.ramp("1500 RPM", 0.0, 1.0),
+        "must be a number, got '1500 RPM'; did you mean \"rpm\"? Capital and small letters differ",
+    ),
     "a file": (lambda: gb.RotorSystem.load("a\0b"), "path: must be the name of a file, got 'a"),
     "no file": (lambda: gb.Response.load(None), "path: must be the name of a file, got None"),
 }

@@ -135,6 +135,12 @@ class SpeedTable(Part):
         if "speed" not in found:
             raise SceneError(f'{path}: needs the column "speed"')
         if k in found:
+            others = [name for name in found if name.startswith(k) and name != k]
+            if others:
+                raise SceneError(
+                    f'{path}: has the column "{k}", which is isotropic, and "{others[0]}"; give '
+                    f'either "{k}", or "{k}yy" and "{k}zz"'
+                )
             return cls(found["speed"], found[k], outside)
         if f"{k}yy" not in found or f"{k}zz" not in found:
             raise SceneError(f'{path}: needs the column "{k}", or "{k}yy" and "{k}zz"')

@@ -1,12 +1,14 @@
 """Tables in CSV files, with the unit of each column in its heading."""
 
 import csv
+import math
 import os
 import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from gearbow._convert import shown
 from gearbow._files import reading
 from gearbow._lookup import nearest
 from gearbow._types import Array
@@ -15,6 +17,8 @@ from gearbow.units.fields import unit_of
 from gearbow.units.parse import parsed
 
 __all__ = ["read_columns"]
+
+_NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 
 #: Heading with a unit: "speed [rpm]" or "speed (rpm)".
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:[\[(](.*)[\])])?\s*")
@@ -117,7 +121,10 @@ def _of_unit(cell: str, known: Mapping[str, str]) -> str:
 
 
 def _number(cell: str, where: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        raise SceneError(f"{where}: must be a number with a decimal point, got {cell!r}") from None
+    # Python also reads digits with underscores.
+    if not _NUMBER.fullmatch(cell):
+        raise SceneError(f"{where}: must be a number with a decimal point, got {shown(cell)}")
+    found = float(cell)
+    if not math.isfinite(found):
+        raise SceneError(f"{where}: must be below 1.8e308, got {shown(cell)}")
+    return found

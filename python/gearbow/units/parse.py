@@ -127,6 +127,9 @@ def _known(word: str) -> str:
     """Say which units are known."""
     if "Hz" in word:
         return "a speed is in rad/s, rpm or rev/s"
+    small = word.lstrip("/ ").lower()
+    if _single(small) is not None:
+        return f'did you mean "{small}"? Capital and small letters differ'
     return (
         f"known are {', '.join([*_WITH_PREFIX, *(name for name in _OTHERS if name != '1')])} and "
         f"the prefixes {' '.join(prefix for prefix in _PREFIXES if prefix)}"
