@@ -9,9 +9,12 @@ use super::convert::{stack, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource};
+use crate::modal::{self, CachedModel};
 use crate::model::Model;
-use crate::scene::{EntryPath, SceneError, range_with_rpm, with_rpm};
+use crate::scene::{EntryPath, Scene, SceneDescription, SceneError, range_with_rpm, with_rpm};
 
+/// Speed (rad/s), whirl, residual and number of the line of a critical speed.
+pub type CriticalRow = (f64, String, f64, usize);
 /// N_c (rad/s), amplitude (m), N₁ and N₂ (rad/s) of a peak, and whether the motion is stable there.
 pub type PeakRow = (f64, f64, f64, f64, bool);
 
@@ -78,14 +81,24 @@ pub fn campbell<'py>(
         "intersection_whirl",
         intersections.iter().map(|intersection| intersection.whirl.to_string()).collect::<Vec<_>>(),
     )?;
+    let residuals: Vec<_> = intersections.iter().map(|intersection| intersection.residual).collect();
+    dict.set_item("intersection_residuals", residuals.into_pyarray(py))?;
     let thresholds: Vec<_> = found.thresholds.iter().map(threshold).collect();
     dict.set_item("thresholds", thresholds)?;
     Ok(dict)
 }
 
-/// Mode, speed [rad/s], frequency [rad/s] and whirl of a stability threshold, and whether the mode is unstable above it.
-fn threshold(found: &analysis::Threshold) -> (usize, f64, f64, String, bool) {
-    (found.mode, found.speed, found.eigenvalue.im, found.whirl.to_string(), found.is_unstable_above)
+/// Mode, speed [rad/s], frequency [rad/s] and whirl of a stability threshold, whether the mode is unstable above it, and the
+/// residual.
+fn threshold(found: &analysis::Threshold) -> (usize, f64, f64, String, bool, f64) {
+    let whirl = found.whirl.to_string();
+    (found.mode, found.speed, found.eigenvalue.im, whirl, found.is_unstable_above, found.residual)
+}
+
+/// Names of the types of motion of modes.
+#[pyfunction]
+pub fn whirl_classes() -> Vec<&'static str> {
+    modal::Whirl::NAMES.to_vec()
 }
 
 /// Computes undamped critical speeds, rad/s, with the direction of whirl.
@@ -102,6 +115,36 @@ pub fn critical_speeds(
     Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
 }
 
+/// Computes undamped critical speeds against the stiffness of every bearing, N/m: one list for each stiffness.
+pub fn critical_speed_map(
+    model: &PyModel,
+    py: Python<'_>,
+    stiffnesses: &PyReadonlyArray1<'_, f64>,
+    excitation: f64,
+    count: Option<usize>,
+) -> PyResult<Vec<Vec<CriticalRow>>> {
+    let (stiffnesses, count) = (stiffnesses.as_array().to_vec(), count.unwrap_or(usize::MAX));
+    let memory = analysis::memory_of_critical_speeds(model.model(), count);
+    let Some(largest) = stiffnesses.iter().copied().reduce(f64::max) else {
+        return Ok(Vec::new());
+    };
+    let with = |description: &SceneDescription, stiffness: f64| {
+        let bearings = description.bearings.iter().map(|bearing| bearing.with_stiffness(stiffness)).collect();
+        SceneDescription { bearings, ..description.clone() }
+    };
+    // The stiffest bearings need the finest elements. Equal elements make the shapes of all stiffnesses comparable.
+    let given = with(&model.description, largest);
+    let description = py.detach(|| analysis::resolve(&given))?.description;
+    let at = move |stiffness: f64| Ok(CachedModel::new(Model::new(Scene::new(&with(&description, stiffness))?)?));
+    let found = model.run(py, memory, move |_, interrupt| {
+        analysis::critical_speed_map(at, &stiffnesses, excitation, count, interrupt)
+    })?;
+    let row = |point: &analysis::CriticalPoint| {
+        (point.critical.speed, point.critical.whirl.to_string(), point.critical.residual, point.line)
+    };
+    Ok(found.iter().map(|points| points.iter().map(row).collect()).collect())
+}
+
 /// Computes the synchronous response: phasors (speeds, shafts, n), bearing forces and the bow of every shaft.
 pub fn synchronous<'py>(
     model: &PyModel,
@@ -114,19 +157,21 @@ pub fn synchronous<'py>(
     model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let worker_speeds = speeds.clone();
-    let (amplitudes, largest, unstable) = model.run(py, memory, move |cached, interrupt| {
+    let (amplitudes, residuals, largest, unstable) = model.run(py, memory, move |cached, interrupt| {
         let responses = analysis::Responses::new(cached);
         let at = |speed: &f64| {
             interrupt.check()?;
             responses.all(*speed, part)
         };
-        let amplitudes = worker_speeds.iter().map(at).collect::<Result<Vec<_>, AnalysisError>>()?;
+        let found = worker_speeds.iter().map(at).collect::<Result<Vec<_>, AnalysisError>>()?;
+        let residuals: Vec<f64> = found.iter().map(|response| response.residual).collect();
+        let amplitudes: Vec<_> = found.into_iter().map(|response| response.amplitudes).collect();
         let largest: Vec<f64> = amplitudes.iter().map(|each| largest_displacement(&cached.model, each)).collect();
         let unstable = match analysis::unstable_ranges(cached, &worker_speeds, &local_maxima(&largest), interrupt) {
             Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
             found => found,
         };
-        Ok((amplitudes, largest, unstable))
+        Ok((amplitudes, residuals, largest, unstable))
     })?;
     let assembled = &model.cached.model;
     for (index, largest) in largest.into_iter().enumerate() {
@@ -150,6 +195,7 @@ pub fn synchronous<'py>(
     let dict = PyDict::new(py);
     let (rows, shafts) = (speeds.len(), assembled.shafts.len());
     dict.set_item("amplitudes", stack(py, values, rows, shafts, assembled.len())?)?;
+    dict.set_item("residuals", residuals.into_pyarray(py))?;
     dict.set_item("bearing_force", stack(py, forces, rows, shafts, 2 * bearings.len())?)?;
     dict.set_item("bearings", bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
     let bow: Vec<Complex<f64>> = assembled.numbering.to_user_order(analysis::bow(assembled).as_slice());

@@ -27,6 +27,8 @@ mod _core {
     #[pymodule_export]
     use super::convert::connection_channels;
     #[pymodule_export]
+    use super::frequency::whirl_classes;
+    #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]
     use super::speed::check_speed;

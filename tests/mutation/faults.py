@@ -394,11 +394,17 @@ FAULTS: list[Fault] = [
         "system/linear.py",
         "tables",
         (
-            "bearing.update(place, stiffness=float(stiffness))",
-            "bearing.update(place, stiffness=2.0 * float(stiffness))",
+            ".critical_speed_map(wanted, excitation, count)",
+            ".critical_speed_map(2.0 * wanted, excitation, count)",
         ),
-        (".critical_speeds(excitation, count)", ".critical_speeds(1.0, count)"),
-        ("CriticalSpeedMap(wanted, excitation,", "CriticalSpeedMap(wanted, 1.0,"),
+        (
+            ".critical_speed_map(wanted, excitation, count)",
+            ".critical_speed_map(wanted, 1.0, count)",
+        ),
+        (
+            "CriticalSpeedMap.from_rows(wanted, excitation,",
+            "CriticalSpeedMap.from_rows(wanted, 1.0,",
+        ),
         (
             "self._model.campbell(wanted, count, harmonics)",
             "self._model.campbell(wanted, count, 1)",

@@ -225,3 +225,21 @@ def test_a_waterfall_has_a_ridge_along_each_order():
         gb.waterfall([runs[0], system.simulate(0.5, 50.0, output_step=1e-3)], "g1")
     with pytest.raises(gb.GearbowError, match="at least one run"):
         gb.waterfall([], "g1")
+
+
+def test_the_order_of_a_force_is_among_the_orders(tmp_path):
+    # order 2.5 of a shaft that turns at half of the speed
+    system = train().replace(
+        forces=[gb.Force("g2", 50.0, order=2.5), gb.Force("g1", 1.0, order=-2)]
+    )
+    kinematics = Kinematics.of(system)
+    names = {name: order.value for order in kinematics.orders() for name in order.names}
+    assert names["2.5× force at g2"] == pytest.approx(1.25)
+    assert names["2× force at g1"] == names["2× input"]
+    response = system.simulate(1.0, SPEED, record=["g2"], output_step=1e-3)
+    found = response.orders("g2", "v", skip_time=0.4, mesh_harmonics=1)
+    # an order between those of the shafts, 1 and 1.5, that nothing else excites
+    assert found.amplitude("2.5× force at g2") > 1e-8
+    assert found.rest_share < 1e-3
+    response.save(tmp_path / "run.npz")
+    assert gb.Response.load(tmp_path / "run.npz").kinematics == kinematics

@@ -202,7 +202,7 @@ fn amplitudes(cached: &CachedModel, options: &Options, speed: f64) -> Result<DMa
     for shaft in sources {
         let column = match &subspace {
             Some(subspace) => synchronous_in(subspace, cached, speed, flank_speed, shaft)?,
-            None => synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Both)?,
+            None => synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Both)?.phasors,
         };
         amplitudes.set_column(shaft, &column);
     }

@@ -62,9 +62,10 @@ impl<'m> ModalSetup<'m> {
                 let forces = || motion.rotating_forces(shaft);
                 let amplitude = match subspace {
                     Some(subspace) => synchronous_in(subspace, cached, speed, speed, shaft)?,
-                    None => linear
-                        .synchronous(motion.spin(shaft), &forces())
-                        .map_or_else(|| synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both), Ok)?,
+                    None => match linear.synchronous(motion.spin(shaft), &forces()) {
+                        Some(found) => found,
+                        None => synchronous_of(cached, speed, speed, shaft, ExcitationPart::Both)?.phasors,
+                    },
                 };
                 amplitudes.set_column(shaft, &amplitude);
             }
