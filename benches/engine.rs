@@ -63,7 +63,7 @@ fn damped_modes(criterion: &mut Criterion) {
         let cached = cached(elements, true);
         cached.real_modes(SPEED).unwrap();
         group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
-            bencher.iter(|| modal::modes(black_box(&cached), SPEED).unwrap());
+            bencher.iter(|| modal::modes(black_box(&cached), SPEED, usize::MAX).unwrap());
         });
     }
 }

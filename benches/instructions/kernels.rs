@@ -96,7 +96,7 @@ fn real_modes() -> Work {
 fn damped_modes() -> Work {
     let cached = leak(cached(SMALL, true));
     Box::new(move || {
-        black_box(modal::modes(cached, SPEED).unwrap());
+        black_box(modal::modes(cached, SPEED, usize::MAX).unwrap());
     })
 }
 

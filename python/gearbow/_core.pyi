@@ -45,6 +45,7 @@ __all__ = [
     "section_length",
     "steady_state",
     "user_order",
+    "whirl_classes",
 ]
 
 __version__: str
@@ -93,6 +94,9 @@ class Model:
     def critical_speeds(
         self, excitation: float, count: int | None = None
     ) -> list[tuple[float, str]]: ...
+    def critical_speed_map(
+        self, stiffnesses: Array, excitation: float, count: int | None = None
+    ) -> list[list[tuple[float, str, float, int]]]: ...
     def synchronous(self, speeds: Array, excitation: str = "both") -> SynchronousData: ...
     def peaks(
         self,
@@ -159,3 +163,4 @@ def multipliers(
     progress: Callable[[float], object] | None,
     **options: Unpack[RunOptions],
 ) -> ComplexArray: ...
+def whirl_classes() -> list[str]: ...

@@ -54,6 +54,7 @@ class ModesData(TypedDict):
     frequencies_hz: Array
     damping_ratios: Array
     whirl: list[str]
+    residuals: Array
     shapes: ComplexArray
     kinetic_shares: Array
 
@@ -61,8 +62,8 @@ class ModesData(TypedDict):
 class CampbellData(TypedDict):
     """Modes at k speeds, (k, m), their intersections with excitation lines, and thresholds.
 
-    A threshold has the mode, its speed and frequency [rad/s], the whirl, and whether the mode is
-    unstable above it.
+    A threshold has the mode, its speed and frequency [rad/s], the whirl, whether the mode is
+    unstable above it, and the residual.
     """
 
     eigenvalues: ComplexArray
@@ -74,13 +75,15 @@ class CampbellData(TypedDict):
     intersection_speeds: Array
     intersection_eigenvalues: ComplexArray
     intersection_whirl: list[str]
-    thresholds: list[tuple[int, float, float, str, bool]]
+    intersection_residuals: Array
+    thresholds: list[tuple[int, float, float, str, bool, float]]
 
 
 class SynchronousData(TypedDict):
     """Phasors by speed, source shaft and degree of freedom; bearing forces as (y, z) pairs."""
 
     amplitudes: ComplexArray
+    residuals: Array
     bearings: list[tuple[str, float]]
     bearing_force: ComplexArray
     bow: ComplexArray

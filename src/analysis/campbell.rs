@@ -11,6 +11,7 @@
 //!
 //! Of a large model only the lowest modes are computed at each speed, a few more than are tracked.
 
+mod assignment;
 mod state;
 mod threshold;
 
@@ -18,22 +19,17 @@ use std::rc::Rc;
 
 use nalgebra::Complex;
 
-use super::modes::{lowest_modes, uses_bands};
+use super::modes::{lowest_modes, require, uses_bands};
 use super::{AnalysisError, Interrupt};
-use crate::modal::{self, AtSpeed, CachedModel, OrderIntersection, Quadratic, Whirl};
+use crate::modal::{self, AtSpeed, CachedModel, Forces, Mode, OrderIntersection, Quadratic, Whirl};
 use crate::scene::EntryPath;
+use assignment::MIN_CORRELATION;
+pub(super) use assignment::{Assignment, equal};
 use state::State;
 pub use threshold::Threshold;
 
-/// Smallest |yᴴy'|² of a mode in a speed step; with a smaller value the step is halved.
-const MIN_CORRELATION: f64 = 0.9;
-/// Two modes that exchange their order are treated as crossing if the mixing of their shapes is below this limit. A veering
-/// that takes less than a hundredth of the speed step is therefore treated as a crossing.
-const MAX_MIXING_OF_CROSSING: f64 = 1e-4;
 /// Largest number of times that a step is halved.
 const MAX_HALVINGS: u32 = 10;
-/// Relative difference below which eigenvalues are equal. Their shapes may then be any combination.
-const EQUAL_TOLERANCE: f64 = 1e-7;
 /// Fraction of the first step at which modes with equal eigenvalues at the first speed are distinguished.
 const START_OFFSET: f64 = 1e-3;
 /// Smallest |yᴴy'|² between a mode and its intersection with a line.
@@ -76,6 +72,8 @@ pub struct Intersection {
     pub eigenvalue: Complex<f64>,
     /// Direction of whirl of the mode.
     pub whirl: Whirl,
+    /// The larger one of |Im λ/(order·Ω) − 1| and the residual of the mode.
+    pub residual: f64,
 }
 
 /// A Campbell diagram.
@@ -171,13 +169,6 @@ struct Tracker<'a> {
     thresholds: Vec<Threshold>,
 }
 
-/// Assignment of the states at a new speed to the tracked modes.
-struct Assignment {
-    states: Vec<usize>,
-    /// Whether the assignment is reliable.
-    clear: bool,
-}
-
 impl<'a> Tracker<'a> {
     fn new(
         cached: &'a CachedModel,
@@ -265,7 +256,7 @@ impl<'a> Tracker<'a> {
         }
         for (mode, index) in self.modes.iter_mut().zip(assignment.states) {
             let state = &states[index];
-            let distinct = states.iter().filter(|other| equal(other, state)).count() == 1;
+            let distinct = states.iter().filter(|other| equal(other.eigenvalue, state.eigenvalue)).count() == 1;
             (mode.eigenvalue, mode.whirl) = (state.eigenvalue, state.whirl);
             if distinct {
                 *mode = state.clone();
@@ -276,38 +267,10 @@ impl<'a> Tracker<'a> {
     }
 
     fn assign(&self, states: &[State]) -> Assignment {
-        let own: Vec<Vec<f64>> =
+        let correlations: Vec<Vec<f64>> =
             self.modes.iter().map(|mode| states.iter().map(|state| mode.correlation(state)).collect()).collect();
-        // Among equal eigenvalues any state is correct; the correlation is the sum over all of them.
-        let shared = |mode: usize, index: usize| {
-            let together = (0..states.len()).filter(|other| equal(&states[*other], &states[index]));
-            together.map(|other| own[mode][other]).sum::<f64>()
-        };
-        let mut pairs: Vec<(f64, usize, usize)> = (0..self.modes.len())
-            .flat_map(|mode| (0..states.len()).map(move |index| (mode, index)))
-            .filter(|(mode, index)| own[*mode][*index] > f64::EPSILON)
-            .map(|(mode, index)| (shared(mode, index) + MAX_MIXING_OF_CROSSING * own[mode][index], mode, index))
-            .collect();
-        pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let (mut taken, mut assigned) = (vec![false; states.len()], vec![None; self.modes.len()]);
-        for (_, mode, index) in &pairs {
-            if assigned[*mode].is_none() && !taken[*index] {
-                (assigned[*mode], taken[*index]) = (Some(*index), true);
-            }
-        }
-        let mut free = (0..states.len()).filter(|index| !taken[*index]);
-        let found: Vec<usize> =
-            assigned.iter().map(|index| index.or_else(|| free.next()).unwrap_or_default()).collect();
-        let kept = found.iter().enumerate().all(|(mode, index)| shared(mode, *index) > MIN_CORRELATION);
-        let mixed = |a: usize, b: usize| own[a][found[b]].max(own[b][found[a]]) > MAX_MIXING_OF_CROSSING;
-        let passed = |a: usize, b: usize| {
-            let gap = |a: &State, b: &State| (a.eigenvalue.im - b.eigenvalue.im) / (a.eigenvalue.im + b.eigenvalue.im);
-            let (before, after) = (gap(&self.modes[a], &self.modes[b]), gap(&states[found[a]], &states[found[b]]));
-            before * after < 0.0 && before.abs().min(after.abs()) > EQUAL_TOLERANCE
-        };
-        let count = self.modes.len();
-        let clear = kept && !(0..count).any(|b| (0..b).any(|a| passed(a, b) && mixed(a, b)));
-        Assignment { states: found, clear }
+        let values = |of: &[State]| of.iter().map(|state| state.eigenvalue).collect::<Vec<_>>();
+        Assignment::new(&correlations, &values(&self.modes), &values(states), usize::MAX)
     }
 
     /// Stores the intersections of a mode with all lines between two speeds.
@@ -317,17 +280,30 @@ impl<'a> Tracker<'a> {
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
             if above[0] != above[1] {
                 self.interrupt.check()?;
-                let (speed, eigenvalue, whirl) = if self.has_newton() {
+                let (speed, eigenvalue, whirl, residual) = if self.has_newton() {
                     let met = self.intersection(order, ends, 0)?;
-                    let whirl = modal::whirl(&self.cached.model, met.speed, met.eigenvalue, &met.shape);
-                    (met.speed, met.eigenvalue, whirl)
+                    let OrderIntersection { speed, eigenvalue, shape } = &met;
+                    let whirl = modal::whirl(&self.cached.model, *speed, *eigenvalue, shape);
+                    let residual = modal::residual(self.cached, *speed, *eigenvalue, shape, Forces::All)?;
+                    (*speed, *eigenvalue, whirl, residual)
                 } else {
                     // Without Newton's method.
                     let gap = |speed: f64, state: &State| state.eigenvalue.im - order * speed;
                     let (speed, state) = self.root_of(ends, gap)?;
-                    (speed, state.eigenvalue, state.whirl)
+                    (speed, state.eigenvalue, state.whirl, state.residual)
                 };
-                self.intersections.push(Intersection { mode, line, speed, eigenvalue, whirl });
+                let residual = residual.with((eigenvalue.im / (order * speed) - 1.0).abs());
+                require(residual, || {
+                    format!("the intersection of mode {} with the order {order} at {speed} rad/s", mode + 1)
+                })?;
+                self.intersections.push(Intersection {
+                    mode,
+                    line,
+                    speed,
+                    eigenvalue,
+                    whirl,
+                    residual: residual.value,
+                });
             }
         }
         Ok(())
@@ -357,7 +333,10 @@ impl<'a> Tracker<'a> {
         let within = |met: &OrderIntersection| {
             let slack = 1e-9 * high.0;
             met.speed >= low.0 - slack && met.speed <= high.0 + slack && {
-                let known = State::of_intersection(&self.basis.model, met);
+                let shape = met.shape.clone();
+                let (whirl, residual) = (Whirl::Coupled, nearest.residual);
+                let mode = Mode { eigenvalue: met.eigenvalue, shape, whirl, residual };
+                let known = State::new(&self.basis.model, met.speed, mode);
                 ends.iter().any(|(_, state)| known.correlation(state) > MIN_CORRELATION_ON_LINE)
             }
         };
@@ -380,8 +359,4 @@ impl<'a> Tracker<'a> {
         let halves = if above(low) == above(between) { [between, high] } else { [low, between] };
         self.intersection(order, halves, halved + 1)
     }
-}
-
-fn equal(a: &State, b: &State) -> bool {
-    (a.eigenvalue - b.eigenvalue).norm() <= EQUAL_TOLERANCE * a.eigenvalue.norm()
 }

@@ -1,12 +1,14 @@
 //! Undamped critical speeds from an eigenvalue problem in the speed.
 
+mod map;
 mod speed_dependent;
 
-use super::modes::has_structure;
+use super::modes::{has_structure, require};
 use super::{AnalysisError, Dense, Interrupt};
-use crate::modal::{self, CachedModel, Quadratic, Whirl};
+use crate::modal::{self, CachedModel, Forces, OrderIntersection, Quadratic, Whirl};
 use crate::model::Model;
 use crate::scene::EntryPath;
+pub use map::{CriticalPoint, critical_speed_map};
 
 /// Speed for the equilibrium of rolling bearings, rad/s, where no table has another lowest one: their stiffness depends on the
 /// direction of rotation only, which decides on the loaded flanks.
@@ -19,6 +21,8 @@ pub struct Critical {
     pub speed: f64,
     /// Direction of whirl of the mode.
     pub whirl: Whirl,
+    /// Residual of the undamped mode with the frequency `excitation`·Ω.
+    pub residual: f64,
 }
 
 /// The lowest speeds Ω, in ascending order and at most `count`, at which an undamped mode has the frequency `excitation`·Ω (Nelson and McVaugh, J. Eng.
@@ -49,6 +53,11 @@ pub fn critical_speeds(
         found.truncate(count);
         return Ok(found);
     }
+    modes(cached, excitation, count)?.into_iter().map(|met| named(cached, &met, interrupt)).collect()
+}
+
+/// The `count` lowest critical speeds of a model whose coefficients do not depend on the speed, with their modes.
+fn modes(cached: &CachedModel, excitation: f64, count: usize) -> Result<Vec<OrderIntersection>, AnalysisError> {
     let mut found = None;
     if has_structure(&cached.model, count) {
         found = modal::lowest_critical(cached, excitation, count)?;
@@ -61,7 +70,7 @@ pub fn critical_speeds(
         }
     };
     found.truncate(count);
-    found.into_iter().map(|met| named(cached, met, interrupt)).collect()
+    Ok(found)
 }
 
 /// Memory that [`critical_speeds`] needs at first.
@@ -69,13 +78,12 @@ pub fn memory_of_critical_speeds(model: &Model, count: usize) -> Dense {
     if model.bearings.is_empty() && has_structure(model, count) { Dense::Bands } else { Dense::Undamped }
 }
 
-/// A critical speed with the whirl of its mode.
-fn named(
-    cached: &CachedModel,
-    met: modal::OrderIntersection,
-    interrupt: &Interrupt,
-) -> Result<Critical, AnalysisError> {
+/// A critical speed with whirl and residual of its mode.
+fn named(cached: &CachedModel, met: &OrderIntersection, interrupt: &Interrupt) -> Result<Critical, AnalysisError> {
     interrupt.check()?;
-    let whirl = modal::whirl(&cached.model, met.speed, met.eigenvalue, &met.shape);
-    Ok(Critical { speed: met.speed, whirl })
+    let OrderIntersection { speed, eigenvalue, shape } = met;
+    let residual = modal::residual(cached, *speed, *eigenvalue, shape, Forces::Undamped)?;
+    require(residual, || format!("the mode at the critical speed {speed} rad/s"))?;
+    let whirl = modal::whirl(&cached.model, *speed, *eigenvalue, shape);
+    Ok(Critical { speed: *speed, whirl, residual: residual.value })
 }

@@ -19,7 +19,7 @@ pub mod steady;
 mod synchronous;
 
 pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, Threshold, campbell, lines};
-pub use critical::{Critical, critical_speeds, memory_of_critical_speeds};
+pub use critical::{Critical, CriticalPoint, critical_speed_map, critical_speeds, memory_of_critical_speeds};
 pub use diagnostics::{ill_conditioning, small_displacement_check};
 pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;
@@ -29,6 +29,6 @@ pub use memory::{Dense, Kept, product};
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
 pub use resolution::{Choice, Resolved, expected_error, resolve, resolve_variation};
-pub use responses::{Responses, memory_of_responses, synchronous};
+pub use responses::{Response, Responses, memory_of_responses, synchronous};
 pub use stability::Spectrum;
-pub use synchronous::{ExcitationPart, bearing_forces, bow};
+pub use synchronous::{ExcitationPart, SourceResponse, bearing_forces, bow};

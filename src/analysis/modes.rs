@@ -2,7 +2,7 @@
 
 use super::synchronous::MAX_DENSE;
 use super::{AnalysisError, Dense};
-use crate::modal::{self, CachedModel, Mode};
+use crate::modal::{self, CachedModel, Mode, Residual};
 use crate::model::Model;
 
 /// Smallest number of degrees of freedom for which band matrices are faster than dense ones.
@@ -31,22 +31,45 @@ pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
 /// from dense matrices, which take minutes with 2000 degrees of freedom.
 ///
 /// # Errors
-/// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, or dense matrices are needed and
-/// are too large.
+/// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, dense matrices are needed and
+/// are too large, or a mode does not satisfy the equations of motion.
 pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
     let cached = cached.at_speed(speed)?;
     if uses_bands(&cached.model, count) {
         if let Some(modes) = modal::structured_modes(&cached, speed, count)? {
-            return Ok(modes);
+            return accurate(modes, speed);
         }
         if cached.model.len() > MAX_DENSE {
             return Err(too_large(&cached.model, speed, count));
         }
         Dense::Damped.require(&cached.model)?;
     }
-    let mut modes = modal::modes(&cached, speed)?;
-    modes.truncate(count);
+    accurate(modal::modes(&cached, speed, count)?, speed)
+}
+
+/// The modes, if all of them satisfy the equations of motion at `speed`, rad/s.
+fn accurate(modes: Vec<Mode>, speed: f64) -> Result<Vec<Mode>, AnalysisError> {
+    for (index, mode) in modes.iter().enumerate() {
+        let name = || format!("mode {} with {} Hz at {speed} rad/s", index + 1, mode.frequency_hz());
+        require(mode.residual, name)?;
+    }
     Ok(modes)
+}
+
+/// Refuses a mode called `name` that does not satisfy the equations of motion.
+///
+/// # Errors
+/// [`AnalysisError`] with name, residual and limit.
+pub(super) fn require(residual: Residual, name: impl Fn() -> String) -> Result<(), AnalysisError> {
+    if residual.is_accurate() {
+        return Ok(());
+    }
+    Err(AnalysisError::Convergence(format!(
+        "{} does not satisfy the equations of motion: its residual is {:.3e}, above the limit {:.1e}; look for stiffnesses or masses of very different size, or change the speed",
+        name(),
+        residual.value,
+        residual.limit
+    )))
 }
 
 /// The error of a model that needs dense matrices for its lowest modes and is too large for them.

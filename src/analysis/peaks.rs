@@ -58,7 +58,7 @@ pub fn peaks(
     let responses = Responses::new(cached);
     let displacement = |speed: f64| -> Result<[Complex<f64>; 2], AnalysisError> {
         interrupt.check()?;
-        let amplitudes = &responses.at(speed, &[probe.source], probe.part)?[0];
+        let amplitudes = &responses.at(speed, &[probe.source], probe.part)?[0].phasors;
         Ok([amplitudes[probe.index], amplitudes[probe.index + 1]])
     };
     let run_out = probe.slow_roll.map(displacement).transpose()?.unwrap_or_default();

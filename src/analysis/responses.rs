@@ -2,9 +2,9 @@
 
 use std::cell::OnceCell;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix};
 
-use super::synchronous::{MAX_DENSE, rotating_force, synchronous_of};
+use super::synchronous::{MAX_DENSE, SourceResponse, rotating_force, synchronous_of};
 use super::{AnalysisError, Dense, ExcitationPart};
 use crate::linalg::DecompositionError;
 use crate::modal::{AtSpeed, CachedModel, RotatingResponse};
@@ -33,7 +33,16 @@ pub fn synchronous(
     speed: f64,
     part: ExcitationPart,
 ) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    Responses::new(cached).all(speed, part)
+    Ok(Responses::new(cached).all(speed, part)?.amplitudes)
+}
+
+/// Synchronous response at one speed.
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// Phasors a in m and rad: one column for each source shaft, in the coordinate order of the core.
+    pub amplitudes: DMatrix<Complex<f64>>,
+    /// Largest relative residual of the equations over the source shafts.
+    pub residual: f64,
 }
 
 /// Synchronous responses of a model. The meshes are linearised at rest.
@@ -49,16 +58,19 @@ impl<'a> Responses<'a> {
         Self { cached, damped: Default::default() }
     }
 
-    /// Phasors a at `speed`, rad/s, in m and rad: one column for each source shaft, in the coordinate order of the core.
+    /// The response at `speed`, rad/s.
     ///
     /// # Errors
     /// [`AnalysisError`] if a response has no accurate solution.
-    pub fn all(&self, speed: f64, part: ExcitationPart) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+    pub fn all(&self, speed: f64, part: ExcitationPart) -> Result<Response, AnalysisError> {
         let sources: Vec<usize> = (0..self.cached.model.shafts.len()).collect();
-        Ok(DMatrix::from_columns(&self.at(speed, &sources, part)?))
+        let found = self.at(speed, &sources, part)?;
+        let residual = found.iter().map(|response| response.residual).fold(0.0, f64::max);
+        let columns: Vec<_> = found.into_iter().map(|response| response.phasors).collect();
+        Ok(Response { amplitudes: DMatrix::from_columns(&columns), residual })
     }
 
-    /// The same for some source shafts: n entries for each.
+    /// The same for some source shafts.
     ///
     /// # Errors
     /// As [`Self::all`].
@@ -67,7 +79,7 @@ impl<'a> Responses<'a> {
         speed: f64,
         sources: &[usize],
         part: ExcitationPart,
-    ) -> Result<Vec<DVector<Complex<f64>>>, AnalysisError> {
+    ) -> Result<Vec<SourceResponse>, AnalysisError> {
         match self.cached.at_speed(speed)? {
             AtSpeed::Same(_) => sources.iter().map(|source| self.one(speed, *source, part)).collect(),
             // Bearings that depend on the speed change the undamped modes.
@@ -79,7 +91,7 @@ impl<'a> Responses<'a> {
     }
 
     /// The response to one source shaft of a model with the coefficients of `speed`, rad/s.
-    fn one(&self, speed: f64, source: usize, part: ExcitationPart) -> Result<DVector<Complex<f64>>, AnalysisError> {
+    fn one(&self, speed: f64, source: usize, part: ExcitationPart) -> Result<SourceResponse, AnalysisError> {
         let model = &self.cached.model;
         let spin = model.shafts[source].ratio * speed;
         // At standstill modal damping has no effect.
@@ -87,12 +99,15 @@ impl<'a> Responses<'a> {
             return synchronous_of(self.cached, speed, speed, source, part);
         }
         let Some(force) = rotating_force(model, spin, source, part) else {
-            return Ok(DVector::zeros(model.len()));
+            return Ok(SourceResponse::zero(model));
         };
         let damped = self.damped[model.rotation(speed) as usize]
             .get_or_init(|| RotatingResponse::new(model, speed, self.cached.spectral_range(speed)?));
         match damped.as_ref().map_err(|error| *error)?.solve([speed, spin], &force) {
-            Some((found, _)) => Ok(found),
+            Some(found) => {
+                let response = SourceResponse { phasors: found.phasors, residual: found.residual };
+                response.checked(speed, &model.scene.shafts[source].name)
+            }
             None if model.len() <= MAX_DENSE => synchronous_of(self.cached, speed, speed, source, part),
             None => Err(AnalysisError::Convergence(format!(
                 "the synchronous response at {speed} rad/s with modal damping has no accurate solution; change the speed or the modal damping, or use at most {MAX_DENSE} degrees of freedom, for which dense matrices are used"

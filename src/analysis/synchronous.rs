@@ -6,7 +6,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::{AnalysisError, Dense};
-use crate::linalg::{CoupledFactors, Singular, solve_complex};
+use crate::linalg::{CoupledFactors, Singular, backward_error, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Projected};
 use crate::model::{Excitation, Model};
 use crate::scene::Node;
@@ -25,6 +25,42 @@ pub enum ExcitationPart {
 
 /// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
 pub(super) const MAX_DENSE: usize = 2000;
+
+/// Largest relative residual of a response. The solvers of band matrices reach 1e-11, those with modal damping 1e-11 in the
+/// energy; a larger one is a failure.
+const MAX_RESIDUAL: f64 = 1e-9;
+
+/// Response to the rotation of one shaft.
+#[derive(Clone, Debug)]
+pub struct SourceResponse {
+    /// Phasors a, n entries in the order of the core, m and rad.
+    pub phasors: DVector<Complex<f64>>,
+    /// Relative residual of the equations: the componentwise backward error max |f − S a|/(|S||a| + |f|); of a large model with
+    /// modal damping, the part of the response in the energy norm.
+    pub residual: f64,
+}
+
+impl SourceResponse {
+    /// The response without force.
+    pub(super) fn zero(model: &Model) -> Self {
+        Self { phasors: DVector::zeros(model.len()), residual: 0.0 }
+    }
+
+    /// The response at a speed, rad/s, to the shaft called `source`.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if it does not satisfy the equations.
+    pub(super) fn checked(self, speed: f64, source: &str) -> Result<Self, AnalysisError> {
+        // A residual that is not a number is refused as well.
+        if self.residual <= MAX_RESIDUAL {
+            return Ok(self);
+        }
+        Err(AnalysisError::Convergence(format!(
+            "the synchronous response to shaft \"{source}\" at {speed} rad/s does not satisfy the equations of motion: its residual is {:.3e}, above the limit {MAX_RESIDUAL:.1e}; add damping or change the speed",
+            self.residual
+        )))
+    }
+}
 
 /// The error of a speed without an accurate response, rad/s.
 fn unsolved(speed: f64) -> AnalysisError {
@@ -66,33 +102,34 @@ pub fn bearing_forces(
     nodes.iter().map(force).collect()
 }
 
-/// Phasors a at `speed` for one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s.
+/// Response at `speed` to one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s.
 ///
 /// # Errors
-/// [`AnalysisError`] if the undamped modes cannot be found.
+/// [`AnalysisError`] if the undamped modes cannot be found, or the response does not satisfy the equations.
 pub(super) fn synchronous_of(
     cached: &CachedModel,
     speed: f64,
     flank_speed: f64,
     source: usize,
     part: ExcitationPart,
-) -> Result<DVector<Complex<f64>>, AnalysisError> {
+) -> Result<SourceResponse, AnalysisError> {
     let cached = cached.at_speed(speed)?;
     let model = &cached.model;
     let spin = model.shafts[source].ratio * speed;
     let Some(force) = rotating_force(model, spin, source, part) else {
-        return Ok(DVector::zeros(model.len()));
+        return Ok(SourceResponse::zero(model));
     };
+    let name = &model.scene.shafts[source].name;
     // The matrix of modal damping is full; at standstill it has no effect.
     if model.scene.modal_damping == 0.0 || spin == 0.0 {
         match without_modal_damping(&cached, [speed, spin], flank_speed, &force)? {
-            Some(found) => return Ok(found),
+            Some(found) => return found.checked(speed, name),
             // At an undamped critical speed the response is very large: the dense solution shows its size.
             None if model.len() <= MAX_DENSE => {}
             None => return Err(unsolved(speed)),
         }
     }
-    solve_dense(&cached, [speed, spin], flank_speed, force)
+    solve_dense(&cached, [speed, spin], flank_speed, force)?.checked(speed, name)
 }
 
 /// Phasors a at `speed` for one source shaft of a run in a `subspace`, whose modes modal damping acts on.
@@ -113,9 +150,9 @@ pub(super) fn synchronous_in(
         return Ok(DVector::zeros(model.len()));
     };
     match without_modal_damping(&at_speed, [speed, spin], flank_speed, &force)? {
-        Some(found) if model.scene.modal_damping == 0.0 => Ok(found),
-        Some(found) => Ok(subspace.with_modal_damping(model, spin, found)),
-        None => synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both),
+        Some(found) if model.scene.modal_damping == 0.0 => Ok(found.phasors),
+        Some(found) => Ok(subspace.with_modal_damping(model, spin, found.phasors)),
+        None => Ok(synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both)?.phasors),
     }
 }
 
@@ -151,7 +188,7 @@ fn without_modal_damping(
     [speed, spin]: [f64; 2],
     flank_speed: f64,
     force: &DVector<Complex<f64>>,
-) -> Result<Option<DVector<Complex<f64>>>, AnalysisError> {
+) -> Result<Option<SourceResponse>, AnalysisError> {
     let found = cached.dynamic_factors(DynamicKey { speed, spin, flank_speed })?;
     let Ok(factors) = &found.factors else {
         return Ok(None);
@@ -159,7 +196,7 @@ fn without_modal_damping(
     let Ok(mut solution) = solve_structured(&cached.model, factors, force) else {
         return Ok(None);
     };
-    found.pins.remove_null_motions(&mut solution);
+    found.pins.remove_null_motions(&mut solution.phasors);
     Ok(Some(solution))
 }
 
@@ -168,10 +205,12 @@ fn solve_structured(
     model: &Model,
     factors: &CoupledFactors,
     force: &DVector<Complex<f64>>,
-) -> Result<DVector<Complex<f64>>, Singular> {
-    let mut x = model.to_circular(force.as_slice());
+) -> Result<SourceResponse, Singular> {
+    let right = model.to_circular(force.as_slice());
+    let mut x = right.clone();
     factors.solve(&mut x)?;
-    Ok(DVector::from_vec(model.from_circular(&x)))
+    let residual = factors.backward_error(&right, &x);
+    Ok(SourceResponse { phasors: DVector::from_vec(model.from_circular(&x)), residual })
 }
 
 /// The same with the dense matrix, which may contain modal damping; `speed` and `spin` in rad/s.
@@ -180,7 +219,7 @@ fn solve_dense(
     [speed, spin]: [f64; 2],
     flank_speed: f64,
     force: DVector<Complex<f64>>,
-) -> Result<DVector<Complex<f64>>, AnalysisError> {
+) -> Result<SourceResponse, AnalysisError> {
     let model = &cached.model;
     Dense::Undamped.require(model)?;
     let (mass, stiffness) = (model.mass_matrix(), model.stiffness_matrix(flank_speed));
@@ -196,8 +235,10 @@ fn solve_dense(
         let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
         dynamic += (&weighted * weighted.transpose() * (lowest * lowest)).map(|value| Complex::new(value, 0.0));
     }
-    let force = DMatrix::from_column_slice(model.len(), 1, force.as_slice());
-    Ok(solve_complex(&dynamic, &force).column(0).into_owned())
+    let right = DMatrix::from_column_slice(model.len(), 1, force.as_slice());
+    let phasors = solve_complex(&dynamic, &right).column(0).into_owned();
+    let residual = backward_error(&dynamic, &force, &phasors);
+    Ok(SourceResponse { phasors, residual })
 }
 
 /// Displacement and velocity of the synchronous motion at the shaft angles e^{iϑ_s} = `rotations[s]`.

@@ -245,6 +245,12 @@ impl CoupledFactors {
         }
     }
 
+    /// Componentwise backward error max |f − S x|/(|S||x| + |f|) of a solution x, with f = `right` (Oettli and Prager, Numer.
+    /// Math. 6, 1964).
+    pub fn backward_error(&self, right: &[Complex64], x: &[Complex64]) -> f64 {
+        self.residual(right, x).1
+    }
+
     /// Residual f − S x and the componentwise backward error max |f − S x|/(|S||x| + |f|), with f = `right`.
     fn residual(&self, right: &[Complex64], x: &[Complex64]) -> (Vec<Complex64>, f64) {
         let floor = NEGLIGIBLE * x.iter().map(|value| value.l1_norm()).fold(0.0, f64::max);

@@ -36,6 +36,22 @@ impl From<Singular> for DecompositionError {
     }
 }
 
+/// Componentwise backward error max |f − A x|/(|A||x| + |f|) of a solution x of A x = f (Oettli and Prager, Numer. Math. 6,
+/// 1964).
+pub fn backward_error(matrix: &DMatrix<Complex<f64>>, right: &DVector<Complex<f64>>, x: &DVector<Complex<f64>>) -> f64 {
+    let (mut residual, mut sizes) = (right.clone(), right.map(|value| value.l1_norm()));
+    for (column, x) in matrix.column_iter().zip(x) {
+        for (row, value) in column.iter().enumerate() {
+            let term = value * x;
+            residual[row] -= term;
+            sizes[row] += term.l1_norm();
+        }
+    }
+    let ratios = residual.iter().zip(&sizes).filter(|(_, size)| **size != 0.0);
+    // `f64::max` would ignore NaN.
+    ratios.map(|(value, size)| value.l1_norm() / size).fold(0.0, |most, one| if one <= most { most } else { one })
+}
+
 /// Eigenvalues and right eigenvectors of an n × n matrix, in no particular order.
 #[derive(Clone, Debug)]
 pub struct Eigen {

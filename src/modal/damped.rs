@@ -10,6 +10,8 @@ use super::cached::CachedModel;
 use super::eigenvectors::{damped, physical, undamped};
 use super::lowest::lowest;
 use super::lowest_damped::lowest_damped;
+use super::residual::{Forces, Residual, Residuals};
+use super::shift_invert::Eigenpair;
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::DecompositionError;
 use crate::model::Model;
@@ -27,6 +29,8 @@ pub struct Mode {
     pub shape: DVector<Complex<f64>>,
     /// Type of motion.
     pub whirl: Whirl,
+    /// Residual of the equations of motion.
+    pub residual: Residual,
 }
 
 impl Mode {
@@ -53,25 +57,25 @@ impl Mode {
     }
 }
 
-/// All modes at `speed` of the reference shaft, rad/s, in ascending order of frequency.
+/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from dense matrices.
 ///
 /// # Errors
 /// [`DecompositionError`] if a decomposition fails.
-pub fn modes(cached: &CachedModel, speed: f64) -> Result<Vec<Mode>, DecompositionError> {
+pub fn modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, DecompositionError> {
     let real = cached.real_modes(speed)?;
     let order = cached.first_order(speed)?;
     let (eigenvalues, coordinates) = if order.undamped { undamped(real) } else { damped(real, &order)? };
-    let classifier = Classifier::new(&cached.model, speed);
-    let mode = |(eigenvalue, coordinates): (Complex<f64>, &DVector<Complex<f64>>)| {
-        let shape = normalized(physical(real, coordinates));
-        let whirl = classifier.classify(eigenvalue, &shape);
-        Mode { eigenvalue, shape, whirl }
+    let ratio = cached.model.scene.modal_damping;
+    let pair = |(value, coordinates): (Complex<f64>, &DVector<Complex<f64>>)| {
+        let shape = physical(real, coordinates);
+        let modal_damping = (ratio > 0.0).then(|| real.damping_force(&cached.model, ratio, &shape));
+        Eigenpair { value, shape, modal_damping }
     };
-    let mut modes: Vec<Mode> = eigenvalues.into_iter().zip(&coordinates).map(mode).collect();
-    modes.sort_by(|a, b| {
-        a.eigenvalue.im.total_cmp(&b.eigenvalue.im).then(a.eigenvalue.norm().total_cmp(&b.eigenvalue.norm()))
-    });
-    Ok(modes)
+    let mut order: Vec<usize> = (0..eigenvalues.len()).collect();
+    let key = |index: &usize| (eigenvalues[*index].im, eigenvalues[*index].norm());
+    order.sort_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
+    order.truncate(count);
+    modes_of(cached, speed, order.into_iter().map(|index| pair((eigenvalues[index], &coordinates[index]))))
 }
 
 /// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from the band
@@ -91,13 +95,23 @@ pub fn structured_modes(
         Some(found) => Some(found),
         None => lowest_damped(cached, speed, count)?,
     };
+    found.map(|pairs| modes_of(cached, speed, pairs.into_iter())).transpose()
+}
+
+/// Modes with their whirl and their residuals.
+fn modes_of(
+    cached: &CachedModel,
+    speed: f64,
+    pairs: impl Iterator<Item = Eigenpair>,
+) -> Result<Vec<Mode>, DecompositionError> {
     let classifier = Classifier::new(&cached.model, speed);
-    let mode = |(eigenvalue, shape)| {
+    let mut residuals = Residuals::new(cached, speed, Forces::All)?;
+    let mode = |Eigenpair { value, shape, modal_damping }: Eigenpair| {
+        let residual = residuals.of(value, &shape, modal_damping.as_ref())?;
         let shape = normalized(shape);
-        let whirl = classifier.classify(eigenvalue, &shape);
-        Mode { eigenvalue, shape, whirl }
+        Ok(Mode { eigenvalue: value, whirl: classifier.classify(value, &shape), shape, residual })
     };
-    Ok(found.map(|pairs| pairs.into_iter().map(mode).collect()))
+    pairs.map(mode).collect()
 }
 
 /// Type of motion of the mode with λ = `eigenvalue`, rad/s, and the shape φ = `shape`, n entries in the order of the core.

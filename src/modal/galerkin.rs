@@ -9,6 +9,7 @@ use num_complex::Complex64;
 use super::eigenvectors::damped;
 use super::first_order::FirstOrder;
 use super::real::{RealModes, times};
+use super::residual::{Forces, dynamic_force};
 use super::shift_invert::{Problem, corrected};
 use super::spectral_range::{ShiftInverse, mass_times};
 use super::square_root::SquareRoot;
@@ -199,6 +200,17 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         product(&self.basis, &of.components)
     }
 
+    /// M √(M⁻¹K) φ of the mode shape φ, n entries.
+    fn image(&self, of: &Approximation) -> DVector<Complex64> {
+        product(&self.images, &of.components)
+    }
+
+    /// Force of modal damping per velocity on the mode shape, n entries; `None` without modal damping.
+    pub fn modal_damping(&self, of: &Approximation) -> Option<DVector<Complex64>> {
+        let ratio = self.problem.model.scene.modal_damping;
+        (ratio > 0.0).then(|| self.image(of) * Complex64::from(2.0 * ratio))
+    }
+
     /// S₀(σ)⁻¹ r for the residual r of an approximation, with the dynamic stiffness S₀ without modal damping and a shift σ close
     /// to the eigenvalue, of the problem with or without modal damping: the error of the mode shape, outside of the space. Second: its size relative to the mode shape in
     /// the energy norm xᴴ(K_symmetric + |λ|²M)x.
@@ -210,11 +222,9 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         let Problem { model, speed, .. } = *self.problem;
         let (value, shape) = (of.value, self.shape(of));
         let ratio = if with_modal_damping { model.scene.modal_damping } else { 0.0 };
-        let modal = product(&self.images, &of.components) * (value * 2.0 * ratio);
-        let mass = model.product(&shape, |x, out| model.multiply_mass(x, out)) * (value * value);
-        let rate = model.product(&shape, |x, out| self.problem.rate.multiply_add(1.0, x, out)) * value;
-        let elastic = model.product(&shape, |x, out| model.multiply_stiffness(speed, false, x, out));
-        let mut error = model.to_circular((elastic + mass + rate + modal).as_slice());
+        let modal = self.image(of) * (value * 2.0 * ratio);
+        let force = dynamic_force(model, speed, value, &shape, Forces::All);
+        let mut error = model.to_circular((force + modal).as_slice());
         let weights = Weights::dynamic(value * OFFSET, speed);
         let factors = model.dynamic_stiffness(&weights, speed).factor(if value.re < 0.0 { -1.0 } else { 1.0 })?;
         factors.solve(&mut error)?;

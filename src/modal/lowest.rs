@@ -16,7 +16,7 @@ use num_complex::Complex64;
 use super::CachedModel;
 use super::contour::{Annulus, Contour, SECTOR};
 use super::real::RealModes;
-use super::shift_invert::{FirstOrderInverse, Inverse, Problem};
+use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, Problem};
 use super::spectral_range::ShiftInverse;
 use crate::linalg::{DecompositionError, Krylov, RitzPair};
 
@@ -41,9 +41,6 @@ const FURTHER_STEPS: usize = 60;
 const CHECK_INTERVAL: usize = 12;
 /// Number of strongly damped eigenvalues up to which they are sought one by one.
 const MAX_MISSING: i64 = 120;
-
-/// Eigenvalue λ with Im λ ≥ 0, rad/s, and mode shape, n entries in the order of the core.
-pub(super) type Eigenpair = (Complex64, DVector<Complex64>);
 
 /// The `count` modes of lowest |Im λ| at `speed` of the reference shaft, rad/s, rigid-body modes first; `None` if too many
 /// overdamped modes have to be told apart from them.
@@ -225,7 +222,7 @@ impl Search<'_, '_> {
             if is_end || is_complete && found.iter().all(Found::is_accurate) {
                 for found in &mut found {
                     if let Vector::Base(pair) = &found.vector {
-                        found.vector = Vector::Shape(shape_of(&space, pair));
+                        found.vector = Vector::Shape(self.shape_of(&space, pair));
                     }
                 }
                 return Ok(found);
@@ -289,7 +286,7 @@ impl Search<'_, '_> {
     fn eigenpairs<T: Inverse>(&self, space: &Krylov<'_, T>, found: &[Found], chosen: &[&Found]) -> Vec<Eigenpair> {
         let problem = self.problem;
         let shape = |found: &Found| match &found.vector {
-            Vector::Base(pair) => shape_of(space, pair),
+            Vector::Base(pair) => self.shape_of(space, pair),
             Vector::Shape(shape) => shape.clone(),
         };
         let pairs: Vec<Eigenpair> = if problem.undamped {
@@ -301,7 +298,8 @@ impl Search<'_, '_> {
             let vectors = if columns.is_empty() { none() } else { DMatrix::from_columns(&columns) };
             let real = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
             let shapes = real.vectors.column_iter().map(|column| column.map(Complex::from));
-            real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency)).zip(shapes).collect()
+            let values = real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));
+            values.zip(shapes).map(|(value, shape)| Eigenpair::without_modal_damping(value, shape)).collect()
         } else {
             let pair = |found: &&Found| {
                 let shape = shape(found);
@@ -309,21 +307,27 @@ impl Search<'_, '_> {
                 let shape = shape.unscale(size);
                 let value = without_round_off(problem.rayleigh(found.value, &shape));
                 // A real eigenvalue has no sign of zero, which would count in the order.
-                (Complex64::new(value.re, value.im.abs()), shape)
+                Eigenpair::without_modal_damping(Complex64::new(value.re, value.im.abs()), shape)
             };
             chosen.iter().map(pair).collect()
         };
-        let rigid = problem.null.column_iter().map(|column| (Complex64::ZERO, column.map(Complex::from)));
-        let mut all: Vec<Eigenpair> = rigid.chain(pairs.into_iter().take(self.elastic)).collect();
-        all.sort_by(|(a, _), (b, _)| a.im.total_cmp(&b.im).then(a.norm().total_cmp(&b.norm())));
-        all.truncate(self.count);
-        all
+        Eigenpair::lowest(problem.rigid_body_modes().chain(pairs.into_iter().take(self.elastic)).collect(), self.count)
     }
-}
 
-/// The mode shape of an approximation.
-fn shape_of<T: Inverse>(space: &Krylov<'_, T>, pair: &RitzPair) -> DVector<Complex64> {
-    space.first_entries(pair, space.operator().shape_size())
+    /// The mode shape of an approximation. The space of states (x, λx) leaves out the positions of rigid-body modes; the
+    /// part of the shape in them follows from its velocity.
+    fn shape_of<T: Inverse>(&self, space: &Krylov<'_, T>, pair: &RitzPair) -> DVector<Complex64> {
+        let operator = space.operator();
+        let size = operator.shape_size();
+        if size == operator.size() || self.problem.null.ncols() == 0 {
+            return space.first_entries(pair, size);
+        }
+        let (state, value) = (space.vector(pair), operator.eigenvalue(pair.value));
+        let mut shape = state.rows(0, size).into_owned();
+        let missing = state.rows(size, size) / value - &shape;
+        self.problem.add_rigid_part(&missing, &mut shape);
+        shape
+    }
 }
 
 /// A real eigenvalue for one whose imaginary part is round-off: it splits two equal real eigenvalues into a conjugate pair,

@@ -9,15 +9,15 @@
 //!
 //! Each refinement adds the errors of the wanted modes to the space, and multiplies them by about ζω/ω_m.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::CachedModel;
 use super::contour::SECTOR;
 use super::galerkin::{Approximation, Galerkin};
-use super::lowest::{Eigenpair, lowest_undamped};
+use super::lowest::lowest_undamped;
 use super::real::RealModes;
-use super::shift_invert::Problem;
+use super::shift_invert::{Eigenpair, Problem};
 use crate::linalg::DecompositionError;
 
 /// Part of all motions up to which a space is faster than dense matrices.
@@ -134,7 +134,7 @@ fn undamped_modes(problem: &Problem<'_>, count: usize) -> Result<Option<RealMode
     let Some(pairs) = lowest_undamped(problem, count)? else {
         return Ok(None);
     };
-    let columns: Vec<DVector<f64>> = pairs.iter().map(|(_, shape)| shape.map(|value| value.re)).collect();
+    let columns: Vec<DVector<f64>> = pairs.iter().map(|pair| pair.shape.map(|value| value.re)).collect();
     let vectors = DMatrix::from_columns(&columns);
     Ok(Some(RealModes::of_shapes(problem.model, problem.speed, vectors, problem.null.ncols())))
 }
@@ -203,14 +203,11 @@ fn eigenpairs(
     count: usize,
     problem: &Problem<'_>,
 ) -> Vec<Eigenpair> {
-    let rigid = problem.null.column_iter().map(|column| (Complex64::ZERO, column.map(Complex::from)));
     let elastic = found.iter().map(|mode| {
         let shape = space.shape(mode);
         let size = problem.model.complex_kinetic_form(&shape).sqrt();
-        (mode.value, shape.unscale(size))
+        let modal_damping = space.modal_damping(mode).map(|force| force.unscale(size));
+        Eigenpair { value: mode.value, shape: shape.unscale(size), modal_damping }
     });
-    let mut all: Vec<Eigenpair> = rigid.chain(elastic).collect();
-    all.sort_by(|(a, _), (b, _)| a.im.total_cmp(&b.im).then(a.norm().total_cmp(&b.norm())));
-    all.truncate(count);
-    all
+    Eigenpair::lowest(problem.rigid_body_modes().chain(elastic).collect(), count)
 }

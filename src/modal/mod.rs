@@ -3,7 +3,8 @@
 //! Data flow, each file using only those before it: undamped modes (`real`) → first-order matrix in modal coordinates
 //! (`first_order`) → its eigenpairs (`eigenpairs`), with the positions of undamped rigid-body motions (`rigid_body`) →
 //! decoupled pairs of real coordinates (`pairs`) → state-space model (`state_space`) → cache of all of these per model
-//! (`cached`) → damped modes (`damped`) with their whirl direction (`whirl`), and the eigenvalue problem as a function
+//! (`cached`) → damped modes (`damped`) with their whirl direction (`whirl`) and their residuals
+//! (`residual`), and the eigenvalue problem as a function
 //! of frequency and speed (`quadratic`).
 //!
 //! A few modes of a large model come from Krylov spaces (`lowest`), those with strong or modal damping from a Galerkin
@@ -35,6 +36,7 @@ mod projected;
 mod quadratic;
 mod real;
 mod recent;
+mod residual;
 mod rigid_body;
 mod rotating_response;
 mod shift_invert;
@@ -58,7 +60,8 @@ pub use projected::Projected;
 pub use quadratic::Quadratic;
 pub use real::{RealModes, null_motions};
 pub use recent::Recent;
-pub use rotating_response::RotatingResponse;
+pub use residual::{Forces, Residual, Residuals, residual};
+pub use rotating_response::{RotatingResponse, Solved};
 pub use spectral_range::SpectralRange;
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, StateMatrix};
 pub use whirl::Whirl;

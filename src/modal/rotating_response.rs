@@ -25,6 +25,16 @@ const CONVERGED: f64 = 1e-11;
 /// The square root reaches so much farther than the frequencies, which an iteration finds.
 const RANGE: f64 = 1.01;
 
+/// Response to a rotating force.
+pub struct Solved {
+    /// Phasors, n entries in the order of the core, m and rad.
+    pub phasors: DVector<Complex64>,
+    /// Number of products with the operator I − E.
+    pub products: usize,
+    /// ‖P⁻¹(f − S x)‖/‖P⁻¹f‖ in the norm of Ω²M + K, with the symmetric part of K.
+    pub residual: f64,
+}
+
 /// A model with modal damping and the loaded flanks of one direction of rotation.
 pub struct RotatingResponse<'m> {
     model: &'m Model,
@@ -52,9 +62,9 @@ impl<'m> RotatingResponse<'m> {
         })
     }
 
-    /// Phasors of the response to `force`, N and N m, at the speed of the reference shaft and the spin of the force, rad/s: n
-    /// entries, m and rad. Second: the number of iterations. `None` if round-off or the iteration leaves no accurate solution.
-    pub fn solve(&self, [speed, spin]: [f64; 2], force: &DVector<Complex64>) -> Option<(DVector<Complex64>, usize)> {
+    /// The response to `force`, N and N m, at the speed of the reference shaft and the spin of the force, rad/s. `None` if
+    /// round-off or the iteration leaves no accurate solution.
+    pub fn solve(&self, [speed, spin]: [f64; 2], force: &DVector<Complex64>) -> Option<Solved> {
         let (square, damping) = (spin * spin, Complex64::new(0.0, self.model.scene.modal_damping * spin.signum()));
         let weights = Weights {
             stiffness: 1.0 + damping,
@@ -72,7 +82,11 @@ impl<'m> RotatingResponse<'m> {
         };
         let weigh =
             |x: &DVector<Complex64>| self.mass_times(&(x * Complex64::from(square))) + product(&self.symmetric_part, x);
-        conjugate_residuals(&start, CONVERGED, apply, weigh).ok().flatten()
+        let (phasors, products) = conjugate_residuals(&start, CONVERGED, apply, weigh).ok().flatten()?;
+        let norm = |x: &DVector<Complex64>| x.dotc(&weigh(x)).re.abs().sqrt();
+        let size = norm(&start);
+        let residual = if size == 0.0 { 0.0 } else { norm(&(&start - apply(&phasors).ok()?)) / size };
+        Some(Solved { phasors, products, residual })
     }
 
     fn solve_bands(

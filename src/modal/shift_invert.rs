@@ -27,6 +27,30 @@ const MAX_CORRECTION: f64 = 1e-6;
 /// Ratio of two successive rates, and of the radii of an annulus.
 const RATIO: f64 = 4.0;
 
+/// An eigenvalue with its mode shape.
+pub(super) struct Eigenpair {
+    /// λ with Im λ ≥ 0, rad/s.
+    pub value: Complex64,
+    /// φ with φᴴMφ = 1, n entries in the order of the core.
+    pub shape: DVector<Complex64>,
+    /// C φ of modal damping, n entries; `None` without modal damping.
+    pub modal_damping: Option<DVector<Complex64>>,
+}
+
+impl Eigenpair {
+    /// A mode without modal damping.
+    pub fn without_modal_damping(value: Complex64, shape: DVector<Complex64>) -> Self {
+        Self { value, shape, modal_damping: None }
+    }
+
+    /// The first `count` modes, in ascending order of frequency and magnitude.
+    pub fn lowest(mut all: Vec<Self>, count: usize) -> Vec<Self> {
+        all.sort_by(|a, b| a.value.im.total_cmp(&b.value.im).then(a.value.norm().total_cmp(&b.value.norm())));
+        all.truncate(count);
+        all
+    }
+}
+
 /// Matrices of the problem and its rigid-body modes.
 pub(super) struct Problem<'m> {
     pub model: &'m Model,
@@ -96,6 +120,21 @@ impl<'m> Problem<'m> {
         };
         let positions = (0..self.null.ncols()).map(move |column| state(column, 0));
         positions.chain(self.free.iter().map(move |column| state(*column, n)))
+    }
+
+    /// The rigid-body modes, on which modal damping has no effect.
+    pub fn rigid_body_modes(&self) -> impl Iterator<Item = Eigenpair> + '_ {
+        let mode = |shape: DVector<Complex64>| Eigenpair::without_modal_damping(Complex64::ZERO, shape);
+        self.null.column_iter().map(move |column| mode(column.map(Complex64::from)))
+    }
+
+    /// Adds the part of a motion in the rigid-body modes to `sum`, both with n entries.
+    pub fn add_rigid_part(&self, motion: &DVector<Complex64>, sum: &mut DVector<Complex64>) {
+        let momentum = self.model.product(motion, |x, out| self.model.multiply_mass(x, out));
+        for mode in self.null.column_iter() {
+            let part: Complex64 = mode.iter().zip(&momentum).map(|(x, momentum)| momentum * *x).sum();
+            sum.iter_mut().zip(&mode).for_each(|(sum, x)| *sum += part * *x);
+        }
     }
 
     /// The same problem with K_symmetric and without D: that of the undamped modes.

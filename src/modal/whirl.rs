@@ -34,17 +34,15 @@ pub enum Whirl {
     Coupled,
 }
 
+impl Whirl {
+    /// Names of all types, in the order of the variants.
+    pub const NAMES: [&str; Whirl::Coupled as usize + 1] =
+        ["forward", "backward", "planar", "torsion", "axial", "rigid", "coupled"];
+}
+
 impl fmt::Display for Whirl {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Forward => "forward",
-            Self::Backward => "backward",
-            Self::Planar => "planar",
-            Self::Torsion => "torsion",
-            Self::Axial => "axial",
-            Self::Rigid => "rigid",
-            Self::Coupled => "coupled",
-        })
+        formatter.write_str(Self::NAMES[*self as usize])
     }
 }
 

@@ -9,10 +9,12 @@ use super::convert::{stack, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource, Kept, product};
-use crate::modal::CachedModel;
+use crate::modal::{self, CachedModel};
 use crate::model::Model;
-use crate::scene::{EntryPath, Node, SceneError, range_with_rpm, with_rpm};
+use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, range_with_rpm, with_rpm};
 
+/// Speed (rad/s), whirl, residual and number of the line of a critical speed.
+pub type CriticalRow = (f64, String, f64, usize);
 /// N_c (rad/s), amplitude (m), N₁ and N₂ (rad/s) of a peak, and whether the motion is stable there.
 pub type PeakRow = (f64, f64, f64, f64, bool);
 
@@ -80,14 +82,24 @@ pub fn campbell<'py>(
         "intersection_whirl",
         intersections.iter().map(|intersection| intersection.whirl.to_string()).collect::<Vec<_>>(),
     )?;
+    let residuals: Vec<_> = intersections.iter().map(|intersection| intersection.residual).collect();
+    dict.set_item("intersection_residuals", residuals.into_pyarray(py))?;
     let thresholds: Vec<_> = found.thresholds.iter().map(threshold).collect();
     dict.set_item("thresholds", thresholds)?;
     Ok(dict)
 }
 
-/// Mode, speed [rad/s], frequency [rad/s] and whirl of a stability threshold, and whether the mode is unstable above it.
-fn threshold(found: &analysis::Threshold) -> (usize, f64, f64, String, bool) {
-    (found.mode, found.speed, found.eigenvalue.im, found.whirl.to_string(), found.is_unstable_above)
+/// Mode, speed [rad/s], frequency [rad/s] and whirl of a stability threshold, whether the mode is unstable above it, and the
+/// residual.
+fn threshold(found: &analysis::Threshold) -> (usize, f64, f64, String, bool, f64) {
+    let whirl = found.whirl.to_string();
+    (found.mode, found.speed, found.eigenvalue.im, whirl, found.is_unstable_above, found.residual)
+}
+
+/// Names of the types of motion of modes.
+#[pyfunction]
+pub fn whirl_classes() -> Vec<&'static str> {
+    modal::Whirl::NAMES.to_vec()
 }
 
 /// Computes undamped critical speeds, rad/s, with the direction of whirl.
@@ -102,6 +114,36 @@ pub fn critical_speeds(
     let found = model
         .run(py, memory, move |cached, interrupt| analysis::critical_speeds(cached, excitation, count, interrupt))?;
     Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
+}
+
+/// Computes undamped critical speeds against the stiffness of every bearing, N/m: one list for each stiffness.
+pub fn critical_speed_map(
+    model: &PyModel,
+    py: Python<'_>,
+    stiffnesses: &PyReadonlyArray1<'_, f64>,
+    excitation: f64,
+    count: Option<usize>,
+) -> PyResult<Vec<Vec<CriticalRow>>> {
+    let (stiffnesses, count) = (stiffnesses.as_array().to_vec(), count.unwrap_or(usize::MAX));
+    let memory = analysis::memory_of_critical_speeds(model.model(), count);
+    let Some(largest) = stiffnesses.iter().copied().reduce(f64::max) else {
+        return Ok(Vec::new());
+    };
+    let with = |description: &SceneDescription, stiffness: f64| {
+        let bearings = description.bearings.iter().map(|bearing| bearing.with_stiffness(stiffness)).collect();
+        SceneDescription { bearings, ..description.clone() }
+    };
+    // The stiffest bearings need the finest elements. Equal elements make the shapes of all stiffnesses comparable.
+    let given = with(&model.description, largest);
+    let found = model.run(py, memory, move |_, interrupt| {
+        let description = analysis::resolve(&given, interrupt)?.description;
+        let at = |stiffness: f64| Ok(CachedModel::new(Model::new(Scene::new(&with(&description, stiffness))?)?));
+        analysis::critical_speed_map(at, &stiffnesses, excitation, count, interrupt)
+    })?;
+    let row = |point: &analysis::CriticalPoint| {
+        (point.critical.speed, point.critical.whirl.to_string(), point.critical.residual, point.line)
+    };
+    Ok(found.iter().map(|points| points.iter().map(row).collect()).collect())
 }
 
 /// Computes the synchronous response: phasors (speeds, shafts, n), bearing forces and the bow of every shaft.
@@ -123,7 +165,8 @@ pub fn synchronous<'py>(
     let (amplitudes, forces) = (kept.room(rows * shafts * assembled.len())?, kept.room(rows * shafts * directions)?);
     let nodes = bearings.clone();
     let found = model.run(py, memory, move |cached, interrupt| {
-        let mut found = ResponseTable { amplitudes, forces, largest: Vec::new(), unstable: Ok(Vec::new()) };
+        let mut found =
+            ResponseTable { amplitudes, forces, residuals: Vec::new(), largest: Vec::new(), unstable: Ok(Vec::new()) };
         let responses = analysis::Responses::new(cached);
         for speed in &speeds {
             interrupt.check()?;
@@ -146,6 +189,7 @@ pub fn synchronous<'py>(
     let dict = PyDict::new(py);
     dict.set_item("amplitudes", stack(py, found.amplitudes, rows, shafts, assembled.len())?)?;
     dict.set_item("bearing_force", stack(py, found.forces, rows, shafts, directions)?)?;
+    dict.set_item("residuals", found.residuals.into_pyarray(py))?;
     dict.set_item("bearings", bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
     let bow: Vec<Complex<f64>> = assembled.numbering.to_user_order(analysis::bow(assembled).as_slice());
     dict.set_item("bow", bow.into_pyarray(py))?;
@@ -158,6 +202,8 @@ struct ResponseTable {
     amplitudes: Vec<Complex<f64>>,
     /// Bearing forces (speeds, shafts, 2 bearings), N.
     forces: Vec<Complex<f64>>,
+    /// Residual at each speed.
+    residuals: Vec<f64>,
     /// Largest displacement at each speed, m.
     largest: Vec<f64>,
     /// Ranges of unstable speeds, rad/s.
@@ -170,9 +216,11 @@ impl ResponseTable {
         &mut self,
         cached: &CachedModel,
         speed: f64,
-        sources: &DMatrix<Complex<f64>>,
+        response: &analysis::Response,
         bearings: &[Node],
     ) -> Result<(), AnalysisError> {
+        let sources = &response.amplitudes;
+        self.residuals.push(response.residual);
         self.largest.push(largest_displacement(&cached.model, sources));
         let at_speed = cached.at_speed(speed)?;
         for (column, shaft) in sources.column_iter().zip(&cached.model.shafts) {

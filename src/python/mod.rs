@@ -30,6 +30,8 @@ mod _core {
     #[pymodule_export]
     use super::convert::require_memory;
     #[pymodule_export]
+    use super::frequency::whirl_classes;
+    #[pymodule_export]
     use super::gears::mesh_geometry;
     #[pymodule_export]
     use super::handle::PyModel;

@@ -259,6 +259,7 @@ impl PyModel {
         dict.set_item("frequencies_hz", list(modal::Mode::frequency_hz))?;
         dict.set_item("damping_ratios", list(modal::Mode::damping_ratio))?;
         dict.set_item("whirl", whirl)?;
+        dict.set_item("residuals", list(|mode| mode.residual.value))?;
         dict.set_item("shapes", table(py, shapes, modes.len(), numbering.len())?)?;
         dict.set_item("kinetic_shares", table(py, shares, modes.len(), numbering.len())?)?;
         Ok(dict)
@@ -278,6 +279,18 @@ impl PyModel {
     #[pyo3(signature = (excitation, count=None))]
     fn critical_speeds(&self, py: Python<'_>, excitation: f64, count: Option<usize>) -> PyResult<Vec<(f64, String)>> {
         frequency::critical_speeds(self, py, excitation, count)
+    }
+
+    #[pyo3(signature = (stiffnesses, excitation, count=None))]
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn critical_speed_map(
+        &self,
+        py: Python<'_>,
+        stiffnesses: PyReadonlyArray1<'_, f64>,
+        excitation: f64,
+        count: Option<usize>,
+    ) -> PyResult<Vec<Vec<frequency::CriticalRow>>> {
+        frequency::critical_speed_map(self, py, &stiffnesses, excitation, count)
     }
 
     #[pyo3(signature = (speeds, excitation="both"))]

@@ -253,3 +253,46 @@ def test_the_table_has_a_line_for_each_intersection():
     assert len(campbell.to_dataframe()) == len(campbell.intersections)
     assert campbell.lines[0].name == "1× shaft"
     assert scenes.v1().campbell([1.0, 2.0], count=1).lines[2].name == "1× teeth of wheel–pinion"
+
+
+def test_the_lines_of_the_map_follow_shapes_through_a_crossing():
+    """Two shafts that a soft mesh hardly couples: the modes of a slender one cross those of the other."""
+    diameters = {"slender": 0.02, "stout": 0.1}
+
+    def system(*names: str) -> gb.RotorSystem:
+        shafts = [gb.Shaft(n, length=1.0, outer_diameter=diameters[n], elements=4) for n in names]
+        gear = {"base_radius": 0.04, "mass": 1.0, "diametral_inertia": 1e-3, "polar_inertia": 2e-3}
+        return gb.RotorSystem(
+            shafts=shafts,
+            gears=[gb.Gear(f"gear {n}", n, 0.5, 25, **gear) for n in names],
+            meshes=[gb.Mesh(*(f"gear {n}" for n in names), stiffness=1e-3)] * (len(names) - 1),
+            bearings=[gb.Bearing(n, x, stiffness=1e7) for n in names for x in (0.0, 1.0)],
+            motion="lateral" if len(names) == 1 else "coupled",
+        )
+
+    stiffnesses = np.geomspace(1e3, 1e9, 7)
+    train = system(*diameters).critical_speed_map(stiffnesses, count=12)
+    for name in diameters:
+        own = system(name).critical_speed_map(stiffnesses).lines("planar")[:, 0]
+        lines = train.lines("planar")
+        apart = np.nanmax(np.abs(lines / own[:, np.newaxis] - 1.0), axis=0)
+        assert np.nanmin(apart) < 1e-6, name
+
+
+def test_no_line_of_the_map_of_a_train_jumps():
+    found = scenes.Geared().package().critical_speed_map(np.geomspace(1e6, 1e10, 13), count=12)
+    whirls = {name for names in found.whirl for name in names}
+    ratios = np.concatenate(
+        [(found.lines(whirl)[1:] / found.lines(whirl)[:-1]).ravel() for whirl in sorted(whirls)]
+    )
+    # A critical speed grows at most as the root of the stiffness, 10^(1/6) = 1.47 for each step.
+    assert np.nanmax(ratios) < 1.48
+    assert np.nanmin(ratios) > 0.999
+
+
+def test_the_figure_has_a_style_for_every_whirl_of_the_core():
+    from gearbow._core import whirl_classes
+    from gearbow.plotting.style import MARKS
+
+    assert list(MARKS) == whirl_classes()
+    assert len({mark for _, _, mark in MARKS.values()}) == len(MARKS)

@@ -10,6 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 import gearbow as gb
+from gearbow.cli.main import main
 from reference import elements
 from reference.helical import HelicalMesh, HelicalTrain
 from reference.train import BearingSpec, RigidSpec, ShaftPart, ShaftSpec, Train
@@ -799,3 +800,17 @@ def test_motions_without_axial_coordinates_are_refused_or_left_out():
     assert mesh.force == pytest.approx(
         tangential / np.cos(np.radians(20)) / np.cos(HELIX), rel=1e-9
     )
+
+
+# --- Figures
+
+
+def test_the_campbell_diagram_of_a_helical_train_is_drawn(tmp_path):
+    system = pair()
+    campbell = system.campbell([0.0, 100.0, 200.0], count=20)
+    assert "axial" in campbell.whirl
+    campbell.plot().savefig(tmp_path / "method.png")
+    system.save(tmp_path / "scene.toml")
+    command = ["campbell", str(tmp_path / "scene.toml"), "--to", "200", "--points", "3"]
+    assert main([*command, "--count", "20", "--out", str(tmp_path / "command.png")]) == 0
+    assert (tmp_path / "command.png").stat().st_size > 1000

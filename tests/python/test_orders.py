@@ -227,3 +227,28 @@ def test_a_waterfall_has_a_ridge_along_each_order():
         gb.GearbowError, match=r"^responses: must be a list of at least one response"
     ):
         gb.waterfall([], "g1")
+
+
+def test_the_order_of_a_force_is_among_the_orders(tmp_path):
+    # order 2.5 of a shaft that turns at half of the speed
+    system = train().replace(
+        forces=[gb.Force("g2", 50.0, order=2.5), gb.Force("g1", 1.0, order=-2)]
+    )
+    kinematics = Kinematics.of(system)
+    names = {name: order.value for order in kinematics.orders() for name in order.names}
+    assert names["2.5× force at g2"] == pytest.approx(1.25)
+    assert names["2× force at g1"] == names["2× input"]
+    response = system.simulate(1.0, SPEED, record=["g2"], output_step=1e-3)
+    found = response.orders("g2", "v", skip_time=0.4, mesh_harmonics=1)
+    # The force turns backwards with its shaft: its phasors along y and z are 50 and 50i.
+    matrices, frequency = system.matrices(SPEED), 1.25 * SPEED
+    rate = matrices.damping + SPEED * matrices.gyroscopic
+    dynamic = matrices.stiffness + 1j * frequency * rate - frequency**2 * matrices.mass
+    indices = [system.dofs.index(("output", 0.25, direction)) for direction in ("v", "w")]
+    force = np.zeros(len(system.dofs), dtype=complex)
+    force[indices] = 50.0, 50.0j
+    expected = abs(np.linalg.solve(dynamic, force)[indices[0]])
+    # The transient at natural frequencies of ten times this one leaks by 1/(ω t), about 1e-3.
+    assert found.amplitude("2.5× force at g2") == pytest.approx(expected, rel=1e-2)
+    response.save(tmp_path / "run.npz")
+    assert gb.Response.load(tmp_path / "run.npz").kinematics == kinematics

@@ -254,3 +254,29 @@ def test_motion_chooses_the_degrees_of_freedom():
     assert kinds["coupled"] == {"v", "w", "B", "G", "twist"}
     with pytest.raises(gb.GearbowError, match="lateral motion"):
         rotor(motion="torsion").synchronous([1.0]).displacement(("rotor", 0.5))
+
+
+def test_the_text_of_a_system_lists_what_it_assumes():
+    gear = {"module": 3e-3, "face_width": 0.03}
+    known = {"tip_radius": 0.08, "mass": 3.0, "diametral_inertia": 0.01, "polar_inertia": 0.02}
+    system = gb.RotorSystem(
+        shafts=[gb.Shaft(name, length=0.5, outer_diameter=0.05) for name in ("a", "b")],
+        gears=[gb.Gear("g1", "a", 0.25, 25, **gear), gb.Gear("g2", "b", 0.25, 50, **gear, **known)],
+        meshes=[gb.Mesh("g1", "g2", stiffness=gb.Stiffness.square(2e8))],
+        bearings=[gb.Bearing(s, x, stiffness=1e8) for s in ("a", "b") for x in (0.0, 0.5)],
+    )
+    first, *assumed = str(system).splitlines()
+    assert first == repr(system)
+    assert assumed == [
+        "  assumed for shafts: steel with 207 GPa, 0.3 and 7850 kg/m³",
+        "  assumed for gears: tip radius of full-depth teeth (g1)",
+        "  assumed for gears: mass and inertia of solid steel disks (g1)",
+        "  assumed for meshes: tooth pairs engage over 0.1 of the base pitch",
+        "  assumed for meshes: no damping",
+        "  assumed for meshes: contact on both flanks, without backlash",
+    ]
+    given = gb.Stiffness.square(2e8, engagement="sharp")
+    mesh = gb.Mesh("g1", "g2", stiffness=given, damping_ratio=0.05, backlash=1e-4)
+    text = str(system.replace(meshes=[mesh]))
+    assert "engage" not in text
+    assert "no damping in separation" in text

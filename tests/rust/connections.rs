@@ -98,10 +98,10 @@ fn modes_and_critical_speeds_contain_connections() {
     let [matrices, springs @ ..] = forms(&train());
     let frequencies = |cached: &CachedModel| cached.real_modes(100.0).unwrap().frequencies.as_slice().to_vec();
     let eigenvalues = |cached: &CachedModel| -> Vec<f64> {
-        modes(cached, 100.0).unwrap().iter().map(|mode| mode.eigenvalue.im).take(20).collect()
+        modes(cached, 100.0, usize::MAX).unwrap().iter().map(|mode| mode.eigenvalue.im).take(20).collect()
     };
     let damping = |cached: &CachedModel| -> Vec<f64> {
-        modes(cached, 100.0).unwrap().iter().map(|mode| mode.eigenvalue.re).take(20).collect()
+        modes(cached, 100.0, usize::MAX).unwrap().iter().map(|mode| mode.eigenvalue.re).take(20).collect()
     };
     let critical = |cached: &CachedModel| -> Vec<f64> {
         critical_speeds(cached, 1.0, usize::MAX, &interrupt)

@@ -172,7 +172,7 @@ fn an_undamped_gyroscopic_rotor_has_no_growth() {
     let undamped = rotor(0.0);
     let highest = undamped.real_modes(0.0).unwrap().highest();
     for speed in [0.0, 1.0, 400.0, -400.0, 5000.0] {
-        let modes = modal::modes(&undamped, speed).unwrap();
+        let modes = modal::modes(&undamped, speed, usize::MAX).unwrap();
         assert_eq!(modes.len(), undamped.model.len(), "one mode per degree of freedom");
         let growth = largest(&modes.iter().map(|mode| mode.eigenvalue.re).collect::<Vec<_>>());
         // The matrix in modal coordinates is skew-symmetric, so the error of its eigenvalues is a few ε·ω_max. In
@@ -180,7 +180,7 @@ fn an_undamped_gyroscopic_rotor_has_no_growth() {
         assert!(growth < 1e-9 * highest, "{growth:e} 1/s at {speed} rad/s");
     }
     // With damped bearings every mode decays.
-    assert!(modal::modes(&rotor(100.0), 400.0).unwrap().iter().all(|mode| mode.eigenvalue.re < 0.0));
+    assert!(modal::modes(&rotor(100.0), 400.0, usize::MAX).unwrap().iter().all(|mode| mode.eigenvalue.re < 0.0));
 }
 
 #[test]
@@ -191,7 +191,7 @@ fn modes_satisfy_the_quadratic_eigenproblem() {
     let rate = cached.damping_matrix(speed).unwrap() + model.gyroscopic_matrix() * speed;
     let complex = |matrix: &DMatrix<f64>| matrix.map(|value| Complex::new(value, 0.0));
     let (mass, rate, stiffness) = (complex(&mass), complex(&rate), complex(&stiffness));
-    for mode in modal::modes(&cached, speed).unwrap() {
+    for mode in modal::modes(&cached, speed, usize::MAX).unwrap() {
         let (value, shape) = (mode.eigenvalue, &mode.shape);
         let inertia = &mass * shape * (value * value);
         let elastic = &stiffness * shape;
@@ -226,7 +226,7 @@ fn a_train_has_exactly_one_rigid_body_mode_its_rotation() {
         bearing.stiffness = Some(Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 }).into());
     }
     assert_eq!(crate::common::cached(&system).real_modes(100.0).unwrap().null, 1);
-    let modes = modal::modes(&cached, 100.0).unwrap();
+    let modes = modal::modes(&cached, 100.0, usize::MAX).unwrap();
     let rigid = modes.iter().filter(|mode| mode.eigenvalue == Complex::new(0.0, 0.0));
     assert_eq!(rigid.map(|mode| mode.whirl).collect::<Vec<_>>(), [Whirl::Rigid]);
 }
@@ -266,5 +266,31 @@ fn undamped_modes_of_a_train_are_orthonormal() {
         let squares = real.frequencies.map(|frequency| frequency * frequency);
         let stiffness = over(cached.model.stiffness_matrix(0.0)) - DMatrix::from_diagonal(&squares);
         assert!(stiffness.amax() < 1e-12 * squares.max());
+    }
+}
+
+#[test]
+fn a_residual_has_the_size_of_the_error_of_shape_and_eigenvalue() {
+    let cached = cached(&train());
+    let speed = 100.0;
+    let modes = modal::modes(&cached, speed, 12).unwrap();
+    for mode in modes.iter().filter(|mode| mode.eigenvalue.im > 0.0) {
+        let residual = |value: Complex<f64>, shape: &DVector<Complex<f64>>| {
+            modal::residual(&cached, speed, value, shape, modal::Forces::All).unwrap()
+        };
+        let exact = residual(mode.eigenvalue, &mode.shape);
+        assert!(exact.is_accurate() && exact.value < 1e-9, "{exact:?}");
+        let error = 1e-3;
+        let shifted = residual(mode.eigenvalue * (1.0 + error), &mode.shape);
+        // λ² has twice the error of λ; the norm of a mode has two equal parts.
+        assert!((error / 3.0..3.0 * error).contains(&shifted.value) && !shifted.is_accurate(), "{shifted:?}");
+        // An error of the twist alone, whose forces are small beside those of translations.
+        let mut wrong = mode.shape.clone();
+        let twist = cached.model.numbering.torsion(0).unwrap();
+        let size = (cached.model.complex_kinetic_form(&mode.shape)).sqrt();
+        let mut unit = DVector::zeros(wrong.len());
+        unit[twist] = Complex::new(1.0, 0.0);
+        wrong[twist] += unit[twist] * (error * size / cached.model.complex_kinetic_form(&unit).sqrt());
+        assert!(residual(mode.eigenvalue, &wrong).value > error / 3.0);
     }
 }

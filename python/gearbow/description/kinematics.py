@@ -2,7 +2,8 @@
 
 A shaft at the speed r_s Ω excites the harmonics n |r_s|. A mesh excites the harmonics m z |r_s| of
 its tooth frequency. A shaft modulates the mesh force; this gives the sidebands m z |r| ± n |r_s|
-(Randall, *A new method of modeling gear faults*, J. Mech. Design 104, 1982).
+(Randall, *A new method of modeling gear faults*, J. Mech. Design 104, 1982). A force that turns
+with n times the angle of its shaft excites n |r_s|, where n need not be a whole number.
 """
 
 import math
@@ -13,9 +14,11 @@ from typing import Any, Protocol
 from gearbow._convert import whole
 from gearbow._shown import Shown
 from gearbow._types import Array
-from gearbow.description.gears import Gear, Mesh
+from gearbow.description.couplings import Force
+from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
+from gearbow.description.places import place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
 
@@ -35,6 +38,8 @@ class Train(Protocol):
     gears: tuple[Gear, ...]
     meshes: tuple[Mesh, ...]
     bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
+    disks: tuple[Disk, ...]
+    forces: tuple[Force, ...]
 
     @property
     def speed_ratios(self) -> Array:
@@ -80,6 +85,8 @@ class Kinematics(Shown):
     bearings : tuple of (str, float, float)
         Name of each rolling bearing, "shaft@position", the order of its cage and the order at which
         its elements pass a point of the outer ring.
+    forces : tuple of (str, str, float)
+        Place and shaft of each force that turns, and its order relative to the shaft.
 
     Examples
     --------
@@ -103,6 +110,7 @@ class Kinematics(Shown):
     shafts: tuple[tuple[str, float], ...]
     meshes: tuple[tuple[str, str, str, str, float], ...]
     bearings: tuple[tuple[str, float, float], ...] = ()
+    forces: tuple[tuple[str, str, float], ...] = ()
 
     @classmethod
     def of(cls, system: Train) -> "Kinematics":
@@ -138,7 +146,18 @@ class Kinematics(Shown):
             if isinstance(bearing, RollingBearing)
         }
         rolling = tuple((name, *orders) for name, orders in bearings.items())
-        return cls(tuple(signed.items()), tuple(meshes), rolling)
+        bodies = {gear.name: gear.shaft for gear in system.gears}
+        bodies |= {disk.name: disk.shaft for disk in system.disks}
+        forces = tuple(
+            (
+                place_label(force.at),
+                bodies[force.at] if isinstance(force.at, str) else force.at[0],
+                abs(float(force.order)),
+            )
+            for force in system.forces
+            if force.order
+        )
+        return cls(tuple(signed.items()), tuple(meshes), rolling, forces)
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any] | None) -> "Kinematics | None":
@@ -147,7 +166,7 @@ class Kinematics(Shown):
         Parameters
         ----------
         plain : dict or None
-            Lists under the keys "shafts", "meshes" and "bearings".
+            Lists under the keys "shafts", "meshes", "bearings" and "forces".
 
         Returns
         -------
@@ -156,7 +175,7 @@ class Kinematics(Shown):
         """
         if plain is None:
             return None
-        keys = ("shafts", "meshes", "bearings")
+        keys = ("shafts", "meshes", "bearings", "forces")
         return cls(*(tuple(tuple(row) for row in plain[key]) for key in keys))
 
     def orders(
@@ -166,7 +185,7 @@ class Kinematics(Shown):
         sidebands: int = 1,
         bearing_harmonics: int = 3,
     ) -> tuple[Order, ...]:
-        """List the orders. Equal orders are merged.
+        """List the orders. Equal orders are merged. The orders of forces are always among them.
 
         Parameters
         ----------
@@ -192,6 +211,7 @@ class Kinematics(Shown):
             *self._meshes(mesh_harmonics, 0),
             *self._meshes(mesh_harmonics, sidebands),
             *self._bearings(bearing_harmonics),
+            *self._forces(),
         ]
         merged: list[tuple[float, list[str]]] = []
         # The sort is stable: among equal orders the simplest name stays first.
@@ -209,6 +229,11 @@ class Kinematics(Shown):
         for n in range(1, harmonics + 1):
             for name, ratio in self.shafts:
                 yield n * abs(ratio), f"{n}× {name}"
+
+    def _forces(self) -> Iterator[tuple[float, str]]:
+        ratios = {name: abs(ratio) for name, ratio in self.shafts}
+        for at, shaft, order in dict.fromkeys(self.forces):
+            yield order * ratios[shaft], f"{order:g}× force at {at}"
 
     def _bearings(self, harmonics: int) -> Iterator[tuple[float, str]]:
         """Give the orders of cages, and of the elements that pass the outer ring."""

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearbow._convert import shown
+from gearbow._core import whirl_classes
 from gearbow.errors import GearbowError
 
 __all__ = [
@@ -40,14 +41,17 @@ MICRO = 1e6
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 
 #: Colour, line style and marker of each whirl. They differ without colour too.
-MARKS: dict[str, tuple[str, Any, str]] = {
+_STYLES: dict[str, tuple[str, Any, str]] = {
     "forward": (PALETTE[0], "-", "^"),
     "backward": (PALETTE[1], "--", "v"),
     "planar": (PALETTE[5], "-", "s"),
     "torsion": (PALETTE[2], "-.", "o"),
+    "axial": (PALETTE[4], (0, (5, 1, 1, 1, 1, 1)), "P"),
     "coupled": (PALETTE[3], ":", "D"),
     "rigid": (PALETTE[6], "-", "."),
 }
+#: The same for every whirl that the core knows; a class without style is an error of the import.
+MARKS = {name: _STYLES[name] for name in whirl_classes()}
 #: Size of an orbit with its own scale, and of one that is round-off, relative to the largest.
 _OWN_SCALE, _ROUND_OFF = 0.1, 1e-6
 

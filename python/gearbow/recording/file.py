@@ -63,6 +63,7 @@ _METADATA = record(
             shafts=each(row(text, number)),
             meshes=each(row(text, text, text, text, number)),
             bearings=each(row(text, number, number)),
+            forces=each(row(text, text, number)),
         )
     ),
     points=each(row(text, number, each(text))),
@@ -175,6 +176,7 @@ def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
         about.setdefault("rolling_bearings", [])
         if isinstance(about.get("kinematics"), dict):
             about["kinematics"].setdefault("bearings", [])
+            about["kinematics"].setdefault("forces", [])
         checked = dict(about)
         if isinstance(about.get("statistics"), dict):
             # A file may leave out the reduction of a run with all modes.

@@ -83,6 +83,9 @@ class Intersection(Shown):
         Damping ratio of the mode at this speed.
     whirl : str
         Whirl of the mode at this speed.
+    residual : float
+        The larger one of the relative distance from the line and the residual of the mode, as
+        `Modes.residuals`.
 
     Examples
     --------
@@ -101,6 +104,7 @@ class Intersection(Shown):
     frequency_hz: float
     damping_ratio: float
     whirl: str
+    residual: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +118,7 @@ class Campbell(ReadOnly):
     eigenvalues : ndarray, shape (k, m)
         Complex eigenvalues [1/s]. A mode keeps its column where frequencies cross.
     whirl : ndarray of str, shape (k, m)
-        "forward", "backward", "planar", "torsion", "rigid" or "coupled".
+        "forward", "backward", "planar", "torsion", "axial", "rigid" or "coupled".
     lines : tuple of ExcitationLine
         Rotation of every shaft, and tooth frequencies of every mesh.
     intersections : tuple of Intersection
@@ -180,6 +184,7 @@ class Campbell(ReadOnly):
             data["intersection_speeds"],
             data["intersection_eigenvalues"],
             data["intersection_whirl"],
+            data["intersection_residuals"],
             strict=True,
         )
         intersections = tuple(
@@ -190,15 +195,21 @@ class Campbell(ReadOnly):
                 frequency_hz=float(value.imag) / (2.0 * np.pi),
                 damping_ratio=float(_ratio(value)),
                 whirl=whirl,
+                residual=float(residual),
             )
-            for mode, line, speed, value, whirl in found
+            for mode, line, speed, value, whirl, residual in found
         )
         whirls = np.array(data["whirl"], dtype=np.str_).reshape(data["eigenvalues"].shape)
         thresholds = tuple(
             StabilityThreshold(
-                mode, speed, rate / (2.0 * np.pi), whirl, "unstable" if above else "stable"
+                mode,
+                speed,
+                rate / (2.0 * np.pi),
+                whirl,
+                "unstable" if above else "stable",
+                residual,
             )
-            for mode, speed, rate, whirl, above in data["thresholds"]
+            for mode, speed, rate, whirl, above, residual in data["thresholds"]
         )
         return cls(speeds, data["eigenvalues"], whirls, tuple(lines), intersections, thresholds)
 

@@ -1,9 +1,11 @@
 """Map of undamped critical speeds against the bearing stiffness."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearbow._convert import whole
 from gearbow._extras import extra
@@ -33,6 +35,11 @@ class CriticalSpeedMap(ReadOnly):
         Critical speeds of the reference shaft [rad/s] for each stiffness, ascending.
     whirl : tuple of tuple of str
         Whirl of the mode at each critical speed.
+    line : tuple of ndarray of int
+        Number of the line to which each critical speed belongs, from 0: the same mode at
+        neighbouring stiffnesses.
+    residuals : tuple of ndarray
+        Residual of the undamped mode at each critical speed, as `Modes.residuals`.
     actual : tuple of float
         Stiffnesses along y and z of the bearings of the system that have constant coefficients
         [N/m].
@@ -56,7 +63,45 @@ class CriticalSpeedMap(ReadOnly):
     excitation: float
     speeds: tuple[Array, ...]
     whirl: tuple[tuple[str, ...], ...]
+    line: tuple[NDArray[np.int64], ...]
+    residuals: tuple[Array, ...]
     actual: tuple[float, ...] = ()
+
+    @classmethod
+    def from_rows(
+        cls,
+        stiffnesses: Array,
+        excitation: float,
+        found: Sequence[Sequence[tuple[float, str, float, int]]],
+        actual: tuple[float, ...],
+    ) -> "CriticalSpeedMap":
+        """Make a map of the plain data of the core.
+
+        Parameters
+        ----------
+        stiffnesses : ndarray, shape (k,)
+            Stiffness of every bearing [N/m].
+        excitation : float
+            Order of the excitation.
+        found : sequence of sequence of (float, str, float, int)
+            Critical speeds [rad/s] with whirl, residual and number of the line, for each stiffness.
+        actual : tuple of float
+            Stiffnesses of the bearings of the system [N/m].
+
+        Returns
+        -------
+        CriticalSpeedMap
+            The map.
+        """
+        return cls(
+            stiffnesses,
+            excitation,
+            speeds=tuple(np.array([speed for speed, *_ in row]) for row in found),
+            whirl=tuple(tuple(name for _, name, *_ in row) for row in found),
+            line=tuple(np.array([line for *_, line in row], dtype=np.int64) for row in found),
+            residuals=tuple(np.array([residual for *_, residual, _ in row]) for row in found),
+            actual=actual,
+        )
 
     def _rows(self) -> Table:
         return (
@@ -75,36 +120,42 @@ class CriticalSpeedMap(ReadOnly):
         )
 
     def lines(self, whirl: str) -> Array:
-        """Critical speeds of modes with one whirl.
+        """Lines of critical speeds of modes with one whirl.
 
         Parameters
         ----------
         whirl : str
-            "forward", "backward", "planar", "torsion" or "coupled".
+            "forward", "backward", "planar", "torsion", "axial" or "coupled".
 
         Returns
         -------
         ndarray, shape (k, m)
-            Speeds [rad/s], ascending; NaN where a stiffness has fewer critical speeds.
+            Speeds [rad/s]. A column is one mode, which is followed by its shape; the columns ascend
+            by their first speed. NaN where the mode has no critical speed among those of the map,
+            or another whirl.
 
         Raises
         ------
         GearbowError
             If no mode has this whirl.
         """
-        rows = [
-            speeds[np.array(names, dtype=np.str_) == whirl]
-            for speeds, names in zip(self.speeds, self.whirl, strict=True)
+        own = [
+            {line: speed for speed, name, line in zip(*row, strict=True) if name == whirl}
+            for row in zip(self.speeds, self.whirl, self.line, strict=True)
         ]
-        width = max((row.size for row in rows), default=0)
-        if width == 0:
+        rows = [(i, line, speed) for i, row in enumerate(own) for line, speed in row.items()]
+        if not rows:
             names = sorted({name for names in self.whirl for name in names})
             raise GearbowError(
                 f"no critical speed is {whirl!r}; there are {names}{nearest(str(whirl), names)}"
             )
-        table: Array = np.full((len(rows), width), np.nan)
-        for line, row in zip(table, rows, strict=True):
-            line[: row.size] = row
+        first: dict[int, float] = {}
+        for _, line, speed in rows:
+            first.setdefault(int(line), float(speed))
+        column = {line: place for place, line in enumerate(sorted(first, key=first.__getitem__))}
+        table: Array = np.full((len(own), len(column)), np.nan)
+        for i, line, speed in rows:
+            table[i, column[int(line)]] = speed
         return table
 
     def plot(self, count: int = 4, *, ax: Any = None, speed_unit: str = "rad/s") -> "Figure":
@@ -122,7 +173,7 @@ class CriticalSpeedMap(ReadOnly):
         Returns
         -------
         matplotlib.figure.Figure
-            One line for each critical speed. Its style shows the whirl. A vertical line or a grey
+            One line for each mode. Its style shows the whirl. A vertical line or a grey
             range shows the stiffness of the bearings of the system.
 
         Raises

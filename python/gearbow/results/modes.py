@@ -40,6 +40,10 @@ class Modes(ReadOnly):
         Complex shapes; the motion is Re(shape exp(eigenvalue t)).
     eigenvalues : ndarray, shape (m,)
         Complex eigenvalues [1/s].
+    residuals : ndarray, shape (m,)
+        Residual of the equations of motion for each mode: the force [λ²M + λ(C + ΩG) + K] φ
+        relative to the forces in the mode, both in the energy norm of K + |λ|²M. A relative error
+        of an eigenvalue or a shape causes a residual of this size.
     speed : float
         Speed of the reference shaft [rad/s].
     dofs : tuple of (str, float or (float, float), str)
@@ -62,6 +66,7 @@ class Modes(ReadOnly):
     whirl: tuple[str, ...]
     shapes: ComplexArray
     eigenvalues: ComplexArray
+    residuals: Array
     speed: float
     dofs: tuple[Dof, ...]
     layout: Layout = field(repr=False)
@@ -99,6 +104,7 @@ class Modes(ReadOnly):
             whirl=tuple(data["whirl"]),
             shapes=data["shapes"],
             eigenvalues=data["eigenvalues"],
+            residuals=data["residuals"],
             speed=speed,
             dofs=dofs,
             layout=layout,

@@ -42,6 +42,11 @@ class Synchronous(ReadOnly):
         The excitation.
     slow_roll : float or None
         Speed [rad/s] of the subtracted slow-roll amplitudes; None if none were subtracted.
+    residuals : ndarray, shape (speeds,)
+        Relative residual of the equations of motion at each speed, the largest of all sources: the
+        backward error max |f − S a|/(|S| |a| + |f|) over the degrees of freedom, with the dynamic
+        stiffness S and the force f; of a large system with modal damping, the part of the response
+        in the energy norm.
     coordinates : Coordinates
         Degrees of freedom of the system.
     description : mapping
@@ -66,6 +71,7 @@ class Synchronous(ReadOnly):
     amplitudes: ComplexArray
     excitation: str
     slow_roll: float | None
+    residuals: Array
     coordinates: Coordinates = field(repr=False)
     description: Mapping[str, Plain] = field(repr=False)
     _bearings: tuple[tuple[str, float], ...] = field(repr=False)

@@ -32,6 +32,8 @@ class StabilityThreshold(Shown):
         Whirl of the mode at this speed.
     above : {"unstable", "stable"}
         The mode at higher speeds. Unstable means a negative damping ratio: each disturbance grows.
+    residual : float
+        The larger one of |Re λ|/|λ| and the residual of the mode, as `Modes.residuals`.
 
     Examples
     --------
@@ -53,6 +55,7 @@ class StabilityThreshold(Shown):
     frequency_hz: float
     whirl: str
     above: str
+    residual: float
 
 
 def unstable_ranges(

@@ -10,6 +10,7 @@ from gearbow._keywords import CheckedKeywords
 from gearbow._lookup import nearest
 from gearbow._shown import Shown, Table, listed
 from gearbow._types import Array, Dof, Plain
+from gearbow.description.assumptions import assumptions
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.couplings import Coupling, Drive, Force
 from gearbow.description.gears import Disk, Gear, Mesh
@@ -343,6 +344,10 @@ class SystemDescription(CheckedKeywords, Shown):
         dofs, ratios = len(self._model.dofs), listed(self.speed_ratios)
         text = f"{', '.join(counts)}; speed ratios {ratios}; {dofs} degrees of freedom"
         return f"{type(self).__name__}({text})"
+
+    def __str__(self) -> str:
+        assumed = assumptions(self.shafts, self.gears, self.meshes)
+        return "\n".join([repr(self), *(f"  assumed for {text}" for text in assumed)])
 
     def _rows(self) -> Table:
         """Give a row for each shaft: speed ratio, gears, and tooth frequencies over the speed."""

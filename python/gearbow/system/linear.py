@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array, number, shown, truth, whole
-from gearbow._core import Model, mesh_geometry, require_memory
+from gearbow._core import mesh_geometry, require_memory
 from gearbow.description.layout import layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
@@ -86,6 +86,8 @@ class LinearAnalyses(SystemFiles):
         ------
         SceneError
             If the speed or the count is invalid.
+        ConvergenceError
+            If the residual of a mode exceeds 1e-6 and the round-off of its shape, 100 ε ω_max/|λ|.
         """
         speed = number(speed, "speed")
         data = self._model.modes(speed, None if count is None else whole(count, "count"))
@@ -161,6 +163,8 @@ class LinearAnalyses(SystemFiles):
         ------
         SceneError
             If an argument is invalid.
+        ConvergenceError
+            If the residual of a mode, an intersection or a threshold exceeds the limit of `modes`.
         """
         wanted = array(speeds, "speeds")
         count = whole(count, "count")
@@ -186,12 +190,21 @@ class LinearAnalyses(SystemFiles):
         Returns
         -------
         CriticalSpeedMap
-            Critical speeds and their whirl, from one eigenvalue problem for each stiffness.
+            Critical speeds, their whirl and residual, and lines of the same mode. An eigenvalue
+            problem at each stiffness gives them.
 
         Raises
         ------
         SceneError
             If the excitation is not positive, or a stiffness or the count is invalid.
+        ConvergenceError
+            If a mode does not satisfy the equations of motion.
+
+        Notes
+        -----
+        Modes at neighbouring stiffnesses are matched by their shapes, as those of a Campbell
+        diagram; the step of the stiffness is halved, up to six times, where the match is uncertain.
+        All stiffnesses have the elements that the largest one needs.
         """
         wanted = array(stiffnesses, "stiffnesses")
         excitation = number(excitation, "excitation")
@@ -200,19 +213,9 @@ class LinearAnalyses(SystemFiles):
         size = 500.0 * wanted.size * (1 + min(count or 2 * len(self.dofs), 2 * len(self.dofs)))
         what = f"the critical speeds at {wanted.size} stiffnesses"
         require_memory("stiffnesses", what, size, "give fewer stiffnesses, or a smaller count")
-        speeds, whirl = [], []
-        for stiffness in wanted:
-            description = self.description
-            for bearing in description.get("bearings", ()):
-                kept = ("shaft", "position", "support", "axial_stiffness", "tilting_stiffness")
-                place = {key: bearing[key] for key in kept if key in bearing}
-                bearing.clear()
-                bearing.update(place, stiffness=float(stiffness))
-            found = Model(description).critical_speeds(excitation, count)
-            speeds.append(np.array([speed for speed, _ in found]))
-            whirl.append(tuple(name for _, name in found))
+        found = self._model.critical_speed_map(wanted, excitation, count)
         actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
-        return CriticalSpeedMap(wanted, excitation, tuple(speeds), tuple(whirl), actual)
+        return CriticalSpeedMap.from_rows(wanted, excitation, found, actual)
 
     def synchronous(self, speeds: ArrayLike, *, excitation: str = "both") -> Synchronous:
         """Find the linear response to bow and unbalance, without time stepping.
@@ -233,6 +236,8 @@ class LinearAnalyses(SystemFiles):
         ------
         SceneError
             If a speed or the excitation is invalid.
+        ConvergenceError
+            If the residual of the response to a shaft exceeds 1e-9.
 
         Warns
         -----
@@ -253,6 +258,7 @@ class LinearAnalyses(SystemFiles):
             amplitudes=data["amplitudes"],
             excitation=excitation,
             slow_roll=None,
+            residuals=data["residuals"],
             coordinates=self.coordinates,
             description=self.description,
             _bearings=tuple(data["bearings"]),

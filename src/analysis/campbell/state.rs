@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DVector};
 
-use crate::modal::{Mode, OrderIntersection, Whirl};
+use crate::modal::{Mode, Residual, Whirl};
 use crate::model::Model;
 
 /// One mode at one speed: its eigenvalue λ and y = (φ, λφ) of unit norm. All vectors have n entries in the order of the
@@ -13,6 +13,8 @@ pub(super) struct State {
     pub eigenvalue: Complex<f64>,
     /// Direction of whirl.
     pub whirl: Whirl,
+    /// Residual of the mode.
+    pub residual: Residual,
     /// φ, divided by the norm of y; zero for a rigid-body mode.
     position: DVector<Complex<f64>>,
     /// λφ, divided by the norm of y; φ for a rigid-body mode.
@@ -26,21 +28,7 @@ pub(super) struct State {
 impl State {
     /// A mode at `speed`, rad/s, with the stiffness of `model`.
     pub fn new(model: &Model, speed: f64, mode: Mode) -> Self {
-        Self::of_shape(model, speed, mode.eigenvalue, mode.whirl, mode.shape)
-    }
-
-    /// The mode of an intersection; its whirl is not known.
-    pub fn of_intersection(model: &Model, met: &OrderIntersection) -> Self {
-        Self::of_shape(model, met.speed, met.eigenvalue, Whirl::Coupled, met.shape.clone())
-    }
-
-    fn of_shape(
-        model: &Model,
-        speed: f64,
-        eigenvalue: Complex<f64>,
-        whirl: Whirl,
-        shape: DVector<Complex<f64>>,
-    ) -> Self {
+        let Mode { eigenvalue, shape, whirl, residual } = mode;
         let is_rigid = eigenvalue == Complex::ZERO;
         let velocity = if is_rigid { shape.clone() } else { &shape * eigenvalue };
         let position = if is_rigid { DVector::zeros(shape.len()) } else { shape };
@@ -49,7 +37,7 @@ impl State {
         let norm = (position.dotc(&force).re + velocity.dotc(&momentum).re).max(f64::MIN_POSITIVE).sqrt();
         let [position, velocity, force, momentum] =
             [position, velocity, force, momentum].map(|vector| vector.unscale(norm));
-        Self { eigenvalue, whirl, position, velocity, force, momentum }
+        Self { eigenvalue, whirl, residual, position, velocity, force, momentum }
     }
 
     /// Mode shape φ with φᴴMφ = 1.

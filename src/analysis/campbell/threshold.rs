@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use super::super::AnalysisError;
+use super::super::modes::require;
 use super::super::root::root;
 use super::Tracker;
 use super::state::State;
@@ -21,6 +22,8 @@ pub struct Threshold {
     pub whirl: Whirl,
     /// Whether the mode is unstable at higher speeds; otherwise at lower speeds.
     pub is_unstable_above: bool,
+    /// The larger one of |Re λ|/|λ| and the residual of the mode.
+    pub residual: f64,
 }
 
 impl Tracker<'_> {
@@ -34,7 +37,10 @@ impl Tracker<'_> {
         }
         let (speed, state) = self.root_of(ends, |_, state| state.eigenvalue.re)?;
         let (eigenvalue, whirl) = (state.eigenvalue, state.whirl);
-        self.thresholds.push(Threshold { mode, speed, eigenvalue, whirl, is_unstable_above: grows[1] });
+        let residual = state.residual.with(eigenvalue.re.abs() / eigenvalue.norm());
+        require(residual, || format!("the stability threshold of mode {} at {speed} rad/s", mode + 1))?;
+        let residual = residual.value;
+        self.thresholds.push(Threshold { mode, speed, eigenvalue, whirl, is_unstable_above: grows[1], residual });
         Ok(())
     }
 

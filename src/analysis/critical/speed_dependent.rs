@@ -49,7 +49,7 @@ pub(super) fn critical_speeds(
     for (speed, number) in roots {
         let model = cached.at_speed(speed)?;
         let met = Quadratic::new(&model, 1.0)?.critical(excitation)?.into_iter().nth(number);
-        critical.extend(met.map(|met| named(&model, met, interrupt)).transpose()?);
+        critical.extend(met.map(|met| named(&model, &met, interrupt)).transpose()?);
     }
     critical.sort_by(|a, b| a.speed.total_cmp(&b.speed));
     Ok(critical)

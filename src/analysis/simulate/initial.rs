@@ -200,7 +200,7 @@ fn amplitudes(cached: &CachedModel, key: StartKey) -> Result<DMatrix<Complex<f64
     for shaft in sources {
         let column = match &subspace {
             Some(subspace) => synchronous_in(subspace, cached, speed, flank_speed, shaft)?,
-            None => synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Both)?,
+            None => synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Both)?.phasors,
         };
         amplitudes.set_column(shaft, &column);
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Base, BearingCoefficient};
+use super::{Base, BearingCoefficient, Coefficient};
 
 /// A bearing under a shaft: linear with `stiffness`, on the ground, a support or a housing; or a journal bearing on the ground
 /// with `diameter` and the other entries of its film; or a rolling bearing with `balls` and the other entries of its elements.
@@ -85,6 +85,20 @@ pub struct Bearing {
 }
 
 impl Bearing {
+    /// The bearing with the same stiffness, N/m, in both lateral directions instead of its own stiffness, film or elements, and
+    /// without damping.
+    pub fn with_stiffness(&self, stiffness: f64) -> Self {
+        Self {
+            shaft: self.shaft.clone(),
+            position: self.position,
+            stiffness: Some(BearingCoefficient::Constant(Coefficient::Isotropic(stiffness))),
+            axial_stiffness: self.axial_stiffness,
+            tilting_stiffness: self.tilting_stiffness,
+            support: self.support.clone(),
+            ..Self::default()
+        }
+    }
+
     /// Whether an entry of a rolling bearing is given.
     pub fn is_rolling(&self) -> bool {
         let lengths = [self.ball_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];

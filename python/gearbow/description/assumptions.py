@@ -1,0 +1,49 @@
+"""What a system assumes where its description says nothing: defaults of physical models."""
+
+from collections.abc import Sequence
+
+from gearbow.description.gears import Gear, Mesh
+from gearbow.description.shafts import STEEL, Shaft
+from gearbow.description.stiffness import Stiffness
+
+__all__ = ["assumptions"]
+
+#: Models of tooth pairs, which have an engagement.
+_PAIRS = ("square", "parabolic", "potential_energy")
+
+
+def assumptions(
+    shafts: Sequence[Shaft], gears: Sequence[Gear], meshes: Sequence[Mesh]
+) -> list[str]:
+    """List the defaults of physical models that these parts use, with the parts that use them."""
+    steel = [shaft.name for shaft in shafts if shaft.material == STEEL]
+    tips = [gear.name for gear in gears if gear.tip_radius is None]
+    disks = [gear.name for gear in gears if gear.mass is None]
+
+    def pairs(mesh: Mesh) -> bool:
+        model = mesh.stiffness
+        return isinstance(model, Stiffness) and model.model in _PAIRS and model.engagement is None
+
+    chosen = {
+        "mean stiffness of ISO 6336-1": [mesh.stiffness is None for mesh in meshes],
+        "tooth pairs engage over 0.1 of the base pitch": [pairs(mesh) for mesh in meshes],
+        "no damping": [mesh.damping is None and mesh.damping_ratio == 0.0 for mesh in meshes],
+        "contact on both flanks, without backlash": [mesh.backlash is None for mesh in meshes],
+        "no damping in separation": [
+            mesh.backlash is not None and not mesh.damping_in_separation for mesh in meshes
+        ],
+    }
+    names = [f"{mesh.driver}–{mesh.driven}" for mesh in meshes]
+    found = [
+        ("shafts", "steel with 207 GPa, 0.3 and 7850 kg/m³", steel, len(shafts)),
+        ("gears", "tip radius of full-depth teeth", tips, len(gears)),
+        ("gears", "mass and inertia of solid steel disks", disks, len(gears)),
+    ]
+    for text, used in chosen.items():
+        own = [name for name, is_used in zip(names, used, strict=True) if is_used]
+        found.append(("meshes", text, own, len(meshes)))
+    return [
+        f"{kind}: {text}" + ("" if len(own) == total else f" ({', '.join(own)})")
+        for kind, text, own, total in found
+        if own
+    ]
