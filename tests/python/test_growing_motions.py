@@ -137,8 +137,8 @@ def test_a_sum_of_motions_without_a_period_is_unstable_with_its_modes():
 
 def test_a_branch_is_unstable_where_a_mode_grows():
     bow = gb.Bow.half_sine(1e-5)
-    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.04, bow=bow)
+    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.04, elements=1, bow=bow)
     bearings = [gb.Bearing("rotor", x, **cross_coupled(1e7, 434838.0, 3.32)) for x in (0.0, 0.4)]
     system = gb.RotorSystem([shaft], bearings=bearings)
-    branch = system.continuation("bow", 1.0, 2.0, speed=100.0, step=1.0, record=[("rotor", 0.2)])
+    branch = system.continuation("bow", 1.0, 2.0, speed=100.0, step=1.0, record=[("rotor", 0.0)])
     assert not branch.stable.any()
