@@ -186,7 +186,7 @@ mod tests {
                 let problem = Problem::new(&cached.model, speed, range)?;
                 let ratio = problem.largest_ratio_above(problem.shift);
                 known.push(ratio);
-                for mode in modes(&cached, speed)? {
+                for mode in modes(&cached, speed, usize::MAX)? {
                     let size = mode.eigenvalue.norm();
                     let is_within = mode.eigenvalue.re.abs() <= ratio.unwrap_or(1.0) * size * (1.0 + 1e-9);
                     assert!(size < problem.shift || is_within, "{bearing}: {} for {ratio:?}", mode.eigenvalue);

@@ -200,7 +200,12 @@ fn an_intersection_is_the_same_in_physical_and_in_modal_coordinates() {
             captured(
                 &cached.model,
                 &one.shape,
-                &[&Mode { eigenvalue: other.eigenvalue, shape: other.shape, whirl: modal::Whirl::Coupled }]
+                &[&Mode {
+                    eigenvalue: other.eigenvalue,
+                    shape: other.shape,
+                    whirl: modal::Whirl::Coupled,
+                    residual: modal::Residual { value: 0.0, limit: 0.0 },
+                }]
             ) > 1.0 - 1e-6
         );
     }

@@ -27,15 +27,20 @@ pub struct Threshold {
 }
 
 impl Tracker<'_> {
-    /// Stores the speed between two speeds at which Re λ of a mode changes its sign. A sign that round-off may cause does
-    /// not count.
+    /// Stores the speed between two speeds at which a mode begins or ceases to grow. Growth that round-off may cause does
+    /// not count: where the mode at the end that does not grow is undamped up to round-off, this end is the threshold.
     pub(super) fn add_threshold(&mut self, mode: usize, ends: [(f64, &State); 2]) -> Result<(), AnalysisError> {
-        let growth = ends.map(|(_, state)| state.eigenvalue.re);
         let grows = ends.map(|(speed, state)| is_growing(state.eigenvalue, speed));
-        if (growth[0] > 0.0) == (growth[1] > 0.0) || !(grows[0] || grows[1]) {
+        if grows[0] == grows[1] {
             return Ok(());
         }
-        let (speed, state) = self.root_of(ends, |_, state| state.eigenvalue.re)?;
+        let growth = ends.map(|(_, state)| state.eigenvalue.re);
+        let (speed, state) = if (growth[0] > 0.0) == (growth[1] > 0.0) {
+            let (speed, state) = ends[usize::from(grows[0])];
+            (speed, state.clone())
+        } else {
+            self.root_of(ends, |_, state| state.eigenvalue.re)?
+        };
         let (eigenvalue, whirl) = (state.eigenvalue, state.whirl);
         let residual = state.residual.with(eigenvalue.re.abs() / eigenvalue.norm());
         require(residual, || format!("the stability threshold of mode {} at {speed} rad/s", mode + 1))?;
