@@ -4,7 +4,6 @@ Python delivers Ctrl-C to the main thread only. The compiled core therefore asks
 the begin of an analysis and every 50 ms, whether the call must stop (`check_stop`).
 """
 
-import multiprocessing
 import os
 import queue
 import threading
@@ -71,6 +70,8 @@ def _end_with_parent() -> None:
 
     A worker of a `ProcessPoolExecutor` would finish its call, and then wait for ever.
     """
+    import multiprocessing  # noqa: PLC0415
+
     parent = multiprocessing.parent_process()
     if parent is None:
         return

@@ -26,9 +26,9 @@ pub enum ExcitationPart {
 /// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
 pub(super) const MAX_DENSE: usize = 2000;
 
-/// Largest relative residual of a response. The solvers of band matrices reach 1e-11, those with modal damping 1e-11 in the
-/// energy; a larger one is a failure.
-const MAX_RESIDUAL: f64 = 1e-9;
+/// Largest relative residual of a response. Machines reach 1e-11, and scenes with stiffnesses of very different size 1e-8; a
+/// response that is wrong has a residual near one.
+const MAX_RESIDUAL: f64 = 1e-6;
 
 /// Response to the rotation of one shaft.
 #[derive(Clone, Debug)]

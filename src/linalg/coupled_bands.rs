@@ -44,7 +44,7 @@ const REFINED_ONCE: f64 = 1e-12;
 const MAX_BACKWARD_ERROR: f64 = 1e-11;
 /// Fraction of ‖S_i‖‖x‖∞ that is added to |S_i||x| of each row i: an entry of x that is zero up to round-off has no
 /// relative accuracy.
-const NEGLIGIBLE: f64 = 1e-8;
+pub(super) const NEGLIGIBLE: f64 = 1e-8;
 /// Largest number of refinements. One is enough unless a chain is close to singular.
 const MAX_REFINEMENTS: usize = 4;
 

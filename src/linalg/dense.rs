@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use super::band::Singular;
 use super::convert::{copy, view};
+use super::coupled_bands::NEGLIGIBLE;
 use super::inverse_iteration::refine_eigenvectors;
 
 /// Failure of a dense decomposition.
@@ -39,12 +40,13 @@ impl From<Singular> for DecompositionError {
 /// Componentwise backward error max |f − A x|/(|A||x| + |f|) of a solution x of A x = f (Oettli and Prager, Numer. Math. 6,
 /// 1964).
 pub fn backward_error(matrix: &DMatrix<Complex<f64>>, right: &DVector<Complex<f64>>, x: &DVector<Complex<f64>>) -> f64 {
+    let floor = NEGLIGIBLE * x.iter().map(|value| value.l1_norm()).fold(0.0, f64::max);
     let (mut residual, mut sizes) = (right.clone(), right.map(|value| value.l1_norm()));
     for (column, x) in matrix.column_iter().zip(x) {
         for (row, value) in column.iter().enumerate() {
             let term = value * x;
             residual[row] -= term;
-            sizes[row] += term.l1_norm();
+            sizes[row] += term.l1_norm() + floor * value.l1_norm();
         }
     }
     let ratios = residual.iter().zip(&sizes).filter(|(_, size)| **size != 0.0);

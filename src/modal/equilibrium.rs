@@ -38,8 +38,6 @@ const TANGENT_REUSE_RATIO: f64 = 1e-2;
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Smallest fraction of a Newton step.
 const LEAST_FRACTION: f64 = 1e-6;
-/// Smallest fraction of a Newton step that is tried where base circles overlap.
-const LEAST_FRACTION_OF_OVERLAP: f64 = 1e-3;
 /// Largest number of iterations for the displacements with which Newton's method starts.
 const MAX_START_ITERATIONS: usize = 20;
 /// Distance of a nonlinear bearing from where it carries its force, relative to its displacement, below which Newton's
@@ -262,7 +260,11 @@ impl<'m> Search<'m> {
                 continue;
             }
             previous = size;
-            match self.advance(&point, &flanks, &step)? {
+            let advance = match self.advance(&point, &flanks, &step) {
+                Err(EquilibriumError::Overlap { .. }) if is_old => None,
+                other => other?,
+            };
+            match advance {
                 Some(Advance { next, ratio }) => {
                     // An old tangent is used as long as the unbalanced forces decrease fast.
                     factors = (ratio <= TANGENT_REUSE_RATIO).then_some(known);
@@ -287,6 +289,9 @@ impl<'m> Search<'m> {
     }
 
     /// The point after the largest fraction of a step that reduces the unbalanced forces; none if no fraction does.
+    ///
+    /// # Errors
+    /// [`EquilibriumError::Overlap`] if no fraction does, and base circles overlap after the larger ones.
     fn advance(
         &self,
         point: &Point,
@@ -294,10 +299,10 @@ impl<'m> Search<'m> {
         step: &DVector<f64>,
     ) -> Result<Option<Advance>, EquilibriumError> {
         let mut fraction = within_clearances(&self.at_rest.model, &point.q, step);
+        let mut overlap = None;
         while fraction >= LEAST_FRACTION {
             match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
-                Err(error) if fraction < LEAST_FRACTION_OF_OVERLAP => return Err(error),
-                Err(EquilibriumError::Overlap { .. }) => {}
+                Err(error @ EquilibriumError::Overlap { .. }) => overlap = Some(error),
                 Err(error) => return Err(error),
                 Ok(next) => {
                     let [before, after] = self.norms([point, &next]);
@@ -308,7 +313,7 @@ impl<'m> Search<'m> {
             }
             fraction /= 2.0;
         }
-        Ok(None)
+        overlap.map_or(Ok(None), Err)
     }
 
     /// Factors of the stiffness of shafts, bearings and pins with the tangent of the connections, where `norm` of the load is

@@ -18,8 +18,11 @@ use super::spectral_range::ShiftInverse;
 use crate::linalg::DecompositionError;
 use crate::model::Model;
 
-/// Largest residual of a mode without round-off.
-const MAX_RESIDUAL: f64 = 1e-6;
+/// Largest residual of a mode without round-off. Iterations end with at most 1e-5, also between overdamped modes of oil films;
+/// a wrong shape has 0.01 to 1.
+const MAX_RESIDUAL: f64 = 1e-4;
+/// Smallest shift s, relative to ω_max, where K + s²M has no factors with s ≈ |λ|: s²M is then above the round-off of K.
+const LEAST_SHIFT: f64 = 1e-6;
 /// Largest residual from round-off, in units of εω_max/|λ|.
 const ROUND_OFF: f64 = 100.0;
 /// Largest ratio of the shift s and |λ|, and of |λ| and s: modes within it share the factors of K + s²M.
@@ -100,7 +103,8 @@ impl<'m> Residuals<'m> {
         let size = if eigenvalue == Complex64::ZERO { self.slowest } else { eigenvalue.norm() };
         let inverse = match self.inverse.take() {
             Some(known) if known.shift <= SHARED * size && size <= SHARED * known.shift => known,
-            _ => ShiftInverse::new(self.model, self.speed, size)?,
+            _ => ShiftInverse::new(self.model, self.speed, size)
+                .or_else(|_| ShiftInverse::new(self.model, self.speed, size.max(LEAST_SHIFT * self.fastest)))?,
         };
         let mut solved = self.model.to_circular(force.as_slice());
         inverse.factors.solve_once(&mut solved);

@@ -110,7 +110,7 @@ def objects() -> dict[str, object]:
         campbell,
         campbell.lines[0],
         pair.campbell(MANY[:100:20], count=6).intersections[0],
-        gb.StabilityThreshold(1, 264.273, 42.046, "forward", "unstable"),
+        gb.StabilityThreshold(1, 264.273, 42.046, "forward", "unstable", 1e-9),
         pair.replace(
             bearings=[gb.Bearing(b.shaft, b.position, stiffness=1e8) for b in bearings[:4]]
         ).critical_speed_map(np.linspace(1e7, 1e8, 12), count=4),

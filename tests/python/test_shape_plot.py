@@ -53,7 +53,9 @@ def test_radii():
     # I_p = m r² / 2 of a thin disk
     assert reference_radius(gb.Disk("d", "s", 0.1, 8.0, 0.02, 0.04)) == pytest.approx(0.1)
     system = rotor()
-    (shaft,) = layout(system.shafts, (), system.disks, (), system.bearings).shafts
+    (shaft,) = layout(
+        system.shafts, (), system.disks, (), system.bearings, centre_distances=()
+    ).shafts
     assert [shaft.outer_radius(x) for x in (0.1, 0.3, 0.31, 0.8)] == pytest.approx(
         [0.02, 0.02, 0.03, 0.03]
     )

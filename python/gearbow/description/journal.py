@@ -192,7 +192,7 @@ class JournalMotion(ReadOnly):
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> system = gb.RotorSystem([rotor], bearings=films, gravity=9.81)
     >>> print(f"{system.static(speed=300.0).journal('rotor', 0.0).eccentricity_ratio:.3f}")
-    0.181
+    0.185
     """
 
     force: Array

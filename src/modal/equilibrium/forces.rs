@@ -12,7 +12,7 @@ use crate::mesh::{Flank, Geometry};
 use crate::modal::clearance::Entry;
 use crate::model::{Dof, DofKind, Model};
 
-/// Unbalanced force of a coordinate, relative to the sum of absolute terms |K||q| of its elastic force, that the round-off of
+/// Unbalanced force of a coordinate, relative to the sum of absolute terms |K||q| of its elastic and mesh forces, that the round-off of
 /// q explains (componentwise backward error; Higham 2002, Accuracy and Stability of Numerical Algorithms, chapter 7).
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// Load of a shaft, relative to the largest load of all, below which it is the round-off of other loads.
@@ -202,7 +202,7 @@ pub(super) struct Forces {
     acting: DVector<f64>,
     /// Elastic forces of the shafts on their nodes.
     elastic: DVector<f64>,
-    /// What the round-off of q may change in `elastic`.
+    /// What the round-off of q may change in `elastic` and in the mesh forces.
     round_off: DVector<f64>,
 }
 
@@ -322,7 +322,14 @@ impl Forces {
                         let pulls = matches!(contacts, Contacts::Pressed) && mesh.backlash.is_some() && pressed < 0.0;
                         let pressed = if pulls { 0.0 } else { pressed };
                         let sigma = if back { -sigma } else { sigma };
-                        mesh.gradient(sigma, &directions, |row, slope| self.add(row, -pressed * slope));
+                        // Round-off of the deflection, a sum of much larger displacements.
+                        let mut terms = 0.0;
+                        mesh.gradient(sigma, &directions, |row, slope| terms += (slope * q[row]).abs());
+                        let round_off = ROUND_OFF * mesh.stiffness * terms;
+                        mesh.gradient(sigma, &directions, |row, slope| {
+                            self.add(row, -pressed * slope);
+                            self.round_off[row] += round_off * slope.abs();
+                        });
                     }
                     continue;
                 }
