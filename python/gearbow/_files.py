@@ -5,7 +5,6 @@ replaces the target when all data are on the disk. Only the store of a sweep add
 """
 
 import errno
-import hashlib
 import os
 import stat
 from collections.abc import Iterator, Sequence
@@ -346,6 +345,8 @@ def _short(path: Path) -> str:
     name = os.fsencode(path.name)
     if len(name) <= _LONGEST_NAME:
         return path.name
+    import hashlib  # noqa: PLC0415
+
     return f"{path.name[:40]}-{hashlib.sha256(name).hexdigest()[:16]}"
 
 

@@ -111,7 +111,7 @@ class AccuracyWarning(UserWarning):
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e20) for x in (0.0, 1.0)]
     >>> with warnings.catch_warnings(record=True) as caught:
     ...     warnings.simplefilter("always")
-    ...     modes = gb.RotorSystem(shafts=[shaft], bearings=bearings).modes()
+    ...     response = gb.RotorSystem(shafts=[shaft], bearings=bearings).synchronous([10.0])
     >>> str(caught[-1].message)
     '...the fastest mode is that of bearings[0], of 1.000e20 N/m'
     """

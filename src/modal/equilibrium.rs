@@ -149,6 +149,8 @@ struct Advance {
     next: Point,
     /// Norm of the unbalanced forces over that before the step.
     ratio: f64,
+    /// Overlap of base circles after a larger fraction of the step.
+    overlap: Option<EquilibriumError>,
 }
 
 /// Displacements with the forces there, for given flanks.
@@ -236,6 +238,7 @@ impl<'m> Search<'m> {
         let mut point = self.at(self.start(&flanks)?, &flanks, Laws::Exact)?;
         let mut previous = f64::INFINITY;
         let mut factors: Option<CoupledFactors> = None;
+        let mut overlap = None;
         for _ in 0..MAX_ITERATIONS {
             let [norm, _] = self.norms([&point, &point]);
             let (known, is_old) = match factors.take() {
@@ -265,7 +268,8 @@ impl<'m> Search<'m> {
                 other => other?,
             };
             match advance {
-                Some(Advance { next, ratio }) => {
+                Some(Advance { next, ratio, overlap: met }) => {
+                    overlap = met;
                     // An old tangent is used as long as the unbalanced forces decrease fast.
                     factors = (ratio <= TANGENT_REUSE_RATIO).then_some(known);
                     point = next;
@@ -276,7 +280,10 @@ impl<'m> Search<'m> {
         }
         check_journals(model, &point.q, 0.0..TOUCHING)?;
         check_constraints(&point.carried, load)?;
-        Err(unconverged(model, &self.at_rest.residuals(&point.q)?))
+        Err(match overlap {
+            Some(overlap) => overlap,
+            None => unconverged(model, &self.at_rest.residuals(&point.q)?),
+        })
     }
 
     /// Newton step, without null motions.
@@ -307,7 +314,7 @@ impl<'m> Search<'m> {
                 Ok(next) => {
                     let [before, after] = self.norms([point, &next]);
                     if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) {
-                        return Ok(Some(Advance { next, ratio: after / before }));
+                        return Ok(Some(Advance { next, ratio: after / before, overlap }));
                     }
                 }
             }

@@ -255,6 +255,7 @@ def test_the_table_has_a_line_for_each_intersection():
     assert scenes.v1().campbell([1.0, 2.0], count=1).lines[2].name == "1× teeth of wheel–pinion"
 
 
+@pytest.mark.implausible
 def test_the_lines_of_the_map_follow_shapes_through_a_crossing():
     """Two shafts that a soft mesh hardly couples: the modes of a slender one cross those of the other."""
     diameters = {"slender": 0.02, "stout": 0.1}

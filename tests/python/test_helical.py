@@ -807,10 +807,10 @@ def test_motions_without_axial_coordinates_are_refused_or_left_out():
 
 def test_the_campbell_diagram_of_a_helical_train_is_drawn(tmp_path):
     system = pair()
-    campbell = system.campbell([0.0, 100.0, 200.0], count=20)
+    campbell = system.campbell([0.0, 100.0, 200.0], count=30)
     assert "axial" in campbell.whirl
     campbell.plot().savefig(tmp_path / "method.png")
     system.save(tmp_path / "scene.toml")
     command = ["campbell", str(tmp_path / "scene.toml"), "--to", "200", "--points", "3"]
-    assert main([*command, "--count", "20", "--out", str(tmp_path / "command.png")]) == 0
+    assert main([*command, "--count", "30", "--out", str(tmp_path / "command.png")]) == 0
     assert (tmp_path / "command.png").stat().st_size > 1000

@@ -237,7 +237,7 @@ class LinearAnalyses(SystemFiles):
         SceneError
             If a speed or the excitation is invalid.
         ConvergenceError
-            If the residual of the response to a shaft exceeds 1e-9.
+            If the residual of the response to a shaft exceeds 1e-4.
 
         Warns
         -----
