@@ -23,7 +23,7 @@ impl Film {
     ///
     /// # Errors
     /// [`Uncarried`] if the journal touches the bearing, or comes closer than a hundredth of the clearance, or if the residual force
-    /// exceeds [`MAX_RESIDUAL`] of the load.
+    /// exceeds `MAX_RESIDUAL` of the load.
     pub fn carrying(&self, load: Vector, spin: f64) -> Result<(Vector, BearingForce), Uncarried> {
         let size = |v: Vector| v[0].hypot(v[1]);
         let at = |e: Vector| self.at(e, [0.0; 2], spin);

@@ -116,7 +116,7 @@ pub fn equilibrium(
 }
 
 /// Largest unbalanced force, or moment over the length, of every shaft and then of every support and housing over its load,
-/// at displacements q; see [`Bodies::residuals`](forces::Bodies::residuals).
+/// at displacements q; see `forces::Bodies::residuals`.
 ///
 /// # Errors
 /// [`EquilibriumError::Overlap`] of base circles.

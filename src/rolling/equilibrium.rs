@@ -22,7 +22,7 @@ impl RollingElements {
     /// steps that raise the residual converges from anywhere.
     ///
     /// # Errors
-    /// [`Uncarried`] if the residual force exceeds [`MAX_RESIDUAL`] of the load.
+    /// [`Uncarried`] if the residual force exceeds `MAX_RESIDUAL` of the load.
     pub fn carrying(&self, load: Vector, cage: Option<f64>) -> Result<(Vector, BearingForce), Uncarried> {
         let size = |v: Vector| v[0].hypot(v[1]);
         let at = |u: Vector| cage.map_or_else(|| self.mean(u), |cage| self.at(u, [0.0; 2], cage));
