@@ -192,7 +192,7 @@ impl Model {
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
     pub fn check_speed(&self, speed: f64) -> Result<(), SceneError> {
         if let Some(journal) = self.nonlinear_bearings.iter().find(|bearing| bearing.stands(speed)) {
-            let message = "the film of a journal bearing carries no load at speed 0; give a speed, such as static(speed=...) or modes(speed=...)";
+            let message = "the film of a journal bearing carries no load at speed 0; give a speed, such as static(speed=...) or modes(speed=...), or speeds of a diagram that begin above 0";
             return Err(EntryPath::entry("bearings", journal.number).error(message));
         }
         self.check_tables(speed)
