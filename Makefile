@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 SOURCES := Cargo.toml Cargo.lock pyproject.toml $(shell find src -name '*.rs') $(shell find python -name '*.py' -o -name '*.pyi')
 FIGURE := examples/output/bowed_train.png
 # Modules without public names: their docstrings need no sections.
-INTERNAL := $(addprefix python/gearbow/,analysis/protocol.py description/load_values.py description/part.py \
+INTERNAL := $(addprefix python/gearbow/,analysis/protocol.py description/assumptions.py description/load_values.py description/part.py \
 	description/places.py \
 	recording/container.py recording/recording.py recording/schema.py recording/tables.py sweeps/tables.py system/run.py)
 

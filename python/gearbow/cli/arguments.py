@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -198,15 +199,18 @@ def figure(text: str) -> Path:
         If the suffix is unknown, matplotlib is missing, or the file cannot be written.
     """
 
-    def checked() -> Path:
-        with extra("plot"):
-            from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
-        return check_name(text, [f".{each}" for each in sorted(FigureCanvasBase.filetypes)])[0]
+    return _writable(partial(_check_figure, text))
 
-    return _writable(checked)
+
+def _check_figure(text: str) -> Path:
+    """Require a suffix of a format that matplotlib writes."""
+    with extra("plot"):
+        from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
+    return check_name(text, [f".{each}" for each in sorted(FigureCanvasBase.filetypes)])[0]
 
 
 def _writable(check: Callable[[], Path]) -> Path:
+    """Check the name of a file and that it can be written; problems are errors of the command line."""
     try:
         path = check()
         check_output(path)

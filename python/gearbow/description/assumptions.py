@@ -12,6 +12,12 @@ __all__ = ["assumptions"]
 _PAIRS = ("square", "parabolic", "potential_energy")
 
 
+def _engages_by_default(mesh: Mesh) -> bool:
+    """Return whether a mesh has tooth pairs with the default length of engagement."""
+    model = mesh.stiffness
+    return isinstance(model, Stiffness) and model.model in _PAIRS and model.engagement is None
+
+
 def assumptions(
     shafts: Sequence[Shaft], gears: Sequence[Gear], meshes: Sequence[Mesh]
 ) -> list[str]:
@@ -20,13 +26,11 @@ def assumptions(
     tips = [gear.name for gear in gears if gear.tip_radius is None]
     disks = [gear.name for gear in gears if gear.mass is None]
 
-    def pairs(mesh: Mesh) -> bool:
-        model = mesh.stiffness
-        return isinstance(model, Stiffness) and model.model in _PAIRS and model.engagement is None
-
     chosen = {
         "mean stiffness of ISO 6336-1": [mesh.stiffness is None for mesh in meshes],
-        "tooth pairs engage over 0.1 of the base pitch": [pairs(mesh) for mesh in meshes],
+        "tooth pairs engage over 0.1 of the base pitch": [
+            _engages_by_default(mesh) for mesh in meshes
+        ],
         "no damping": [mesh.damping is None and mesh.damping_ratio == 0.0 for mesh in meshes],
         "contact on both flanks, without backlash": [mesh.backlash is None for mesh in meshes],
         "no damping in separation": [

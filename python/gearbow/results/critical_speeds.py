@@ -120,7 +120,7 @@ class CriticalSpeedMap(ReadOnly):
         )
 
     def lines(self, whirl: str) -> Array:
-        """Lines of critical speeds of modes with one whirl.
+        """Give the critical speeds of the modes with one whirl as lines.
 
         Parameters
         ----------
