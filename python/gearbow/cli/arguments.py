@@ -198,7 +198,6 @@ def figure(text: str) -> Path:
     argparse.ArgumentTypeError
         If the suffix is unknown, matplotlib is missing, or the file cannot be written.
     """
-
     return _writable(partial(_check_figure, text))
 
 
@@ -210,7 +209,7 @@ def _check_figure(text: str) -> Path:
 
 
 def _writable(check: Callable[[], Path]) -> Path:
-    """Check the name of a file and that it can be written; problems are errors of the command line."""
+    """Check the name of a file and that it can be written."""
     try:
         path = check()
         check_output(path)
