@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import re
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -48,7 +50,7 @@ def system() -> gb.RotorSystem:
 @cache
 def response() -> gb.Response:
     record = ["gears", "meshes", "bearings", "energy", "acceleration"]
-    return system().simulate(0.02, 100.0, output_step=1e-4, record=record)
+    return system().simulate(0.15, 100.0, output_step=2e-4, record=record)
 
 
 def point(x: float) -> float:
@@ -152,7 +154,12 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         gb.sweep,
         {"make": lambda x: system(), "parameters": {"x": [1.0]}, "measure": measure},  # noqa: ARG005
     ),
-    "waterfall": (gb.waterfall, {"responses": [None], "of": "g1"}),
+    "waterfall": (
+        lambda responses=None, **given: gb.waterfall(
+            [response()] if responses is None else responses, **given
+        ),
+        {"of": "g1"},
+    ),
     "Material": (
         in_shaft("material", make=gb.Material),
         {"youngs_modulus": 2e11, "density": 7850.0, "poisson_ratio": 0.3},
@@ -173,7 +180,14 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Bow.read_csv": (gb.Bow.read_csv, {"path": "x.csv"}),
     "Gear": (
         with_part("Gear"),
-        {"name": "g1", "shaft": "input", "position": 0.25, "teeth": 25, "module": 3e-3, "face_width": 0.03},
+        {
+            "name": "g1",
+            "shaft": "input",
+            "position": 0.25,
+            "teeth": 25,
+            "module": 3e-3,
+            "face_width": 0.03,
+        },
     ),
     "Disk": (
         with_part("Disk"),
@@ -205,10 +219,17 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         {"at": "g1"},
     ),
     "SpeedTable": (
-        lambda **given: system().replace(bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable(**given))]),
+        lambda **given: system().replace(
+            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable(**given))]
+        ),
         {"speeds": [0.0, 1.0], "values": [1e8, 2e8]},
     ),
-    "SpeedTable.read_csv": (gb.SpeedTable.read_csv, {"path": "x.csv"}),
+    "SpeedTable.read_csv": (
+        lambda **given: system().replace(
+            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_csv(**given))]
+        ),
+        {"path": "x.csv"},
+    ),
     "SpeedProfile": (gb.SpeedProfile, {"breaks": [0.0, 1.0], "coefficients": [[1.0]]}),
     "SpeedProfile.ramp": (gb.SpeedProfile.ramp, {"start": 0.0, "end": 1.0, "duration": 1.0}),
     "SpeedProfile.table": (gb.SpeedProfile.table, {"times": [0.0, 1.0], "speeds": [0.0, 1.0]}),
@@ -220,10 +241,15 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         {"times": [0.0, 1.0], "values": [0.0, 1.0]},
     ),
     "TimeSeries.function": (
-        lambda **given: system().replace(torques=[gb.Torque("g1", gb.TimeSeries.function(**given))]),
+        lambda **given: system().replace(
+            torques=[gb.Torque("g1", gb.TimeSeries.function(**given))]
+        ),
         {"f": point, "duration": 1.0},
     ),
-    "TipRelief": (in_mesh("tip_relief", gb.TipRelief, stiffness=gb.Stiffness.square(2e8)), {"amount": 1e-5, "length": 0.3}),
+    "TipRelief": (
+        in_mesh("tip_relief", gb.TipRelief, stiffness=gb.Stiffness.square(2e8)),
+        {"amount": 1e-5, "length": 0.3},
+    ),
     "TransmissionError": (in_mesh("error", gb.TransmissionError), {"tooth": [(1e-6, 0.0)]}),
     "Stiffness.constant": (in_mesh("stiffness", gb.Stiffness.constant), {"mean": 2e8}),
     "Stiffness.fourier": (
@@ -267,7 +293,13 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {
             "balance": {"planes": ["g1"], "speed": 100.0},
             "campbell": {"speeds": [0.0, 100.0]},
-            "continuation": {"parameter": "speed", "start": 100.0, "stop": 100.5, "max_points": 2},
+            "continuation": {
+                "parameter": "speed",
+                "start": 100.0,
+                "stop": 100.5,
+                "max_points": 1,
+                "max_period": 0.2,
+            },
             "critical_speed_map": {"stiffnesses": [1e7, 1e8]},
             "default_output_step": {"duration": 1e-3, "speed": 100.0},
             "matrices": {},
@@ -279,7 +311,16 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "static": {},
             "steady_state": {"speed": 100.0},
             "synchronous": {"speeds": [100.0]},
-            "tradeoff": {"duration": 1e-3, "speed": 100.0, "budget": 1.0, "methods": ["exponential"]},
+            "tradeoff": {
+                "duration": 1e-3,
+                "speed": 100.0,
+                "budget": 1.0,
+                "methods": ["exponential"],
+                **dict.fromkeys(("modes", "elements", "degrees"), ()),
+                "frozen": False,
+                "mean_stiffness": False,
+                "repeats": 1,
+            },
         },
     ),
     "Response": (
@@ -287,16 +328,29 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {
             **{
                 name: {"name": "g1"}
-                for name in ("acceleration", "axial", "axial_acceleration", "axial_velocity")
-                + ("displacement", "twist", "twist_rate", "velocity")
+                for name in (
+                    "acceleration",
+                    "axial",
+                    "axial_acceleration",
+                    "axial_velocity",
+                    "displacement",
+                    "twist",
+                    "twist_rate",
+                    "velocity",
+                )
             },
-            **{
-                name: BEARING
-                for name in ("axial_bearing_force", "bearing_displacement", "bearing_force")
-                + ("journal", "rolling")
-            },
+            **dict.fromkeys(
+                (
+                    "axial_bearing_force",
+                    "bearing_displacement",
+                    "bearing_force",
+                    "journal",
+                    "rolling",
+                ),
+                BEARING,
+            ),
             "angle": {"shaft": "input"},
-            "animate": {"path": "x.gif"},
+            "animate": {"path": "x.gif", "duration": 1.0, "fps": 1.0},
             "contact_shares": MESH,
             "energy_balance": {},
             "measure": {"sensor": gb.Tacho("input")},
@@ -316,7 +370,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         lambda: system().static(),
         {
             **{name: {"name": "g1"} for name in ("axial", "displacement", "twist")},
-            **{name: BEARING for name in ("axial_bearing_force", "bearing_force", "journal")},
+            **dict.fromkeys(("axial_bearing_force", "bearing_force", "journal"), BEARING),
             "mesh": MESH,
         },
     ),
@@ -355,7 +409,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {"energy_shares": {}, "names": {}, "plot": {}, "table": {}, "to_dataframe": {}},
     ),
     "Orders": (
-        lambda: response().orders("g1"),
+        lambda: response().orders("g1", shaft_harmonics=1, mesh_harmonics=0, sidebands=0),
         {"amplitude": {"name": "1"}, "plot": {}, "table": {}},
     ),
     "Spectrum": (lambda: response().spectrum("g1"), {"plot": {}}),
@@ -388,3 +442,84 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "Probe": (lambda: gb.Probe("input", 0.25), {"measure": {"recording": None}}),
     "Tacho": (lambda: gb.Tacho("input"), {"measure": {"recording": None}}),
 }
+
+#: Values that no other argument takes: the error names the argument. Numbers, texts and arrays are of the right type for
+#: some arguments; each gives a result or an error of gearbow.
+OF_WRONG_TYPE = {
+    "True": {"progress", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
+    | {"damping_in_separation", "axial", "foundation"},
+    "function": {"progress", "make", "measure", "f", "speed", "value", "run_out"},
+    "object": set(),
+    "bytes": set(),
+    "list of None": set(),
+}
+#: Of sequences, integers and exceptions, from Python, and constructors from data of the core.
+NOT_FOR_USERS = re.compile(
+    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.(from_data|from_rows|of)$|Sweep\.(count|index)$"
+)
+#: The system of the method, and the beginning of error messages.
+NO_ARGUMENTS = {("RotorSystem.simulate_many", "system"), ("TimeSeries.function", "path")}
+
+
+def parameters(name: str) -> list[str]:
+    """Return the names of the arguments of a public function, class or method."""
+    found: Any = gb
+    for part in name.split("."):
+        found = getattr(found, part)
+    given = inspect.signature(found).parameters.values()
+    own = [each.name for each in given if each.kind is not each.VAR_KEYWORD]
+    return [each for each in own if each != "self" and (name, each) not in NO_ARGUMENTS]
+
+
+def of_method(owner: str, method: str) -> Callable[..., object]:
+    """Return a function that calls a method."""
+    return lambda **given: getattr(METHODS[owner][0](), method)(**given)
+
+
+ALL = CALLS | {
+    f"{owner}.{method}": (of_method(owner, method), arguments)
+    for owner, (_, methods) in METHODS.items()
+    for method, arguments in methods.items()
+}
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_an_error_names_the_argument(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    import matplotlib.pyplot as plt
+
+    monkeypatch.chdir(tmp_path)
+    Path("x.csv").write_text("speed,k\n0,1e8\n1,2e8\n", encoding="utf-8")
+    call, arguments = ALL[name]
+    for argument in parameters(name):
+        for wrong, value in WRONG.items():
+            at = f"{argument} = {wrong}"
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    call(**{**arguments, argument: value})
+            except gb.GearbowError as error:
+                text = str(error)
+            except OSError:
+                assert argument in ("path", "store", "checkpoint"), at
+                continue
+            except Exception as error:  # noqa: BLE001  # the point of the test
+                pytest.fail(f"{at}: {error!r}")
+            else:
+                text = ""
+            finally:
+                plt.close("all")
+            if argument not in OF_WRONG_TYPE.get(wrong, {argument}):
+                assert text, f"{at} is accepted"
+                # The functions of units begin their messages with their own name.
+                assert argument in text or text.startswith(name), f"{at}: {text}"
+            assert "\n" not in text
+
+
+def test_every_public_function_and_method_is_examined():
+    public = {name for name in dir(gb) if inspect.isfunction(getattr(gb, name))}
+    for owner in dir(gb):
+        found = getattr(gb, owner)
+        if inspect.isclass(found):
+            methods = inspect.getmembers(found, callable)
+            public |= {f"{owner}.{name}" for name, _ in methods if not name.startswith("_")}
+    assert {name for name in public if not NOT_FOR_USERS.match(name)} <= set(ALL)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, nested, number, shown
+from gearbow._convert import array, function, nested, number, shown
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze
 from gearbow.description.speed import sampled
@@ -86,6 +86,7 @@ class TimeSeries(Part):
         begin, duration = number(begin, f"{path}.begin"), number(duration, f"{path}.duration")
         if not duration > 0.0:
             raise SceneError(f"{path}.duration: must be positive, got {duration!r}")
+        function(f, f"{path}.f")
         first = np.linspace(begin, begin + duration, 33)
         pieces = [
             sampled(lambda t: np.real(f(t)), first, path),
