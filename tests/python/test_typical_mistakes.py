@@ -350,7 +350,22 @@ elements = 4
     [
         ("length", "lenght", ("shafts[0].lenght: ", "lenght = 0.5", 'did you mean "length"?')),
         ("[[shafts]]", "[[shaft]]", ("shaft: ", "[[shaft]]", 'did you mean "shafts"?')),
-        ("[[shafts]]", "[shafts]", ("shafts: ", "[shafts]", "two brackets")),
+        ("[[shafts]]", "[shafts]", ("shafts: ", "[shafts]", "[[shafts]]")),
+        (
+            "elements = 4",
+            "elements = 4\n[gears]\nname = 'g'",
+            ("gears: ", "[gears]", "write two brackets around the name of a list: [[gears]]"),
+        ),
+        (
+            "[[shafts]]",
+            "gears = ['g']\n[[shafts]]",
+            ("gears[0]: ", '"g"', "expected entries with names; write [[gears]]"),
+        ),
+        (
+            "elements = 4",
+            "elements = 4\n[shafts.segments]\nlength = 0.5",
+            ("shafts[0].segments: ", "[shafts.segments]", "[[shafts.segments]]"),
+        ),
         ("0.5", '"0.5"', ("shafts[0].length: ", "'0.5'", "without quotes [m]")),
         ("0.5", '"500"', ("shafts[0].length: ", "'500'", 'such as "500 m"')),
         ("= 4", '= "4"', ("shafts[0].elements: ", 'elements = "4"', "a number without quotes")),

@@ -473,7 +473,12 @@ def parameters(name: str) -> list[str]:
 
 def of_method(owner: str, method: str) -> Callable[..., object]:
     """Return a function that calls a method."""
-    return lambda **given: getattr(METHODS[owner][0](), method)(**given)
+    make = METHODS[owner][0]
+
+    def call(**given: Any) -> object:
+        return getattr(make(), method)(**given)
+
+    return call
 
 
 ALL = CALLS | {

@@ -42,7 +42,7 @@ class Part(CheckedKeywords, Shown):
             found = _read(value, allowed, f"{path}.{field.name}")
             default = field.default
             if isinstance(default, Part) and isinstance(found, dict):
-                default = default._describe(f"{path}.{field.name}")  # type: ignore[assignment]
+                default = default._describe(f"{path}.{field.name}")
             if isinstance(found, list) or found != default:
                 given[field.name] = found
         return given

@@ -305,7 +305,7 @@ class Synchronous(ReadOnly):
     def _source(self, name: At, source: str | None) -> int:
         """Find the number of the shaft that excites; None is the shaft of the place."""
         shaft = self.coordinates.shaft(name) if source is None else source
-        if shaft is None or text(shaft, "source") not in self.shafts:
+        if text(shaft, "source") not in self.shafts:
             wanted = "name one with source=" if source is None else "see `shafts`"
             raise GearbowError(
                 f"source: no shaft is called {shaft!r}; {wanted}: {list(self.shafts)}"

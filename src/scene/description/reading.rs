@@ -86,13 +86,18 @@ fn explain(path: &str, message: &str) -> String {
     } else if let Some(start) = message.rfind("expected struct ") {
         let header = if path.ends_with(']') { format!("[[{table}]]") } else { format!("[{table}]") };
         message.replace_range(start.., &format!("expected entries with names; write {header}"));
-    } else if let Some(start) = message.rfind("expected an array of").or_else(|| message.rfind("expected fewer elements")) {
-        let meaning = |name: &str| FIXED_LISTS.iter().find(|(names, _)| names.contains(&name)).map(|(_, meaning)| meaning);
+    } else if let Some(start) =
+        message.rfind("expected an array of").or_else(|| message.rfind("expected fewer elements"))
+    {
+        let meaning =
+            |name: &str| FIXED_LISTS.iter().find(|(names, _)| names.contains(&name)).map(|(_, meaning)| meaning);
         if let Some(meaning) = table.rsplit('.').find_map(meaning) {
             message.replace_range(start.., &format!("expected {meaning}"));
         }
     }
-    message = message.replace("expected a sequence", "expected a list").replace("expected a map", "expected entries with names");
+    message = message
+        .replace("expected a sequence", "expected a list")
+        .replace("expected a map", "expected entries with names");
     let known = ["unknown field `", "unknown variant `"];
     let Some(start) = known.iter().find_map(|known| message.find(known).map(|at| at + known.len())) else {
         return message;
