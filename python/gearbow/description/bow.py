@@ -225,6 +225,11 @@ class Bow(Part):
         Bow
             The bow, a cubic spline through the points.
 
+        Raises
+        ------
+        SceneError
+            If `f` is no function.
+
         Examples
         --------
         A bend of 0.1 mm per metre that begins in the middle of a shaft of 1 m:

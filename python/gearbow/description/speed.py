@@ -154,7 +154,7 @@ class SpeedProfile(ReadOnly):
         Raises
         ------
         SceneError
-            If the function is discontinuous, or has a value that is not finite.
+            If `f` is no function, is discontinuous, or has a value that is not finite.
         """
         begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
         if not duration > 0.0:

@@ -81,7 +81,7 @@ class TimeSeries(Part):
         Raises
         ------
         SceneError
-            If the function is discontinuous, or has a value that is not finite.
+            If `f` is no function, is discontinuous, or has a value that is not finite.
         """
         begin, duration = number(begin, f"{path}.begin"), number(duration, f"{path}.duration")
         if not duration > 0.0:

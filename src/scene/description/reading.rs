@@ -91,7 +91,9 @@ fn explain(path: &str, message: &str) -> String {
     {
         let meaning =
             |name: &str| FIXED_LISTS.iter().find(|(names, _)| names.contains(&name)).map(|(_, meaning)| meaning);
-        if let Some(meaning) = table.rsplit('.').find_map(meaning) {
+        // The user chooses the names of points.
+        let entry = table.split_once(".points.").map_or(table.as_str(), |_| "points");
+        if let Some(meaning) = entry.rsplit('.').find_map(meaning) {
             message.replace_range(start.., &format!("expected {meaning}"));
         }
     }
