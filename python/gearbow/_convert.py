@@ -7,7 +7,7 @@ the path of the argument. Quantities of pint are converted to the SI unit of the
 
 import math
 import numbers
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from operator import index
 from typing import Any
 
@@ -147,6 +147,20 @@ def text(value: object, path: str) -> str:
     if "\0" in value:  # no file format has it in a text
         raise SceneError(f"{path}: must not contain the character NUL, got {shown(value)}")
     return str(value)
+
+
+def function(value: object, path: str) -> Callable[..., Any]:
+    """Check that a value can be called."""
+    if not callable(value):
+        raise SceneError(f"{path}: must be a function, got {shown(value)}")
+    return value
+
+
+def items(values: object, path: str, of: str) -> list[Any]:
+    """Convert a list or another iterable to a list; a text, bytes or a mapping is none."""
+    if not _is_sequence(values) or getattr(values, "ndim", None) == 0:
+        raise SceneError(f"{path}: must be a list of {of}, got {shown(values)}")
+    return list(values)  # type: ignore[call-overload,no-any-return]  # checked
 
 
 def truth(value: object, path: str) -> bool:

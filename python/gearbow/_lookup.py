@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 
-from gearbow._convert import real
+from gearbow._convert import real, shown, text
 from gearbow._types import Dof, NodalDof
+from gearbow.errors import SceneError
 
 
 def nearest(given: str, names: Iterable[str]) -> str:
@@ -12,6 +13,15 @@ def nearest(given: str, names: Iterable[str]) -> str:
 
     found = get_close_matches(given, list(names), n=1)
     return f'; did you mean "{found[0]}"?' if found else ""
+
+
+def one_of(given: object, names: Iterable[str], path: str) -> str:
+    """Check that a value is one of the given names."""
+    known = list(names)
+    if isinstance(given, str) and given in known:
+        return given
+    near = nearest(given, known) if isinstance(given, str) else ""
+    raise SceneError(f"{path}: must be one of {', '.join(known)}, got {shown(given)}{near}")
 
 
 def nodal(dofs: Sequence[Dof]) -> list[NodalDof]:
@@ -24,7 +34,7 @@ def locate(places: Sequence[tuple[str, float]], shaft: str, position: float) -> 
 
     Positions are equal if their relative difference is at most 1e-9, or 1 nm below 1 m.
     """
-    position = real(position, "position")
+    shaft, position = text(shaft, "shaft"), real(position, "position")
     for i, (other, x) in enumerate(places):
         if other == shaft and abs(x - position) <= 1e-9 * max(1.0, abs(x)):
             return i

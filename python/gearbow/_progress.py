@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from gearbow._convert import function
 from gearbow._types import Progress
 from gearbow.errors import RunTimeWarning, outside
 
@@ -29,7 +30,8 @@ def reported(
     `RunTimeWarning`. `numbers` is the format of the completed and the total amount.
     """
     if progress is not True:
-        report = progress or None
+        is_off = progress is None or progress is False
+        report = None if is_off else function(progress, "progress")
         yield _Estimate(report) if estimate else report
         return
     from tqdm import tqdm  # noqa: PLC0415  # its import takes longer than that of gearbow

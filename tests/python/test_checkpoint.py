@@ -145,7 +145,7 @@ count, replace = [], pathlib.Path.replace
 
 def twice(self, target):
     count.append(target)
-    if len(count) == 3:  # the file is complete under its temporary name
+    if len(count) == int(sys.argv[2]):  # the file is complete under its temporary name
         os.kill(os.getpid(), signal.SIGKILL)
     return replace(self, target)
 
@@ -156,10 +156,12 @@ RUNS["rattling"][0].package().simulate(**asked("rattling"), checkpoint=sys.argv[
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")
-def test_a_process_that_is_killed_while_writing_leaves_the_previous_file(tmp_path):
-    path = tmp_path / "run.npz"
+@pytest.mark.parametrize(("name", "writing"), [("run.npz", 3), ("run.nc", 2)])
+def test_a_process_that_is_killed_while_writing_leaves_the_previous_file(tmp_path, name, writing):
+    path = tmp_path / name
     folder = Path(__file__).parent
-    ended = subprocess.run([sys.executable, "-c", KILLED, path], cwd=folder, check=False)
+    command = [sys.executable, "-c", KILLED, path, str(writing)]
+    ended = subprocess.run(command, cwd=folder, check=False)
     assert ended.returncode == -signal.SIGKILL
     # a killed process leaves its incomplete file and its lock
     assert len(list(tmp_path.iterdir())) == 3
@@ -168,7 +170,7 @@ def test_a_process_that_is_killed_while_writing_leaves_the_previous_file(tmp_pat
     whole = system.simulate(**asked("rattling"))
     assert left.time.size < whole.time.size
     assert_same(system.simulate(**asked("rattling"), checkpoint=path), whole)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
+    assert [entry.name for entry in tmp_path.iterdir()] == [name]
 
 
 def test_ctrl_c_leaves_the_newest_state(tmp_path):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import warnings
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import gearbow as gb
 from reference.attached import Attached
@@ -199,6 +201,62 @@ def test_round_trip_in_a_file(tmp_path: Any):
     assert gb.RotorSystem.from_dict(halves().description).couplings == (COUPLING,)
 
 
+@pytest.mark.implausible
+@pytest.mark.parametrize("damping", [0.0, 1.0, 1e12])
+@pytest.mark.parametrize("ratio", [1e-6, 1.0, 1e6, 1e12])
+def test_an_extreme_coupling_has_the_torsion_of_the_closed_form(ratio: float, damping: float):
+    """Two shafts with a disk at their outer ends; the ratio is that of coupling to shaft stiffness."""
+    inertia, polar = 0.035, np.pi * DIAMETER**4 / 32.0
+    shaft = G * polar / HALF
+    spring = ratio * shaft
+    stiffness, damper = (0.0, 1e6, 1e3, spring), (0.0, 0.0, 0.0, damping)
+    system = gb.RotorSystem(
+        [
+            gb.Shaft(name, length=HALF, outer_diameter=DIAMETER, elements=4, material=MATERIAL)
+            for name in "ab"
+        ],
+        disks=[
+            gb.Disk("first", "a", 0.0, 6.0, 0.02, inertia),
+            gb.Disk("last", "b", HALF, 6.0, 0.02, inertia),
+        ],
+        couplings=[gb.Coupling(("a", HALF), ("b", 0.0), stiffness=stiffness, damping=damper)],
+        torques=[gb.Torque("first", 10.0), gb.Torque("last", -10.0)],
+        motion="torsion",
+    )
+
+    def torque(omega: float) -> float:
+        """Torque at the hub of the mode in which the disks oppose each other, by the wave equation."""
+        k = omega * np.sqrt(DENSITY / G)
+        disk = inertia * omega**2 / (G * polar * k)
+        hub = np.cos(k * HALF) - disk * np.sin(k * HALF)
+        slope = -k * np.sin(k * HALF) - disk * k * np.cos(k * HALF)
+        return float(G * polar * slope + 2.0 * spring * hub)
+
+    lowest = np.sqrt(2.0 / (2.0 / shaft + 1.0 / spring) / inertia)
+    expected = brentq(torque, 0.9 * lowest, 1.1 * lowest, xtol=1e-13, rtol=1e-13)
+    extreme = 1e12 in (ratio, damping)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        static = system.static()
+        run = system.simulate(1e-3, 100.0, output_step=1e-4, initial="static", record=["disks"])
+        try:
+            found = system.modes().frequencies_hz[1] * 2.0 * np.pi
+        except gb.ConvergenceError as error:
+            assert extreme
+            assert "stiffnesses or masses of very different size" in str(error)  # noqa: PT017
+            found = None
+    warned = any("couplings[0]" in str(each.message) for each in caught)
+    assert extreme or not warned
+    # Springs in series; a damper does not act at rest. The limits are the round-off of the solution.
+    twist = static.twist("first") - static.twist("last")
+    assert twist == pytest.approx(10.0 * (2.0 / shaft + 1.0 / spring), rel=1e-8)
+    if found is not None and damping == 0.0:
+        # Four elements for 1/100 of a wave.
+        assert found == pytest.approx(expected, rel=1e-6)
+    moved = run.twist("first") - run.twist("last")
+    assert warned or moved == pytest.approx(np.full(moved.size, twist), rel=1e-5)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -207,7 +265,14 @@ def test_round_trip_in_a_file(tmp_path: Any):
         ({"b": ("a", 0.0)}, 'couplings[0].b: is on "a", as a is; a coupling joins two shafts'),
         ({"b": ("b", 0.9)}, "couplings[0].b: "),
         ({"stiffness": (0.0, -1.0, 0.0, 0.0)}, "couplings[0].stiffness[1]: must not be negative"),
-        ({"damping": (0.0, 1.0, 0.0)}, "couplings[0].damping: "),
+        (
+            {"damping": (0.0, 1.0, 0.0)},
+            "couplings[0].damping: invalid length 3, expected 4 numbers [axial, lateral, tilting, tor",
+        ),
+        (
+            {"stiffness": (0.0, 1.0, 0.0, 0.0, 0.0)},
+            "couplings[0].stiffness: invalid length 5, expected 4 numbers [axial, lateral",
+        ),
         ({"offset": complex(0, np.inf)}, "couplings[0].offset: must be finite"),
     ],
 )

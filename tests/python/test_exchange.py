@@ -193,7 +193,16 @@ def test_a_table_of_coefficients(tmp_path: Path):
             "2_5;",
             "line 5, column \"kyy\": must be a number with a decimal point, got ' 2_5'",
         ),
-        ("25;", "1e400;", "line 5, column \"kyy\": must be below 1.8e308, got ' 1e400'"),
+        (
+            "25;",
+            "1e400;",
+            "line 5, column \"kyy\": must be below 1.8e308 in SI units, got ' 1e400'",
+        ),
+        (
+            "25;",
+            "1e308;",
+            "line 5, column \"kyy\": must be below 1.8e308 in SI units, got ' 1e308'",
+        ),
         (
             "kyz",
             "k",

@@ -150,7 +150,7 @@ def test_speeds_are_in_the_given_unit(name, results):
     below = draw(speed_unit="rpm").axes
     label = below[0].get_ylabel() if upright else [panel.get_xlabel() for panel in below][-1]
     assert label.endswith("[rpm]")
-    with pytest.raises(gb.GearbowError, match=r"^speed_unit: must be 'rad/s' or 'rpm', got 'Hz'"):
+    with pytest.raises(gb.GearbowError, match=r"^speed_unit: must be one of rad/s, rpm, got 'Hz'"):
         draw(speed_unit="Hz")
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 import struct
 import subprocess
 import sys
@@ -543,6 +544,31 @@ def test_a_checkpoint_with_an_invalid_entry_is_refused(tmp_path):
         write_npz(path, json.dumps(changed(about, place, drop)), arrays)
         with pytest.raises(gb.SceneError, match=r"^checkpoint: .*run\.npz"):
             system.simulate(**options, checkpoint=path)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_damaged_checkpoint_is_refused_or_gives_the_whole_run(tmp_path, suffix):
+    path = tmp_path / f"run{suffix}"
+    system, options, *_ = stopped(path)
+    written, whole = path.read_bytes(), system.simulate(**options)
+    numbers = np.random.default_rng(11)
+    damaged = [written[: int(end)] for end in numbers.integers(0, len(written), 15)]
+    for at in numbers.integers(0, len(written), 45):
+        changed_bytes = bytearray(written)
+        changed_bytes[at : at + int(numbers.integers(1, 9))] = numbers.bytes(1)
+        damaged.append(bytes(changed_bytes))
+    refusals = 0
+    for content in damaged:
+        path.write_bytes(content)
+        try:
+            found = system.simulate(**options, checkpoint=path)
+        except gb.SceneError as error:
+            assert re.match(rf"checkpoint: .*run\{suffix}", str(error))  # noqa: PT017
+            assert path.read_bytes() == content
+            refusals += 1
+        else:
+            assert_same(found, whole)
+    assert refusals >= 15
 
 
 def test_a_checkpoint_with_too_many_meshes_is_refused(tmp_path):

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
+import re
+import signal
 import subprocess
 import sys
+import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +20,7 @@ from gearbow.study import Case, Settings, cases, run
 from gearbow.study.case import description, key, system
 from gearbow.study.findings import TABLES
 from gearbow.study.measure import measure
+from gearbow.study.settings import SCENE
 from gearbow.study.table import write
 from gearbow.study.view import Study
 from gearbow.sweeps import store
@@ -235,6 +241,52 @@ def test_the_command_prints_a_table_and_refuses_invalid_arguments(tmp_path):
     )
     assert failed.returncode == 2
     assert failed.stderr == "study: study: this table is missing\n"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends signals")
+def test_a_killed_study_continues_to_the_bits_of_the_whole_one(tmp_path):
+    small = {"samples": "64", "settle": "0", "speeds": "[1000.0]", "phase_steps": "1"}
+    small |= {"bows": "[0.0, 0.05]", "torques": "[250.0]", "accuracy": '"draft"', "half": ""}
+    text = SCENE.read_text(encoding="utf-8")
+    for name, value in small.items():
+        text, count = re.subn(
+            rf"^{name} = .*$", f"{name} = {value}" * bool(value), text, flags=re.M
+        )
+        assert count == 1
+    text = text.replace('{ model = "potential_energy" }', "2e8")  # takes the longest steps
+    text = text.replace("outer_diameter = 0.05", "outer_diameter = 0.05\nelements = 2")
+    scene, folder = tmp_path / "scene.toml", tmp_path / "killed"
+    scene.write_text(text, encoding="utf-8")
+    study = [sys.executable, "-W", "ignore", "-m", "gearbow", "study", "--scene", scene]
+    study += ["--workers", "1", "--print", next(iter(TABLES))]
+
+    def stored() -> dict[int, Any]:
+        return next((store.read(path).outcomes for path in folder.glob("runs/*.sweep")), {})
+
+    done = 0
+    for kill in (signal.SIGKILL, signal.SIGTERM):
+        command = [*study, "--out", folder]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            while len(stored()) <= done and process.poll() is None:
+                time.sleep(0.02)
+            process.send_signal(kill)
+            process.communicate()
+        assert process.returncode == (-kill if kill == signal.SIGKILL else 143)
+        assert len(stored()) > done
+        done = len(stored())
+    tables = [
+        subprocess.run([*study, "--out", out], capture_output=True, check=True).stdout
+        for out in (folder, tmp_path / "whole")
+    ]
+    assert tables[0] == tables[1]
+    (one,), (other,) = (
+        [store.read(path).outcomes for path in tmp_path.glob(f"{name}/runs/*.sweep")]
+        for name in ("killed", "whole")
+    )
+    assert len(one) == len(other) > done
+    for number, outcome in one.items():
+        for name, values in outcome.values.items():
+            assert np.asarray(values).tobytes() == np.asarray(other[number].values[name]).tobytes()
 
 
 def test_every_figure_is_drawn(tiny, done, tmp_path):

@@ -1,4 +1,4 @@
-"""A sweep on a cluster of Dask, one worker of which is killed."""
+"""Sweeps on a cluster of Dask, a worker or the scheduler of which is killed."""
 
 from __future__ import annotations
 
@@ -51,10 +51,68 @@ if __name__ == "__main__":
 """
 
 
+RESTART = """
+import socket, subprocess, sys, time
+import gearbow as gb
+from distributed import Client
+from test_sweep import GRID, force, pair, same
+
+def started(address):
+    port = address.rpartition(":")[2]
+    tool = [sys.executable, "-m", "distributed.cli.dask_"]
+    scheduler = ["scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"]
+    worker = ["worker", address, "--nthreads", "1", "--no-dashboard", "--death-timeout", "60"]
+    return [
+        subprocess.Popen([*tool[:2], tool[2] + name, *given], stderr=subprocess.DEVNULL)
+        for name, *given in (scheduler, worker)
+    ]
+
+def main():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    processes, store = started(address), f"{sys.argv[1]}/map.sweep"
+    try:
+        client = Client(address, timeout=60)
+
+        def restart(fraction):
+            if fraction > 0.2 and len(processes) == 2:
+                processes[0].kill()
+                processes[0].wait()
+                processes.extend(started(address))
+
+        try:
+            gb.sweep(pair, GRID, slow, client.get_executor(), store, restart)
+        except gb.GearbowError as error:
+            assert str(error).startswith("executor: its workers have ended"), error
+            part = error.sweep
+        assert 2 <= part.computed < 6, part
+        client.close(timeout=10)
+        reports = []
+        with Client(address, timeout=60) as client:
+            sweep = gb.sweep(pair, GRID, slow, client.get_executor(), store, reports.append)
+        assert reports[0] == part.computed / 6, reports
+        same(sweep, gb.sweep(pair, GRID, force))
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+    print("done")
+
+def slow(system, **parameters):
+    time.sleep(0.2)  # so that points are left when the scheduler ends
+    return force(system, **parameters)
+
+if __name__ == "__main__":
+    main()
+"""
+
+
 @pytest.mark.skipif(os.name != "posix", reason="kills a process")
-def test_a_killed_worker_does_not_lose_points(tmp_path):
+@pytest.mark.parametrize("program", [CLUSTER, RESTART], ids=["worker", "scheduler"])
+def test_a_killed_process_of_a_cluster_does_not_lose_points(tmp_path, program):
     script = tmp_path / "cluster.py"  # the workers import the functions of the main module
-    script.write_text(CLUSTER, encoding="utf-8")
+    script.write_text(program, encoding="utf-8")
     here = str(Path(__file__).parent)
     path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))
     ended = subprocess.run(

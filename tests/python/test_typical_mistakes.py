@@ -350,7 +350,22 @@ elements = 4
     [
         ("length", "lenght", ("shafts[0].lenght: ", "lenght = 0.5", 'did you mean "length"?')),
         ("[[shafts]]", "[[shaft]]", ("shaft: ", "[[shaft]]", 'did you mean "shafts"?')),
-        ("[[shafts]]", "[shafts]", ("shafts: ", "[shafts]", "two brackets")),
+        ("[[shafts]]", "[shafts]", ("shafts: ", "[shafts]", "[[shafts]]")),
+        (
+            "elements = 4",
+            "elements = 4\n[gears]\nname = 'g'",
+            ("gears: ", "[gears]", "write two brackets around the name of a list: [[gears]]"),
+        ),
+        (
+            "[[shafts]]",
+            "gears = ['g']\n[[shafts]]",
+            ("gears[0]: ", '"g"', "expected entries with names; write [[gears]]"),
+        ),
+        (
+            "elements = 4",
+            "elements = 4\n[shafts.segments]\nlength = 0.5",
+            ("shafts[0].segments: ", "[shafts.segments]", "[[shafts.segments]]"),
+        ),
         ("0.5", '"0.5"', ("shafts[0].length: ", "'0.5'", "without quotes [m]")),
         ("0.5", '"500"', ("shafts[0].length: ", "'500'", 'such as "500 m"')),
         ("= 4", '= "4"', ("shafts[0].elements: ", 'elements = "4"', "a number without quotes")),
@@ -369,6 +384,46 @@ def test_a_message_about_a_file(tmp_path: Path, old, new, expected):
     assert text.startswith(where)
     assert value in text
     assert remedy in text
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "expected"),
+    [
+        (("rayleigh",), [1.0], "rayleigh: invalid length 1, expected a pair [alpha, beta]"),
+        (
+            ("housings", 0, "inertia"),
+            [1.0, 2.0],
+            "housings[0].inertia: invalid length 2, expected 3 numbers [x, y, z]",
+        ),
+        (
+            ("housings", 0, "points"),
+            {"stiffness": [1.0]},
+            "housings[0].points.stiffness: invalid length 1, expected 3 numbers [x, y, z]",
+        ),
+        (
+            ("bearings", 0, "grooves"),
+            [[1.0]],
+            "bearings[0].grooves[0]: invalid length 1, expected a pair [angle of the middle, extent]",
+        ),
+        (
+            ("torques", 0),
+            "g1",
+            'torques[0]: invalid type: string "g1", expected entries with names; write [[torques]]',
+        ),
+    ],
+)
+def test_a_message_says_what_the_entries_are(path, value, expected):
+    description = system().description | {
+        "housings": [{"name": "case", "mass": 1.0, "stiffness": 1e6}]
+    }
+    *owners, last = path
+    owner = description
+    for key in owners:
+        owner = owner[key]
+    owner[last] = value
+    with pytest.raises(gb.SceneError) as caught:
+        gb.RotorSystem.from_dict(description)
+    assert str(caught.value).startswith(expected)
 
 
 def test_a_missing_extra():

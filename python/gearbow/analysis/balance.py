@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import array
 from gearbow._core import require_memory
-from gearbow._lookup import nearest, nodal
+from gearbow._lookup import nearest, nodal, one_of
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S, System, variant
@@ -121,8 +121,7 @@ def balance(  # numpydoc ignore=PR01
     SceneError
         If an argument is invalid.
     """
-    if target not in ("total", "elastic"):
-        raise SceneError(f'target: must be "total" or "elastic", got {target!r}')
+    one_of(target, ("total", "elastic"), "target")
     chosen = places(planes, "planes")
     shaft = _shaft(self, chosen)
     speeds = array(speed, "speed")

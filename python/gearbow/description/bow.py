@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import nested, shown
+from gearbow._convert import function, nested, shown
 from gearbow.description.part import Part, tuples
 from gearbow.errors import SceneError
 
@@ -225,6 +225,11 @@ class Bow(Part):
         Bow
             The bow, a cubic spline through the points.
 
+        Raises
+        ------
+        SceneError
+            If `f` is no function.
+
         Examples
         --------
         A bend of 0.1 mm per metre that begins in the middle of a shaft of 1 m:
@@ -233,12 +238,13 @@ class Bow(Part):
         >>> bend = gb.Bow.function(lambda x: 1e-4 * max(0.0, x - 0.5))
         >>> shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bend)
         """
-        return cls("function", curve=f)
+        return cls("function", curve=function(f, "bow.function.f"))
 
     def _sampled(self, length: float, path: str) -> "Bow":
         """Sample the curve of `Bow.function` along a shaft of this length."""
         if self.curve is None:
             return self
+        function(self.curve, f"{path}.function")
         positions = np.linspace(0.0, length, SAMPLES)
         curve = np.array([_finite(self.curve, float(x), path) for x in positions])
         return Bow.points(positions, np.abs(curve), np.angle(curve))

@@ -149,8 +149,9 @@ class Force(Part):
         given["value"] = described_value(self.value, f"{path}.value", complex_number)
         if self.order is not None:
             given["order"] = complex_number(self.order, f"{path}.order")
-        if self.axial != 0.0:
-            given["axial"] = real(self.axial, f"{path}.axial", "a number [N]")
+        axial = real(self.axial, f"{path}.axial", "a number [N]")
+        if axial != 0.0:
+            given["axial"] = axial
         return given
 
     @classmethod

@@ -36,11 +36,14 @@ class Part(CheckedKeywords, Shown):
         kinds = _kinds(type(self))  # type: ignore[arg-type]  # classes have hashes
         for field in dataclasses.fields(self):  # type: ignore[arg-type]  # every Part is a dataclass
             value, allowed = getattr(self, field.name), kinds[field.name]
-            same = isinstance(value, (complex, Part)) and value == field.default
+            same = isinstance(value, complex) and value == field.default
             if value is None or (same and float not in allowed and int not in allowed):
                 continue
             found = _read(value, allowed, f"{path}.{field.name}")
-            if isinstance(found, list) or found != field.default:
+            default = field.default
+            if isinstance(default, Part) and isinstance(found, dict):
+                default = default._describe(f"{path}.{field.name}")
+            if isinstance(found, list) or found != default:
                 given[field.name] = found
         return given
 

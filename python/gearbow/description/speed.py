@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, matrix, number
+from gearbow._convert import array, function, matrix, number, shown
 from gearbow._core import check_speed
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
@@ -154,11 +154,12 @@ class SpeedProfile(ReadOnly):
         Raises
         ------
         SceneError
-            If the function is discontinuous, or has a value that is not finite.
+            If `f` is no function, is discontinuous, or has a value that is not finite.
         """
         begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
         if not duration > 0.0:
             raise SceneError(f"speed.duration: must be positive, got {duration!r}")
+        function(f, "speed.f")
         left, coefficients = sampled(f, np.linspace(begin, begin + duration, _FIRST + 1), "speed")
         return cls(np.append(left, begin + duration), coefficients)
 
@@ -350,6 +351,8 @@ def evaluated(f: Callable[[Any], Any], times: Array, path: str) -> Array:
         values = np.empty(0)
     if values.shape != flat.shape:
         values = np.array([f(float(t)) for t in flat])
+    if values.shape != flat.shape:
+        raise SceneError(f"{path}: the function must give a number, got {shown(f(float(flat[0])))}")
     try:
         values = values.astype(np.float64)
     except (TypeError, ValueError):

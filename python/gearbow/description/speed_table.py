@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._lookup import one_of
 from gearbow.description.part import Part, freeze
 from gearbow.errors import SceneError
 
@@ -126,8 +127,7 @@ class SpeedTable(Part):
         """
         from gearbow.exchange.columns import read_columns  # noqa: PLC0415  # few scenes need it
 
-        if quantity not in _LETTERS:
-            raise SceneError(f"quantity: must be 'stiffness' or 'damping', got {quantity!r}")
+        one_of(quantity, _LETTERS, "quantity")
         axes = ("", "yy", "zz", "yz", "zy")
         known = {f"{_LETTERS[q]}{each}": f"bearings.{q}" for q in _LETTERS for each in axes}
         found = read_columns(path, {"speed": "speed", **known}, _OTHER_AXES)

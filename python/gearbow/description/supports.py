@@ -153,7 +153,7 @@ class Housing(Part):
         # A mapping has no annotation that `Part` knows.
         given = super(Housing, replace(self, points=()))._describe(path)  # type: ignore[arg-type]
         given.pop("points", None)
-        if tuple(self.position) == (0.0, 0.0, 0.0):
+        if given.get("position") == [0.0, 0.0, 0.0]:
             given.pop("position", None)
         if self.points:
             given["points"] = {

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, nested, number, shown
+from gearbow._convert import array, function, nested, number, shown
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze
 from gearbow.description.speed import sampled
@@ -81,11 +81,12 @@ class TimeSeries(Part):
         Raises
         ------
         SceneError
-            If the function is discontinuous, or has a value that is not finite.
+            If `f` is no function, is discontinuous, or has a value that is not finite.
         """
         begin, duration = number(begin, f"{path}.begin"), number(duration, f"{path}.duration")
         if not duration > 0.0:
             raise SceneError(f"{path}.duration: must be positive, got {duration!r}")
+        function(f, f"{path}.f")
         first = np.linspace(begin, begin + duration, 33)
         pieces = [
             sampled(lambda t: np.real(f(t)), first, path),

@@ -72,9 +72,9 @@ def read_columns(
                 f"{len(cells)}"
             )
         for (name, unit), cell in zip(units.items(), cells, strict=True):
-            number = _number(cell, f'{path}: line {i}, column "{name}"')
-            # The text, not the number: the conversion of a text is correctly rounded.
-            found[name].append(parsed(f"{cell} {unit}", known[name]) if unit else number)
+            found[name].append(
+                _number(cell, unit, known[name], f'{path}: line {i}, column "{name}"')
+            )
     return {name: np.array(values) for name, values in found.items()}
 
 
@@ -120,11 +120,13 @@ def _of_unit(cell: str, known: Mapping[str, str]) -> str:
     return ""
 
 
-def _number(cell: str, where: str) -> float:
+def _number(cell: str, unit: str, field: str, where: str) -> float:
+    """Read a number with the unit of its column; the unit is empty in SI units."""
     # Python also reads digits with underscores.
     if not _NUMBER.fullmatch(cell):
         raise SceneError(f"{where}: must be a number with a decimal point, got {shown(cell)}")
-    found = float(cell)
+    # The text, not the number: the conversion of a text is correctly rounded.
+    found = parsed(f"{cell} {unit}", field) if unit else float(cell)
     if not math.isfinite(found):
-        raise SceneError(f"{where}: must be below 1.8e308, got {shown(cell)}")
+        raise SceneError(f"{where}: must be below 1.8e308 in SI units, got {shown(cell)}")
     return found

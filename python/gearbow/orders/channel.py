@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from gearbow._convert import text
 from gearbow._shown import Shown
 from gearbow._types import Array, Record
 from gearbow.description.places import place, place_label
@@ -104,6 +105,6 @@ def channel(
 def _chosen(of: Record, quantity: str | None, known: dict[str, str]) -> tuple[str, int]:
     names = list(known)
     name = names[0] if quantity is None else quantity
-    if name not in names:
+    if text(name, "quantity") not in names:
         raise ChannelError(f"quantity: {of!r} has {', '.join(names)}, got {quantity!r}")
     return name, names.index(name)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number, whole
+from gearbow._convert import number, text, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._shown import Table
@@ -115,6 +115,7 @@ class Orders(ReadOnly):
         GearbowError
             If there is no such order.
         """
+        text(name, "name")
         for order, value in zip(self.orders, self.amplitudes, strict=True):
             if name in order.names:
                 return float(abs(value))

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._extras import extra
+from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Record
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
 from gearbow.recording.recording import Recording
 from gearbow.sensors.sensor import SignalSensor
@@ -123,8 +124,7 @@ def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array,
     GearbowError
         If the times are not equally spaced, or there is no such window.
     """
-    if window not in WINDOWS:
-        raise SceneError(f"window: must be one of {', '.join(WINDOWS)}, got {window!r}")
+    one_of(window, WINDOWS, "window")
     steps = np.diff(time)
     if steps.size < 2 or np.ptp(steps) > 1e-6 * abs(steps[0]) or steps[0] <= 0.0:
         raise GearbowError("a spectrum needs equally spaced times: give output_step to simulate")

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from gearbow._convert import shown
 from gearbow._core import whirl_classes
+from gearbow._lookup import one_of
 from gearbow.errors import GearbowError
 
 __all__ = [
@@ -304,8 +305,7 @@ def speed_axis(unit: str) -> tuple[float, str]:
     GearbowError
         If the unit is another one.
     """
-    if unit not in _SPEED_UNITS:
-        raise GearbowError(f"speed_unit: must be 'rad/s' or 'rpm', got {shown(unit)}")
+    one_of(unit, _SPEED_UNITS, "speed_unit")
     return _SPEED_UNITS[unit], f"speed of the reference shaft [{unit}]"
 
 

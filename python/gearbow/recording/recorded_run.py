@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, shown
+from gearbow._convert import array, number, shown, text
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._types import Array, Record, RunData
 from gearbow.description.speed import SpeedProfile
@@ -151,7 +151,7 @@ class RecordedRun(ReadOnly):
                 "the angles of the shafts are unknown: the response has no kinematics"
             )
         ratios = dict(self.kinematics.shafts)
-        if shaft not in ratios:
+        if text(shaft, "shaft") not in ratios:
             raise ChannelError(f"no shaft is called {shaft!r}; there are {', '.join(ratios)}")
         return ratios[shaft]
 

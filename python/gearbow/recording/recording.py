@@ -1,5 +1,6 @@
 """Access to the recorded signals of a run by name and place."""
 
+from gearbow._convert import text
 from gearbow._times import begin_after
 from gearbow._types import Array
 from gearbow.errors import ChannelError
@@ -110,6 +111,7 @@ class Recording(MotionRecording):
     def _mesh(self, driver: str, driven: str) -> dict[str, Array]:
         """Give the recorded quantities of a mesh."""
         meshes = [tuple(pair) for pair in self._data["meshes"]]
+        driver, driven = text(driver, "driver"), text(driven, "driven")
         if (driven, driver) in meshes:
             raise ChannelError(f"{driven!r} drives {driver!r}: ask for ({driven!r}, {driver!r})")
         if (driver, driven) not in meshes:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._extras import extra
+from gearbow._lookup import one_of
 from gearbow._read_only import read_only
 from gearbow._shown import Shown, Table
 from gearbow._types import Array, ComplexArray, Record, RunData
@@ -177,8 +178,10 @@ class Continuation(Shown):
         GearbowError
             If the name is unknown.
         """
-        if name not in STATISTICS:
-            raise GearbowError(f"name: must be one of {', '.join(STATISTICS)}, got {name!r}")
+        return self._statistic(one_of(name, STATISTICS, "name"), of, quantity)
+
+    def _statistic(self, name: str, of: Record, quantity: str | None) -> Array:
+        """Give one statistic of a signal at each point."""
         found: Array = channel(self._signals, of, quantity).values
         chosen: Array = found[STATISTICS.index(name) :: len(STATISTICS)].copy()
         return chosen
@@ -234,7 +237,7 @@ class Continuation(Shown):
         values = (
             self.amplitude(of, quantity)
             if statistic is None
-            else self.statistic(statistic, of, quantity)
+            else self._statistic(one_of(statistic, STATISTICS, "statistic"), of, quantity)
         )
         return figures.branch(
             factor * self.values,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import whole
+from gearbow._convert import text, whole
 from gearbow._extras import extra
 from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
@@ -139,6 +139,7 @@ class CriticalSpeedMap(ReadOnly):
         GearbowError
             If no mode has this whirl.
         """
+        text(whirl, "whirl")
         own = [
             {line: speed for speed, name, line in zip(*row, strict=True) if name == whirl}
             for row in zip(self.speeds, self.whirl, self.line, strict=True)
@@ -147,7 +148,8 @@ class CriticalSpeedMap(ReadOnly):
         if not rows:
             names = sorted({name for names in self.whirl for name in names})
             raise GearbowError(
-                f"no critical speed is {whirl!r}; there are {names}{nearest(str(whirl), names)}"
+                f"whirl: no critical speed is {whirl!r}; there are {', '.join(names)}"
+                f"{nearest(whirl, names)}"
             )
         first: dict[int, float] = {}
         for _, line, speed in rows:

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number
+from gearbow._convert import number, shown
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._times import within
 from gearbow._types import Array
+from gearbow.description.places import is_pair
 from gearbow.description.speed import SpeedProfile
 from gearbow.description.train import Train
 from gearbow.errors import GearbowError, SceneError
@@ -162,6 +163,8 @@ def _mesh(
         motion = 1e6 * response.displacement(named[0])[inside]
         curves = {f"{named[0]} {axis} [µm]": (times, motion[:, i]) for i, axis in enumerate("vw")}
         return None, curves
+    if not is_pair(mesh):
+        raise SceneError(f"mesh: must be a pair (driver, driven), got {shown(mesh)}")
     found = response.mesh(*mesh)
     for name in mesh:
         if name not in named:

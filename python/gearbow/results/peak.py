@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearbow._convert import number
+from gearbow._convert import BYTES, number
 from gearbow._shown import Shown
 from gearbow.errors import SceneError
 
@@ -159,7 +159,7 @@ def operating_range(given: object) -> tuple[float, float] | None:
         return None
     speeds = (
         given
-        if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str)
+        if isinstance(given, Sequence | np.ndarray) and not isinstance(given, (str, *BYTES))
         else [given]
     )
     if len(speeds) not in (1, 2):

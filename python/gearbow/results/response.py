@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearbow._convert import shown
+from gearbow._convert import items, shown
 from gearbow._shown import Table, span
 from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.places import place_label
@@ -181,7 +181,11 @@ class Response(RunFigures):
             If a sensor needs a motion that was not recorded.
         """
         table = tables.to_dataframe(self.to_record())
-        for sensor in sensors:
+        for i, sensor in enumerate(items(sensors, "sensors", "sensors")):
+            if not isinstance(sensor, SignalSensor):
+                raise SceneError(
+                    f"sensors[{i}]: must be a Probe or an Accelerometer, got {shown(sensor)}"
+                )
             found = channel(self, sensor)
             table[f"{found.label} [{found.unit}]"] = found.values
         return table

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._extras import extra
+from gearbow._lookup import one_of
 from gearbow._times import begin_after, window
 from gearbow._types import At
 from gearbow.description.places import is_pair, is_place, place_label, places
@@ -96,8 +97,7 @@ class RunFigures(SignalResponse):
         with extra("plot"):
             from gearbow.plotting import response as figures  # noqa: PLC0415
 
-        if kind not in PLOT_KINDS:
-            raise GearbowError(f"kind: must be one of {', '.join(PLOT_KINDS)}, got {kind!r}")
+        one_of(kind, PLOT_KINDS, "kind")
         cut = window(self.time, times)
         skipped = self._skipped(skip_time, cut, turn=kind == "orbits")
         time = self.time[cut]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearbow._convert import text
 from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._shown import MOST_ROWS, Shown, Table
@@ -280,6 +281,7 @@ class Static(ReadOnly):
             If there is no such mesh.
         """
         meshes = [tuple(pair) for pair in self._data["meshes"]]
+        driver, driven = text(driver, "driver"), text(driven, "driven")
         if (driver, driven) not in meshes:
             raise ChannelError(f"no mesh of {driver!r} with {driven!r}; there are {meshes}")
         i = meshes.index((driver, driven))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number
+from gearbow._convert import number, text
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._lookup import locate
@@ -288,15 +288,12 @@ class Synchronous(ReadOnly):
             If the operating speeds are invalid.
         """
         indices = self.coordinates.lateral(name)
-        shaft = self.coordinates.shaft(name) if source is None else source
-        if shaft not in self.shafts:
-            wanted = "name one with source=" if source is None else "see `shafts`"
-            raise GearbowError(f"no shaft is called {shaft!r}; {wanted}: {list(self.shafts)}")
+        shaft = self._source(name, source)
         span = operating_range(operating)
         found = self._model().peaks(
             np.unique(self.speeds),
             indices[0],
-            self.shafts.index(shaft),
+            shaft,
             self.excitation,
             self.slow_roll,
         )
@@ -304,6 +301,16 @@ class Synchronous(ReadOnly):
             Peak(speed, amplitude, lower, upper, span, stable)
             for speed, amplitude, lower, upper, stable in found
         ]
+
+    def _source(self, name: At, source: str | None) -> int:
+        """Find the number of the shaft that excites; None is the shaft of the place."""
+        shaft = self.coordinates.shaft(name) if source is None else source
+        if text(shaft, "source") not in self.shafts:
+            wanted = "name one with source=" if source is None else "see `shafts`"
+            raise GearbowError(
+                f"source: no shaft is called {shaft!r}; {wanted}: {list(self.shafts)}"
+            )
+        return self.shafts.index(shaft)
 
     def bode(
         self,
@@ -336,8 +343,7 @@ class Synchronous(ReadOnly):
 
         lines = {}
         for name in places(names, "names"):
-            own = self.coordinates.shaft(name)
-            shaft = self.shafts.index(own if source is None else source)
+            shaft = self._source(name, source)
             lines[place_label(name)] = (self.phase(name)[:, shaft], self.orbit(name)[:, shaft])
         return frequency.bode(self.speeds, lines, speed_unit=speed_unit, ax=ax)
 

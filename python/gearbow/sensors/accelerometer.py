@@ -5,12 +5,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from gearbow._convert import number
+from gearbow._convert import number, truth
 from gearbow._types import Array, At
 from gearbow.description.places import place, place_label
 from gearbow.errors import SceneError
 from gearbow.recording.recording import Recording
-from gearbow.sensors.sensor import SignalSensor, degrees_text
+from gearbow.sensors.sensor import SignalSensor, check_recording, degrees_text
 
 __all__ = ["Accelerometer"]
 
@@ -51,6 +51,7 @@ class Accelerometer(SignalSensor):
     def __post_init__(self) -> None:
         object.__setattr__(self, "at", place(self.at, "accelerometer.at"))
         object.__setattr__(self, "angle", number(self.angle, "accelerometer.angle"))
+        truth(self.axial, "accelerometer.axial")
         if self.axial and self.angle != 0.0:
             raise SceneError(
                 f"accelerometer.angle: an axial accelerometer has none, got {self.angle}; "
@@ -88,6 +89,7 @@ class Accelerometer(SignalSensor):
             If the acceleration was not recorded; the message says what to record. If an axial
             sensor measures a system without axial motion.
         """
+        check_recording(recording)
         if self.axial:
             return recording.axial_acceleration(self.at)
         direction = np.array([np.cos(self.angle), np.sin(self.angle)])

@@ -7,11 +7,11 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, text
+from gearbow._convert import array, complex_number, number, text, truth
 from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.recording.recording import Recording
-from gearbow.sensors.sensor import SignalSensor, degrees_text
+from gearbow.sensors.sensor import SignalSensor, check_recording, degrees_text
 from gearbow.units.convert import is_quantity, magnitude
 
 __all__ = ["Probe", "RunOut"]
@@ -72,6 +72,7 @@ class Probe(SignalSensor):
 
     def __post_init__(self) -> None:
         text(self.shaft, "probe.shaft")
+        truth(self.axial, "probe.axial")
         for name in ("position", "angle"):
             object.__setattr__(self, name, number(getattr(self, name), f"probe.{name}"))
         if self.support is not None:
@@ -112,6 +113,7 @@ class Probe(SignalSensor):
         SceneError
             If the function of the run-out gives no finite numbers.
         """
+        check_recording(recording)
         place = (self.shaft, self.position)
         displacement = recording.axial if self.axial else recording.displacement
         motion = displacement(place)
@@ -160,10 +162,11 @@ def _converted(given: Any) -> RunOut | None:
                 f"{values.size}"
             )
         return known, values
-    amplitude = magnitude(given, "probe.run_out") if is_quantity(given) else given
+    plain = magnitude(given, "probe.run_out") if is_quantity(given) else given
     try:
-        amplitude = complex(amplitude)
-    except (TypeError, ValueError):
+        pair = np.ravel(complex_number(plain, "probe.run_out"))
+        amplitude = complex(*pair)
+    except (SceneError, TypeError):
         amplitude = complex(np.nan)
     if not np.isfinite(amplitude):
         raise SceneError(

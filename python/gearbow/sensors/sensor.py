@@ -4,11 +4,13 @@ import math
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
+from gearbow._convert import shown
 from gearbow._shown import Shown
 from gearbow._types import Array
+from gearbow.errors import SceneError
 from gearbow.recording.recording import Recording
 
-__all__ = ["Sensor", "SignalSensor", "degrees_text"]
+__all__ = ["Sensor", "SignalSensor", "check_recording", "degrees_text"]
 
 
 class Sensor(Shown, ABC):
@@ -46,6 +48,23 @@ class SignalSensor(Sensor):
         str
             Kind, place and direction.
         """
+
+
+def check_recording(recording: object) -> None:
+    """Check that a sensor can measure this value.
+
+    Parameters
+    ----------
+    recording : object
+        The value.
+
+    Raises
+    ------
+    SceneError
+        If it is no recorded run.
+    """
+    if not isinstance(recording, Recording):
+        raise SceneError(f"recording: must be a Response, got {shown(recording)}")
 
 
 def degrees_text(angle: float) -> str:

@@ -10,7 +10,7 @@ from gearbow._convert import number, text, whole
 from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.recording.recording import Recording
-from gearbow.sensors.sensor import Sensor
+from gearbow.sensors.sensor import Sensor, check_recording
 
 __all__ = ["Tacho"]
 
@@ -88,6 +88,7 @@ class Tacho(Sensor):
         SceneError
             If the recorded times do not ascend, which the twist needs.
         """
+        check_recording(recording)
         if recording.time.size == 0:
             return np.empty(0)
         nodes, angle, rate = self._rotation(recording)

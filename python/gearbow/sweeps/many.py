@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from typing import Any
 
-from gearbow._convert import shown
+from gearbow._convert import items, shown
 from gearbow._parallel import ParallelCalls
 from gearbow._progress import reported
 from gearbow._types import Progress
@@ -77,7 +77,10 @@ def simulate_many(
     >>> print([f"{1e6 * sag:.1f} µm" for sag in sags])
     ['-5.3 µm', '-31.9 µm']
     """
-    wanted = [_variation(entry, number) for number, entry in enumerate(variations)]
+    wanted = [
+        _variation(entry, number)
+        for number, entry in enumerate(items(variations, "variations", "dicts"))
+    ]
     if options.get("checkpoint") is not None:
         raise SceneError("checkpoint: one file cannot contain several runs; use simulate")
     system._require_memory_of_runs(len(wanted), duration, speed, options)

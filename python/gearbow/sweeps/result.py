@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from numpy.typing import NDArray
 
+from gearbow._convert import text
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._lookup import nearest
@@ -164,6 +165,8 @@ class Sweep(Shown, Sequence[SweepPoint]):
         names = self._names()
         if name is None and len(names) == 1:
             (name,) = names
+        if name is not None:
+            text(name, "name")
         if name not in names:
             if not names:
                 errors = [point.error for point in self.failed[:1]]

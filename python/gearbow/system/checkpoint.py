@@ -17,7 +17,6 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from gearbow._compare import differences, short
-from gearbow._convert import number
 from gearbow._core import __version__, check_final
 from gearbow._files import FileLock
 from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
@@ -62,12 +61,10 @@ class Checkpoint:
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], interval: object, asked: Mapping[str, Any]
+        self, path: str | os.PathLike[str], interval: float, asked: Mapping[str, Any]
     ) -> None:
         self.path, _ = suffix(path, "checkpoint")
-        self.interval = number(interval, "checkpoint_interval", infinite=True)
-        if not self.interval > 0.0:
-            raise SceneError(f"checkpoint_interval: must be positive, got {interval!r}")
+        self.interval = interval
         if not self.path.parent.is_dir():
             raise SceneError(f"checkpoint: there is no folder {self.path.parent}")
         self._asked = json.loads(json.dumps({"version": __version__, **_plain(asked)}))

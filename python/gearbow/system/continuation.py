@@ -15,6 +15,7 @@ from gearbow._core import (
     recorded_period,
     user_order,
 )
+from gearbow._lookup import one_of
 from gearbow._progress import reported
 from gearbow._types import Array, ComplexArray, Progress, Record, RunData
 from gearbow.analysis.arclength import Settings, branch
@@ -107,6 +108,9 @@ class ContinuationAnalyses(SteadyAnalyses):
         """
         _check(parameter, start, stop, speed)
         start, stop = number(start, "start"), number(stop, "stop")
+        length, most = number(step, "step"), whole(max_points, "max_points")
+        if not length > 0.0:
+            raise SceneError(f"step: must be positive, got {length}")
         at = start if speed is None else number(speed, "speed")
         geometry, rtol = text(geometry, "geometry"), number(rtol, "rtol")
         periods = whole(periods, "periods")
@@ -128,8 +132,8 @@ class ContinuationAnalyses(SteadyAnalyses):
         settings = Settings(
             start,
             stop,
-            number(step, "step"),
-            whole(max_points, "max_points"),
+            length,
+            most,
             tolerance=_RESIDUAL * rtol,
         )
         return _followed(motion, motion.unknowns(found), settings, progress)
@@ -137,9 +141,7 @@ class ContinuationAnalyses(SteadyAnalyses):
 
 def _check(parameter: str, start: float, stop: float, speed: float | None) -> None:
     """Check what is followed."""
-    if parameter not in UNITS:
-        known = ", ".join(f'"{name}"' for name in UNITS)
-        raise SceneError(f"parameter: must be one of {known}, got {parameter!r}")
+    one_of(parameter, UNITS, "parameter")
     begin, end = number(start, "start"), number(stop, "stop")
     if begin == end:
         raise SceneError(f"stop: must differ from start, got {end}")

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import array, number, shown, truth, whole
 from gearbow._core import mesh_geometry, require_memory
+from gearbow._lookup import one_of
 from gearbow.description.layout import layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
@@ -251,6 +252,7 @@ class LinearAnalyses(SystemFiles):
             the given speeds then finds the ends of each range.
         """
         wanted = array(speeds, "speeds")
+        one_of(excitation, ("both", "bow", "unbalance"), "excitation")
         data = self._model.synchronous(wanted, excitation)
         return Synchronous(
             speeds=wanted,

@@ -1,5 +1,6 @@
 """Arguments and recorded data of a run."""
 
+import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeAlias
@@ -31,7 +32,10 @@ def given_speed(speed: object, begin: float, duration: float) -> float | SpeedPr
     if isinstance(speed, np.ndarray) and speed.ndim > 0 and len(speed) == 2:
         return SpeedProfile.table(*speed)
     wanted = "a number, a SpeedProfile, a function of time or (times, speeds)"
-    return float(real(speed, "speed", wanted))
+    found = float(real(speed, "speed", wanted))
+    if not math.isfinite(found):
+        raise SceneError(f"speed: must be finite, got {found}")
+    return found
 
 
 def warn_of_early_end(speed: object, profile: float | SpeedProfile, end: float) -> None:

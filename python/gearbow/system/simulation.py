@@ -260,6 +260,9 @@ class Simulation(LinearAnalyses):
         self, path: str | os.PathLike[str] | None, interval: float, identity: Mapping[str, Any]
     ) -> "AbstractContextManager[Checkpoint | None]":
         """Open the checkpoint file of this run; None without a path."""
+        interval = number(interval, "checkpoint_interval", infinite=True)
+        if not interval > 0.0:
+            raise SceneError(f"checkpoint_interval: must be positive, got {interval}")
         if path is None:
             return nullcontext()
         from gearbow.system.checkpoint import Checkpoint  # noqa: PLC0415  # with libraries for files

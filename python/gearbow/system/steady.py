@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from gearbow._convert import number, text, whole
+from gearbow._convert import LARGEST_COUNT, number, text, whole
 from gearbow._core import common_period, recorded_period, section_length, steady_state
 from gearbow._progress import reported
 from gearbow._types import Progress, Record, RunData
@@ -191,7 +191,14 @@ class SteadyAnalyses(Simulation):
         output_step = number(output_step, "output_step")
         if not output_step > 0.0:
             raise SceneError(f"output_step: must be positive, got {output_step}")
-        return max(1, math.ceil(period / output_step * (1.0 - 1e-12)))
+        samples = period / output_step * (1.0 - 1e-12)
+        if samples > LARGEST_COUNT:
+            raise SceneError(
+                f"output_step: the period of {period:g} s has {samples:.3g} recorded instants at a "
+                f"distance of {output_step:g} s, at most {LARGEST_COUNT} are possible; give a "
+                "longer output_step or a shorter period"
+            )
+        return max(1, math.ceil(samples))
 
 
 def _solved(
@@ -202,8 +209,8 @@ def _solved(
 ) -> tuple[RunData, dict[str, Any]]:
     """Record a periodic motion, or one without a period."""
     arguments, samples = run
-    if not isinstance(without, Superposition):
-        with reported(progress, 1.0) as report:
+    with reported(progress, 1.0) as report:
+        if not isinstance(without, Superposition):
             return steady_state(
                 system._model,
                 **arguments,

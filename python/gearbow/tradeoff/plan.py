@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Generic
 
-from gearbow._convert import number, truth, whole
+from gearbow._convert import items, number, truth, whole
+from gearbow._lookup import one_of
 from gearbow._times import grid
 from gearbow._types import Array
 from gearbow.accuracy.refine import MAX_DEGREE
@@ -131,8 +132,7 @@ def plan(
         raise SceneError(f"duration: must be positive and finite, got {duration!r}")
     if not math.isfinite(speed):
         raise SceneError(f"speed: must be finite, got {speed!r}")
-    if initial not in _INITIAL:
-        raise SceneError(f"initial: must be one of {', '.join(_INITIAL)}, got {initial!r}")
+    one_of(initial, _INITIAL, "initial")
     if output_step is None:
         output_step = system.default_output_step(duration, speed)
     factors, orders = _numbers(elements, "elements"), _degrees(degrees, system)
@@ -170,10 +170,9 @@ def plan(
 def _methods(given: str | Iterable[str] | None) -> list[str]:
     if given is None:
         return list(METHODS)
-    names = [given] if isinstance(given, str) else list(given)
+    names = [given] if isinstance(given, str) else items(given, "methods", "names")
     for i, name in enumerate(names):
-        if name not in METHODS:
-            raise SceneError(f"methods[{i}]: must be one of {', '.join(METHODS)}, got {name!r}")
+        one_of(name, METHODS, f"methods[{i}]")
     if not names:
         raise SceneError("methods: must name at least one method, got an empty list")
     return list(dict.fromkeys(names))
@@ -185,7 +184,7 @@ def _modes(given: Iterable[int] | None, names: list[str], system: System) -> lis
         return []
     if given is None:
         return [count for count in (len(system.dofs) // part for part in (2, 4, 8)) if count]
-    return [whole(count, f"modes[{i}]") for i, count in enumerate(given)]
+    return [whole(count, f"modes[{i}]") for i, count in enumerate(items(given, "modes", "numbers"))]
 
 
 def _degrees(given: Iterable[int] | None, system: System) -> list[int]:
@@ -193,7 +192,10 @@ def _degrees(given: Iterable[int] | None, system: System) -> list[int]:
     if given is None:
         known = degrees_of(system)
         return [degree for degree in (min(known) - 1, max(known) + 1) if 1 <= degree <= MAX_DEGREE]
-    found = [whole(degree, f"degrees[{i}]") for i, degree in enumerate(given)]
+    found = [
+        whole(degree, f"degrees[{i}]")
+        for i, degree in enumerate(items(given, "degrees", "numbers"))
+    ]
     for i, degree in enumerate(found):
         if degree > MAX_DEGREE:
             raise SceneError(f"degrees[{i}]: must be from 1 to {MAX_DEGREE}, got {degree}")
@@ -202,10 +204,8 @@ def _degrees(given: Iterable[int] | None, system: System) -> list[int]:
 
 def _numbers(values: Iterable[object], name: str, most: float = math.inf) -> list[float]:
     """Read a list of positive numbers without duplicates."""
-    if isinstance(values, str) or not isinstance(values, Iterable):
-        raise SceneError(f"{name}: must be a list of numbers, got {values!r}")
     found = []
-    for i, value in enumerate(values):
+    for i, value in enumerate(items(values, name, "numbers")):
         read = number(value, f"{name}[{i}]")
         if not 0.0 < read < most:
             bound = "positive and finite" if math.isinf(most) else f"between 0 and {most:g}"

@@ -5,14 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic
 
-from gearbow._convert import number
+from gearbow._convert import number, truth
 from gearbow._extras import extra
 from gearbow._shown import Shown
 from gearbow.accuracy.scale import UNIT
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError, SceneError
 from gearbow.tradeoff.models import GIVEN
-from gearbow.tradeoff.trial import Skipped, Trial, table
+from gearbow.tradeoff.trial import Skipped, Trial, positive_duration, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -137,7 +137,7 @@ class Tradeoff(Shown, Generic[S]):
         tuple of Trial
             From the cheapest to the most accurate.
         """
-        duration = _duration(duration)
+        duration, simplified = positive_duration(duration), truth(simplified, "simplified")
         front: list[Trial[S]] = []
         ranked = sorted(self.trials, key=lambda trial: (trial.cost(duration), trial.bound))
         for trial in ranked:
@@ -205,7 +205,7 @@ class Tradeoff(Shown, Generic[S]):
         with extra("plot"):
             from gearbow.plotting import tradeoff as figures  # noqa: PLC0415
 
-        duration = _duration(duration)
+        duration = positive_duration(duration)
 
         def _points(trials: Sequence[Trial[S]]) -> tuple[list[float], list[float]]:
             # A run below the uncertainty of the reference is drawn at this uncertainty.
@@ -301,12 +301,3 @@ class Tradeoff(Shown, Generic[S]):
             f"Tradeoff({len(self.trials)} settings, {len(self.skipped)} skipped; "
             f"uncertainty of the reference {self.floor:.1e})"
         )
-
-
-def _duration(duration: float | None) -> float | None:
-    if duration is None:
-        return None
-    value = number(duration, "duration")
-    if not 0.0 < value < math.inf:
-        raise SceneError(f"duration: must be positive and finite, got {duration!r}")
-    return value

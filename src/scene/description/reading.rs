@@ -11,6 +11,17 @@ use crate::scene::{SceneError, nearest};
 /// Largest value up to which every whole number is a float, 2⁵³.
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
+/// Names of the entries that are lists of a fixed length, and what their numbers are.
+const FIXED_LISTS: [(&[&str], &str); 7] = [
+    (&["stiffness", "damping"], "4 numbers [axial, lateral, tilting, torsional]"),
+    (&["inertia", "position", "rotational_stiffness", "rotational_damping", "points"], "3 numbers [x, y, z]"),
+    (&["value"], "a pair [y, z]"),
+    (&["grooves"], "a pair [angle of the middle, extent] for each groove"),
+    (&["tooth", "driver", "driven"], "a pair [amplitude, phase] for each harmonic"),
+    (&["bore_radii"], "a pair [driver, driven]"),
+    (&["rayleigh"], "a pair [alpha, beta]"),
+];
+
 /// Reads a value. An error begins with the path of the wrong entry.
 pub(super) fn located<'de, T: Deserialize<'de>, D: Deserializer<'de>>(source: D) -> Result<T, SceneError> {
     serde_path_to_error::deserialize(source).map_err(|error| {
@@ -18,7 +29,8 @@ pub(super) fn located<'de, T: Deserialize<'de>, D: Deserializer<'de>>(source: D)
             path if path == "." || path.is_empty() => "system".to_owned(),
             path => path,
         };
-        SceneError::new(path, explain(error.into_inner().to_string().trim_end()))
+        let message = explain(&path, error.into_inner().to_string().trim_end());
+        SceneError::new(path, message)
     })
 }
 
@@ -58,18 +70,36 @@ impl<T: TryFrom<i64>> Visitor<'_> for Whole<T> {
     }
 }
 
-/// Translates an error message of serde and suggests the name that was probably meant.
+/// Translates an error message of serde about the entry at a path, and says how to write it.
 ///
 /// Serde provides its errors as text only: ``unknown field `lenght`, expected one of `name`, `length` ``.
-fn explain(message: &str) -> String {
+fn explain(path: &str, message: &str) -> String {
     // Remove the path, which the error already contains.
     let message = message.split("\nin `").next().unwrap_or(message);
     let mut message = message.replace("expected f64", "expected a number").replace("floating point", "number");
+    // Without indices, the path is the name of a table in a file.
+    let table: String = path.split('[').map(|piece| piece.split_once(']').map_or(piece, |(_, rest)| rest)).collect();
     if message.contains("invalid type: string") && message.contains("number") {
         message += "; write a number without quotes";
     } else if message.contains("invalid type: map, expected a sequence") {
-        message += "; write two brackets around the name of a list of parts: [[shafts]]";
+        message += &format!("; write two brackets around the name of a list: [[{table}]]");
+    } else if let Some(start) = message.rfind("expected struct ") {
+        let header = if path.ends_with(']') { format!("[[{table}]]") } else { format!("[{table}]") };
+        message.replace_range(start.., &format!("expected entries with names; write {header}"));
+    } else if let Some(start) =
+        message.rfind("expected an array of").or_else(|| message.rfind("expected fewer elements"))
+    {
+        let meaning =
+            |name: &str| FIXED_LISTS.iter().find(|(names, _)| names.contains(&name)).map(|(_, meaning)| meaning);
+        // The user chooses the names of points.
+        let entry = table.split_once(".points.").map_or(table.as_str(), |_| "points");
+        if let Some(meaning) = entry.rsplit('.').find_map(meaning) {
+            message.replace_range(start.., &format!("expected {meaning}"));
+        }
     }
+    message = message
+        .replace("expected a sequence", "expected a list")
+        .replace("expected a map", "expected entries with names");
     let known = ["unknown field `", "unknown variant `"];
     let Some(start) = known.iter().find_map(|known| message.find(known).map(|at| at + known.len())) else {
         return message;
