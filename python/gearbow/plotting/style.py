@@ -10,6 +10,7 @@ import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import BboxBase
 
 from gearbow._convert import shown
 from gearbow._core import whirl_classes
@@ -29,8 +30,11 @@ __all__ = [
     "legend",
     "panels",
     "place_legend",
+    "quantity",
+    "remark",
     "round_factor",
     "speed_axis",
+    "text_extent",
     "text_size",
 ]
 
@@ -73,6 +77,9 @@ STYLE: dict[Any, Any] = {
     "lines.linewidth": 1.6,
     "savefig.dpi": 150,
 }
+
+#: Prefixes of units by their exponent of ten.
+_PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 #: Factor and label of each unit of a speed.
 _SPEED_UNITS = {"rad/s": 1.0, "rpm": 30.0 / np.pi}
@@ -309,6 +316,49 @@ def speed_axis(unit: str) -> tuple[float, str]:
     return _SPEED_UNITS[unit], f"speed of the reference shaft [{unit}]"
 
 
+def quantity(value: float, unit: str, digits: int = 4) -> str:
+    """Write a value with the prefix of its magnitude, such as "1.25 mm" or "−24.5 kN m".
+
+    Parameters
+    ----------
+    value : float
+        Value in the unit without prefix.
+    unit : str
+        Unit without prefix. Lengths have no prefix above the metre.
+    digits : int
+        Number of significant digits.
+
+    Returns
+    -------
+    str
+        Number and unit.
+    """
+    # Rounding first: 999.96 µm is 1 mm.
+    rounded = float(f"{value:.{digits - 1}e}")
+    if not math.isfinite(rounded) or rounded == 0.0:
+        return f"{rounded:g} {unit}".replace("-", "−")
+    # A value of one to three digits before the point has the prefix of its thousands.
+    exponent = 3 * math.floor(math.floor(math.log10(abs(rounded))) / 3)
+    exponent = min(max(exponent, min(_PREFIXES)), 0 if unit == "m" else max(_PREFIXES))
+    number = f"{rounded / 10.0**exponent:.{digits}g}"
+    return f"{number} {_PREFIXES[exponent]}{unit}".replace("-", "−")
+
+
+def remark(panel: Axes, *sentences: str) -> None:
+    """Add sentences in small letters to the right title of a panel.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        The panel.
+    *sentences : str
+        What the reader has to know; empty ones are left out.
+    """
+    said = [text for text in (panel.get_title(loc="right"), *sentences) if text]
+    if said:
+        panel.set_title("; ".join(said), loc="right", fontsize=text_size(0.86))
+
+
 def text_size(part: float) -> float:
     """Give the size of a text within a panel.
 
@@ -324,6 +374,29 @@ def text_size(part: float) -> float:
         Size [pt].
     """
     return part * float(mpl.rcParams["font.size"])
+
+
+def text_extent(panel: Axes, text: str, **style: Any) -> BboxBase:
+    """Measure a text.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        The panel of the text.
+    text : str
+        The text.
+    **style
+        Properties of the text.
+
+    Returns
+    -------
+    matplotlib.transforms.BboxBase
+        Its box [pixel]; only the width and the height have a meaning.
+    """
+    trial = panel.text(0.0, 0.0, text, **style)
+    extent: BboxBase = trial.get_window_extent()
+    trial.remove()
+    return extent
 
 
 def round_factor(exact: float) -> float:
