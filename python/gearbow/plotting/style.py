@@ -20,6 +20,7 @@ __all__ = [
     "MARKS",
     "MICRO",
     "PALETTE",
+    "ROUND_OFF",
     "STYLE",
     "GivenAxes",
     "colour",
@@ -57,7 +58,7 @@ _STYLES: dict[str, tuple[str, Any, str]] = {
 #: The same for every whirl that the core knows; a class without style is an error of the import.
 MARKS = {name: _STYLES[name] for name in whirl_classes()}
 #: Size of an orbit with its own scale, and of one that is round-off, relative to the largest.
-_OWN_SCALE, _ROUND_OFF = 0.1, 1e-6
+_OWN_SCALE, ROUND_OFF = 0.1, 1e-6
 
 #: Panels of a user: one, or several in any nesting; None makes a new figure.
 GivenAxes: TypeAlias = Any
@@ -210,7 +211,7 @@ def equal_ranges(axes: Sequence[Axes]) -> None:
     sizes = [max(box.width, box.height) for box in boxes]
     largest = max(sizes)
     for panel, box, size in zip(axes, boxes, sizes, strict=True):
-        own = _ROUND_OFF * largest < size < _OWN_SCALE * largest
+        own = ROUND_OFF * largest < size < _OWN_SCALE * largest
         half = 0.54 * (size if own else largest)
         if math.isfinite(half) and half > 0.0:
             x, y = (box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0
@@ -265,6 +266,7 @@ def place_legend(
     *,
     title: str | None = None,
     ax: GivenAxes = None,
+    outside: bool = False,
 ) -> None:
     """Place a legend with given entries, as `legend` does.
 
@@ -280,14 +282,22 @@ def place_legend(
         Title of the legend.
     ax : Axes or sequence of Axes, optional
         Panels of the user.
+    outside : bool
+        Whether the legend of such a panel stands above its title, because data fill the panel.
     """
     if ax is not None:
-        panel.legend(*entries, title=title, loc="best", fontsize="small")
+        place: dict[str, Any] = {"loc": "best"}
+        if outside:
+            place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "borderaxespad": 2.5}
+        panel.legend(*entries, title=title, fontsize="small", ncols=3 if outside else 1, **place)
         return
     # An inch of the legend holds about eight letters; a handle takes the space of nine.
-    letters = sum(len(label) + 9 for label in entries[1])
-    rows = max(1, math.ceil(letters / (8.0 * figure.get_figwidth())))
-    columns = math.ceil(len(entries[1]) / rows)
+    widths = [len(label) + 9 for label in entries[1]]
+    for rows in range(1, len(widths) + 1):
+        wide = [max(widths[first : first + rows]) for first in range(0, len(widths), rows)]
+        if sum(wide) <= 8.0 * figure.get_figwidth():
+            break
+    columns = len(wide) if widths else 1
     figure.legend(*entries, loc="outside upper center", ncols=columns, title=title)
 
 
