@@ -128,7 +128,7 @@ def _finish(axes: Any, extent: Array) -> None:
     # Do not clip parts that extend beyond the box of the axes.
     for artist in axes.get_children():
         artist.set_clip_on(False)
-    axes.set_box_aspect(np.maximum(extent, 0.25 * extent.max()), zoom=1.2)
+    axes.set_box_aspect(np.maximum(extent, 0.25 * extent.max()), zoom=1.12)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.xaxis.labelpad = axes.yaxis.labelpad = 20
     axes.locator_params(nbins=4)

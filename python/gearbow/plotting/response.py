@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -413,7 +414,7 @@ def _settle(panel: Axes, values: Array, skipped: int) -> None:
     if not moves or (first >= low - half and last <= high + half):
         return
     bottom, top = min(low, max(first, low - half)), max(high, min(last, high + half))
-    margin = panel.margins()[1] * (top - bottom)
+    margin = float(mpl.rcParams["axes.ymargin"]) * (top - bottom)
     panel.set_ylim(bottom - margin, top + margin)
     unit = panel.get_ylabel().partition("[")[2].rstrip("]")
     ends = [np.format_float_positional(x, 4, fractional=False, trim="-") for x in (first, last)]
