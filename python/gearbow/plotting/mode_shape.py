@@ -130,7 +130,7 @@ def _finish(axes: Any, extent: Array) -> None:
         artist.set_clip_on(False)
     axes.set_box_aspect(np.maximum(extent, 0.25 * extent.max()), zoom=1.12)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
-    axes.xaxis.labelpad = axes.yaxis.labelpad = 20
+    axes.xaxis.labelpad = axes.yaxis.labelpad = 24
     axes.locator_params(nbins=4)
     axes.view_init(elev=22.0, azim=-58.0)
 
