@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.plotting import campbell, orders
+from gearbow.plotting.style import quantity
 from reference import scenes
 from reference.bows import HalfSine
-from reference.records import of_series, response
+from reference.figure_texts import check_texts
+from reference.records import MESH_UNITS, of_series, response
 from test_synchronous import jeffcott
 
 TIME = 1e-3 * np.arange(64)
@@ -72,8 +77,8 @@ class TestResponse:
             for component, label in enumerate(("v − mean", "w − mean")):
                 expected = np.column_stack([TIME, (motion - mean)[:, component]])
                 np.testing.assert_allclose(curves(panel)[label], expected, atol=1e-9)
-            v, w = (f"{value:.4g}".replace("-", "−") for value in mean)
-            assert panel.get_title(loc="right") == f"mean v {v} µm, w {w} µm"
+            v, w = (quantity(1e-6 * value, "m") for value in mean)
+            assert panel.get_title(loc="right") == f"mean v {v}, w {w}"
 
     def test_twist(self):
         made = response(TIME)
@@ -100,7 +105,7 @@ class TestResponse:
             ("", "deflection [µm]"),
             ("time [s]", "stiffness [N/µm]"),
         ]
-        assert figure.axes[0].get_title() == "g3 – g4"
+        assert figure.axes[0].get_title(loc="left") == "g3 – g4"
         mesh = made.mesh("g3", "g4")
         expected = (mesh.force, 1e6 * mesh.deflection, 1e-6 * mesh.stiffness)
         for panel, values in zip(figure.axes, expected, strict=True):
@@ -129,12 +134,35 @@ class TestResponse:
     def test_bearings(self):
         made = response(TIME)
         figure = made.plot("bearings", ("output", 0.5))
-        assert labels(figure) == [("time [s]", "force [N]")]
-        assert figure.axes[0].get_title() == "output at 0.5 m"
-        for component, label in enumerate(("along y", "along z")):
+        assert labels(figure) == [("time [s]", f"force along {axis} [N]") for axis in "yz"]
+        assert figure.axes[0].get_title(loc="left") == "output at 0.5 m"
+        for component, panel in enumerate(figure.axes):
             expected = np.column_stack([TIME, made.bearing_force("output", 0.5)[:, component]])
-            np.testing.assert_allclose(curves(figure.axes[0])[label], expected)
-        assert len(made.plot("bearings").axes) == 2
+            np.testing.assert_allclose(panel.get_lines()[0].get_xydata(), expected)
+        assert len(made.plot("bearings").axes) == 4
+
+    @pytest.mark.parametrize("kind", ["mesh", "bearings", "history", "twist"])
+    def test_the_settled_part_sets_the_scale(self, kind: str):
+        # the slowest shaft turns once in 2π/16 s = 0.393 s: the first 0.1 s precede the last turn
+        time = 1e-3 * np.arange(501)
+        signal = np.sin(100.0 * time)
+        signal[:50] *= 1000.0
+        made = response(
+            time,
+            mesh=dict.fromkeys(MESH_UNITS, np.column_stack([signal, signal])),
+            bearing_force=np.tile(signal[:, np.newaxis, np.newaxis], (1, 2, 2)),
+            displacement=1e-6 * np.tile(signal[:, np.newaxis, np.newaxis], (1, 4, 2)),
+            twist=1e-3 * np.tile(signal[:, np.newaxis], (1, 4)),
+        )
+        for panel in made.plot(kind).axes:
+            late = panel.get_lines()[0].get_ydata()[110:]
+            assert np.ptp(late) < np.ptp(panel.get_ylim()) < 2.3 * np.ptp(late)
+            assert "earlier −" in panel.get_title(loc="right")
+        check_texts(made.plot(kind))
+        for panel in made.plot(kind, skip_time=0.0).axes:
+            values = panel.get_lines()[0].get_ydata()
+            assert panel.get_ylim()[0] < values.min() < values.max() < panel.get_ylim()[1]
+            assert "earlier" not in panel.get_title(loc="right")
 
     def test_spectrum(self):
         # v: 2 µm at 125 Hz, w: 5 µm at 250 Hz, both at spectral lines of the record
@@ -303,3 +331,100 @@ def test_mode_shapes():
         assert np.abs(still.get_ydata()).max() < 1e-6
         # one half wave, symmetric about the middle
         np.testing.assert_allclose(moving.get_ydata(), moving.get_ydata()[::-1], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "digits", "text"),
+    [
+        (1.25e-3, "m", 3, "1.25 mm"),
+        (70e-6, "m", 3, "70 µm"),
+        (999.96e-6, "m", 3, "1 mm"),
+        (4600.0, "m", 3, "4.6e+03 m"),
+        (-1273.2, "N m", 4, "−1.273 kN m"),
+        (490.0, "N m", 4, "490 N m"),
+        (0.0, "N", 4, "0 N"),
+        (3e-12, "s", 3, "0.003 ns"),
+    ],
+)
+def test_quantities_have_the_prefix_of_their_magnitude(value, unit, digits, text):
+    assert quantity(value, unit, digits) == text
+
+
+def test_titles_of_modes_say_what_does_not_oscillate():
+    rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e7) for x in (0.0, 1.0)]
+    modes = gb.RotorSystem([rotor], bearings=bearings).modes(count=4)
+    values = np.array([0.0, -50.0, 20.0, -10.0 + 2e4j])
+    changed = replace(
+        modes,
+        eigenvalues=values,
+        frequencies_hz=np.abs(values.imag) / (2.0 * np.pi),
+        damping_ratios=np.array([1.0, 1.0, -1.0, 5e-4]),
+        whirl=("rigid", "forward", "forward", "forward"),
+    )
+    figure = changed.plot(count=4)
+    first = [panel.get_title().split("\n")[0] for panel in figure.axes]
+    assert first == [
+        "mode 1",
+        "mode 2: overdamped, time constant 20 ms",
+        "mode 3: growth without oscillation, time constant 50 ms",
+        "mode 4: 3.183 kHz, forward, damping 0.05 %",
+    ]
+    check_texts(figure)
+
+
+def test_what_is_not_excited_has_no_entry_in_a_bode_plot():
+    system = scenes.Geared(bows={"middle": HalfSine(1e-4, 0.5)}).package()
+    figure = system.synchronous([50.0, 100.0]).bode(["g1", "g2", "g4"])
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["g2"]
+    assert figure.axes[0].get_title(loc="right") == "not excited: g1, g4"
+    check_texts(figure)
+
+
+@pytest.mark.parametrize("slopes", [(1.0, 0.5, 30.0, 30.0), (20.0, 21.0, 22.0, 23.0, 400.0)])
+def test_names_of_excitation_lines_do_not_overlap(slopes: tuple[float, ...]):
+    lines = [(f"{n}× teeth of pinion {n}–wheel {n}", slope) for n, slope in enumerate(slopes)]
+    speeds, modes = np.array([10.0, 20.0, 30.0]), np.ones((3, 1))
+    figure = campbell.campbell(
+        speeds,
+        50.0 * modes,
+        0.01 * modes,
+        np.full((3, 1), "forward"),
+        lines=lines,
+        intersections=(),
+    )
+    check_texts(figure)
+    named = "\n".join(text.get_text() for text in figure.axes[0].texts)
+    for name, slope in lines:
+        # the line enters the panel, which begins at 10 rad/s and ends at 54 Hz
+        assert (name in named) == (10.0 * slope / (2.0 * np.pi) < 54.0)
+
+
+def test_critically_damped_modes_do_not_set_the_scale():
+    speeds = np.array([10.0, 20.0])
+    ratios = np.array([[0.01, 0.03, 0.9], [0.012, 0.03, 0.8]])
+    kinds = np.full((2, 3), "forward")
+    figure = campbell.campbell(speeds, 1e3 * ratios, ratios, kinds, lines=(), intersections=())
+    lower = figure.axes[1]
+    assert lower.get_ylim()[0] == 0.0
+    assert 3.0 < lower.get_ylim()[1] < 4.0
+    assert lower.get_title(loc="right") == "damping ratios above 20 % are beyond the scale"
+
+
+def test_a_spectrum_names_only_orders_that_it_resolves():
+    # lines at a distance of 1 Hz: tones closer than 2 Hz have one peak
+    frequencies = np.arange(1.0, 200.0)
+    amplitudes = np.full(199, 1e-6)
+    amplitudes[[19, 99, 149]] = 1.0, 0.5, 0.2
+    found = (
+        ("1× input", 20.0),
+        ("2× output", 21.5),
+        ("1× mesh a–b", 100.0),
+        ("1× mesh c–d", 150.0),
+        ("1× mesh c–d − 1× output", 148.0),
+    )
+    figure = orders.spectrum(frequencies, amplitudes, "g1 v [m]", orders=found)
+    (panel,) = figure.axes
+    assert {text.get_text() for text in panel.texts} == {"1× mesh\na–b", "1× mesh\nc–d"}
+    assert panel.get_title(loc="right") == "orders closer than 2 Hz have no name"
+    check_texts(figure)

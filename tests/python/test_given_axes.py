@@ -61,7 +61,7 @@ FIGURES = {
     "twist": (1, lambda r, ax: r["run"].plot("twist", "g1", ax=ax)),
     "mesh": (6, lambda r, ax: r["run"].plot("mesh", ax=ax)),
     "geometry": (4, lambda r, ax: r["run"].plot("geometry", ("g1", "g2"), ax=ax)),
-    "bearings": (2, lambda r, ax: r["run"].plot("bearings", ax=ax)),
+    "bearings": (4, lambda r, ax: r["run"].plot("bearings", ax=ax)),
     "spectra": (2, lambda r, ax: r["run"].plot("spectrum", ["g1", "g2"], ax=ax)),
     "modes": (3, lambda r, ax: r["modes"].plot(count=3, ax=ax)),
     "campbell": (2, lambda r, ax: r["campbell"].plot(ax)),
@@ -170,7 +170,9 @@ def test_a_campbell_diagram_shades_the_operating_speeds(results):
 
 def test_damping_ratios_that_differ_much_have_a_logarithmic_scale(results):
     assert results["campbell"].plot().axes[1].get_yscale() == "linear"
+    # ratios up to 15 %: larger ones do not set the scale
     soft = results["campbell"].damping_ratios.copy()
+    soft *= 0.15 / soft.max()
     soft[:, 0] /= 100.0
     from gearbow.plotting import campbell
 

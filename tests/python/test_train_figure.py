@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import runpy
 from functools import cache
-from itertools import combinations
 from math import pi
 from pathlib import Path
 
@@ -12,13 +11,13 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
-from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 import gearbow as gb
 from gearbow.description.train import Train
 from gearbow.plotting.development import developed
 from gearbow.plotting.end_view import line_of_action
+from reference.figure_texts import area, box_of, check_texts
 
 
 @pytest.fixture(autouse=True)
@@ -154,25 +153,11 @@ def boxes(panel, kind) -> list[np.ndarray]:
 @pytest.mark.parametrize("name", list(TRAINS))
 def test_labels_do_not_overlap_and_lie_within_the_panels(name, tmp_path: Path):
     figure = drawn(name)
-    figure.draw_without_rendering()
+    check_texts(figure)
     for panel in figure.axes:
-        found = []
         for text in panel.texts:
-            text.get_window_extent()  # moves the text to its place
-            # the text itself, without the line to its anchor
-            found.append((text.get_text(), Text.get_window_extent(text)))
-        for (a, first), (b, second) in combinations(found, 2):
-            common = Bbox.intersection(first, second)
-            area = 0.0 if common is None else common.width * common.height
-            # adjacent labels may touch
-            assert area < 0.05 * min(first.width * first.height, second.width * second.height), (
-                a,
-                b,
-            )
-        for text, box in found:
-            inside = Bbox.intersection(box, panel.bbox)
-            assert inside is not None, text
-            assert inside.width * inside.height > 0.98 * box.width * box.height, text
+            box = box_of(text)
+            assert area(Bbox.intersection(box, panel.bbox)) > 0.98 * area(box), text.get_text()
     figure.savefig(tmp_path / "figure.png", dpi=60)
     assert (tmp_path / "figure.png").stat().st_size < 200_000
 

@@ -1,6 +1,7 @@
 """Figure of a Campbell diagram: frequencies and damping ratios against the speed."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -20,7 +21,9 @@ from gearbow.plotting.style import (
     label_x,
     panels,
     place_legend,
+    remark,
     speed_axis,
+    text_extent,
     text_size,
 )
 
@@ -31,6 +34,9 @@ __all__ = ["campbell"]
 _DECADES, _LEAST_DAMPING = 10.0, 1e-3
 #: Largest number of decades of positive damping ratios on a scale with negative ones.
 _SIGNED_DECADES = 3
+#: Damping ratio [%] above which modes do not determine the scale. Their amplification factor is
+#: below 1/(2·0.2) = 2.5: API 684 (2005) counts them as critically damped.
+_CRITICALLY_DAMPED = 20.0
 #: Colour of the operating speeds, and of the speeds at which the motion is unstable.
 _OPERATING = "0.88"
 _UNSTABLE: dict[str, Any] = {"color": "#F09090", "alpha": 0.5, "linewidth": 0.0}
@@ -120,7 +126,11 @@ def campbell(
             _by_whirl(upper, (factor * speeds, own), (x, known[:, 1]), kinds)
             ratios = 100.0 * damping_ratios[:, mode]
             _by_whirl(lower, (factor * speeds, ratios), (x, known[:, 2]), kinds)
-        _excitation_lines(upper, [(n, o / factor) for n, o in lines], factor * last, top)
+        ends = factor * speeds[0], factor * max(last, speeds[0] + 1.0)
+        for panel in axes:
+            panel.set_xlim(*ends)
+        upper.set_ylim(0.0, top)
+        _excitation_lines(upper, [(n, o / factor) for n, o in lines])
         if thresholds:
             _, x, y = np.transpose(thresholds)
             upper.plot(factor * x, y, **_THRESHOLD)
@@ -128,12 +138,10 @@ def campbell(
         if intersections:
             _, x, y, _ = np.transpose(intersections)
             upper.plot(factor * x, y, **_CROSSED)
-        upper.set(ylabel="frequency [Hz]", ylim=(0.0, top))
+        upper.set(ylabel="frequency [Hz]")
         lower.set(ylabel="damping ratio [%]")
         _scale(lower, 100.0 * damping_ratios, signed=bool(thresholds))
         label_x(axes, label)
-        for panel in axes:
-            panel.set_xlim(factor * speeds[0], factor * max(last, speeds[0] + 1.0))
         entries = _legend(whirl, bool(intersections), bool(thresholds))
         if len(unstable) > 0:
             entries["unstable"] = Patch(**_UNSTABLE)
@@ -167,12 +175,17 @@ def _operating(panel: Axes, speeds: Array) -> None:
 
 def _scale(panel: Axes, damping: Array, *, signed: bool) -> None:
     """Choose the scale of the damping ratios [%], so that small and large ones are legible."""
+    beyond = np.abs(damping) > _CRITICALLY_DAMPED
+    if beyond.any() and not beyond.all():
+        damping = damping[~beyond]
+        remark(panel, f"damping ratios above {_CRITICALLY_DAMPED:g} % are beyond the scale")
     sizes = np.abs(damping[np.abs(damping) > _LEAST_DAMPING])
     signed = signed or float(damping.min(initial=0.0)) < -_LEAST_DAMPING
     if signed:
         panel.axhline(0.0, color="black", linewidth=1.0)
     if sizes.size == 0 or sizes.max() < _DECADES * sizes.min():
-        panel.set_ylim(bottom=min(0.0, 1.1 * float(damping.min(initial=0.0))))
+        bottom, top = 1.1 * float(damping.min(initial=0.0)), 1.1 * float(damping.max(initial=0.0))
+        panel.set_ylim(bottom, top if top > bottom else 1.0)
     elif signed:  # an unstable mode: its negative ratio has to be visible
         _signed_scale(panel, damping)
     else:
@@ -199,33 +212,62 @@ def _signed_scale(panel: Axes, damping: Array) -> None:
     panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
-def _excitation_lines(
-    panel: Axes, lines: Sequence[tuple[str, float]], last: float, top: float
-) -> None:
-    """Draw excitation lines within the axes, with their names at the ends.
+@dataclass
+class _Above:
+    """Names of excitation lines above the panel.
 
-    The slope of a line is 2π times the frequency [Hz] over the speed in the unit of the axis.
+    Parameters
+    ----------
+    reach : float
+        Speed at which the flattest line leaves the panel, in the unit of the axis.
+    left : float
+        Left end of the longest name, in the unit of the axis.
+    names : list of str
+        The names, the steepest line first.
     """
-    # A line of text takes about a twentieth of the height.
-    space, free = 0.055 * top, -np.inf
+
+    reach: float
+    left: float
+    names: list[str]
+
+
+def _excitation_lines(panel: Axes, lines: Sequence[tuple[str, float]]) -> None:
+    """Draw excitation lines within a panel with final limits, with their names at the ends.
+
+    The slope of a line is 2π times the frequency [Hz] over the speed in the unit of the axis. Lines
+    outside the panel are left out.
+    """
+    (first, last), top = panel.get_xlim(), panel.get_ylim()[1]
+    style: dict[str, Any] = {"fontsize": text_size(0.86)}
+    shift: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": False}
+    panel_size = panel.get_window_extent()
+    beside: list[tuple[float, str]] = []
+    above: list[_Above] = []
     for name, slope in sorted(lines, key=lambda line: abs(line[1])):
         reach = min(last, 2.0 * np.pi * top / slope) if slope else last
-        ends = np.array([0.0, reach])
-        panel.plot(ends, slope * ends / (2.0 * np.pi), color="0.45", linewidth=1.0)
-        end = slope * reach / (2.0 * np.pi)
-        inside = reach == last
-        at = max(end, free) if inside else end
-        free = at + space
-        panel.annotate(
-            name,
-            (reach, at),
-            xytext=(5, 0) if inside else (0, 3),
-            textcoords="offset points",
-            va="center" if inside else "bottom",
-            ha="left" if inside else "center",
-            fontsize=text_size(0.86),
-            annotation_clip=False,
-        )
+        if reach < first:
+            continue
+        path = np.array([0.0, reach])
+        panel.plot(path, slope * path / (2.0 * np.pi), color="0.45", linewidth=1.0)
+        if reach == last:
+            beside.append((slope * reach / (2.0 * np.pi), name))
+            continue
+        width = text_extent(panel, name, **style).width * (last - first) / panel_size.width
+        if above and above[-1].left < reach + width / 2.0:
+            # Names that would overlap stand one above the other, the steepest line at the top.
+            above[-1].names.insert(0, name)
+            above[-1].left = min(above[-1].left, above[-1].reach - width / 2.0)
+        else:
+            above.append(_Above(reach, reach - width / 2.0, [name]))
+    free = -np.inf
+    for end, name in beside:
+        at = max(end, free)
+        free = at + 1.1 * text_extent(panel, name, **style).height * top / panel_size.height
+        aside: dict[str, Any] = {"xytext": (5, 0), "va": "center", "ha": "left"}
+        panel.annotate(name, (last, at), **aside, **shift, **style)
+    for group in above:
+        upon: dict[str, Any] = {"xytext": (0, 3), "va": "bottom", "ha": "center"}
+        panel.annotate("\n".join(group.names), (group.reach, top), **upon, **shift, **style)
 
 
 def _by_whirl(

@@ -131,6 +131,7 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
         teeth = f", z = {gears[body.name].teeth}" if body.name in gears else ""
         places = _around_circle(centre, body.radius)
         labels.add(f"{body.name}{teeth}", places)
+    labels.place()
 
 
 def _around_circle(centre: Array, radius: float) -> list[Place]:

@@ -16,6 +16,7 @@ from gearbow.plotting.style import (
     label_x,
     legend,
     panels,
+    remark,
     speed_axis,
 )
 
@@ -96,22 +97,29 @@ def bode(
     Returns
     -------
     matplotlib.figure.Figure
-        Phase [°] above, major semi-axis of the orbits [µm] below.
+        Phase [°] above, major semi-axis of the orbits [µm] below. The title names what is not
+        excited.
     """
     factor, label = speed_axis(speed_unit)
     with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         upper, lower = axes
+        still: list[str] = []
         for number, (name, (phase, amplitude)) in enumerate(lines.items()):
             style: dict[str, Any] = {
                 "color": colour(number),
                 "linestyle": ("-", "--", "-.", ":")[number % 4],
             }
             known = np.isfinite(phase)
+            if not np.any(known & (amplitude > 0.0)):
+                still.append(name)
+                continue
             # The phase has no jumps of 360°; its value at the first speed is unchanged.
             upper.plot(
                 factor * speeds[known], np.degrees(np.unwrap(phase[known])), label=name, **style
             )
             lower.plot(factor * speeds, MICRO * amplitude, **style)
+        if still:
+            remark(upper, f"not excited: {', '.join(still)}")
         upper.set(ylabel="phase [°]")
         lower.set(ylabel="amplitude [µm]")
         label_x(axes, label)

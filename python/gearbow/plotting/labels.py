@@ -1,13 +1,18 @@
-"""Labels without overlap: each takes the free one of several places."""
+"""Labels without overlap: each takes the free one of several places.
 
-from collections.abc import Iterable, Iterator
+Each label in turn takes its best place, given the places of the others, until none moves: a
+descent over one label at a time.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from gearbow._types import Array
-from gearbow.plotting.style import figure_of, text_size
+from gearbow.plotting.style import figure_of, text_extent, text_size
 
 __all__ = ["Box", "Labels", "around"]
 
@@ -24,15 +29,55 @@ _GAPS = (4.0, 22.0, 40.0, 60.0, 85.0, 115.0)
 #: Weight of an overlap with another label or with the edge, relative to one with an obstacle.
 _TEXT = 1000.0
 #: Cost of the distance of a text [pixel² per pt]: a text over a part is better than one far away.
-_DISTANCE = 15.0
+_DISTANCE = 20.0
 #: Background of a text, through which the drawing is visible.
 _PAPER = {"facecolor": "white", "edgecolor": "none", "alpha": 0.65, "pad": 0.8}
+#: Free space around a text [pt].
+_MARGIN = 1.5
+#: Number of points of a line to a text that must not cross other texts.
+_LEADER_POINTS = 8
+#: Largest number of rounds in which labels look for better places.
+_ROUNDS = 10
 #: A smaller component of a direction centres the text.
 _CENTRED = 0.4
 
 
+@dataclass(frozen=True)
+class _Label:
+    """A label with the places that it may take.
+
+    Parameters
+    ----------
+    text : str
+        The label.
+    style : dict
+        Properties of the text.
+    anchors : ndarray, shape (places, 2)
+        Points to which the label belongs, in coordinates of the data.
+    ways : ndarray, shape (places, 2)
+        Direction of the text from its anchor.
+    gaps : ndarray, shape (places,)
+        Distance of the text from its anchor [pt].
+    boxes : ndarray, shape (places, 4)
+        Left, bottom, right and top of the text [pixel].
+    leaders : ndarray, shape (places, points, 4)
+        Boxes around points of the line from the anchor to the text [pixel]; without a size where
+        there is no line.
+    """
+
+    text: str
+    style: dict[str, Any]
+    anchors: Array
+    ways: Array
+    gaps: Array
+    boxes: Array
+    leaders: Array
+
+
 class Labels:
     """Labels of a panel whose limits are final.
+
+    All labels are given first; `place` then finds their places together.
 
     Parameters
     ----------
@@ -47,6 +92,7 @@ class Labels:
         self._pixel = figure_of(panel).dpi / 72.0
         self._boxes: list[Box] = []
         self._weights: list[float] = []
+        self._labels: list[_Label] = []
 
     def avoid(self, *boxes: Box, strictly: bool = False) -> None:
         """Keep labels away from boxes.
@@ -64,7 +110,7 @@ class Labels:
             self._weights.append(_TEXT if strictly else 1.0)
 
     def add(self, text: str, places: Iterable[Place], **style: Any) -> None:
-        """Write a label at the place with the smallest overlap.
+        """Add a label.
 
         Parameters
         ----------
@@ -76,46 +122,75 @@ class Labels:
             Properties of the text.
         """
         style = {"fontsize": text_size(_SIZE), **style}
-        trial = self.panel.text(0.0, 0.0, text, **style)
-        extent = trial.get_window_extent()
-        trial.remove()
+        extent = text_extent(self.panel, text, **style)
         given = list(places)
         ways = np.tile([way for _, way in given], (len(_GAPS), 1))
         gaps = np.repeat(_GAPS, len(given))
-        anchors = np.tile(self.panel.transData.transform([at for at, _ in given]), (len(_GAPS), 1))
+        anchors = np.tile([at for at, _ in given], (len(_GAPS), 1))
+        pixels = self.panel.transData.transform(anchors)
         # The text lies at the middle, the left or the right of its anchor, as `_align` says.
-        start = anchors + self._pixel * gaps[:, np.newaxis] * ways
+        start = pixels + self._pixel * gaps[:, np.newaxis] * ways
+        margin = _MARGIN * self._pixel
         size = np.array([extent.width, extent.height])
         low = start - size * np.where(np.abs(ways) < _CENTRED, 0.5, ways < 0.0)
-        boxes = np.hstack([low, low + size])
-        best = int(np.argmin(self._costs(boxes) + _DISTANCE * gaps))
-        at, way = given[best % len(given)]
+        boxes = np.hstack([low - margin, low + size + margin])
+        along = np.linspace(0.0, 1.0, _LEADER_POINTS)[:, np.newaxis]
+        points = pixels[:, np.newaxis] + along * (start - pixels)[:, np.newaxis]
+        half = np.where(gaps > _GAPS[0], margin, 0.0)[:, np.newaxis, np.newaxis]
+        leaders = np.concatenate([points - half, points + half], axis=2)
+        self._labels.append(_Label(text, style, anchors, ways, gaps, boxes, leaders))
+
+    def place(self) -> None:
+        """Write all labels, each at the place with the smallest overlap, given the others."""
+        chosen: list[int | None] = [None] * len(self._labels)
+        fixed = [self._fixed_costs(label) for label in self._labels]
+        for _ in range(_ROUNDS):
+            before = list(chosen)
+            for number, label in enumerate(self._labels):
+                others = [
+                    (other.boxes[at], other.leaders[at])
+                    for other, at in zip(self._labels, chosen, strict=True)
+                    if at is not None and other is not label
+                ]
+                chosen[number] = int(np.argmin(fixed[number] + _mutual_costs(label, others)))
+            if chosen == before:
+                break
+        for label, at in zip(self._labels, chosen, strict=True):
+            if at is not None:
+                self._write(label, at)
+
+    def _write(self, label: _Label, place: int) -> None:
+        """Write a label at one of its places, with a line to its anchor if it is far away."""
+        way, gap = label.ways[place], float(label.gaps[place])
         leader = {"arrowstyle": "-", "color": "0.4", "linewidth": 0.8, "shrinkA": 1, "shrinkB": 0}
         self.panel.annotate(
-            text,
-            at,
-            xytext=(gaps[best] * way[0], gaps[best] * way[1]),
+            label.text,
+            tuple(label.anchors[place]),
+            xytext=(gap * way[0], gap * way[1]),
             textcoords="offset points",
             ha=_align(way[0], ("right", "center", "left")),
             va=_align(way[1], ("top", "center", "bottom")),
-            arrowprops=leader if gaps[best] > _GAPS[0] else None,
+            arrowprops=leader if gap > _GAPS[0] else None,
             annotation_clip=False,
             zorder=9.0,
             bbox=_PAPER,
-            **style,
+            **label.style,
         )
-        self._boxes.append(tuple(boxes[best].tolist()))
-        self._weights.append(_TEXT)
 
-    def _costs(self, boxes: Array) -> Array:
-        """Give the weighted area of each box that overlaps others or lies outside the panel."""
+    def _fixed_costs(self, label: _Label) -> Array:
+        """Give the costs of the places of a label without the other labels, shape (places,).
+
+        They are the weighted area that overlaps obstacles or lies outside the panel, and the
+        distance from the anchor.
+        """
         panel = np.array([self.panel.bbox.extents])
-        size = np.prod(boxes[:, 2:] - boxes[:, :2], axis=1)
-        outside = size - _areas(boxes, panel)[:, 0]
+        size = np.prod(label.boxes[:, 2:] - label.boxes[:, :2], axis=1)
+        outside = size - _areas(label.boxes, panel)[:, 0]
         # Round-off of an area inside the panel is no overlap.
         costs: Array = np.where(outside > 1e-6 * size, _TEXT * outside, 0.0)
         if self._boxes:
-            costs += _areas(boxes, np.array(self._boxes)) @ np.array(self._weights)
+            costs += _areas(label.boxes, np.array(self._boxes)) @ np.array(self._weights)
+        costs += _DISTANCE * label.gaps
         return costs
 
 
@@ -140,6 +215,21 @@ def around(
         x = (left + right) / 2.0 + way[0] * (right - left) / 2.0
         y = (bottom + top) / 2.0 + way[1] * (top - bottom) / 2.0
         yield (x, y), way
+
+
+def _mutual_costs(label: _Label, others: Sequence[tuple[Array, Array]]) -> Array:
+    """Give the weighted area that each place of a label shares with other labels and their lines.
+
+    `others` are the box of each other label, shape (4,), and those of its line, shape (points, 4).
+    """
+    if not others:
+        return np.zeros(len(label.boxes))
+    texts = np.array([box for box, _ in others])
+    lines = np.concatenate([leader for _, leader in others])
+    common = _areas(label.boxes, np.concatenate([texts, lines])).sum(axis=1)
+    crossed = _areas(label.leaders.reshape(-1, 4), texts).sum(axis=1)
+    costs: Array = _TEXT * (common + crossed.reshape(len(label.boxes), -1).sum(axis=1))
+    return costs
 
 
 def _areas(boxes: Array, others: Array) -> Array:

@@ -11,6 +11,7 @@ from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.development import body_box
 from gearbow.plotting.labels import Labels, around
+from gearbow.plotting.style import quantity
 
 __all__ = ["draw", "place"]
 
@@ -58,7 +59,7 @@ def draw(labels: Labels, train: Train, heights: Mapping[str, float]) -> None:
     """
     for torque in train.parts["torques"]:
         value = _value(train, torque)
-        text = "torque" if value is None else f"{value:.4g} N m".replace("-", "−")
+        text = "torque" if value is None else quantity(value, "N m")
         text += " (balance)" if torque.value == "balance" else ""
         _turning(labels, (train, heights, torque.at), text, value)
     for drive in train.parts["drives"]:
@@ -90,7 +91,7 @@ def _force(labels: Labels, at: tuple[float, float, float], force: Any) -> None:
     x, y, radius = at
     if force.axial != 0.0:
         tail, head = (x - np.sign(force.axial) * 30.0 * labels.point, y), (x, y)
-        _arrow(labels, tail, head, f"{force.axial:.4g} N axial".replace("-", "−"))
+        _arrow(labels, tail, head, f"{quantity(force.axial, 'N')} axial")
         if force.value == 0.0:
             return
     text = "force"
@@ -99,8 +100,8 @@ def _force(labels: Labels, at: tuple[float, float, float], force: Any) -> None:
         value = complex(force.value)
         order = "" if force.order is None else f", order {force.order:g}"
         components = {"y": value.real, "z": value.imag}
-        parts = [f"{x:.4g} N along {axis}" for axis, x in components.items() if x]
-        text = (", ".join(parts) or "0 N").replace("-", "−") + order
+        parts = [f"{quantity(x, 'N')} along {axis}" for axis, x in components.items() if x]
+        text = (", ".join(parts) or "0 N") + order
         downwards = -1.0 if value.real > 0.0 else 1.0
     head = (x, y + downwards * radius)
     _arrow(labels, (x, y + downwards * (radius + 30.0 * labels.point)), head, text)

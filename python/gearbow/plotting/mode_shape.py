@@ -128,9 +128,9 @@ def _finish(axes: Any, extent: Array) -> None:
     # Do not clip parts that extend beyond the box of the axes.
     for artist in axes.get_children():
         artist.set_clip_on(False)
-    axes.set_box_aspect(np.maximum(extent, 0.25 * extent.max()), zoom=1.35)
+    axes.set_box_aspect(np.maximum(extent, 0.25 * extent.max()), zoom=1.12)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
-    axes.xaxis.labelpad = axes.yaxis.labelpad = 14
+    axes.xaxis.labelpad = axes.yaxis.labelpad = 24
     axes.locator_params(nbins=4)
     axes.view_init(elev=22.0, azim=-58.0)
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gearbow._types import Array, ComplexArray, NodalDof
-from gearbow.plotting.style import GivenAxes, colour, legend, panels
+from gearbow.plotting.style import GivenAxes, colour, legend, panels, text_size
 
 __all__ = ["overview"]
 
@@ -41,7 +41,7 @@ def overview(
         One panel for each mode: v (solid) and w (dashed), the twist or u, with the maximum 1.
     """
     shafts = list(dict.fromkeys(shaft for shaft, _, _ in dofs))
-    with panels(len(titles), 3.2, columns=2, width=13.0, ax=ax) as (figure, axes):
+    with panels(len(titles), 3.5, columns=2, width=13.0, ax=ax) as (figure, axes):
         for mode, (panel, title) in enumerate(zip(axes, titles, strict=True)):
             lines = {"v": "-", "w": "--"} if drawn[mode] == "lateral" else {drawn[mode]: "-"}
             shape = _real(shapes[mode], [direction in lines for _, _, direction in dofs])
@@ -50,7 +50,8 @@ def overview(
                 x = [dofs[n][1] for n in at]
                 name = None if direction == "w" else shaft
                 panel.plot(x, shape[at], line, color=colour(i), label=name)
-            panel.set(title=title, xlabel="position [m]")
+            panel.set_title(title, fontsize=text_size(1.0))
+            panel.set(xlabel="position [m]")
             label = "v (w dashed)" if drawn[mode] == "lateral" else drawn[mode]
             panel.set(ylabel=label, ylim=(-1.15, 1.15))
         legend(figure, axes[0], ax=ax)

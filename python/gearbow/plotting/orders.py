@@ -16,11 +16,13 @@ from gearbow.plotting.style import (
     figure_of,
     legend,
     panels,
+    quantity,
+    remark,
     speed_axis,
     text_size,
 )
 
-__all__ = ["name_orders", "orders", "spectrum", "spectrum_limits", "waterfall"]
+__all__ = ["name_orders", "orders", "say_resolution", "spectrum", "spectrum_limits", "waterfall"]
 
 #: Smallest amplitudes of a spectrum, of its highest frequency and of a waterfall, relative to the
 #: largest amplitude.
@@ -92,6 +94,7 @@ def spectrum(
             panel.set_xlim(0.0, highest)
         panel.set(xlabel="frequency [Hz]", ylabel=label)
         name_orders(panel, frequencies_hz, amplitudes, orders)
+        say_resolution(panel, frequencies_hz, orders)
         legend(figure, panel, ax=ax)
     return figure
 
@@ -136,6 +139,8 @@ def name_orders(
 ) -> None:
     """Mark the peaks of a spectrum at orders of the train, and name the largest.
 
+    Orders that the spectrum does not resolve have neither mark nor name.
+
     Parameters
     ----------
     panel : matplotlib.axes.Axes
@@ -151,7 +156,7 @@ def name_orders(
     sidebands : bool
         Whether sidebands have names too, which are long.
     """
-    found = _peaks(panel, frequencies_hz, amplitudes, orders)
+    found = _peaks(panel, frequencies_hz, amplitudes, _distinct(frequencies_hz, orders))
     if not found:
         return
     for kind, (marker, shade) in FAMILIES.items():
@@ -167,12 +172,24 @@ def name_orders(
     point = (right - left) / (72.0 * place.width * figure.get_figwidth())
     line = 1.3 * size * point
     named: list[tuple[str, float, float]] = []
+
+    def crowded(name: str, x: float) -> bool:
+        """Whether a name is closer to another one than half of the lines of both."""
+        return any(
+            abs(x - at) <= line * (_lines_of(name) + _lines_of(other)) / 2.0
+            for other, at, _ in named
+        )
+
     short = zip(_short([name for name, _, _ in found]), found, strict=True)
-    for name, (_, x, _) in sorted(short, key=lambda pair: -pair[1][2]):
+    for whole, (_, x, _) in sorted(short, key=lambda pair: -pair[1][2]):
+        # The gears of a mesh stand in a second line, or in two further ones.
+        name = re.sub(r"× mesh (?![−+])", "× mesh\n", whole)
+        if _length(name) >= 0.45 * height:
+            name = name.replace("–", "–\n")
         wanted = (sidebands or family(name) != "sideband") and _length(name) < 0.45 * height
-        if wanted and len(named) < most and all(abs(x - other) > line for _, other, _ in named):
+        if wanted and len(named) < most and not crowded(name, x):
             # A name stands above the markers beside its peak, and within the panel.
-            above = max(v for _, u, v in found if abs(u - x) < 0.7 * line)
+            above = max(v for _, u, v in found if abs(u - x) < 0.7 * line * _lines_of(name))
             named.append((name, x, above))
             panel.annotate(
                 name,
@@ -186,6 +203,45 @@ def name_orders(
                 color=FAMILIES[family(name)][1],
             )
     _raise_limit(panel, [(name, y) for name, _, y in named], height)
+
+
+def _resolution(frequencies_hz: Array) -> float:
+    """Give the distance at which two tones have separate peaks [Hz].
+
+    It is half the width of the peak of a tone with a Hann window: two lines (Heinzel, Rüdiger and
+    Schilling, 2002).
+    """
+    return 2.0 * float(frequencies_hz[1] - frequencies_hz[0]) if frequencies_hz.size > 1 else 0.0
+
+
+def _distinct(
+    frequencies_hz: Array, orders: Sequence[tuple[str, float]]
+) -> list[tuple[str, float]]:
+    """Give the orders that the spectrum separates from all other orders."""
+    # Round-off of a distance of exactly the resolution must not hide an order.
+    nearest = (1.0 - 1e-6) * _resolution(frequencies_hz)
+    ascending = sorted(orders, key=lambda order: order[1])
+    gaps = np.diff([-np.inf, *(frequency for _, frequency in ascending), np.inf])
+    apart = np.minimum(gaps[:-1], gaps[1:]) >= nearest
+    return [order for order, alone in zip(ascending, apart, strict=True) if alone]
+
+
+def say_resolution(panel: Axes, frequencies_hz: Array, orders: Sequence[tuple[str, float]]) -> None:
+    """Say in the title below which distance orders have no name, if there are such orders.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        The panel with final limits of the frequency.
+    frequencies_hz : ndarray, shape (n,)
+        Frequencies [Hz].
+    orders : sequence of (str, float)
+        Names and frequencies [Hz] of the orders.
+    """
+    visible = [order for order in orders if order[1] <= panel.get_xlim()[1]]
+    if len(_distinct(frequencies_hz, visible)) < len(visible):
+        distance = quantity(_resolution(frequencies_hz), "Hz", 3)
+        remark(panel, f"orders closer than {distance} have no name")
 
 
 def _short(names: Sequence[str]) -> list[str]:
@@ -202,7 +258,11 @@ def _short(names: Sequence[str]) -> list[str]:
 
 def _length(name: str) -> float:
     """Estimate the length of a name beside a peak [in]."""
-    return 0.0077 * text_size(0.79) * len(name) + 0.15
+    return 0.0077 * text_size(0.79) * max(map(len, name.split("\n"))) + 0.15
+
+
+def _lines_of(name: str) -> int:
+    return name.count("\n") + 1
 
 
 def _raise_limit(panel: Axes, named: Sequence[tuple[str, float]], height: float) -> None:

@@ -3,15 +3,17 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
-from gearbow.plotting.orders import name_orders, spectrum_limits
+from gearbow.plotting.orders import name_orders, say_resolution, spectrum_limits
 from gearbow.plotting.style import (
     MICRO,
     PALETTE,
+    ROUND_OFF,
     GivenAxes,
     colour,
     equal_ranges,
@@ -19,6 +21,8 @@ from gearbow.plotting.style import (
     legend,
     panels,
     place_legend,
+    quantity,
+    remark,
     text_size,
 )
 
@@ -37,7 +41,9 @@ __all__ = [
 TRANSIENT = "0.75"
 
 
-def orbits(motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = None) -> Figure:
+def orbits(
+    motion: Mapping[str, Array], *, skipped: int = 0, transient: bool = False, ax: GivenAxes = None
+) -> Figure:
     """Draw the orbit of each centre in the plane of rotation.
 
     Parameters
@@ -45,14 +51,17 @@ def orbits(motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = Non
     motion : mapping of {str: ndarray of shape (k, 2)}
         Displacements v and w [m] by label.
     skipped : int
-        Number of times at the beginning that belong to the transient.
+        Number of times at the beginning that do not set the scale.
+    transient : bool
+        Whether these times are known to be a transient.
     ax : Axes or sequence of Axes, optional
         Panels of the user, one for each centre.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each centre: w against v [µm], the transient in grey. A dot marks the end. All
+        One panel for each centre: w against v [µm], what precedes the last turn of the slowest
+        shaft or belongs to the transient in grey. A dot marks the end. All
         panels have axes of the same length, except those of orbits below a tenth of the largest.
     """
     count = len(motion)
@@ -66,16 +75,24 @@ def orbits(motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = Non
             if skipped:
                 early = slice(0, skipped + 1)
                 panel.plot(v[early], w[early], color=TRANSIENT, linewidth=0.8, label="earlier")
-            panel.plot(v[skipped:], w[skipped:], color=PALETTE[0])
-            panel.plot(v[-1:], w[-1:], "o", color=PALETTE[1])
+            late = "after the transient" if transient else "last turn"
+            name = late if skipped else "orbit"
+            panel.plot(v[skipped:], w[skipped:], color=PALETTE[0], label=name)
+            panel.plot(v[-1:], w[-1:], "o", color=PALETTE[1], label="end")
             panel.set(title=label, xlabel="v [µm]", ylabel="w [µm]")
         equal_ranges(axes)
-        legend(figure, axes[0], ax=ax)
+        entries = axes[0].get_legend_handles_labels()
+        place_legend(figure, axes[0], entries, ax=ax, outside=True)
     return figure
 
 
 def history(
-    time: Array, motion: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = None
+    time: Array,
+    motion: Mapping[str, Array],
+    *,
+    skipped: int = 0,
+    transient: bool = False,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Draw the displacement of each centre about its mean against time.
 
@@ -86,7 +103,9 @@ def history(
     motion : mapping of {str: ndarray of shape (k, 2)}
         Displacements v and w [m] by label.
     skipped : int
-        Number of times at the beginning that belong to the transient.
+        Number of times at the beginning that do not set the scale.
+    transient : bool
+        Whether these times are known to be a transient.
     ax : Axes or sequence of Axes, optional
         Panels of the user, one for each centre.
 
@@ -100,15 +119,21 @@ def history(
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
             mean = values[skipped:].mean(axis=0) if values.size else np.zeros(2)
             _lines(panel, time, MICRO * (values - mean), ("v − mean", "w − mean"))
-            v, w = (f"{MICRO * part:.4g}".replace("-", "−") for part in mean)
+            v, w = (quantity(part, "m") for part in mean)
             panel.set(ylabel=f"{label} [µm]")
-            panel.set_title(f"mean v {v} µm, w {w} µm", loc="right", fontsize=text_size(0.86))
-        _finish(figure, axes, time, skipped, ax)
+            remark(panel, f"mean v {v}, w {w}")
+            _settle(panel, MICRO * (values - mean), skipped)
+        _finish(figure, axes, time, skipped if transient else 0, ax)
     return figure
 
 
 def twist(
-    time: Array, twists: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = None
+    time: Array,
+    twists: Mapping[str, Array],
+    *,
+    skipped: int = 0,
+    transient: bool = False,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Draw the twist of each place against time.
 
@@ -119,7 +144,9 @@ def twist(
     twists : mapping of {str: ndarray of shape (k,)}
         Twist [rad] by label.
     skipped : int
-        Number of times at the beginning that belong to the transient.
+        Number of times at the beginning that do not set the scale.
+    transient : bool
+        Whether these times are known to be a transient.
     ax : Axes or sequence of Axes, optional
         Panels of the user, one for each place.
 
@@ -132,12 +159,18 @@ def twist(
         for panel, (label, values) in zip(axes, twists.items(), strict=True):
             panel.plot(time, 1e3 * values, color=PALETTE[0], linewidth=1.1)
             panel.set(ylabel=f"{label} [mrad]")
-        _finish(figure, axes, time, skipped, ax)
+            _settle(panel, 1e3 * values, skipped)
+        _finish(figure, axes, time, skipped if transient else 0, ax)
     return figure
 
 
 def bearings(
-    time: Array, forces: Mapping[str, Array], *, skipped: int = 0, ax: GivenAxes = None
+    time: Array,
+    forces: Mapping[str, Array],
+    *,
+    skipped: int = 0,
+    transient: bool = False,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Draw the force of the shaft on each bearing against time.
 
@@ -148,20 +181,26 @@ def bearings(
     forces : mapping of {str: ndarray of shape (k, 2)}
         Components along y and z [N] by label.
     skipped : int
-        Number of times at the beginning that belong to the transient.
+        Number of times at the beginning that do not set the scale.
+    transient : bool
+        Whether these times are known to be a transient.
     ax : Axes or sequence of Axes, optional
-        Panels of the user, one for each bearing.
+        Panels of the user, two for each bearing.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each bearing: components along y and z [N].
+        Two panels for each bearing: components along y and z [N], each with its own scale.
     """
-    with panels(len(forces), 2.6, columns=1, sharex=True, ax=ax) as (figure, axes):
-        for panel, (label, values) in zip(axes, forces.items(), strict=True):
-            _lines(panel, time, values, ("along y", "along z"))
-            panel.set(ylabel="force [N]", title=label)
-        _finish(figure, axes, time, skipped, ax)
+    with panels(2 * len(forces), 2.6, columns=2, sharex=True, ax=ax) as (figure, axes):
+        for row, (label, values) in enumerate(forces.items()):
+            for column, along in enumerate("yz"):
+                panel = axes[2 * row + column]
+                panel.plot(time, values[:, column], color=colour(column), linewidth=1.1)
+                panel.set(ylabel=f"force along {along} [N]")
+                _settle(panel, values[:, column], skipped)
+            axes[2 * row].set_title(label, loc="left", fontsize=text_size(1.0))
+        _finish(figure, axes, time, skipped if transient else 0, ax)
     return figure
 
 
@@ -170,6 +209,7 @@ def mesh(
     meshes: Mapping[tuple[str, str], tuple[Array, Array, Array]],
     *,
     skipped: int = 0,
+    transient: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw force, deflection and stiffness of the meshes.
@@ -181,7 +221,9 @@ def mesh(
     meshes : mapping of {(str, str): tuple of ndarray of shape (k,)}
         Force [N], deflection [m] and stiffness [N/m] of each mesh (driver, driven).
     skipped : int
-        Number of times at the beginning that belong to the transient.
+        Number of times at the beginning that do not set the scale.
+    transient : bool
+        Whether these times are known to be a transient.
     ax : sequence of Axes, optional
         Panels of the user: a row of meshes for each quantity.
 
@@ -198,7 +240,7 @@ def mesh(
         }
         for pair, (force, deflection, stiffness) in meshes.items()
     }
-    return _columns(time, rows, skipped, ax)
+    return _columns(time, rows, skipped, ax, transient=transient)
 
 
 def geometry(
@@ -206,6 +248,7 @@ def geometry(
     meshes: Mapping[tuple[str, str], tuple[Array, Array, Array, Array]],
     *,
     skipped: int = 0,
+    transient: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the geometry of the meshes at the moving centres.
@@ -218,7 +261,9 @@ def geometry(
         Contact ratio, pressure angle [rad], angle of the line of centres [rad] and centre distance
         [m] of each mesh (driver, driven).
     skipped : int
-        Number of times at the beginning that belong to the transient.
+        Number of times at the beginning that do not set the scale.
+    transient : bool
+        Whether these times are known to be a transient.
     ax : sequence of Axes, optional
         Panels of the user: a row of meshes for each quantity.
 
@@ -237,7 +282,7 @@ def geometry(
         }
         for pair, (contact_ratio, pressure_angle, centre_line_angle, distance) in meshes.items()
     }
-    return _columns(time, rows, skipped, ax)
+    return _columns(time, rows, skipped, ax, transient=transient)
 
 
 def spectrum(
@@ -275,6 +320,7 @@ def spectrum(
                 panel.set_xlim(0.0, highest)
             largest = MICRO * amplitude.max(axis=1)
             name_orders(panel, frequency, largest, orders, most=8, sidebands=False)
+        say_resolution(axes[0], next(iter(spectra.values()))[0], orders)
         label_x(axes, "frequency [Hz]")
         place_legend(figure, axes[0], axes[0].get_legend_handles_labels(), ax=ax)
     return figure
@@ -322,6 +368,8 @@ def _columns(
     meshes: Mapping[tuple[str, str], Mapping[str, Array]],
     skipped: int,
     ax: GivenAxes,
+    *,
+    transient: bool,
 ) -> Figure:
     """Draw a column for each mesh, with a panel for each of its quantities."""
     columns, count = len(meshes), len(next(iter(meshes.values())))
@@ -337,8 +385,10 @@ def _columns(
                 panel.set(ylabel=label)
                 # Ticks without an offset show an angle of 20.01° in full.
                 panel.ticklabel_format(axis="y", useOffset=False)
-            axes[column].set(title=f"{driver} – {driven}")
-        _finish(figure, axes, time, skipped, ax)
+                _settle(panel, values, skipped)
+            name = f"{driver} – {driven}"
+            axes[column].set_title(name, loc="left", fontsize=text_size(1.0))
+        _finish(figure, axes, time, skipped if transient else 0, ax)
     return figure
 
 
@@ -346,6 +396,29 @@ def _lines(panel: Axes, x: Array, values: Array, names: Sequence[str]) -> None:
     """Draw the columns of values in the colours of the palette."""
     for number, name in enumerate(names):
         panel.plot(x, values[:, number], color=colour(number), linewidth=1.1, label=name)
+
+
+def _settle(panel: Axes, values: Array, skipped: int) -> None:
+    """Scale a panel to the values after the skipped ones, and give the range of those beyond.
+
+    The axis holds the settled values and half of their range on both sides, as far as there are
+    earlier values.
+    """
+    late, early = values[skipped:], values[:skipped]
+    if early.size == 0 or late.size == 0:
+        return
+    low, high = float(late.min()), float(late.max())
+    first, last = float(early.min()), float(early.max())
+    half = 0.5 * (high - low)
+    moves = half > ROUND_OFF * max(abs(first), abs(last))
+    if not moves or (first >= low - half and last <= high + half):
+        return
+    bottom, top = min(low, max(first, low - half)), max(high, min(last, high + half))
+    margin = float(mpl.rcParams["axes.ymargin"]) * (top - bottom)
+    panel.set_ylim(bottom - margin, top + margin)
+    unit = panel.get_ylabel().partition("[")[2].rstrip("]")
+    ends = [np.format_float_positional(x, 4, fractional=False, trim="-") for x in (first, last)]
+    remark(panel, f"earlier {' to '.join(ends)} {unit}".rstrip().replace("-", "−"))
 
 
 def _finish(figure: Figure, axes: Sequence[Axes], time: Array, skipped: int, ax: GivenAxes) -> None:

@@ -14,7 +14,7 @@ from gearbow.description.train import Train
 from gearbow.plotting import loads, symbols
 from gearbow.plotting.development import Box, Development, body_box, developed
 from gearbow.plotting.labels import Labels, around
-from gearbow.plotting.style import MICRO, colour
+from gearbow.plotting.style import colour, quantity
 from gearbow.plotting.within_elements import refined
 
 __all__ = ["SideView", "bows"]
@@ -78,10 +78,12 @@ class SideView:
         for shaft in self.train.layout.shafts:
             self._shaft(panel, shaft)
         labels.avoid(*self._feet(labels), *self._couplings(labels), strictly=True)
-        loads.draw(labels, self.train, self.development.heights)
-        self._bows(labels)
+        # Labels with fewer possible places come first.
         self._gear_names(labels)
         self._shaft_names(labels)
+        loads.draw(labels, self.train, self.development.heights)
+        self._bows(labels)
+        labels.place()
 
     def _height(self, name: str) -> float:
         return self.development.heights[name]
@@ -209,7 +211,7 @@ class SideView:
             labels.panel.plot(left + x, curve, color="black", linewidth=2.2, zorder=6.0)
             for (a, b), (c, d) in pairwise(zip(left + x[::4], curve[::4], strict=True)):
                 labels.avoid((a, min(b, d), c, max(b, d)), strictly=True)
-            text = f"bow {MICRO * abs(largest):.3g} µm at {np.degrees(np.angle(largest)):.0f}°"
+            text = f"bow {quantity(abs(largest), 'm', 3)} at {np.degrees(np.angle(largest)):.0f}°"
             places: list[Any] = []
             for part in (0.5, 0.35, 0.65, 0.2, 0.8, 0.05, 0.95):
                 n = int(part * (x.size - 1))

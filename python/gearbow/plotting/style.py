@@ -10,6 +10,7 @@ import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import BboxBase
 
 from gearbow._convert import shown
 from gearbow._core import whirl_classes
@@ -20,6 +21,7 @@ __all__ = [
     "MARKS",
     "MICRO",
     "PALETTE",
+    "ROUND_OFF",
     "STYLE",
     "GivenAxes",
     "colour",
@@ -30,8 +32,11 @@ __all__ = [
     "legend",
     "panels",
     "place_legend",
+    "quantity",
+    "remark",
     "round_factor",
     "speed_axis",
+    "text_extent",
     "text_size",
 ]
 
@@ -54,7 +59,7 @@ _STYLES: dict[str, tuple[str, Any, str]] = {
 #: The same for every whirl that the core knows; a class without style is an error of the import.
 MARKS = {name: _STYLES[name] for name in whirl_classes()}
 #: Size of an orbit with its own scale, and of one that is round-off, relative to the largest.
-_OWN_SCALE, _ROUND_OFF = 0.1, 1e-6
+_OWN_SCALE, ROUND_OFF = 0.1, 1e-6
 
 #: Panels of a user: one, or several in any nesting; None makes a new figure.
 GivenAxes: TypeAlias = Any
@@ -74,6 +79,9 @@ STYLE: dict[Any, Any] = {
     "lines.linewidth": 1.6,
     "savefig.dpi": 150,
 }
+
+#: Prefixes of units by their exponent of ten.
+_PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 #: Factor and label of each unit of a speed.
 _SPEED_UNITS = {"rad/s": 1.0, "rpm": 30.0 / np.pi}
@@ -204,7 +212,7 @@ def equal_ranges(axes: Sequence[Axes]) -> None:
     sizes = [max(box.width, box.height) for box in boxes]
     largest = max(sizes)
     for panel, box, size in zip(axes, boxes, sizes, strict=True):
-        own = _ROUND_OFF * largest < size < _OWN_SCALE * largest
+        own = ROUND_OFF * largest < size < _OWN_SCALE * largest
         half = 0.54 * (size if own else largest)
         if math.isfinite(half) and half > 0.0:
             x, y = (box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0
@@ -259,6 +267,7 @@ def place_legend(
     *,
     title: str | None = None,
     ax: GivenAxes = None,
+    outside: bool = False,
 ) -> None:
     """Place a legend with given entries, as `legend` does.
 
@@ -274,14 +283,22 @@ def place_legend(
         Title of the legend.
     ax : Axes or sequence of Axes, optional
         Panels of the user.
+    outside : bool
+        Whether the legend of such a panel stands above its title, because data fill the panel.
     """
     if ax is not None:
-        panel.legend(*entries, title=title, loc="best", fontsize="small")
+        place: dict[str, Any] = {"loc": "best"}
+        if outside:
+            place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "borderaxespad": 2.5}
+        panel.legend(*entries, title=title, fontsize="small", ncols=3 if outside else 1, **place)
         return
     # An inch of the legend holds about eight letters; a handle takes the space of nine.
-    letters = sum(len(label) + 9 for label in entries[1])
-    rows = max(1, math.ceil(letters / (8.0 * figure.get_figwidth())))
-    columns = math.ceil(len(entries[1]) / rows)
+    widths = [len(label) + 9 for label in entries[1]]
+    for rows in range(1, len(widths) + 1):
+        wide = [max(widths[first : first + rows]) for first in range(0, len(widths), rows)]
+        if sum(wide) <= 8.0 * figure.get_figwidth():
+            break
+    columns = len(wide) if widths else 1
     figure.legend(*entries, loc="outside upper center", ncols=columns, title=title)
 
 
@@ -309,6 +326,49 @@ def speed_axis(unit: str) -> tuple[float, str]:
     return _SPEED_UNITS[unit], f"speed of the reference shaft [{unit}]"
 
 
+def quantity(value: float, unit: str, digits: int = 4) -> str:
+    """Write a value with the prefix of its magnitude, such as "1.25 mm" or "−24.5 kN m".
+
+    Parameters
+    ----------
+    value : float
+        Value in the unit without prefix.
+    unit : str
+        Unit without prefix. Lengths have no prefix above the metre.
+    digits : int
+        Number of significant digits.
+
+    Returns
+    -------
+    str
+        Number and unit.
+    """
+    # Rounding first: 999.96 µm is 1 mm.
+    rounded = float(f"{value:.{digits - 1}e}")
+    if not math.isfinite(rounded) or rounded == 0.0:
+        return f"{rounded:g} {unit}".replace("-", "−")
+    # A value of one to three digits before the point has the prefix of its thousands.
+    exponent = 3 * math.floor(math.floor(math.log10(abs(rounded))) / 3)
+    exponent = min(max(exponent, min(_PREFIXES)), 0 if unit == "m" else max(_PREFIXES))
+    number = f"{rounded / 10.0**exponent:.{digits}g}"
+    return f"{number} {_PREFIXES[exponent]}{unit}".replace("-", "−")
+
+
+def remark(panel: Axes, *sentences: str) -> None:
+    """Add sentences in small letters to the right title of a panel.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        The panel.
+    *sentences : str
+        What the reader has to know; empty ones are left out.
+    """
+    said = [text for text in (panel.get_title(loc="right"), *sentences) if text]
+    if said:
+        panel.set_title("; ".join(said), loc="right", fontsize=text_size(0.86))
+
+
 def text_size(part: float) -> float:
     """Give the size of a text within a panel.
 
@@ -324,6 +384,29 @@ def text_size(part: float) -> float:
         Size [pt].
     """
     return part * float(mpl.rcParams["font.size"])
+
+
+def text_extent(panel: Axes, text: str, **style: Any) -> BboxBase:
+    """Measure a text.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        The panel of the text.
+    text : str
+        The text.
+    **style
+        Properties of the text.
+
+    Returns
+    -------
+    matplotlib.transforms.BboxBase
+        Its box [pixel]; only the width and the height have a meaning.
+    """
+    trial = panel.text(0.0, 0.0, text, **style)
+    extent: BboxBase = trial.get_window_extent()
+    trial.remove()
+    return extent
 
 
 def round_factor(exact: float) -> float:

@@ -173,6 +173,28 @@ class Modes(ReadOnly):
             )
         return "\n".join(lines)
 
+    def _titles(self) -> list[str]:
+        """Describe each mode in two lines: number, frequency, whirl and damping; its motion.
+
+        A motion without oscillation has a time constant instead; that of a rigid body has neither.
+        """
+        from gearbow.plotting.style import quantity  # noqa: PLC0415
+
+        titles = []
+        for mode, (value, whirl, name) in enumerate(
+            zip(self.eigenvalues, self.whirl, self.names(), strict=True)
+        ):
+            kind = ""
+            if whirl != "rigid" and self.frequencies_hz[mode] == 0.0:
+                kind = "overdamped" if value.real < 0.0 else "growth without oscillation"
+                kind = f": {kind}, time constant {quantity(1.0 / abs(value.real), 's', 3)}"
+            elif whirl != "rigid":
+                ratio = f"{100.0 * self.damping_ratios[mode]:.3g}".replace("-", "−")
+                frequency = quantity(self.frequencies_hz[mode], "Hz")
+                kind = f": {frequency}, {whirl}, damping {ratio} %"
+            titles.append(f"mode {mode + 1}{kind}\n{name}")
+        return titles
+
     def _rows(self) -> Table:
         rows = zip(self.frequencies_hz, self.damping_ratios, self.whirl, self.names(), strict=True)
         head = ("mode", "frequency [Hz]", "damping [%]", "whirl", "largest motion")
@@ -240,10 +262,7 @@ class Modes(ReadOnly):
             from gearbow.plotting import mode_shape, modes, within_elements  # noqa: PLC0415
 
         if number is None:
-            titles = [
-                f"{frequency:.1f} Hz: {name}"
-                for frequency, name in zip(self.frequencies_hz, self.names(), strict=True)
-            ]
+            titles = self._titles()
             shares = self.energy_shares()
             drawn = np.full(len(self.whirl), "lateral", dtype=object)
             for rod in ("twist", "u"):
@@ -255,10 +274,7 @@ class Modes(ReadOnly):
         number = whole(number, "number")
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
-        title = (
-            f"mode {number}: {self.frequencies_hz[number - 1]:.1f} Hz, {self.whirl[number - 1]}, "
-            f"damping {100.0 * self.damping_ratios[number - 1]:.2f} %\n{self.names()[number - 1]}"
-        )
+        title = self._titles()[number - 1]
         own = self.shapes[number - 1 : number]
         shapes, dofs = within_elements.refined(own, self.dofs, self.layout)
         return mode_shape.draw(title, shapes[0], dofs, self.layout, ax=ax)

@@ -76,11 +76,12 @@ class RunFigures(SignalResponse):
             show what fills the figure of a long run.
         skip_time : float, optional
             Time at the beginning with the transient [s]: orbits and histories show it in grey,
-            spectra omit it. None is 0, but orbits at a constant speed then show the last turn of
-            the slowest shaft in colour.
+            spectra omit it. The values after it set the scale and the mean; a title gives the range
+            of earlier values beyond this scale. None takes the last turn of the slowest shaft for
+            the scale, without shading, if the speed is constant; 0 shows all values.
         ax : Axes or sequence of Axes, optional
-            One panel for each name, for a mesh three and for its geometry four; None makes a new
-            figure.
+            One panel for each name, for a bearing two, for a mesh three and for its geometry four;
+            None makes a new figure.
 
         Returns
         -------
@@ -99,42 +100,44 @@ class RunFigures(SignalResponse):
 
         one_of(kind, PLOT_KINDS, "kind")
         cut = window(self.time, times)
-        skipped = self._skipped(skip_time, cut, turn=kind == "orbits")
+        skipped = self._skipped(skip_time, cut)
         time = self.time[cut]
+        settled: Any = {"skipped": skipped, "transient": skip_time is not None, "ax": ax}
         if kind in _MESH_FIELDS:
             chosen = {
                 pair: tuple(getattr(self.mesh(*pair), name)[cut] for name in _MESH_FIELDS[kind])
                 for pair in self._pairs(names)
             }
-            return getattr(figures, kind)(time, chosen, skipped=skipped, ax=ax)  # type: ignore[no-any-return]
+            return getattr(figures, kind)(time, chosen, **settled)  # type: ignore[no-any-return]
         if kind == "bearings":
             bearings = self._bearings(names)
             forces = {place_label(at): self.bearing_force(*at)[cut] for at in bearings}
-            return figures.bearings(time, forces, skipped=skipped, ax=ax)
+            return figures.bearings(time, forces, **settled)
         places_of = self._chosen(names)
         if kind == "twist":
             twists = {place_label(at): self.twist(at)[cut] for at in places_of}
             moving = {label: values for label, values in twists.items() if np.any(values)}
             shown = twists if names is not None or not moving else moving
-            return figures.twist(time, shown, skipped=skipped, ax=ax)
+            return figures.twist(time, shown, **settled)
         motion = {place_label(at): self.displacement(at)[cut] for at in places_of}
         if kind == "orbits":
-            return figures.orbits(motion, skipped=skipped, ax=ax)
+            return figures.orbits(motion, **settled)
         if kind == "history":
-            return figures.history(time, motion, skipped=skipped, ax=ax)
+            return figures.history(time, motion, **settled)
+        begin = 0 if skip_time is None else skipped
         spectra = {
-            label: amplitudes(time[skipped:], values[skipped:]) for label, values in motion.items()
+            label: amplitudes(time[begin:], values[begin:]) for label, values in motion.items()
         }
         return figures.spectrum(spectra, orders=order_frequencies(self), ax=ax)
 
-    def _skipped(self, skip_time: float | None, cut: slice, *, turn: bool) -> int:
-        """Count the times within the figure that belong to the transient."""
+    def _skipped(self, skip_time: float | None, cut: slice) -> int:
+        """Count the times within the figure before those that set its scale."""
         time = self.time[cut]
         if time.size == 0:
             return 0
         if skip_time is not None:
             begin = begin_after(self.time, skip_time)
-        elif turn and self.kinematics is not None and not isinstance(self.speed, SpeedProfile):
+        elif self.kinematics is not None and not isinstance(self.speed, SpeedProfile):
             slowest = min(abs(ratio) for _, ratio in self.kinematics.shafts) * abs(self.speed)
             begin = time[-1] - (2.0 * math.pi / slowest if slowest > 0.0 else math.inf)
         else:
