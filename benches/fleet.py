@@ -3,8 +3,8 @@
 ``python benches/fleet.py`` measures every analysis of every machine and stores each result in
 ``fleet.json`` as soon as it is complete. ``--machine`` and ``--analysis`` select some of them; the
 other stored results stay. ``--stored`` measures nothing and prints the stored results as tables in
-Markdown, which docs/comparison.md contains; ``--extremes`` prints the best and the worst rows, which
-the README contains.
+Markdown; docs/comparison.md contains them. ``--extremes`` prints the best and the worst rows; the
+README contains them.
 
 The programs run in turn, each with one thread. A time is the median over the rounds, and a ratio is
 the median of the ratios of the CPU times within each round. A further round takes place while the
@@ -23,7 +23,7 @@ from typing import Any
 
 import gearbow as gb
 from programs.fleet import DURATION, FOLDER, LINEAR, OPTIONAL, OTHERS, Machine, Work
-from programs.timing import ROUNDS, Cost, in_rounds, measured, median_ratio, one_thread
+from programs.timing import ROUNDS, in_rounds, measured, median_ratio, one_thread
 
 STORED = Path(__file__).with_name("fleet.json")
 LIMIT = 10.0  # CPU time of all rounds of one analysis, s
@@ -111,38 +111,52 @@ def readable(seconds: float) -> str:
     return f"{seconds:.3g} s" if seconds >= 0.9995 else f"{1e3 * seconds:.3g} ms"
 
 
-def results(
-    stored: dict[str, dict[str, Any]],
-) -> list[tuple[str, int, str, Measured]]:
-    """Return machine, number of coordinates, analysis and result of each stored row in order."""
+@dataclass(frozen=True)
+class Row:
+    """Result of an analysis of one machine with `size` degrees of freedom."""
+
+    machine: str
+    size: int
+    analysis: str
+    measured: Measured
+
+
+def rows_of(stored: dict[str, dict[str, Any]]) -> list[Row]:
+    """Return the stored results, in the order of the machines and the analyses."""
     return [
-        (name, stored[name]["coordinates"], analysis, Measured(**stored[name]["measured"][analysis]))
+        Row(name, stored[name]["coordinates"], analysis, Measured(**kept[analysis]))
         for name in sorted(stored)
+        for kept in (stored[name]["measured"],)
         for analysis in ANALYSES
-        if analysis in stored[name]["measured"]
+        if analysis in kept
     ]
 
 
-def linear_table(rows: list[tuple[str, int, str, Measured]]) -> None:
+def linear_table(rows: list[Row]) -> None:
     """Print the rows of both programs."""
-    print("\n| machine | n | analysis | gearbow | SciPy | gearbow / SciPy | difference | wall time |")
-    print("|---|---|---|---|---|---|---|---|")
-    for name, size, analysis, row in rows:
-        if row.ratio is None or row.scipy_cpu is None or row.difference is None:
+    heads = ("machine", "n", "analysis", "gearbow", "SciPy", "gearbow / SciPy", "difference")
+    print("\n|", " | ".join(heads), "| wall time |")
+    print("|" + "---|" * (len(heads) + 1))
+    for row in rows:
+        found = row.measured
+        if found.ratio is None or found.scipy_cpu is None or found.difference is None:
             continue
-        failed = "" if row.difference <= SAME else " (fails)"
-        cells = (name, size, f"`{analysis}`, {row.setting}", readable(row.cpu))
-        cells += (readable(row.scipy_cpu), f"{row.ratio:.3g}", f"{row.difference:.0e}{failed}")
-        print("|", " | ".join(map(str, cells)), "|", readable(row.wall), "|")
+        failed = "" if found.difference <= SAME else " (fails)"
+        cells = (
+            *(row.machine, str(row.size), f"`{row.analysis}`, {found.setting}"),
+            *(readable(found.cpu), readable(found.scipy_cpu), f"{found.ratio:.3g}"),
+            *(f"{found.difference:.0e}{failed}", readable(found.wall)),
+        )
+        print("|", " | ".join(cells), "|")
 
 
-def other_table(rows: list[tuple[str, int, str, Measured]]) -> None:
+def other_table(rows: list[Row]) -> None:
     """Print the rows of gearbow alone, and the simulated time per CPU time."""
-    print("\n| machine | n |", " | ".join(OTHERS), "| simulated s per CPU s |")
-    print("|---|---|" + "---|" * (len(OTHERS) + 1))
-    machines = dict.fromkeys((name, size) for name, size, _, _ in rows)
-    for name, size in machines:
-        own = {analysis: row for machine, _, analysis, row in rows if machine == name}
+    heads = [analysis.replace("_", " ") for analysis in OTHERS]
+    print("\n| machine | n |", " | ".join(heads), "| simulated s per CPU s |")
+    print("|---|---|" + "---|" * (len(heads) + 1))
+    for name, size in dict.fromkeys((row.machine, row.size) for row in rows):
+        own = {row.analysis: row.measured for row in rows if row.machine == name}
         times = [
             f"{readable(own[each].cpu)} ({readable(own[each].wall)})" if each in own else ""
             for each in OTHERS
@@ -151,13 +165,15 @@ def other_table(rows: list[tuple[str, int, str, Measured]]) -> None:
         print(f"| {name} | {size} |", " | ".join(times), "|", rate, "|")
 
 
-def extremes(rows: list[tuple[str, int, str, Measured]]) -> list[tuple[str, int, str, Measured]]:
+def extremes(rows: list[Row]) -> list[Row]:
     """Return the rows with the smallest and the largest ratios."""
-    compared = [
-        row for row in rows if row[2] in LINEAR and row[3].ratio is not None and row[3].difference
-    ]
-    ordered = sorted(compared, key=lambda row: row[3].ratio or 0.0)
-    return ordered[:EXTREMES] + ordered[max(EXTREMES, len(ordered) - EXTREMES) :]
+
+    def ratio(row: Row) -> float:
+        return row.measured.ratio or 0.0
+
+    compared = [row for row in rows if row.analysis in LINEAR and ratio(row) > 0.0]
+    compared.sort(key=ratio)
+    return compared[:EXTREMES] + compared[max(EXTREMES, len(compared) - EXTREMES) :]
 
 
 def main() -> None:
@@ -171,7 +187,7 @@ def main() -> None:
     given = parser.parse_args()
     path: Path = given.results
     if given.extremes:
-        linear_table(extremes(results(read(path))))
+        linear_table(extremes(rows_of(read(path))))
         return
     failed = []
     if not given.stored:
@@ -192,7 +208,7 @@ def main() -> None:
                 if result and result.difference is not None and not result.difference <= SAME:
                     failed.append(f"{name}, {analysis}: difference {result.difference:.1e}")
                 store(path, machine, analysis, result)
-    rows = results(read(path))
+    rows = rows_of(read(path))
     linear_table(rows)
     other_table(rows)
     if failed:

@@ -1,10 +1,7 @@
 """Analyses of the machines of examples/machines, by gearbow and with the sparse solvers of SciPy.
 
 SciPy takes the matrices of gearbow at each speed; neither their assembly nor the undamped modes
-that define modal damping count in its time. Modal damping has these modes up to `DAMPED`. The work
-of both programs is the same for a response and for critical speeds. Of modes and diagrams, gearbow
-also finds overdamped modes, the whirl, and proves that no mode is missing; it follows the modes
-over the speed and finds all their intersections with the excitation lines.
+that define modal damping count in its time. docs/comparison.md states what each program does.
 """
 
 import re
@@ -108,11 +105,11 @@ class Machine:
             matrices = self._undamped(plain).matrices(speed, sparse=True)
             mass, stiffness = csc_matrix(matrices.mass), csc_matrix(matrices.stiffness)
             damping = csc_matrix(matrices.damping + speed * matrices.gyroscopic)
-            modal = ()
+            modal: tuple[Array, Array] | tuple[()] = ()
             if ratio > 0.0:
                 # Oil films have no symmetric stiffness.
                 symmetric = 0.5 * (stiffness + stiffness.T)
-                modal = modal_damping(symmetric, mass, ratio, min(DAMPED, mass.shape[0] // 2))
+                modal = modal_damping(symmetric, mass, ratio, min(DAMPED, mass.shape[0] - 2))
             self._pencils[speed] = Pencil(mass, damping, stiffness, *modal)
         return self._pencils[speed]
 
@@ -147,9 +144,7 @@ def modes(machine: Machine) -> Work:
 
     pencil = machine.pencil(machine.speed)
     count = min(2 * COUNT + FURTHER, pencil.mass.shape[0])
-    return Work(
-        f"{COUNT} modes", prepare, lambda: lambda: pencil.eigenvalues(count)[0], not_found
-    )
+    return Work(f"{COUNT} modes", prepare, lambda: lambda: pencil.eigenvalues(count)[0], not_found)
 
 
 def campbell(machine: Machine, shares: Array = SHARES, count: int = TRACKED) -> Work:
@@ -258,7 +253,7 @@ def critical_map(machine: Machine) -> Work:
 
     def difference(found: gb.CriticalSpeedMap, exact: list[Array]) -> float:
         return max(
-            float(np.abs(values - speed).min()) / speed
+            float(np.abs(values - speed).min() / speed)
             for row, values in zip(found.speeds, exact, strict=True)
             for speed in row
             if np.isfinite(speed)
@@ -369,8 +364,8 @@ LINEAR: dict[str, Callable[[Machine], Work | None]] = {
 OTHERS: dict[str, Callable[[Machine], Work | None]] = {
     "load": load,
     "static": static,
-    "first run": first_run,
+    "first_run": first_run,
     "run": run,
 }
 #: Analyses that are measured only if they are named.
-OPTIONAL: dict[str, Callable[[Machine], Work | None]] = {"campbell 28 × 14": diagram}
+OPTIONAL: dict[str, Callable[[Machine], Work | None]] = {"campbell_28x14": diagram}

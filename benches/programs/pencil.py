@@ -1,8 +1,7 @@
 """The equation of motion of one linear system, with the sparse solvers of SciPy.
 
 ARPACK finds eigenvalues by shift-invert with factors of the quadratic matrix polynomial, which has
-half the size of the first-order form. SuperLU solves linear systems. Modal damping has a low rank,
-and Woodbury's formula adds it to the sparse factors.
+half the size of the first-order form. SuperLU solves linear systems. Modal damping has a low rank.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,6 +17,11 @@ from scipy.sparse.linalg import LinearOperator, eigs, splu
 from programs.scenes import Array
 
 SHIFT = 100.0  # real shift of the eigenvalues, near the lowest frequencies, rad/s
+DIRECT = 20  # lowest undamped modes whose modal damping is not left to iterative refinement
+CONVERGED = 1e-8  # relative change at which iterative refinement ends
+SECANT = 1e-6  # part of the interval at which the secant method ends
+MAX_SECANTS = 20  # it needs about three steps
+MAX_REFINEMENTS = 5  # three are enough away from an eigenvalue
 
 Complex = NDArray[np.complex128]
 
@@ -31,7 +35,8 @@ class Pencil:
     mass, damping, stiffness : csc_matrix, shape (n, n)
         M, C with the gyroscopic matrix times the speed, and K.
     momenta : ndarray, shape (n, m), optional
-        B: mass matrix times undamped modes of unit modal mass. Without, there is no modal damping.
+        B: mass matrix times undamped modes of unit modal mass, by ascending frequency. Without,
+        there is no modal damping.
     rates : ndarray, shape (m,), optional
         Diagonal of R: 2 ζ ω of each mode, positive [1/s].
     """
@@ -50,21 +55,37 @@ class Pencil:
         return found
 
     def inverse(self, value: complex) -> Callable[[Any], Any]:
-        """Return the function that solves P(value) x = force."""
-        polynomial = self.stiffness + value * (self.damping + value * self.mass)
-        factors = splu(csc_matrix(polynomial))
+        """Return the function that solves P(value) x = force.
+
+        Woodbury's formula adds the modal damping of the lowest modes to the sparse factors, and
+        iterative refinement that of the others, whose part is small.
+        """
+        polynomial = csc_matrix(self.stiffness + value * (self.damping + value * self.mass))
+        factors = splu(polynomial)
         solve: Callable[[Any], Any] = factors.solve
         if self.momenta is None or self.rates is None:
             return solve
-        momenta = self.momenta
-        motions = solve(momenta.astype(polynomial.dtype))
-        small = lu_factor(np.diag(1.0 / (value * self.rates)) + momenta.T @ motions)
+        momenta, rates = self.momenta, self.rates
+        low = momenta[:, :DIRECT]
+        motions = solve(low.astype(polynomial.dtype))
+        small = lu_factor(np.diag(1.0 / (value * rates[:DIRECT])) + low.T @ motions)
 
         def corrected(force: Any) -> Any:
             x = solve(force)
-            return x - motions @ lu_solve(small, momenta.T @ x)
+            return x - motions @ lu_solve(small, low.T @ x)
 
-        return corrected
+        def refined(force: Any) -> Any:
+            found = corrected(force)
+            # Next to an eigenvalue, where P is nearly singular, round-off prevents convergence.
+            for _ in range(MAX_REFINEMENTS):
+                modal = momenta @ (value * rates * (momenta.T @ found))
+                change = corrected(force - polynomial @ found - modal)
+                found = found + change
+                if np.linalg.norm(change) <= CONVERGED * np.linalg.norm(found):
+                    break
+            return found
+
+        return refined
 
     def eigenvalues(self, count: int) -> tuple[Complex, Complex]:
         """Return `count` eigenvalues near the shift and their displacements (n, count)."""
@@ -131,12 +152,12 @@ def _crossing(
 ) -> float:
     """Return the part of the interval at which the gap is zero, as a speed [rad/s]."""
     parts, (value, x) = [0.0, 1.0], start
-    while abs(parts[-1] - parts[-2]) > 1e-6:
+    for _ in range(MAX_SECANTS):
         slope = (gaps[-1] - gaps[-2]) / (parts[-1] - parts[-2])
         part = parts[-1] - gaps[-1] / slope
         value, x = ends[0].between(ends[1], part).refined(value, x, 2)
         parts.append(part)
         gaps.append(value.imag - order * (speeds[0] + part * (speeds[1] - speeds[0])))
-        if gaps[-1] == gaps[-2]:
+        if abs(parts[-1] - parts[-2]) <= SECANT or gaps[-1] == gaps[-2]:
             break
     return speeds[0] + parts[-1] * (speeds[1] - speeds[0])

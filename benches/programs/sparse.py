@@ -127,9 +127,12 @@ class Sparse:
 
 
 def modal_damping(stiffness: Any, mass: Any, ratio: float, count: int) -> tuple[Array, Array]:
-    """Return M φ (n, m) and 2ζω (m,) of the lowest `count` undamped modes but rigid-body ones."""
+    """Return M φ (n, m) and 2ζω (m,) of the lowest `count` undamped modes but rigid-body ones.
+
+    The frequencies ascend.
+    """
     squares, shapes = eigsh(csc_matrix(stiffness), count, mass, sigma=-(SHIFT**2))
-    elastic = squares > SHIFT
+    elastic = [i for i in np.argsort(squares) if squares[i] > SHIFT]
     return mass @ shapes[:, elastic], 2.0 * ratio * np.sqrt(squares[elastic])
 
 
