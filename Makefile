@@ -22,7 +22,7 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 # Two or more tests run at the same time; a free process takes tests from a busy one.
 PYTEST_PARALLEL := -n logical --dist worksteal
 
-.PHONY: help demo test check docs random fuzz mutants bench bench-check bench-accept compare fmt wheel release-check licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check docs random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -38,6 +38,7 @@ help:
 	@echo "make bench-check   instructions of kernels and runs under Valgrind, held against those stored"
 	@echo "make bench-accept  store the instructions as they are now"
 	@echo "make compare       gearbow beside SciPy and ROSS: the same work, with the error of each"
+	@echo "make fleet         CPU times of the machines of examples/machines beside SciPy, and their tables in the documents"
 	@echo "make fmt           format Rust and Python"
 	@echo "make wheel         build the wheel into dist/"
 	@echo "make release-check build wheel and source distribution, check both, use them on the oldest and the newest Python"
@@ -147,6 +148,10 @@ bench-accept:
 
 compare: $(VENV)/.compare
 	$(BIN)/python benches/compare.py
+
+fleet: $(VENV)/.compare
+	$(BIN)/python benches/fleet.py
+	$(BIN)/python docs/printed.py docs/comparison.md README.md
 
 fmt: $(VENV)/.dev
 	cargo fmt

@@ -37,14 +37,21 @@ from programs.memory import RUNS, WORKS, peak
 from programs.methods import METHODS, Method, offered
 from programs.scenes import SCENES, Scene
 from programs.search import PATIENCE, Found, check, measure, reference, search
-from programs.timing import ROUNDS, Outcome, in_rounds, median_ratio, once, timed
+from programs.timing import (
+    ROUNDS,
+    Outcome,
+    in_rounds,
+    median_ratio,
+    once,
+    one_thread,
+    timed,
+)
 
 SLOW = 1.0  # work that takes longer is timed only once, s
 LIMIT = 15.0  # limit of the CPU time of an analysis, s
 QUICK = ("shaft", "square", "modes", "calls")  # tables of a quick comparison
 CALL_TABLES = {"calls": ("Calls on one system", CALLS), "setup": ("Parts of a set-up", SETUP)}
 TABLES = (*SCENES, *ANALYSES, *CALL_TABLES, "memory")
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 def row(*cells: object) -> None:
@@ -268,10 +275,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="fewer tables, shorter runs")
     parser.add_argument("tables", nargs="*", choices=[*TABLES, []], help="all if none is given")
     given = parser.parse_args()
-    if any(os.environ.get(name) != "1" for name in THREADS):
-        # Libraries read these variables when they are loaded.
-        os.environ.update(dict.fromkeys(THREADS, "1"))
-        os.execv(sys.executable, [sys.executable, *sys.argv])
+    one_thread()
     # Libraries that print write to the standard error instead.
     tables = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)

@@ -1,24 +1,19 @@
 """Linear analyses of a scene as a careful user would write them with the sparse solvers of SciPy.
 
-The matrices come from gearbow. ARPACK finds modes by shift-invert with factors of the quadratic
-matrix polynomial, which has half the size of the first-order form. SuperLU solves linear systems.
+The matrices come from gearbow. Modes are those of `programs.pencil`. SuperLU solves linear systems.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
-from scipy.sparse.linalg import LinearOperator, eigs, eigsh, splu
+from scipy.sparse.linalg import eigsh, splu
 
 import gearbow as gb
 from programs.dense import Pair, bow_force, torques
+from programs.pencil import SHIFT, Complex, Pencil
 from programs.scenes import Array, bodies
-
-SHIFT = 100.0  # real shift of the eigenvalues, near the lowest frequencies, rad/s
-
-Complex = NDArray[np.complex128]
 
 
 class Sparse:
@@ -55,56 +50,37 @@ class Sparse:
                 force[self.index[shaft, part.position, "w"]] -= 1j * part.unbalance
         return force
 
-    def eigenvalues(self, speed: float, count: int) -> tuple[Complex, Complex]:
-        """Return eigenvalues near the shift and their displacements (n, count)."""
-        damping = self.damping + speed * self.gyroscopic
-        inner = damping + SHIFT * self.mass
-        factors = splu(csc_matrix(self.stiffness + SHIFT * inner))
-
-        def inverse(y: Array) -> Array:
-            q, v = y[: self.n], y[self.n :]
-            u = -factors.solve(self.mass @ v + inner @ q)
-            return np.concatenate([u, q + SHIFT * u])
-
-        start = np.ones(2 * self.n)
-        operator = LinearOperator((2 * self.n, 2 * self.n), matvec=inverse, dtype=float)
-        inverted, vectors = eigs(operator, k=count, v0=start)
-        return SHIFT + 1.0 / inverted, vectors[: self.n]
+    def pencil(self, speed: float) -> Pencil:
+        """Return the equation of motion at a speed."""
+        return Pencil(self.mass, self.damping + speed * self.gyroscopic, self.stiffness)
 
     def frequencies(self, speed: float, count: int) -> Array:
         """Return the positive frequencies [Hz], ascending; `count` eigenvalues are computed."""
-        return positive(self.eigenvalues(speed, count)[0])
+        return positive(self.pencil(speed).eigenvalues(count)[0])
 
     def exact_frequencies(self, speed: float, count: int) -> Array:
         """Return the lowest frequencies [Hz], refined by inverse iteration with their own shift."""
-        values, vectors = self.eigenvalues(speed, 4 * count + 12)
-        damping = self.damping + speed * self.gyroscopic
+        pencil = self.pencil(speed)
+        values, vectors = pencil.eigenvalues(4 * count + 12)
         kept = [i for i in np.argsort(values.imag) if values[i].imag > 1.0][: count + 2]
-        refined = []
-        for i in kept:
-            value, x = values[i], vectors[:, i]
-            for _ in range(2):
-                polynomial = self.stiffness + value * damping + value**2 * self.mass
-                slope = damping + 2.0 * value * self.mass
-                # Newton's method: the eigenvalue changes by (xᵀ x) / (xᵀ P⁻¹ P' x).
-                found = splu(csc_matrix(polynomial)).solve(slope @ x)
-                value = value - (x.conj() @ x) / (x.conj() @ found)
-                x = found / np.linalg.norm(found)
-            refined.append(value)
+        refined = [pencil.refined(values[i], vectors[:, i], 2)[0] for i in kept]
         return positive(np.array(refined))[:count]
+
+    def forces(self, speed: float) -> Iterator[tuple[int, float, Complex]]:
+        """Yield index, speed [rad/s] and force of each shaft with bow or unbalance."""
+        rows = zip(self.ratios, self.bows, self.unbalances, strict=True)
+        for shaft, (ratio, bow, unbalance) in enumerate(rows):
+            omega = ratio * speed
+            force = bow + omega**2 * unbalance
+            if force.any():
+                yield shaft, omega, force
 
     def responses(self, speeds: Sequence[float], refinements: int = 0) -> Complex:
         """Return the response to bow and unbalance (speeds, shafts as sources, n)."""
         found = np.zeros((len(speeds), len(self.ratios), self.n), dtype=complex)
         for i, speed in enumerate(speeds):
             damping = self.damping + speed * self.gyroscopic
-            for j, (ratio, bow, unbalance) in enumerate(
-                zip(self.ratios, self.bows, self.unbalances, strict=True)
-            ):
-                omega = ratio * speed
-                force = bow + omega**2 * unbalance
-                if not force.any():
-                    continue
+            for j, omega, force in self.forces(speed):
                 dynamic = csc_matrix(self.stiffness - omega**2 * self.mass + 1j * omega * damping)
                 factors = splu(dynamic)
                 found[i, j] = factors.solve(force)
@@ -113,22 +89,14 @@ class Sparse:
         return found
 
     def modally_damped(self, speeds: Sequence[float], ratio: float, count: int) -> Complex:
-        """Return the same with modal damping on the lowest `count` undamped modes.
-
-        The modal damping D = B diag(2ζω) Bᵀ of rank `count` changes the response by Woodbury's
-        formula.
-        """
-        squares, shapes = eigsh(self.stiffness, count, self.mass, sigma=-(SHIFT**2))
-        momenta = self.mass @ shapes[:, squares > SHIFT]
-        rates = 2.0 * ratio * np.sqrt(squares[squares > SHIFT])
-        found = self.responses(speeds, 2)
+        """Return the same with modal damping on the lowest `count` undamped modes."""
+        modal = modal_damping(self.stiffness, self.mass, ratio, count)
+        found = np.zeros((len(speeds), len(self.ratios), self.n), dtype=complex)
         for i, speed in enumerate(speeds):
             damping = self.damping + speed * self.gyroscopic
-            for j, omega in enumerate(speed * np.array(self.ratios)):
-                dynamic = csc_matrix(self.stiffness - omega**2 * self.mass + 1j * omega * damping)
-                motions = splu(dynamic).solve(momenta.astype(complex))
-                small = np.diag(1.0 / (1j * omega * rates)) + momenta.T @ motions
-                found[i, j] -= motions @ np.linalg.solve(small, momenta.T @ found[i, j])
+            pencil = Pencil(self.mass, damping, self.stiffness, *modal)
+            for j, omega, force in self.forces(speed):
+                found[i, j] = pencil.inverse(1j * omega)(force)
         return found
 
     def static(self, tolerance: float, *, extended: bool = False) -> Array:
@@ -156,6 +124,16 @@ class Sparse:
             found += change
             if np.linalg.norm(change) <= tolerance * np.linalg.norm(found):
                 return found
+
+
+def modal_damping(stiffness: Any, mass: Any, ratio: float, count: int) -> tuple[Array, Array]:
+    """Return M φ (n, m) and 2ζω (m,) of the lowest `count` undamped modes but rigid-body ones.
+
+    The frequencies ascend.
+    """
+    squares, shapes = eigsh(csc_matrix(stiffness), count, mass, sigma=-(SHIFT**2))
+    elastic = [i for i in np.argsort(squares) if squares[i] > SHIFT]
+    return mass @ shapes[:, elastic], 2.0 * ratio * np.sqrt(squares[elastic])
 
 
 def positive(values: Complex) -> Array:

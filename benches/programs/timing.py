@@ -1,9 +1,11 @@
 """CPU times of functions: repeated in alternating rounds, or once in a process of its own."""
 
 import multiprocessing
+import os
 import resource
 import signal
 import statistics
+import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,7 +17,16 @@ T = TypeVar("T")
 Run: TypeAlias = Callable[[], T]
 
 ROUNDS = 5
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 LEAST = 0.1  # shortest CPU time that is measured; shorter work is repeated, s
+
+
+@dataclass(frozen=True)
+class Cost:
+    """CPU time of all threads, and wall time [s]."""
+
+    cpu: float
+    wall: float
 
 
 @dataclass(frozen=True)
@@ -27,22 +38,37 @@ class Outcome(Generic[T]):
     reason: str = ""
 
 
+def one_thread() -> None:
+    """Restart the script with one thread for each library, unless it runs so."""
+    if any(os.environ.get(name) != "1" for name in THREADS):
+        # Libraries read these variables when they are loaded.
+        os.environ.update(dict.fromkeys(THREADS, "1"))
+        os.execv(sys.executable, [sys.executable, *sys.argv])
+
+
 def timed(prepare: Callable[[], Run[T]]) -> tuple[T, float]:
     """Return the result and the mean CPU time of a run [s], without the time of `prepare`."""
-    spent, count = 0.0, 0
+    found, cost = measured(prepare)
+    return found, cost.cpu
+
+
+def measured(prepare: Callable[[], Run[T]]) -> tuple[T, Cost]:
+    """Return the result and the mean cost of a run, without that of `prepare`."""
+    cpu, wall, count = 0.0, 0.0, 0
     while True:
         run = prepare()
-        begin = time.process_time()
+        begin, clock = time.process_time(), time.perf_counter()
         found = run()
-        spent += time.process_time() - begin
+        cpu += time.process_time() - begin
+        wall += time.perf_counter() - clock
         count += 1
-        if spent > LEAST:
-            return found, spent / count
+        if cpu > LEAST:
+            return found, Cost(cpu / count, wall / count)
 
 
-def in_rounds(works: Mapping[str, Callable[[], float]], rounds: int) -> dict[str, list[float]]:
+def in_rounds(works: Mapping[str, Callable[[], T]], rounds: int) -> dict[str, list[T]]:
     """Measure all works in turn, in several rounds: drifts of the processor speed affect all."""
-    costs: dict[str, list[float]] = {name: [] for name in works}
+    costs: dict[str, list[T]] = {name: [] for name in works}
     for _ in range(rounds):
         for name, work in works.items():
             costs[name].append(work())

@@ -1,0 +1,371 @@
+"""Analyses of the machines of examples/machines, by gearbow and with the sparse solvers of SciPy.
+
+SciPy takes the matrices of gearbow at each speed; neither their assembly nor the undamped modes
+that define modal damping count in its time. docs/comparison.md states what each program does.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import LinearOperator, eigs, splu
+
+import gearbow as gb
+from programs.pencil import SHIFT, Complex, Pencil, crossings
+from programs.scenes import Array, bodies
+from programs.sparse import modal_damping
+from programs.timing import Run, timed
+
+FOLDER = Path(__file__).resolve().parents[2] / "examples" / "machines"
+COUNT = 12  # lowest modes, of which some may be overdamped
+TRACKED = 6  # modes of a Campbell diagram, and critical speeds of a map
+FURTHER = 10  # eigenvalues that SciPy finds beyond both of each pair, for ARPACK to converge
+DAMPED = 120  # undamped modes with modal damping
+SHARES = np.array([0.4, 0.8, 1.2])  # speeds of a diagram, relative to the rated speed
+RANGE = (0.4, 1.2)  # speeds of a response, relative to the rated speed
+MANY, FEW = 200, 20  # speeds of a response
+LONGEST = 30.0  # CPU time of a response at MANY speeds above which FEW are taken, s
+STIFFNESSES = np.geomspace(1e7, 1e9, 8)  # of every bearing of a map, N/m
+NEAR = 1e-4  # half the range of speeds around an intersection, relative to its speed
+DURATION = 0.1  # of a run, s
+
+
+@dataclass(frozen=True)
+class Work:
+    """An analysis of one machine, by one or both programs.
+
+    Parameters
+    ----------
+    setting : str
+        What is computed.
+    gearbow, scipy : callable
+        Prepares one run, which is timed.
+    difference : callable, optional
+        Largest relative difference of the results of gearbow and SciPy.
+    """
+
+    setting: str
+    gearbow: Callable[[], Run[Any]]
+    scipy: Callable[[], Run[Any]] | None = None
+    difference: Callable[[Any, Any], float] | None = None
+
+
+class Machine:
+    """A machine.
+
+    Parameters
+    ----------
+    path : Path
+        Scene file whose header names the rated speed of the reference shaft.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.name = path, path.stem
+        self._pencils: dict[float, Pencil] = {}
+
+    @cached_property
+    def speed(self) -> float:
+        """Rated speed of the reference shaft [rad/s]."""
+        text = self.path.read_text("utf-8")
+        found = re.search(r"^# Rated speed: ([\d.]+) (rpm|rad/s)", text, re.MULTILINE)
+        if not found:
+            message = f"{self.path}: the header names no rated speed"
+            raise ValueError(message)
+        return float(found[1]) * (pi / 30.0 if found[2] == "rpm" else 1.0)
+
+    @cached_property
+    def system(self) -> gb.RotorSystem:
+        """The machine, for descriptions and matrices."""
+        return self.loaded()
+
+    @cached_property
+    def diagram(self) -> gb.Campbell:
+        """Campbell diagram whose first intersection is found again."""
+        return self.system.campbell(SHARES * self.speed, count=TRACKED)
+
+    def loaded(self) -> gb.RotorSystem:
+        """Return the machine as a user loads it."""
+        return gb.RotorSystem.load(self.path)
+
+    def fresh(self) -> gb.RotorSystem:
+        """Return the machine with its elements, without results of earlier analyses."""
+        return gb.RotorSystem.from_dict(self.system._model.resolved())
+
+    def pencil(self, speed: float) -> Pencil:
+        """Return the equation of motion at a speed."""
+        if speed not in self._pencils:
+            plain = dict(self.system._model.resolved())
+            ratio = float(plain.pop("modal_damping", None) or 0.0)
+            matrices = self._undamped(plain).matrices(speed, sparse=True)
+            mass, stiffness = csc_matrix(matrices.mass), csc_matrix(matrices.stiffness)
+            damping = csc_matrix(matrices.damping + speed * matrices.gyroscopic)
+            modal: tuple[Array, Array] | tuple[()] = ()
+            if ratio > 0.0:
+                # Oil films have no symmetric stiffness.
+                symmetric = 0.5 * (stiffness + stiffness.T)
+                modal = modal_damping(symmetric, mass, ratio, min(DAMPED, mass.shape[0] - 2))
+            self._pencils[speed] = Pencil(mass, damping, stiffness, *modal)
+        return self._pencils[speed]
+
+    def _undamped(self, plain: dict[str, Any]) -> gb.RotorSystem:
+        """Return the machine without modal damping, whose matrix is full."""
+        if not hasattr(self, "_sparse"):
+            self._sparse = gb.RotorSystem.from_dict(plain)
+        return self._sparse
+
+
+def load(machine: Machine) -> Work:
+    """Read the file, and choose the elements."""
+    return Work("", lambda: machine.loaded)
+
+
+def static(machine: Machine) -> Work:
+    """Find the equilibrium at the rated speed."""
+
+    def prepare() -> Run[Any]:
+        system = machine.fresh()
+        return lambda: system.static(speed=machine.speed)
+
+    return Work("live geometry", prepare)
+
+
+def modes(machine: Machine) -> Work:
+    """Find the lowest modes at the rated speed."""
+
+    def prepare() -> Run[Any]:
+        system = machine.fresh()
+        return lambda: system.modes(machine.speed, COUNT).eigenvalues
+
+    pencil = machine.pencil(machine.speed)
+    count = min(2 * COUNT + FURTHER, pencil.mass.shape[0])
+    return Work(f"{COUNT} modes", prepare, lambda: lambda: pencil.eigenvalues(count)[0], not_found)
+
+
+def campbell(machine: Machine, shares: Array = SHARES, count: int = TRACKED) -> Work:
+    """Follow modes over the speed, and find their intersections with excitation lines."""
+    speeds = shares * machine.speed
+
+    def prepare() -> Run[Any]:
+        system = machine.fresh()
+
+        def run() -> Any:
+            found = system.campbell(speeds, count=count)
+            if count == TRACKED:
+                machine.diagram = found
+            return found.eigenvalues
+
+        return run
+
+    pencils = [machine.pencil(float(speed)) for speed in speeds]
+    number = min(2 * count + FURTHER, pencils[0].mass.shape[0])
+    return Work(
+        f"{len(speeds)} speeds × {count} modes",
+        prepare,
+        lambda: lambda: [pencil.eigenvalues(number)[0] for pencil in pencils],
+        lambda found, exact: max(map(not_found, found, exact)),
+    )
+
+
+def diagram(machine: Machine) -> Work:
+    """Follow more modes over more speeds."""
+    return campbell(machine, np.linspace(SHARES[0], SHARES[-1], 28), 14)
+
+
+def synchronous(machine: Machine) -> Work:
+    """Find the response to bow and unbalance."""
+
+    def prepare(count: int) -> Run[Any]:
+        system, speeds = machine.fresh(), machine.speed * np.linspace(*RANGE, count)
+        return lambda: system.synchronous(speeds).amplitudes
+
+    probe = timed(lambda: prepare(len(SHARES)))[1] / len(SHARES)
+    count = MANY if MANY * probe <= LONGEST else FEW
+    speeds = machine.speed * np.linspace(*RANGE, count)
+    pencils = [machine.pencil(float(speed)) for speed in speeds]
+    ratios, loads = machine.system.speed_ratios, forces(machine)
+
+    def respond() -> Complex:
+        found = np.zeros((count, *loads[0].shape), dtype=complex)
+        for i, (speed, pencil) in enumerate(zip(speeds, pencils, strict=True)):
+            for shaft, (ratio, bow, unbalance) in enumerate(zip(ratios, *loads, strict=True)):
+                omega = float(ratio * speed)
+                force = bow + omega**2 * unbalance
+                if force.any():
+                    found[i, shaft] = pencil.inverse(1j * omega)(force)
+        return found
+
+    scale = np.sqrt(np.abs(pencils[0].stiffness.diagonal()))
+
+    def difference(found: Complex, exact: Complex) -> float:
+        apart = np.linalg.norm(scale * (found - exact), axis=2)
+        size = np.linalg.norm(scale * exact, axis=2)
+        return float(np.max(apart[size > 0.0] / size[size > 0.0]))
+
+    return Work(f"{count} speeds", lambda: prepare(count), lambda: respond, difference)
+
+
+def forces(machine: Machine) -> tuple[Complex, Complex]:
+    """Return the force of the bow and the unbalance of each shaft (shafts, n).
+
+    The force of a bow does not depend on the speed: it follows from the response to the bows at the
+    first speed. The comparison at all other speeds checks it.
+    """
+    system, speed = machine.system, machine.speed * RANGE[0]
+    names = [shaft.name for shaft in system.shafts]
+    bows = np.zeros((len(names), len(system.dofs)), dtype=complex)
+    unbalances = np.zeros_like(bows)
+    matrices = system.matrices(speed)
+    damping = matrices.damping + speed * matrices.gyroscopic
+    found = system.synchronous([speed], excitation="bow").amplitudes[0]
+    for i, ratio in enumerate(system.speed_ratios):
+        omega = ratio * speed
+        if found[i].any():
+            dynamic = matrices.stiffness + 1j * omega * damping - omega**2 * matrices.mass
+            bows[i] = dynamic @ found[i]
+    for body in bodies(system):
+        y, z = system.coordinates.lateral(str(body.name))
+        unbalances[names.index(body.shaft), y] += body.unbalance
+        unbalances[names.index(body.shaft), z] -= 1j * body.unbalance
+    return bows, unbalances
+
+
+def critical_map(machine: Machine) -> Work:
+    """Find the undamped critical speeds against the stiffness of all bearings."""
+
+    def prepare() -> Run[Any]:
+        system = machine.loaded()
+        return lambda: system.critical_speed_map(STIFFNESSES, count=TRACKED)
+
+    stiffest = with_stiffness(machine.system.description, float(STIFFNESSES.max()))
+    plain = gb.RotorSystem.from_dict(stiffest)._model.resolved()
+    cases = []
+    for stiffness in STIFFNESSES:
+        system = gb.RotorSystem.from_dict(with_stiffness(plain, float(stiffness)))
+        matrices = system.matrices(1.0, sparse=True)
+        effective = csc_matrix(matrices.mass - 1j * matrices.gyroscopic)
+        cases.append((csc_matrix(matrices.stiffness), effective))
+
+    def difference(found: gb.CriticalSpeedMap, exact: list[Array]) -> float:
+        return max(
+            float(np.abs(values - speed).min() / speed)
+            for row, values in zip(found.speeds, exact, strict=True)
+            for speed in row
+            if np.isfinite(speed)
+        )
+
+    return Work(
+        f"{len(STIFFNESSES)} stiffnesses × {TRACKED} speeds",
+        prepare,
+        lambda: lambda: [critical_speeds(*case) for case in cases],
+        difference,
+    )
+
+
+def with_stiffness(plain: Any, stiffness: float) -> dict[str, Any]:
+    """Return a scene whose bearings have this stiffness along y and z, without damping."""
+    kept = ("shaft", "position", "axial_stiffness", "tilting_stiffness", "support")
+    bearings = [
+        {**{key: bearing[key] for key in kept if key in bearing}, "stiffness": stiffness}
+        for bearing in plain["bearings"]
+    ]
+    others = {key: value for key, value in plain.items() if key != "modal_damping"}
+    return {**others, "bearings": bearings}
+
+
+def critical_speeds(stiffness: Any, effective: Any) -> Array:
+    """Return the speeds Ω with K x = Ω² (M − iG) x near the lowest one [rad/s]."""
+    shift = -(SHIFT**2)
+    factors = splu(csc_matrix(stiffness - shift * effective))
+    n = effective.shape[0]
+    operator = LinearOperator((n, n), matvec=lambda x: factors.solve(effective @ x), dtype=complex)
+    count = min(TRACKED + FURTHER, n - 2)
+    start = np.ones(n, dtype=complex)
+    squares = shift + 1.0 / eigs(operator, k=count, v0=start, return_eigenvectors=False)
+    speeds: Array = np.sqrt(squares.real[squares.real > 1.0])
+    return speeds
+
+
+def intersection(machine: Machine) -> Work | None:
+    """Find an intersection of a mode and an excitation line again; None if there is none."""
+    if not machine.diagram.intersections:
+        return None
+    first = machine.diagram.intersections[0]
+    speeds = first.speed * np.array([1.0 - NEAR, 1.0 + NEAR])
+
+    def prepare() -> Run[Any]:
+        system = machine.fresh()
+
+        def run() -> Array:
+            met = system.campbell(speeds, count=TRACKED).intersections
+            return np.array([crossing.speed for crossing in met])
+
+        return run
+
+    pencils = machine.pencil(float(speeds[0])), machine.pencil(float(speeds[1]))
+    orders = sorted({line.order for line in machine.diagram.lines})
+    count = min(2 * TRACKED + FURTHER, pencils[0].mass.shape[0])
+    both = (float(speeds[0]), float(speeds[1]))
+
+    def difference(found: Array, exact: list[float]) -> float:
+        if not (len(found) and exact):
+            return float("inf")
+        return float(max(np.abs(np.array(exact) - speed).min() / speed for speed in found))
+
+    return Work(
+        f"order {first.line.order:.4g}",
+        prepare,
+        lambda: lambda: crossings(pencils, both, orders, count),
+        difference,
+    )
+
+
+def first_run(machine: Machine) -> Work:
+    """Simulate a machine for the first time."""
+
+    def prepare() -> Run[Any]:
+        system = machine.loaded()
+        return lambda: system.simulate(DURATION, machine.speed)
+
+    return Work(f"{DURATION:g} s", prepare)
+
+
+def run(machine: Machine) -> Work:
+    """Simulate a machine again."""
+    system = machine.loaded()
+    system.simulate(DURATION, machine.speed)
+    return Work(f"{DURATION:g} s", lambda: lambda: system.simulate(DURATION, machine.speed))
+
+
+def not_found(found: Complex, exact: Complex) -> float:
+    """Return the largest relative distance of an oscillating eigenvalue from the nearest exact one.
+
+    SciPy finds the eigenvalues near a shift, without overdamped ones that are far from it.
+    """
+    oscillating = found[found.imag > 1.0]
+    distances = np.abs(oscillating[:, None] - exact).min(axis=1) / np.abs(oscillating)
+    return float(distances.max(initial=0.0))
+
+
+#: Analyses of both programs.
+LINEAR: dict[str, Callable[[Machine], Work | None]] = {
+    "modes": modes,
+    "campbell": campbell,
+    "intersection": intersection,
+    "synchronous": synchronous,
+    "critical_speed_map": critical_map,
+}
+#: Analyses of gearbow.
+OTHERS: dict[str, Callable[[Machine], Work | None]] = {
+    "load": load,
+    "static": static,
+    "first_run": first_run,
+    "run": run,
+}
+#: Analyses that are measured only if they are named.
+OPTIONAL: dict[str, Callable[[Machine], Work | None]] = {"campbell_28x14": diagram}
