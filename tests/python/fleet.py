@@ -1,7 +1,7 @@
-"""The machines of examples/machines: scene, rated speed, and the warnings of each analysis.
+"""The machines of examples/machines: scene, size, rated speed, and the warnings and refusals of each analysis.
 
 A machine is a scene file whose header names the rated speed. A new file is a new row of the test matrix; it needs an entry in
-`WARNINGS` only if an analysis warns.
+`WARNINGS` or `REFUSALS` only if an analysis warns or is refused.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ WARNINGS: dict[tuple[str, str], tuple[tuple[type[Warning], str], ...]] = {
     ("coaxial_reducer", "run +"): ((gb.AccuracyWarning, r"accuracy: \d+ modes leave an error of"),),
     ("coaxial_reducer", "run -"): ((gb.AccuracyWarning, r"accuracy: \d+ modes leave an error of"),),
 }
+
+#: Error and beginning of its message of (machine, analysis at a sense of rotation), where an analysis is refused.
+REFUSALS: dict[tuple[str, str], tuple[type[Exception], str]] = {}
 
 
 @dataclass(eq=False)
@@ -63,6 +66,9 @@ class Machine:
             check_warnings(caught, WARNINGS.get((self.name, key), ()))
         return self.results[key]
 
+    def refusal(self, analysis: str, sense: int) -> tuple[type[Exception], str] | None:
+        return REFUSALS.get((self.name, f"{analysis} {'+' if sense > 0 else '-'}"))
+
 
 def check_warnings(
     caught: list[warnings.WarningMessage], expected: tuple[tuple[type[Warning], str], ...]
@@ -80,4 +86,16 @@ def check_warnings(
     assert not left, f"no warning: {left}"
 
 
+def rows_of_list() -> list[list[str]]:
+    """Return the cells of each row of the list of machines."""
+    lines = (FOLDER / "README.md").read_text("utf-8").splitlines()
+    return [
+        [cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith("| [")
+    ]
+
+
 MACHINES = tuple(path.stem for path in sorted(FOLDER.glob("*.toml")))
+#: Number of degrees of freedom of each machine, from the list of machines.
+SIZES = (
+    {row[0].split(".toml")[0].strip("["): int(row[1]) for row in rows_of_list()} if MACHINES else {}
+)
