@@ -6,6 +6,7 @@ new analysis is an entry of `ANALYSES`. An expensive analysis names the largest 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import pi
@@ -239,7 +240,10 @@ def check_balance(system: gb.RotorSystem, speed: float, found: gb.Balance) -> No
                 replace(body, unbalance=body.unbalance + step) if body.name == plane else body
                 for body in given
             ]
-        return found.system.replace(**parts)
+        with warnings.catch_warnings():
+            # a correction that bends the shaft against its bow may be larger than a usual unbalance
+            warnings.simplefilter("ignore", gb.SceneWarning)
+            return found.system.replace(**parts)
 
     before, after = amplitudes(system), amplitudes(found.system)
     scale = np.linalg.norm(before)
@@ -514,7 +518,7 @@ ANALYSES = {
     "campbell": Analysis(
         lambda s, speed: s.campbell(SHARES * speed, count=COUNT), check_campbell, (1,), 400
     ),
-    "map": Analysis(lambda s, _: s.critical_speed_map(STIFFNESSES, count=2), check_map, (1,), 1000),
+    "map": Analysis(lambda s, _: s.critical_speed_map(STIFFNESSES, count=2), check_map, (1,), 500),
     "synchronous": Analysis(
         lambda s, speed: s.synchronous(SHARES * speed),
         check_synchronous,
@@ -525,11 +529,11 @@ ANALYSES = {
     "balance": Analysis(
         compute_balance,
         check_balance,
-        largest=1000,
+        largest=350,
         applies=lambda s: balanced_shaft(s) is not None,
     ),
     "run": Analysis(compute_run, check_run, largest=1000),
-    "changing": Analysis(compute_changing, check_changing, largest=470),
+    "changing": Analysis(compute_changing, check_changing, largest=350),
     "run up": Analysis(compute_run_up, check_run_up, (1,), 350),
     "steady": Analysis(compute_steady, check_steady, largest=350),
     "branch": Analysis(compute_branch, check_branch, (1,), 150),
@@ -537,5 +541,5 @@ ANALYSES = {
     "many": Analysis(compute_many, check_many, (1,), 350),
     "waterfall": Analysis(compute_waterfall, check_waterfall, (1,), 350),
     "orders": Analysis(compute_orders, check_orders, (1,), 350),
-    "sensors": Analysis(compute_sensors, check_sensors, (1, -1), 470),
+    "sensors": Analysis(compute_sensors, check_sensors, (1, -1), 350),
 }
