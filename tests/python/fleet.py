@@ -39,10 +39,15 @@ WARNINGS: dict[tuple[str, str], tuple[tuple[type[Warning], str], ...]] = {
 #: Error and beginning of its message of (machine, analysis at a sense of rotation), where an analysis is refused.
 REFUSALS: dict[tuple[str, str], tuple[type[Exception], str]] = {
     # The numbers of teeth have no common period below 10 s, and the motion runs in slowly.
-    ("idler_train", "steady +"): (
-        gb.ConvergenceError,
-        "the quasi-periodic motion did not converge",
-    ),
+    **{
+        ("idler_train", f"steady {sense}"): (
+            gb.ConvergenceError,
+            "the quasi-periodic motion did not converge",
+        )
+        for sense in "+-"
+    },
+    # Two orders of different shafts are near each other.
+    ("idler_train", "orders +"): (gb.GearbowError, ".* with a distance of .* Hz need a record of"),
 }
 
 

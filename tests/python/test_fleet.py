@@ -176,7 +176,7 @@ FIGURES = {
     ),
     "campbell": Drawing("campbell", lambda r, _: r.plot(), lambda _: 2),
     "synchronous": Drawing(
-        "synchronous", lambda r, s: r.plot(shown(s)), lambda s: len(shown(s)), places
+        "synchronous", lambda r, s: r.plot(shown(s)), lambda s: len(shown(s)), shown
     ),
     "bode": Drawing("synchronous", lambda r, s: r.bode(shown(s)), lambda _: 2, shown),
     "orbits": of_run("orbits", lambda s: len(shown(s)), shown, lateral),
