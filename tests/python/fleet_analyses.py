@@ -314,13 +314,16 @@ def compute_steady(system: gb.RotorSystem, speed: float) -> gb.SteadyState:
 
 def check_steady(system: gb.RotorSystem, speed: float, steady: gb.SteadyState) -> None:
     run = steady.response
+    balance = Balance(system, run, speed)
+    for body in balance.terms:
+        # the momentum at the end is that of the begin, in a motion without a period nearly: 3e-5 is reached
+        assert balance.residual(body) < 1e-4, body
+    if steady.method == "quasi-periodic":
+        assert steady.period == np.inf
+        return
     step = run.time[1] - run.time[0]
     # the end of the period is its begin
     assert run.time[-1] - run.time[0] + step == pytest.approx(steady.period, rel=1e-9)
-    balance = Balance(system, run, speed)
-    for body in balance.terms:
-        # the momentum is that of the begin: what remains is the tilt of the gears, which a run does not record
-        assert balance.residual(body) < 1e-3, body
     count = min(len(run.time), 400)
     again = system.simulate(
         (count - 1) * step,
@@ -444,7 +447,14 @@ def hann_amplitudes(values: Any) -> Any:
 def compute_orders(system: gb.RotorSystem, speed: float) -> tuple[gb.Response, gb.Orders]:
     name = places(system)[0]
     run = system.simulate(1.5 * turn(system, speed), speed, record=[name])
-    return run, run.orders(name, quantity(system), shaft_harmonics=2, mesh_harmonics=1, sidebands=0)
+    return run, run.orders(
+        name,
+        quantity(system),
+        shaft_harmonics=1,
+        mesh_harmonics=1,
+        sidebands=0,
+        bearing_harmonics=0,
+    )
 
 
 def check_orders(system: gb.RotorSystem, _: float, result: tuple[gb.Response, gb.Orders]) -> None:
@@ -463,22 +473,22 @@ def sensors_of(system: gb.RotorSystem) -> list[Any]:
     return [
         gb.Probe(body.shaft, body.position, angle=0.7, run_out=2e-6j),
         gb.Accelerometer((body.shaft, body.position), angle=0.7),
-        gb.Tacho(body.shaft, 64),
+        gb.Tacho(body.shaft, 61),
     ]
 
 
 def compute_sensors(system: gb.RotorSystem, speed: float) -> gb.Response:
-    time = 0.1 * turn(system, speed)
+    time = 0.05 * turn(system, speed)
     record = [places(system)[0], "velocity", "acceleration"]
-    return system.simulate(time, speed, record=record, output_step=time / 2000)
+    return system.simulate(time, speed, record=record, output_step=time / 4000)
 
 
 def check_sensors(system: gb.RotorSystem, _: float, run: gb.Response) -> None:
     probe, accelerometer, tacho = sensors_of(system)
     name = places(system)[0]
     times = tacho.measure(run)
-    turns = run.angle(tacho.shaft, times) * 64.0 / (2.0 * pi)
-    assert len(times) == int(abs(run.angle(tacho.shaft)[-1]) * 64.0 / (2.0 * pi)) + 1
+    turns = run.angle(tacho.shaft, times) * 61.0 / (2.0 * pi)
+    assert len(times) == int(abs(run.angle(tacho.shaft)[-1]) * 61.0 / (2.0 * pi)) + 1
     np.testing.assert_allclose(turns, np.round(turns), atol=1e-9)
     if not lateral(system):
         # a shaft that only twists does not move towards a sensor
@@ -493,7 +503,7 @@ def check_sensors(system: gb.RotorSystem, _: float, run: gb.Response) -> None:
     measured, step = accelerometer.measure(run), run.time[1]
     change = np.cumsum(0.5 * step * (measured[1:] + measured[:-1]))
     velocity = run.velocity(name) @ direction
-    # the trapezoidal rule meets frequencies up to a tenth of the sampling rate to 3 %
+    # the trapezoidal rule meets frequencies up to a tenth of the sampling rate to 3 %: 1 % is reached
     assert np.abs(change - (velocity[1:] - velocity[0])).max() < 0.03 * np.ptp(velocity)
 
 
