@@ -29,7 +29,7 @@ PYTEST_PARALLEL := -n logical --dist worksteal
 help:
 	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
-	@echo "make random        check general properties on 2,000 new random scenes, and run all examples"
+	@echo "make random        check general properties on 2,000 new random scenes, and run all examples and the slow cells of the fleet"
 	@echo "make fuzz          parse a million randomly changed descriptions"
 	@echo "make mutants       change one place of the program at a time: what share of 210 changes do the tests catch? (hours)"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
@@ -67,6 +67,7 @@ random: $(VENV)/.dev
 	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py tests/python/test_random_run_up.py \
 		tests/python/test_structured_solver.py tests/python/test_accuracy_of_random_trains.py \
 		tests/python/test_equilibrium_residuals.py tests/python/test_examples.py
+	$(BIN)/python -m pytest tests/python/test_fleet.py -m slow
 
 fuzz: $(VENV)/.dev
 	GEARBOW_CASES=350 $(CARGO_TEST) --test rust fuzz::

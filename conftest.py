@@ -25,12 +25,20 @@ ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 def pytest_configure(config):
     config.addinivalue_line(
+        "markers", "slow: expensive; `make random` runs it, `make test` does not"
+    )
+    config.addinivalue_line(
         "markers", "implausible: the scenes are no machines on purpose; their warnings are ignored"
     )
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest selects by markers
 def pytest_collection_modifyitems(items):
     for item in items:
+        # A module of tests may tell which of its cases are slow.
+        is_slow = getattr(getattr(item, "module", None), "is_slow", None)
+        if is_slow is not None and hasattr(item, "callspec") and is_slow(item.callspec.params):
+            item.add_marker("slow")
         if item.get_closest_marker("implausible"):
             item.add_marker(pytest.mark.filterwarnings("ignore::gearbow.SceneWarning"))
 

@@ -1,144 +1,38 @@
-"""Every analysis on every machine of examples/machines, at the rated speed in both senses of rotation.
+"""The whole fleet: every analysis, figure, table, file and command on every machine of examples/machines.
 
-The equations that a result has to satisfy are those of `reference.equations`. A new analysis is an entry of `ANALYSES`, a new
-figure an entry of `FIGURES`, a new machine a file (see `fleet`).
+The speed is the rated one, in both senses of rotation where this matters. The analyses and what their results have to satisfy are
+those of `fleet_analyses`. A new figure is an entry of `FIGURES`, a new table one of `TABLES`, a new file one of `FILES`, a new
+command one of `COMMANDS`, a new machine a file (see `fleet`). Cells of large machines with expensive analyses are slow.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import gearbow as gb
-from fleet import FOLDER, MACHINES, Machine
-from reference.equations import Balance, Equations, rotating_force
+from fleet import FAULTS, FOLDER, MACHINES, SIZES, Machine, rows_of_list
+from fleet_analyses import ANALYSES, COUNT, SHARES, lateral, meshed, places, quantity, turn
+from gearbow.cli.main import main
 from reference.figure_texts import check_texts
 
 pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the examples are not installed")
 
-#: Number of modes.
-COUNT = 6
-#: Speeds of diagrams and responses, relative to the rated speed. Journal bearings carry nothing at speed 0.
-SHARES = np.array([0.4, 0.8, 1.2])
-
-
-def places(system: gb.RotorSystem) -> list[str]:
-    return [body.name for body in (*system.gears, *system.disks)]
-
-
-def compute_run(system: gb.RotorSystem, speed: float) -> gb.Response:
-    """Run two revolutions of the slowest shaft."""
-    slowest = min(abs(ratio * speed) for ratio in system.speed_ratios)
-    hubs = [hub for coupling in system.couplings for hub in (coupling.a, coupling.b)]
-    pedestals = [b.support.name for b in system.bearings if isinstance(b.support, gb.Support)]
-    record = ["gears", "disks", "meshes", "bearings", "housings", *pedestals, *hubs]
-    return system.simulate(2.0 * 2.0 * pi / slowest, speed, record=record)
-
-
-def check_static(system: gb.RotorSystem, speed: float, static: gb.Static) -> None:
-    balance = Balance(system, static, speed)
-    for body in balance.terms:
-        # round-off reaches 1e-14
-        assert balance.residual(body) < 1e-6, body
-    assert set(balance.terms) >= {shaft.name for shaft in system.shafts}
-
-
-def check_modes(system: gb.RotorSystem, speed: float, modes: gb.Modes) -> None:
-    equations = Equations(system, speed)
-    assert len(modes.eigenvalues) == COUNT
-    for value, shape in zip(modes.eigenvalues, modes.shapes, strict=True):
-        # 1e-9 is reached with films, whose eigenvalues range from 1e1 to 1e8
-        assert equations.mode_residual(value, shape) < 1e-7, value
-    assert np.all(np.diff(modes.frequencies_hz) >= -1e-9)
-    highest = float(modes.eigenvalues.imag.max())
-    if highest > 0.0:
-        for value in equations.eigenvalues_below(highest):
-            # round-off splits the double eigenvalue 0 of the rotation of a train
-            near = np.abs(modes.eigenvalues - value).min() < 1e-6 * highest
-            assert near or abs(value) < 1e-3, f"{value} is missing"
-
-
-def check_campbell(system: gb.RotorSystem, _: float, campbell: gb.Campbell) -> None:
-    assert campbell.eigenvalues.shape == (len(SHARES), COUNT)
-    for speed, values in zip(campbell.speeds, campbell.eigenvalues, strict=True):
-        equations = Equations(system, speed)
-        for value in values:
-            assert equations.eigenvalue_residual(value) < 1e-8, (speed, value)
-    for crossing in campbell.intersections[:: max(1, len(campbell.intersections) // 3)]:
-        rate = 2.0 * pi * crossing.frequency_hz
-        # the frequency is that of the excitation, and belongs to an eigenvalue at this speed
-        assert rate == pytest.approx(crossing.line.order * crossing.speed, rel=1e-8)
-        ratio = crossing.damping_ratio
-        value = rate * (1j - ratio / np.sqrt(1.0 - ratio**2))
-        assert Equations(system, crossing.speed).eigenvalue_residual(value) < 1e-8, crossing
-
-
-def check_synchronous(system: gb.RotorSystem, _: float, found: gb.Synchronous) -> None:
-    excited = False
-    for speed, amplitudes in zip(found.speeds, found.amplitudes, strict=True):
-        equations = Equations(system, speed)
-        for shaft, ratio, given in zip(system.shafts, system.speed_ratios, amplitudes, strict=True):
-            spin = ratio * speed
-            force = rotating_force(system, shaft, spin)
-            if not force.any():
-                assert not given.any()
-                continue
-            excited = True
-            scale = equations.scale(spin)
-            residual = equations.dynamic_stiffness(1j * spin) @ given - force
-            # 4e-11 is reached
-            assert np.linalg.norm(residual / scale) < 1e-9 * np.linalg.norm(force / scale)
-            difference = scale * (given - equations.response(spin, force))
-            # the direct solution loses digits where the train nearly rotates freely: 3e-9 is reached
-            assert np.linalg.norm(difference) < 1e-7 * np.linalg.norm(scale * given)
-    assert excited
-
-
-def check_run(system: gb.RotorSystem, speed: float, run: gb.Response) -> None:
-    turn = slice(len(run.time) // 2, -1)
-    balance = Balance(system, run, speed, turn)
-    for body in balance.terms:
-        # the decaying transient changes the momentum of a shaft by up to 1e-3 of its load in this turn
-        assert balance.residual(body) < 3e-3, body
-    static = system.static(speed=speed)
-    for mesh in system.meshes:
-        pair = (mesh.driver, mesh.driven)
-        mean = run.mesh(*pair).force[turn].mean()
-        # equal torques, and radii that the bow does not change: 1e-4 is reached
-        assert mean == pytest.approx(static.mesh(*pair).force, rel=1e-3)
-
-
-@dataclass(frozen=True)
-class Analysis:
-    """How to compute a result, and the equations that it has to satisfy."""
-
-    compute: Callable[[gb.RotorSystem, float], Any]
-    check: Callable[[gb.RotorSystem, float, Any], None]
-    senses: tuple[int, ...] = (1, -1)
-
-
-ANALYSES = {
-    "static": Analysis(lambda s, speed: s.static(speed=speed), check_static),
-    "modes": Analysis(lambda s, speed: s.modes(speed, COUNT), check_modes),
-    # the speeds of a diagram are not negative
-    "campbell": Analysis(
-        lambda s, speed: s.campbell(SHARES * speed, count=COUNT), check_campbell, (1,)
-    ),
-    "synchronous": Analysis(lambda s, speed: s.synchronous(SHARES * speed), check_synchronous),
-    "run": Analysis(compute_run, check_run),
-}
-
 #: The part of a result that gives the residual of its equations.
 RESIDUALS: dict[str, Callable[[Any], Any]] = {
-    "static": lambda result: result.residual,
-    "modes": lambda result: result.residuals,
-    "synchronous": lambda result: result.residuals,
+    "static": lambda result: [result.residual],
+    "modes": lambda result: [result.residuals],
+    "synchronous": lambda result: [result.residuals],
     "campbell": lambda result: [crossing.residual for crossing in result.intersections],
+    "map": lambda result: result.residuals,
+    "steady": lambda result: [result.residual],
 }
 
 
@@ -150,19 +44,25 @@ class Drawing:
     draw: Callable[[Any, gb.RotorSystem], Any]
     panels: Callable[[gb.RotorSystem], int]
     names: Callable[[gb.RotorSystem], list[str]] = lambda _: []
-    meshes: bool = False  # whether it needs a mesh
+    needs: Callable[[gb.RotorSystem], bool] = lambda _: True
+    units: bool = True  # the numbers of a sweep have none
 
 
 def of_run(
-    kind: str, panels: Callable[[gb.RotorSystem], int], names: Any, *, meshes: bool = False
+    kind: str, panels: Callable[[gb.RotorSystem], int], names: Any, needs: Any = lambda _: True
 ) -> Drawing:
     return Drawing(
         "run",
-        lambda run, s: run.plot(kind, None if kind in OWN_ITEMS else places(s)),
+        lambda run, s: run.plot(kind, None if kind in OWN_ITEMS else shown(s)),
         panels,
         names,
-        meshes,
+        needs,
     )
+
+
+def shown(system: gb.RotorSystem) -> list[str]:
+    """Bodies in the figures of machines with many."""
+    return places(system)[:6]
 
 
 OWN_ITEMS = ("mesh", "geometry", "bearings")
@@ -176,8 +76,93 @@ def bearings(system: gb.RotorSystem) -> list[str]:
     return [f"{bearing.shaft} at {bearing.position:g} m" for bearing in system.bearings]
 
 
+def load_data_set(path: Path) -> Any:
+    xarray = pytest.importorskip("xarray")
+    with xarray.open_dataset(path) as data:
+        return data.load()
+
+
+def load_table(path: Path) -> Any:
+    return pytest.importorskip("pandas").read_csv(path)
+
+
+def of_data_set(found: Any) -> Any:
+    table = found.to_dataframe() if isinstance(found, gb.Sweep) else found
+    return np.asarray(table["motion"])
+
+
+def check_checked(answer: dict[str, Any], _: Any, machine: Machine, __: Path) -> None:
+    system = machine.system
+    assert answer["warnings"] == []
+    assert answer["degrees_of_freedom"] == len(system.dofs)
+
+
+def check_drawn(_: dict[str, Any], __: Any, ___: Machine, folder: Path) -> None:
+    assert (folder / "train.png").stat().st_size > 1000
+
+
+def check_printed_modes(answer: dict[str, Any], modes: gb.Modes, _: Machine, __: Path) -> None:
+    frequencies = [mode["frequency_hz"] for mode in answer["modes"]]
+    np.testing.assert_allclose(frequencies, modes.frequencies_hz, rtol=1e-9, atol=1e-9)
+    assert [mode["whirl"] for mode in answer["modes"]] == list(modes.whirl)
+
+
+def check_printed_campbell(
+    answer: dict[str, Any], campbell: gb.Campbell, _: Machine, folder: Path
+) -> None:
+    # the speeds of the command differ by round-off
+    np.testing.assert_allclose(
+        answer["frequencies_hz"], campbell.frequencies_hz, rtol=1e-9, atol=1e-9
+    )
+    assert len(answer["intersections"]) == len(campbell.intersections)
+    assert (folder / "campbell.png").stat().st_size > 1000
+
+
+def check_printed_run(
+    answer: dict[str, Any], run: gb.Response, machine: Machine, folder: Path
+) -> None:
+    saved = gb.Response.load(folder / "run.npz")
+    assert answer["complete"]
+    check_signals(answer, saved, machine.system)
+    # the motion of a run does not depend on what it records, except for the error of its accuracy
+    name = places(machine.system)[0]
+    for one, other in (
+        (saved.displacement(name)[0], run.displacement(name)[0]),
+        (saved.twist(name)[0], run.twist(name)[0]),
+    ):
+        np.testing.assert_allclose(one, other, rtol=1e-2, atol=1e-12)
+
+
+def check_signals(answer: dict[str, Any], saved: gb.Response, system: gb.RotorSystem) -> None:
+    for name in places(system):
+        extent = np.ptp(saved.displacement(name), axis=0)
+        np.testing.assert_allclose(answer["points"][name]["peak_to_peak"], extent)
+    for mesh in answer["meshes"]:
+        force = saved.mesh(*mesh.split("/")).force
+        assert answer["meshes"][mesh]["force"]["max"] == force.max()
+
+
+def check_printed_steady(
+    answer: dict[str, Any], steady: gb.SteadyState, machine: Machine, folder: Path
+) -> None:
+    saved = gb.SteadyState.load(folder / "steady.npz")
+    assert answer["period"] == pytest.approx(steady.period, rel=1e-12)
+    assert answer["stable"] is steady.stable
+    check_signals(answer | {"meshes": {}}, saved.response, machine.system)
+
+
+def tradeoff_signal(system: gb.RotorSystem) -> str:
+    if not system.meshes:
+        return places(system)[0]
+    return f"{system.meshes[0].driver}/{system.meshes[0].driven}"
+
+
+def check_printed_tradeoff(answer: dict[str, Any], _: Any, __: Machine, ___: Path) -> None:
+    assert any(trial["front"] for trial in answer["trials"])
+
+
 FIGURES = {
-    "train": Drawing(None, lambda _, s: s.plot(), lambda _: 2, places),
+    "train": Drawing(None, lambda _, s: s.plot(), lambda _: 2, shown),
     "modes": Drawing(
         "modes",
         lambda r, _: r.plot(),
@@ -192,19 +177,216 @@ FIGURES = {
     ),
     "campbell": Drawing("campbell", lambda r, _: r.plot(), lambda _: 2),
     "synchronous": Drawing(
-        "synchronous", lambda r, s: r.plot(places(s)), lambda s: len(places(s)), places
+        "synchronous", lambda r, s: r.plot(shown(s)), lambda s: len(shown(s)), shown
     ),
-    "bode": Drawing("synchronous", lambda r, s: r.bode(places(s)), lambda _: 2, places),
-    "orbits": of_run("orbits", lambda s: len(places(s)), places),
-    "history": of_run("history", lambda s: len(places(s)), places),
-    "twist": of_run("twist", lambda s: len(places(s)), places),
-    "spectrum": of_run("spectrum", lambda s: len(places(s)), places),
-    "mesh": of_run("mesh", lambda s: 3 * len(s.meshes), pairs, meshes=True),
-    "geometry": of_run("geometry", lambda s: 4 * len(s.meshes), pairs, meshes=True),
-    "bearings": of_run("bearings", lambda s: 2 * len(s.bearings), bearings),
+    "bode": Drawing("synchronous", lambda r, s: r.bode(shown(s)), lambda _: 2, shown),
+    "orbits": of_run("orbits", lambda s: len(shown(s)), shown, lateral),
+    "history": of_run("history", lambda s: len(shown(s)), shown, lateral),
+    "twist": of_run("twist", lambda s: len(shown(s)), shown),
+    "spectrum": of_run("spectrum", lambda s: len(shown(s)), shown, lateral),
+    "mesh": of_run("mesh", lambda s: 3 * len(s.meshes), pairs, meshed),
+    "geometry": of_run("geometry", lambda s: 4 * len(s.meshes), pairs, meshed),
+    "bearings": of_run(
+        "bearings", lambda s: 2 * len(s.bearings), bearings, lambda s: bool(s.bearings)
+    ),
+    "map": Drawing("map", lambda r, _: r.plot(), lambda _: 1),
+    "energy": Drawing("run up", lambda r, _: r.energy_balance().plot(), lambda _: 3),
+    "steady": Drawing(
+        "steady",
+        lambda r, s: r.plot("history", places(s)[:1]),
+        lambda _: 1,
+        lambda s: places(s)[:1],
+        lateral,
+    ),
+    "branch": Drawing(
+        "branch",
+        lambda r, s: r.plot(places(s)[0], quantity(s)),
+        lambda _: 1,
+        lambda s: places(s)[:1],
+    ),
+    "sweep": Drawing(
+        "sweep", lambda r, _: r.plot("motion"), lambda _: 1, lambda _: ["motion"], units=False
+    ),
+    "orders": Drawing("orders", lambda r, _: r[1].plot(), lambda _: 1, lambda s: places(s)[:1]),
+    "spectrum of a signal": Drawing(
+        "orders",
+        lambda r, s: r[0].spectrum(places(s)[0], quantity(s)).plot(),
+        lambda _: 1,
+        lambda s: places(s)[:1],
+    ),
+    "waterfall": Drawing(
+        "waterfall", lambda r, _: r[1].plot(), lambda _: 2, lambda s: places(s)[:1]
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Table:
+    """How to make a table of a result, and its number of rows."""
+
+    analysis: str
+    make: Callable[[Any], Any]
+    rows: Callable[[Any], int]
+
+
+TABLES = {
+    "modes": Table("modes", lambda r: r.to_dataframe(), lambda _: COUNT),
+    "campbell": Table("campbell", lambda r: r.to_dataframe(), lambda r: len(r.intersections)),
+    "run": Table("run", lambda r: r.to_dataframe(), lambda r: len(r.time)),
+    "energy": Table("run up", lambda r: r.energy_balance().to_dataframe(), lambda r: len(r.time)),
+    "branch": Table("branch", lambda r: r.to_dataframe(), lambda r: len(r.values)),
+    "sweep": Table("sweep", lambda r: r.to_dataframe(), len),
+}
+
+#: Text tables: analysis, the text, and the names that it contains.
+TEXTS = {
+    "modes": lambda r: (r.table(), r.whirl),
+    "campbell": lambda r: (
+        r.table(),
+        [f"{r.intersections[0].frequency_hz:.3f}"] if r.intersections else [],
+    ),
+    "orders": lambda r: (
+        r[1].table(1),
+        [
+            max(zip(np.abs(r[1].amplitudes), r[1].orders, strict=True), key=lambda p: p[0])[
+                1
+            ].names[0]
+        ],
+    ),
+}
+
+
+@dataclass(frozen=True)
+class File:
+    """How to write a file of a result, how to read it, and what it keeps."""
+
+    analysis: str | None
+    name: str
+    write: Callable[[Any, Path], Any]
+    read: Callable[[Path], Any]
+    keeps: Callable[[Any], Any]
+
+
+def signals(run: gb.Response) -> dict[str, Any]:
+    return {name: array.values for name, array in run.to_xarray().data_vars.items()}
+
+
+FILES = {
+    "scene.toml": File(
+        None, "scene.toml", lambda s, p: s.save(p), gb.RotorSystem.load, lambda s: s.description
+    ),
+    "scene.json": File(
+        None,
+        "scene.json",
+        lambda s, p: p.write_text(json.dumps(s.description), "utf-8"),
+        lambda p: gb.RotorSystem.from_dict(json.loads(p.read_text("utf-8"))),
+        lambda s: json.loads(json.dumps(s.description)),
+    ),
+    **{
+        f"run{suffix}": File(
+            "run", f"run{suffix}", lambda r, p: r.save(p), gb.Response.load, signals
+        )
+        for suffix in (".npz", ".nc")
+    },
+    **{
+        f"steady{suffix}": File(
+            "steady",
+            f"steady{suffix}",
+            lambda r, p: r.save(p),
+            gb.SteadyState.load,
+            lambda r: {**signals(r.response), "period": r.period, "residual": r.residual},
+        )
+        for suffix in (".npz", ".nc")
+    },
+    **{
+        f"branch{suffix}": File(
+            "branch",
+            f"branch{suffix}",
+            lambda r, p: r.save(p),
+            gb.Continuation.load,
+            lambda r: {"values": r.values, "stable": r.stable},
+        )
+        for suffix in (".npz", ".nc")
+    },
+    "sweep.sweep": File(
+        "sweep",
+        "s.sweep",
+        lambda r, p: r.save(p),
+        gb.Sweep.load,
+        lambda r: {"motion": of_data_set(r)},
+    ),
+    "sweep.nc": File(
+        "sweep", "s.nc", lambda r, p: r.save(p), load_data_set, lambda r: {"motion": of_data_set(r)}
+    ),
+    "sweep.csv": File(
+        "sweep", "s.csv", lambda r, p: r.save(p), load_table, lambda r: {"motion": of_data_set(r)}
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Command:
+    """Arguments of a command, and what its answer in JSON has to be beside the result of its analysis."""
+
+    analysis: str | None
+    arguments: Callable[[Machine, Path], list[Any]]
+    check: Callable[[dict[str, Any], Any, Machine, Path], None]
+
+
+COMMANDS = {
+    "check": Command(None, lambda _m, _p: [], check_checked),
+    "plot": Command(None, lambda _, p: ["--out", p / "train.png"], check_drawn),
+    "modes": Command(
+        "modes", lambda m, _: ["--speed", m.speed, "--count", COUNT], check_printed_modes
+    ),
+    "campbell": Command(
+        "campbell",
+        lambda m, p: [
+            *("--from", SHARES[0] * m.speed, "--to", SHARES[-1] * m.speed, "--points", len(SHARES)),
+            *("--count", COUNT, "--out", p / "campbell.png"),
+        ],
+        check_printed_campbell,
+    ),
+    "run": Command(
+        "run",
+        lambda m, p: [
+            *("--duration", 0.1 * turn(m.system, m.speed), "--speed", m.speed),
+            *("--record", "gears", "disks", "meshes", "--out", p / "run.npz"),
+        ],
+        check_printed_run,
+    ),
+    "steady": Command(
+        "steady",
+        lambda m, p: ["--speed", m.speed, "--record", "gears", "disks", "--out", p / "steady.npz"],
+        check_printed_steady,
+    ),
+    "tradeoff": Command(
+        "branch",
+        lambda m, _: [
+            *("--duration", 0.1 * turn(m.system, m.speed), "--speed", m.speed, "--budget", 2),
+            *("--signals", tradeoff_signal(m.system)),
+        ],
+        check_printed_tradeoff,
+    ),
 }
 
 CELLS = [(name, sense) for name, analysis in ANALYSES.items() for sense in analysis.senses]
+
+
+def is_slow(parameters: dict[str, Any]) -> bool:
+    """Tell whether a case needs an analysis that is expensive for its machine."""
+    machine, analysis = parameters.get("machine"), parameters.get("analysis")
+    if parameters.get("command") == "tradeoff":
+        return True
+    for table, kind in (
+        (FIGURES, "figure"),
+        (TABLES, "table"),
+        (FILES, "file"),
+        (COMMANDS, "command"),
+    ):
+        if kind in parameters:
+            analysis = table[parameters[kind]].analysis
+    return None not in (machine, analysis) and SIZES[machine] > ANALYSES[analysis].largest
 
 
 @pytest.fixture(scope="module", params=MACHINES)
@@ -213,19 +395,40 @@ def machine(request) -> Machine:
     return Machine(request.param)
 
 
-def obtain(machine: Machine, analysis: str, sense: int) -> Any:
+def obtain(machine: Machine, analysis: str, sense: int = 1) -> Any:
     return machine.result(analysis, sense, ANALYSES[analysis].compute)
 
 
+def applies(machine: Machine, analysis: str | None) -> bool:
+    """Tell whether a machine has a result of an analysis."""
+    if analysis is None:
+        return True
+    return ANALYSES[analysis].applies(machine.system) and machine.refusal(analysis, 1) is None
+
+
 @pytest.mark.parametrize(("analysis", "sense"), CELLS)
-def test_results_satisfy_their_equations(machine, analysis, sense):
-    result = obtain(machine, analysis, sense)
-    ANALYSES[analysis].check(machine.system, sense * machine.speed, result)
+def test_results_satisfy_their_equations(request, machine, analysis, sense):
+    fault = FAULTS.get((machine.name, f"{analysis} {'+' if sense > 0 else '-'}"))
+    if fault is not None:
+        request.applymarker(pytest.mark.xfail(reason=fault, raises=AssertionError))
+    given, speed = ANALYSES[analysis], sense * machine.speed
+    if not given.applies(machine.system):
+        return
+    refusal = machine.refusal(analysis, sense)
+    if refusal is not None:
+        with pytest.raises(refusal[0], match=refusal[1]):
+            given.compute(machine.system, speed)
+        return
+    given.check(machine.system, speed, obtain(machine, analysis, sense))
 
 
 @pytest.mark.parametrize("analysis", RESIDUALS)
 def test_results_know_their_residual(machine, analysis):
-    given = np.asarray(RESIDUALS[analysis](obtain(machine, analysis, 1)))
+    if not applies(machine, analysis):
+        return
+    given = np.concatenate(
+        [np.ravel(part) for part in RESIDUALS[analysis](obtain(machine, analysis))]
+    )
     assert np.all((given >= 0.0) & (given < 1e-6))
 
 
@@ -233,9 +436,9 @@ def test_results_know_their_residual(machine, analysis):
 def test_figures_show_every_part(machine, figure):
     pytest.importorskip("matplotlib")
     drawing, system = FIGURES[figure], machine.system
-    if drawing.meshes and not system.meshes:
+    if not (applies(machine, drawing.analysis) and drawing.needs(system)):
         return
-    result = None if drawing.analysis is None else obtain(machine, drawing.analysis, 1)
+    result = None if drawing.analysis is None else obtain(machine, drawing.analysis)
     drawn = drawing.draw(result, system)
     check_texts(drawn)
     assert len(drawn.axes) == drawing.panels(system)
@@ -247,12 +450,76 @@ def test_figures_show_every_part(machine, figure):
         texts += [text.get_text() for text in panel.texts]
     for name in drawing.names(system):
         assert any(name in text for text in texts), name
-    assert any("[" in text for text in texts), "no unit"
+    assert any("[" in text for text in texts) is drawing.units, "no unit"
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_tables_have_a_row_for_each_value(machine, table, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    given = TABLES[table]
+    if not applies(machine, given.analysis):
+        return
+    result = obtain(machine, given.analysis)
+    made = given.make(result)
+    assert len(made) >= given.rows(result)
+    numbers = made.select_dtypes("number")
+    assert numbers.shape[1] > 0
+    # a table as CSV keeps the numbers
+    made.to_csv(tmp_path / "table.csv")
+    read = pandas.read_csv(tmp_path / "table.csv")
+    for name in numbers:
+        # older versions of pandas read numbers with an error of the last digit
+        np.testing.assert_allclose(read[str(name)].to_numpy(), numbers[name].to_numpy(), rtol=1e-14)
+
+
+@pytest.mark.parametrize("analysis", TEXTS)
+def test_text_tables_name_their_rows(machine, analysis):
+    if not applies(machine, analysis):
+        return
+    text, names = TEXTS[analysis](obtain(machine, analysis))
+    assert len(text.splitlines()) >= 2 or not names
+    for name in names:
+        assert name in text
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_files_keep_everything(machine, file, tmp_path):
+    given = FILES[file]
+    if not applies(machine, given.analysis):
+        return
+    result = machine.system if given.analysis is None else obtain(machine, given.analysis)
+    given.write(result, tmp_path / given.name)
+    expected, found = given.keeps(result), given.keeps(given.read(tmp_path / given.name))
+    assert set(found) == set(expected)
+    for name, values in expected.items():
+        np.testing.assert_equal(found[name], values)
+
+
+@pytest.mark.parametrize("figure", ["history"])
+def test_a_run_becomes_an_animation(machine, figure, tmp_path):
+    pytest.importorskip("matplotlib")
+    run = obtain(machine, FIGURES[figure].analysis)
+    run.animate(tmp_path / "run.gif", duration=0.1, fps=10.0)
+    assert (tmp_path / "run.gif").read_bytes().startswith(b"GIF8")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_answer_as_the_package(machine, command, tmp_path, capsys):
+    given = COMMANDS[command]
+    if not applies(machine, given.analysis):
+        return
+    arguments = [command, machine.path, *given.arguments(machine, tmp_path), "--json"]
+    with pytest.raises(SystemExit) as end:
+        main([str(argument) for argument in arguments])
+    out, err = capsys.readouterr()
+    assert end.value.code == 0, err
+    result = None if given.analysis is None else obtain(machine, given.analysis)
+    given.check(json.loads(out), result, machine, tmp_path)
 
 
 @pytest.mark.parametrize("figure", ["campbell"])
 def test_a_diagram_has_every_mode_and_line(machine, figure):
-    campbell = obtain(machine, figure, 1)
+    campbell = obtain(machine, figure)
     upper, lower = campbell.plot().axes
     values = np.concatenate(
         [line.get_ydata() for line in upper.get_lines() if len(line.get_ydata()) > 2]
@@ -267,11 +534,7 @@ def test_a_diagram_has_every_mode_and_line(machine, figure):
 
 
 def test_the_list_of_machines_is_true(machine):
-    rows = [
-        [cell.strip() for cell in line.split("|")[1:-1]]
-        for line in (FOLDER / "README.md").read_text("utf-8").splitlines()
-        if line.startswith("| [")
-    ]
+    rows = rows_of_list()
     assert len(rows) == len(MACHINES)
     (row,) = [row for row in rows if row[0] == f"[{machine.name}.toml]({machine.name}.toml)"]
     system = machine.system

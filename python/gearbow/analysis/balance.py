@@ -20,6 +20,10 @@ from gearbow.errors import SceneError
 
 __all__ = ["Balance", "balance"]
 
+#: Unbalance of a trial run [kg m]. The response is linear; this one is small on every rotor,
+#: so that no displacement looks too large.
+_TRIAL = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class Balance(ReadOnly, Generic[S]):
@@ -128,7 +132,7 @@ def balance(  # numpydoc ignore=PR01
     if not np.all(speeds):
         raise SceneError(f"speed: must not be zero, got {speed!r}")
 
-    # Influence coefficients are amplitudes per 1 kg m, in a system with a node at every plane.
+    # Influence coefficients are amplitudes per unbalance, in a system with a node at every plane.
     base = _corrected(self, chosen, np.zeros(len(chosen), dtype=np.complex128))
     if points is None:
         nodes = dict.fromkeys(x for name, x, _ in nodal(base.dofs) if name == shaft)
@@ -146,11 +150,11 @@ def balance(  # numpydoc ignore=PR01
         "give fewer speeds, planes or points",
     )
     read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, target=target)
-    one = np.ones(1, dtype=np.complex128)
     before = read(base, "both")
-    still = read(base, "unbalance")
+    alone = _without_unbalance(base)
+    trial = np.full(1, _TRIAL, dtype=np.complex128)
     influence = np.stack(
-        [read(_corrected(base, (plane,), one), "unbalance") - still for plane in chosen],
+        [read(_corrected(alone, (plane,), trial), "unbalance") / _TRIAL for plane in chosen],
         axis=-1,
     )
     table = influence.reshape(-1, len(chosen))
@@ -199,6 +203,13 @@ def _corrected(system: S, planes: Iterable[At], unbalances: ComplexArray) -> S:
         body = bodies[kind][i]
         bodies[kind][i] = replace(body, unbalance=body.unbalance + unbalance)
     return variant(system, **bodies)
+
+
+def _without_unbalance(system: S) -> S:
+    """Remove the unbalances of all bodies, so that a trial unbalance is not a small difference."""
+    gears = [replace(gear, unbalance=0.0) for gear in system.gears]
+    disks = [replace(disk, unbalance=0.0) for disk in system.disks]
+    return variant(system, gears=gears, disks=disks)
 
 
 def _shaft(system: System, planes: Sequence[At]) -> str:

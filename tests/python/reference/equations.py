@@ -179,7 +179,7 @@ class Balance:
     """Mean forces on each shaft and housing at rest or in a run: y, z, x and the torque about x.
 
     `terms` has one row for each force. The sum of the rows of one body is zero at equilibrium; in a run it is the change of the
-    momentum over the time.
+    momentum over the time. Without lateral motion, only the torques balance.
     """
 
     def __init__(
@@ -191,6 +191,7 @@ class Balance:
     ) -> None:
         """`rows` are the times of a run to which the mean belongs."""
         self.system, self.motion, self.rows = system, motion, rows
+        self.kinds = {kind for _, _, kind in system.dofs}
         self.ratio = dict(zip((s.name for s in system.shafts), system.speed_ratios, strict=True))
         self.terms: dict[str, list[Array]] = {}
         self._weights()
@@ -205,7 +206,8 @@ class Balance:
         """Largest sum of a component, relative to the sum of the magnitudes of all forces, or of all torques."""
         rows = np.array(self.terms[body])
         load = np.array([*3 * [np.abs(rows[:, :3]).sum()], np.abs(rows[:, 3]).sum()])
-        return float((np.abs(rows.sum(axis=0)) / np.where(load > 0.0, load, 1.0)).max())
+        shares = np.abs(rows.sum(axis=0)) / np.where(load > 0.0, load, 1.0)
+        return float(shares[0 if "v" in self.kinds else 3 :].max())
 
     def _add(self, body: str, y=0.0, z=0.0, x=0.0, torque=0.0) -> None:
         row = [float(np.mean(value)) for value in (y, z, x, torque)]
@@ -233,10 +235,12 @@ class Balance:
         for disk in self.system.disks:
             self._add(disk.shaft, z=-gravity * disk.mass)
         for gear in self.system.gears:
-            # a solid steel disk with the diameter of the reference circle
-            assert gear.mass is None
-            diameter = gear.module * gear.teeth / np.cos(gear.helix_angle)
-            self._add(gear.shaft, z=-gravity * 7850.0 * np.pi / 4.0 * diameter**2 * gear.face_width)
+            mass = gear.mass
+            if mass is None:
+                # a solid steel disk with the diameter of the reference circle
+                diameter = gear.module * gear.teeth / np.cos(gear.helix_angle)
+                mass = 7850.0 * np.pi / 4.0 * diameter**2 * gear.face_width
+            self._add(gear.shaft, z=-gravity * mass)
         for body in self._carriers():
             self._add(body.name, z=-gravity * body.mass)
 
@@ -255,7 +259,7 @@ class Balance:
 
     def _tilt(self, gear: gb.Gear) -> Array:
         """Slopes of a gear along y and z; they are neglected in a run, which does not record them."""
-        if not isinstance(self.motion, gb.Static):
+        if not isinstance(self.motion, gb.Static) or "B" not in self.kinds:
             return np.zeros(2)
         at = {dof: i for i, dof in enumerate(self.system.dofs)}
         b, g = (self.motion.state[at[gear.shaft, gear.position, kind]] for kind in "BG")
@@ -320,8 +324,8 @@ class Balance:
         def apart(measure):
             return self._taken(measure(coupling.b)) - self._taken(measure(coupling.a))
 
-        v, w = apart(self.motion.displacement)
-        along = apart(self.motion.axial) if any(dof[2] == "u" for dof in self.system.dofs) else 0.0
+        v, w = apart(self.motion.displacement) if "v" in self.kinds else np.zeros(2)
+        along = apart(self.motion.axial) if "u" in self.kinds else 0.0
         pull = (
             lateral * (v + complex(coupling.offset).real),
             lateral * (w + complex(coupling.offset).imag),
