@@ -336,7 +336,8 @@ impl<'m> Search<'m> {
                 Ok(next) => {
                     let [before, after] = self.norms([point, &next]);
                     let approaches = || -> Result<bool, EquilibriumError> {
-                        let [step, left] = [step, &self.step(factors, &next.residual)?].map(|q| self.at_rest.bodies.size(q));
+                        let [step, left] =
+                            [step, &self.step(factors, &next.residual)?].map(|q| self.at_rest.bodies.size(q));
                         Ok(left <= step * (1.0 - fraction * SUFFICIENT_APPROACH))
                     };
                     if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) || approaches()? {

@@ -101,14 +101,18 @@ impl PyModel {
         !self.model().meshes.is_empty()
     }
 
-    /// Expected error of mesh forces, or of displacements without meshes, with these elements.
-    fn expected_error(&self, py: Python<'_>) -> PyResult<f64> {
-        if let Some(known) = self.expected_error.get() {
+    /// Expected error of mesh forces, or of displacements without meshes, with these elements; with a speed [rad/s], at this
+    /// speed.
+    #[pyo3(signature = (speed=None))]
+    fn expected_error(&self, py: Python<'_>, speed: Option<f64>) -> PyResult<f64> {
+        let known = if speed.is_none() { self.expected_error.get() } else { None };
+        if let Some(known) = known {
             return Ok(*known);
         }
         let resolved = self.resolved.clone();
-        let error = self.run(py, Dense::Undamped, move |cached, _| analysis::expected_error(&resolved, cached))?;
-        Ok(*self.expected_error.get_or_init(|| error))
+        let error =
+            self.run(py, Dense::Undamped, move |cached, _| analysis::expected_error(&resolved, cached, speed))?;
+        Ok(if speed.is_none() { *self.expected_error.get_or_init(|| error) } else { error })
     }
 
     fn to_toml(&self) -> PyResult<String> {
