@@ -47,6 +47,8 @@ const MAX_START_ITERATIONS: usize = 20;
 const START_TOLERANCE: f64 = 0.03;
 /// Largest unbalanced force of a shaft over its load.
 const MAX_RESIDUAL: f64 = 1e-6;
+/// Smallest increment of the part of the load that acts.
+const LEAST_LOAD_INCREMENT: f64 = 1.0 / 128.0;
 /// Largest number of iterations. A smooth problem takes three to five, a loaded journal or rolling bearing up to twenty.
 const MAX_ITERATIONS: usize = 60;
 /// Eccentricity ratio below which a journal carries no load.
@@ -111,7 +113,7 @@ pub fn equilibrium(
     let load = &model.constant_load + model.speed_torques(speed);
     let null = null_motions(model, speed)?;
     check_balance(model, &null, &load, speed)?;
-    let search = Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null));
+    let mut search = Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null));
     let q = search.run(&load)?;
     let residuals = search.at_rest.residuals(&q)?;
     if residuals.iter().all(|residual| *residual <= MAX_RESIDUAL) { Ok(q) } else { Err(unconverged(model, &residuals)) }
@@ -247,10 +249,39 @@ impl<'m> Search<'m> {
         Ok((if check_journals(model, &q, 0.0..1.0).is_ok() { q } else { zero }, flanks))
     }
 
-    /// Newton's method from [`Self::start`].
-    fn run(&self, load: &DVector<f64>) -> Result<DVector<f64>, EquilibriumError> {
+    /// The equilibrium under `load`: from [`Self::start`], or where this fails, from the equilibria under parts of all loads that
+    /// increase (continuation; Allgower and Georg, Numerical Continuation Methods, 1990, section 1.2). Each starts from the one
+    /// before.
+    fn run(&mut self, load: &DVector<f64>) -> Result<DVector<f64>, EquilibriumError> {
+        let mut end = match self.newton(load, self.start()?) {
+            Err(end @ (EquilibriumError::Overlap { .. } | EquilibriumError::Convergence(_))) => end,
+            other => return other.map(|(q, _)| q),
+        };
+        let (mut part, mut increment, mut known) = (0.0, 0.5, None);
+        while part < 1.0 && increment >= LEAST_LOAD_INCREMENT {
+            let next = f64::min(part + increment, 1.0);
+            self.at_rest.load_factor = next;
+            let start = if let Some(known) = &known { Clone::clone(known) } else { self.start()? };
+            match self.newton(load, start) {
+                Ok(found) => (part, increment, known) = (next, 2.0 * increment, Some(found)),
+                Err(EquilibriumError::Decomposition(error)) => return Err(error.into()),
+                Err(error) => (end, increment) = (error, increment / 2.0),
+            }
+        }
+        self.at_rest.load_factor = 1.0;
+        match known {
+            Some((q, _)) if part == 1.0 => Ok(q),
+            _ => Err(end),
+        }
+    }
+
+    /// Newton's method from displacements and flanks, and those that it finds.
+    fn newton(
+        &self,
+        load: &DVector<f64>,
+        (q, mut flanks): (DVector<f64>, Vec<Flank>),
+    ) -> Result<(DVector<f64>, Vec<Flank>), EquilibriumError> {
         let (model, bodies) = (&*self.at_rest.model, &self.at_rest.bodies);
-        let (q, mut flanks) = self.start()?;
         let mut point = self.at(q, &flanks, Laws::Exact)?;
         let mut previous = f64::INFINITY;
         let mut factors: Option<CoupledFactors> = None;
@@ -274,7 +305,7 @@ impl<'m> Search<'m> {
                 if is_final {
                     check_constraints(&point.carried, load)?;
                     check_journals(model, &point.q, UNLOADED..CLOSEST)?;
-                    return Ok(point.q);
+                    return Ok((point.q, flanks));
                 }
                 continue;
             }

@@ -2,7 +2,8 @@
 //!
 //! The teeth of a mesh with the stiffness k(t) and the transmission error e(t) excite the force k(t)(δ − e(t)) − k̄δ at the
 //! static deflection δ. A mode with the deflection g of the mesh responds to a harmonic of the force, P at the frequency Ω,
-//! with the amplitude −gP/(ω² − Ω² + icΩ). Elements change ω. The response is linear: a strong variation of the stiffness
+//! with the amplitude −gP/(ω² − Ω² + icΩ). Elements change ω, but not the flexibility g²/ω²: displacements of nodes under
+//! static forces at nodes are exact. The response is linear: a strong variation of the stiffness
 //! also excites the modes of its phases (`super::contact_phases`).
 
 use num_complex::Complex64;
@@ -70,7 +71,7 @@ pub(super) fn harmonics_error(
             let error = search.frequency_error(frequency, &energy, &elements.lengths, &elements.degrees);
             let meshes = model.meshes.iter().enumerate();
             ShiftedMode {
-                exact: frequency * (1.0 - error),
+                exact: frequency / (1.0 + error),
                 given: frequency,
                 // A resonance without damping grows for the time T, as one with this damping.
                 damping: damping(model, frequency, shape).max(2.0 / TIME),
@@ -124,9 +125,10 @@ fn add_harmonics(model: &Model, mesh: usize, modes: &[ShiftedMode<'_>], speed: f
         let amplitudes: Vec<[Complex64; 2]> = modes
             .iter()
             .map(|mode| {
+                let flexible = -force * mode.deflections[mesh] / mode.given.powi(2);
                 let amplitude = |natural: f64| {
-                    let stiffness = Complex64::new(natural * natural - frequency * frequency, mode.damping * frequency);
-                    -force * mode.deflections[mesh] / stiffness
+                    let square = natural * natural;
+                    flexible * square / Complex64::new(square - frequency * frequency, mode.damping * frequency)
                 };
                 let exact = amplitude(mode.exact);
                 [amplitude(mode.given) - exact, exact]
