@@ -13,7 +13,7 @@ use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
 use super::{background, frequency, simulate, speed};
 use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
-use crate::analysis::{self, AnalysisError, Dense, Kept, product};
+use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
 use crate::model::Model;
@@ -105,14 +105,15 @@ impl PyModel {
     /// speed.
     #[pyo3(signature = (speed=None))]
     fn expected_error(&self, py: Python<'_>, speed: Option<f64>) -> PyResult<f64> {
-        let known = if speed.is_none() { self.expected_error.get() } else { None };
-        if let Some(known) = known {
-            return Ok(*known);
+        if let (Some(choice), None) = (&self.resolved.choice, speed) {
+            return Ok(choice.expected_error);
+        }
+        if let Some(errors) = self.element_errors.get() {
+            return Ok(errors.expected(speed));
         }
         let resolved = self.resolved.clone();
-        let error =
-            self.run(py, Dense::Undamped, move |cached, _| analysis::expected_error(&resolved, cached, speed))?;
-        Ok(if speed.is_none() { *self.expected_error.get_or_init(|| error) } else { error })
+        let errors = self.run(py, Dense::Undamped, move |cached, _| ElementErrors::new(&resolved, cached))?;
+        Ok(self.element_errors.get_or_init(|| errors).expected(speed))
     }
 
     fn to_toml(&self) -> PyResult<String> {

@@ -12,7 +12,7 @@
 //! The model whose modes are examined must meet the level itself. Otherwise the chosen elements are examined in turn.
 //!
 //! The speed is not known when the elements are chosen. At a speed at which a harmonic of the tooth frequency is close to a
-//! natural frequency, one mode dominates the motion, and its error is that of the motion. [`expected_error`] knows the speed.
+//! natural frequency, one mode dominates the motion, and its error is that of the motion. [`ElementErrors`] know the speed.
 
 mod excited_modes;
 mod layout;
@@ -26,7 +26,7 @@ use super::{AnalysisError, Interrupt};
 use excited_modes::{Excitation, ExcitedMode, excitation};
 use layout::Layout;
 use std::sync::Arc;
-use tooth_harmonics::harmonics_error;
+use tooth_harmonics::ToothResponse;
 use variation::Probe;
 use varying_loads::highest_tone;
 
@@ -200,38 +200,52 @@ fn at_tabulated_speed(model: Model) -> Result<Model, SceneError> {
     model.at_tabulated_speed(model.lowest_speed().unwrap_or(0.0))
 }
 
-/// Expected error of mesh forces, or of displacements in a scene without meshes, with the elements of a model: RMS of the
-/// difference over RMS of the variation. With a constant speed of the reference shaft, rad/s, it contains the response to
-/// the harmonics of the tooth frequency.
-///
-/// # Errors
-/// [`AnalysisError`] if the modes cannot be computed.
-pub fn expected_error(resolved: &Resolved, cached: &CachedModel, speed: Option<f64>) -> Result<f64, AnalysisError> {
-    let known = resolved.choice.as_ref().map(|choice| choice.expected_error);
-    if let (Some(known), None) = (known, speed) {
-        return Ok(known);
+/// Errors to expect of the elements of a model.
+#[derive(Debug)]
+pub struct ElementErrors {
+    /// Error at any speed.
+    error: f64,
+    /// The response to the teeth, which have a harmonic close to a natural frequency at some speeds; none without meshes.
+    teeth: Option<ToothResponse>,
+}
+
+impl ElementErrors {
+    /// The errors of the elements of a model.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the modes cannot be computed.
+    pub fn new(resolved: &Resolved, cached: &CachedModel) -> Result<Self, AnalysisError> {
+        let (given, scene) = (&resolved.description, &cached.model.scene);
+        let automatic: Vec<usize> = (0..scene.shafts.len()).collect();
+        // Every node counts as a place of a part, so that the elements are those of the model.
+        let layouts: Vec<Layout> =
+            given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
+        let phases = contact_phases(at_tabulated_speed(cached.model.clone())?);
+        if !cached.model.lacks_coefficients() {
+            phases[0].share(cached);
+        }
+        let known = resolved.choice.as_ref().map(|choice| choice.expected_error);
+        let excitations = if known.is_none() { excitations(&phases)? } else { Vec::new() };
+        let search = Search {
+            given,
+            automatic: &automatic,
+            layouts: &layouts,
+            excitations: &excitations,
+            weight: displacement_weight(Resolution::Engineering, &cached.model),
+            model: &cached.model,
+        };
+        let elements = search.uniform(1, f64::INFINITY);
+        let has_teeth = !cached.model.meshes.is_empty();
+        let teeth = has_teeth.then(|| ToothResponse::new(&search, &phases[0], &elements)).transpose()?;
+        Ok(Self { error: known.unwrap_or(elements.error), teeth })
     }
-    let (given, scene) = (&resolved.description, &cached.model.scene);
-    let automatic: Vec<usize> = (0..scene.shafts.len()).collect();
-    // Every node counts as a place of a part, so that the elements are those of the model.
-    let layouts: Vec<Layout> =
-        given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
-    let phases = contact_phases(at_tabulated_speed(cached.model.clone())?);
-    if !cached.model.lacks_coefficients() {
-        phases[0].share(cached);
+
+    /// Expected error of mesh forces, or of displacements in a scene without meshes: RMS of the difference over RMS of the
+    /// variation. At a constant speed of the reference shaft, rad/s, it contains the response to the teeth.
+    pub fn expected(&self, speed: Option<f64>) -> f64 {
+        let at_speed = self.teeth.as_ref().zip(speed.filter(|speed| *speed != 0.0));
+        at_speed.map_or(self.error, |(teeth, speed)| self.error.max(teeth.error(speed))).min(1.0)
     }
-    let excitations = if known.is_none() { excitations(&phases)? } else { Vec::new() };
-    let search = Search {
-        given,
-        automatic: &automatic,
-        layouts: &layouts,
-        excitations: &excitations,
-        weight: displacement_weight(Resolution::Engineering, &cached.model),
-        model: &cached.model,
-    };
-    let elements = search.uniform(1, f64::INFINITY);
-    let at_speed = speed.map_or(Ok(0.0), |speed| harmonics_error(&search, &phases[0], &elements, speed))?;
-    Ok(known.unwrap_or(elements.error).max(at_speed).min(1.0))
 }
 
 /// Weight of the errors of displacements beside those of mesh forces: the ratio of the permitted errors, and a safety
