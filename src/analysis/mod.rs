@@ -28,7 +28,7 @@ pub use interrupt::Interrupt;
 pub use memory::{Dense, Kept, product};
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
-pub use resolution::{Choice, Resolved, expected_error, resolve, resolve_variation};
+pub use resolution::{Choice, ElementErrors, Resolved, resolve, resolve_variation};
 pub use responses::{Response, Responses, memory_of_responses, synchronous};
 pub use stability::Spectrum;
 pub use synchronous::{ExcitationPart, SourceResponse, bearing_forces, bow};

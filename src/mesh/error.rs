@@ -26,6 +26,13 @@ impl ErrorCurve {
         }
     }
 
+    /// Part of the transmission error that has the period of the teeth, m, at an angle of the driver, rad.
+    pub fn of_teeth(&self, angle: f64) -> f64 {
+        let cycles = self.teeth * angle / (2.0 * PI);
+        let [(harmonics, _), ..] = &self.harmonics;
+        harmonics.at(cycles).0 + self.table.as_ref().map_or(0.0, |table| table.at(cycles).0)
+    }
+
     /// Transmission error e, m, and its rate, m/s.
     pub fn at(&self, phases: &[ShaftPhase; 2]) -> (f64, f64) {
         let [driver, driven] = phases;

@@ -6,7 +6,32 @@ use super::helix::Helix;
 use super::involute::{LineOfAction, Overlap};
 use super::pose::{Directions, Geometry, RelativeMotion, dot};
 
+/// The teeth at an angle of the driver, with the centres at rest.
+#[derive(Clone, Copy, Debug)]
+pub struct TeethAtAngle {
+    /// Stiffness of the pairs in contact, N/m.
+    pub stiffness: f64,
+    /// Part of the transmission error that has the period of the teeth, m.
+    pub error: f64,
+}
+
 impl GearMesh {
+    /// The teeth at `count` equally spaced angles of one tooth cycle.
+    pub fn tooth_cycle(&self, sigma: f64, count: usize) -> Vec<TeethAtAngle> {
+        let Self { involute, teeth, error, .. } = self;
+        let path = involute.path_at_rest();
+        let cycle = path.pitch / involute.base_radius[0];
+        let at = |i: usize| {
+            let angle = cycle * i as f64 / count as f64;
+            let position = involute.position(sigma, angle, involute.angle_at_rest(), involute.pressure_angle_at_rest());
+            TeethAtAngle {
+                stiffness: teeth.at(&path, position),
+                error: error.as_ref().map_or(0.0, |error| error.of_teeth(angle)),
+            }
+        };
+        (0..count).map(at).collect()
+    }
+
     /// Deflection δ for small displacements `q`, along the line of action at rest, m.
     pub fn deflection_at_rest(&self, sigma: f64, q: &[f64]) -> f64 {
         let relative = self.position(Geometry::Frozen, q);

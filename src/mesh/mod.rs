@@ -16,4 +16,5 @@ pub use contact_path::ContactPath;
 pub use gear_mesh::GearMesh;
 pub use helix::Helix;
 pub use involute::{Centres, Involute, LineOfAction, Overlap};
+pub use mean::TeethAtAngle;
 pub use pose::{Directions, Geometry, MeshCoordinates, MeshPose, RelativeMotion};

@@ -36,6 +36,8 @@ const TANGENT_REUSE_RATIO: f64 = 1e-2;
 /// Part of the decrease that the tangent predicts which a step must reach (Armijo's condition; Nocedal and Wright, Numerical
 /// Optimization, 2nd ed., 2006, section 11.2).
 const SUFFICIENT_DECREASE: f64 = 1e-4;
+/// Part of a step by which the distance from the equilibrium must decrease (Deuflhard, algorithm NLEQ-ERR).
+const SUFFICIENT_APPROACH: f64 = 0.25;
 /// Smallest fraction of a Newton step.
 const LEAST_FRACTION: f64 = 1e-6;
 /// Largest number of iterations for the displacements with which Newton's method starts.
@@ -45,6 +47,8 @@ const MAX_START_ITERATIONS: usize = 20;
 const START_TOLERANCE: f64 = 0.03;
 /// Largest unbalanced force of a shaft over its load.
 const MAX_RESIDUAL: f64 = 1e-6;
+/// Smallest increment of the part of the load that acts.
+const LEAST_LOAD_INCREMENT: f64 = 1.0 / 128.0;
 /// Largest number of iterations. A smooth problem takes three to five, a loaded journal or rolling bearing up to twenty.
 const MAX_ITERATIONS: usize = 60;
 /// Eccentricity ratio below which a journal carries no load.
@@ -109,7 +113,7 @@ pub fn equilibrium(
     let load = &model.constant_load + model.speed_torques(speed);
     let null = null_motions(model, speed)?;
     check_balance(model, &null, &load, speed)?;
-    let search = Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null));
+    let mut search = Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null));
     let q = search.run(&load)?;
     let residuals = search.at_rest.residuals(&q)?;
     if residuals.iter().all(|residual| *residual <= MAX_RESIDUAL) { Ok(q) } else { Err(unconverged(model, &residuals)) }
@@ -195,47 +199,90 @@ impl<'m> Search<'m> {
         points.map(|point| self.at_rest.bodies.norm(&point.forces, &point.residual, &loads))
     }
 
-    /// Displacements with which Newton's method starts: zero without nonlinear bearings, and where the search fails.
+    /// Displacements and flanks with which Newton's method starts: zero displacements without nonlinear bearings and backlash, and
+    /// where the search fails.
     ///
     /// With nonlinear bearings, forces are better known than displacements: they are nearly those of the lever. Each iteration solves
     /// the system with the tangents of the bearings where they carry the forces found before. Thus journals stay within their
-    /// clearance, and rolling elements are in contact.
-    fn start(&self, flanks: &[Flank]) -> Result<DVector<f64>, EquilibriumError> {
+    /// clearance, and rolling elements are in contact. The flanks follow from the torques: a flank that would have to pull gives
+    /// forces in another direction than the opposite one, under which there may be no equilibrium.
+    fn start(&self) -> Result<(DVector<f64>, Vec<Flank>), EquilibriumError> {
         let model = &*self.at_rest.model;
         let zero = DVector::zeros(model.len());
+        let mut flanks = vec![Flank::Drive; model.meshes.len()];
         let bearings = &model.nonlinear_bearings;
-        if bearings.is_empty() {
-            return Ok(zero);
+        if bearings.is_empty() && model.meshes.iter().all(|mesh| mesh.backlash.is_none()) {
+            return Ok((zero, flanks));
         }
         let mut tangents: Vec<BearingTangent> =
             bearings.iter().map(|bearing| BearingTangent::elastic(bearing.initial_stiffness)).collect();
         let mut q = zero.clone();
         for _ in 0..MAX_START_ITERATIONS {
-            let point = match self.at(q.clone(), flanks, Laws::Tangents(&tangents)) {
-                Err(EquilibriumError::Overlap { .. }) => return Ok(zero),
+            let point = match self.at(q.clone(), &flanks, Laws::Tangents(&tangents)) {
+                Err(EquilibriumError::Overlap { .. }) => return Ok((zero, flanks)),
                 other => other?,
             };
             q += self.step(&self.tangent_factors(&point.tangent, 0.0)?, &point.residual)?;
             let mut distance = 0.0;
             for (tangent, bearing) in tangents.iter_mut().zip(bearings) {
                 let u = bearing.scalars(q.as_slice());
-                let Some(found) = tangent.towards(u, bearing, self.at_rest.speeds.film) else { return Ok(zero) };
+                let Some(found) = tangent.towards(u, bearing, self.at_rest.speeds.film) else {
+                    return Ok((zero, flanks));
+                };
                 *tangent = found;
                 let [y, z] = found.displacement;
                 distance = f64::max(distance, (u[0] - y).hypot(u[1] - z) / y.hypot(z).max(f64::MIN_POSITIVE));
             }
-            if distance <= START_TOLERANCE {
+            let pressed = match pressed_flanks(&self.at_rest, &flanks, &q) {
+                Err(EquilibriumError::Overlap { .. }) => return Ok((zero, flanks)),
+                other => other?,
+            };
+            // Whether both flanks are pressed depends on displacements that are known better at the end of the search.
+            let one = |(before, after): (&Flank, &Flank)| if *after == Flank::Both { *before } else { *after };
+            let loaded: Vec<Flank> = flanks.iter().zip(&pressed).map(one).collect();
+            let is_known = loaded == flanks;
+            flanks = loaded;
+            if distance <= START_TOLERANCE && is_known {
                 break;
             }
         }
-        Ok(if check_journals(model, &q, 0.0..1.0).is_ok() { q } else { zero })
+        Ok((if check_journals(model, &q, 0.0..1.0).is_ok() { q } else { zero }, flanks))
     }
 
-    /// Newton's method from [`Self::start`].
-    fn run(&self, load: &DVector<f64>) -> Result<DVector<f64>, EquilibriumError> {
+    /// The equilibrium under `load`: from [`Self::start`], or where this fails, from the equilibria under parts of all loads that
+    /// increase (continuation; Allgower and Georg, Numerical Continuation Methods, 1990, section 1.2). Each starts from the one
+    /// before.
+    fn run(&mut self, load: &DVector<f64>) -> Result<DVector<f64>, EquilibriumError> {
+        let mut end = match self.newton(load, self.start()?) {
+            Err(end @ (EquilibriumError::Overlap { .. } | EquilibriumError::Convergence(_))) => end,
+            other => return other.map(|(q, _)| q),
+        };
+        let (mut part, mut increment, mut known) = (0.0, 0.5, None);
+        while part < 1.0 && increment >= LEAST_LOAD_INCREMENT {
+            let next = f64::min(part + increment, 1.0);
+            self.at_rest.load_factor = next;
+            let start = if let Some(known) = &known { Clone::clone(known) } else { self.start()? };
+            match self.newton(load, start) {
+                Ok(found) => (part, increment, known) = (next, 2.0 * increment, Some(found)),
+                Err(EquilibriumError::Decomposition(error)) => return Err(error.into()),
+                Err(error) => (end, increment) = (error, increment / 2.0),
+            }
+        }
+        self.at_rest.load_factor = 1.0;
+        match known {
+            Some((q, _)) if part == 1.0 => Ok(q),
+            _ => Err(end),
+        }
+    }
+
+    /// Newton's method from displacements and flanks, and those that it finds.
+    fn newton(
+        &self,
+        load: &DVector<f64>,
+        (q, mut flanks): (DVector<f64>, Vec<Flank>),
+    ) -> Result<(DVector<f64>, Vec<Flank>), EquilibriumError> {
         let (model, bodies) = (&*self.at_rest.model, &self.at_rest.bodies);
-        let mut flanks = vec![Flank::Drive; model.meshes.len()];
-        let mut point = self.at(self.start(&flanks)?, &flanks, Laws::Exact)?;
+        let mut point = self.at(q, &flanks, Laws::Exact)?;
         let mut previous = f64::INFINITY;
         let mut factors: Option<CoupledFactors> = None;
         let mut overlap = None;
@@ -258,12 +305,12 @@ impl<'m> Search<'m> {
                 if is_final {
                     check_constraints(&point.carried, load)?;
                     check_journals(model, &point.q, UNLOADED..CLOSEST)?;
-                    return Ok(point.q);
+                    return Ok((point.q, flanks));
                 }
                 continue;
             }
             previous = size;
-            let advance = match self.advance(&point, &flanks, &step) {
+            let advance = match self.advance(&known, &point, &flanks, &step) {
                 Err(EquilibriumError::Overlap { .. }) if is_old => None,
                 other => other?,
             };
@@ -295,12 +342,18 @@ impl<'m> Search<'m> {
         Ok(step)
     }
 
-    /// The point after the largest fraction of a step that reduces the unbalanced forces; none if no fraction does.
+    /// The point after the largest fraction of a step that reduces the unbalanced forces or the distance from the equilibrium; none
+    /// if no fraction does.
+    ///
+    /// The distance is the next step with the same factors (natural monotonicity test; Deuflhard, Newton Methods for Nonlinear
+    /// Problems, 2004, section 3.3.1). Where a large motion has small curvature along stiff coordinates, forces grow on steps
+    /// that come closer to the equilibrium.
     ///
     /// # Errors
     /// [`EquilibriumError::Overlap`] if no fraction does, and base circles overlap after the larger ones.
     fn advance(
         &self,
+        factors: &CoupledFactors,
         point: &Point,
         flanks: &[Flank],
         step: &DVector<f64>,
@@ -313,7 +366,12 @@ impl<'m> Search<'m> {
                 Err(error) => return Err(error),
                 Ok(next) => {
                     let [before, after] = self.norms([point, &next]);
-                    if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) {
+                    let approaches = || -> Result<bool, EquilibriumError> {
+                        let [step, left] =
+                            [step, &self.step(factors, &next.residual)?].map(|q| self.at_rest.bodies.size(q));
+                        Ok(left <= step * (1.0 - fraction * SUFFICIENT_APPROACH))
+                    };
+                    if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) || approaches()? {
                         return Ok(Some(Advance { next, ratio: after / before, overlap }));
                     }
                 }

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use super::background;
 use super::errors::warn;
-use crate::analysis::{self, AnalysisError, Dense, Interrupt, Resolved};
+use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Interrupt, Resolved};
 use crate::modal::CachedModel;
 use crate::model::Model;
 use crate::scene::{Node, Scene, SceneDescription};
@@ -21,8 +21,8 @@ pub struct PyModel {
     pub resolved: Resolved,
     /// The assembled model with its cached modes, shared with the threads that analyse it.
     pub cached: Arc<CachedModel>,
-    /// Expected error of the elements, computed on first use.
-    pub expected_error: OnceLock<f64>,
+    /// Errors to expect of the elements, computed on first use.
+    pub element_errors: OnceLock<ElementErrors>,
     /// Whether the warning about ill-conditioning has been issued.
     warned: AtomicBool,
 }
@@ -70,7 +70,7 @@ impl PyModel {
             resolved,
             cached: Arc::new(cached),
             warned: AtomicBool::new(false),
-            expected_error: OnceLock::new(),
+            element_errors: OnceLock::new(),
         }
     }
 

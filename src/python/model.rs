@@ -13,7 +13,7 @@ use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
 use super::{background, frequency, simulate, speed};
 use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
-use crate::analysis::{self, AnalysisError, Dense, Kept, product};
+use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
 use crate::model::Model;
@@ -101,14 +101,19 @@ impl PyModel {
         !self.model().meshes.is_empty()
     }
 
-    /// Expected error of mesh forces, or of displacements without meshes, with these elements.
-    fn expected_error(&self, py: Python<'_>) -> PyResult<f64> {
-        if let Some(known) = self.expected_error.get() {
-            return Ok(*known);
+    /// Expected error of mesh forces, or of displacements without meshes, with these elements; with a speed [rad/s], at this
+    /// speed.
+    #[pyo3(signature = (speed=None))]
+    fn expected_error(&self, py: Python<'_>, speed: Option<f64>) -> PyResult<f64> {
+        if let (Some(choice), None) = (&self.resolved.choice, speed) {
+            return Ok(choice.expected_error);
+        }
+        if let Some(errors) = self.element_errors.get() {
+            return Ok(errors.expected(speed));
         }
         let resolved = self.resolved.clone();
-        let error = self.run(py, Dense::Undamped, move |cached, _| analysis::expected_error(&resolved, cached))?;
-        Ok(*self.expected_error.get_or_init(|| error))
+        let errors = self.run(py, Dense::Undamped, move |cached, _| ElementErrors::new(&resolved, cached))?;
+        Ok(self.element_errors.get_or_init(|| errors).expected(speed))
     }
 
     fn to_toml(&self) -> PyResult<String> {

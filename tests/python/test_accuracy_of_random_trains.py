@@ -96,10 +96,12 @@ KINDS = (
 
 
 def drawn(seed: int) -> Case:
-    """Draw a pair, or a serial train of three shafts."""
+    """Draw a pair, or a serial train of three or four shafts; every seventh one is undamped."""
     random = np.random.default_rng([29, seed])
     kind = KINDS[seed % len(KINDS)]
     count = int(random.choice([2, 2, 3]))
+    count = 4 if seed % 5 == 4 else count
+    is_damped = seed % 7 != 2
     is_helical, is_bowed = random.random() < 0.5, random.random() < 0.7
     has_backlash, has_error = random.random() < 0.5, random.random() < 0.5
     helix = float(random.uniform(0.1, 0.4)) if is_helical else 0.0
@@ -134,7 +136,7 @@ def drawn(seed: int) -> Case:
             meshes.append((f"a{i - 1}", f"b{i}"))
         if i < count - 1:
             gear(f"a{i}", i, float(places[1]), int(random.integers(18, 30)))
-        damping = float(random.uniform(200.0, 1500.0))
+        damping = float(random.uniform(200.0, 1500.0)) * is_damped
         lateral = float(10 ** random.uniform(7.5, 8.6))
         bearings += [
             gb.Bearing(
@@ -143,7 +145,7 @@ def drawn(seed: int) -> Case:
                 stiffness=lateral,
                 damping=damping,
                 axial_stiffness=1e8 if is_helical else None,
-                axial_damping=500.0 if is_helical else None,
+                axial_damping=500.0 * is_damped if is_helical else None,
             )
             for x in (0.0, length)
         ]
@@ -159,7 +161,7 @@ def drawn(seed: int) -> Case:
             gb.Mesh(
                 *pair,
                 stiffness=teeth,
-                damping_ratio=float(random.uniform(0.02, 0.08)),
+                damping_ratio=float(random.uniform(0.02, 0.08)) * is_damped,
                 centre_line_angle=float(random.uniform(0.0, 6.0)),
                 backlash=1e-4 if has_backlash else None,
                 error=error if has_error else None,
@@ -172,7 +174,7 @@ def drawn(seed: int) -> Case:
             gb.Torque.balance(f"b{count - 1}"),
         ],
         gravity=9.81,
-        modal_damping=float(random.choice([0.005, 0.01, 0.02])),
+        modal_damping=float(random.choice([0.005, 0.01, 0.02])) * is_damped,
     )
     features = [
         kind,
@@ -180,7 +182,12 @@ def drawn(seed: int) -> Case:
         "helical" if is_helical else "spur",
         *(
             name
-            for name, has in (("backlash", has_backlash), ("error", has_error), ("bow", is_bowed))
+            for name, has in (
+                ("backlash", has_backlash),
+                ("error", has_error),
+                ("bow", is_bowed),
+                ("undamped", not is_damped),
+            )
             if has
         ),
     ]

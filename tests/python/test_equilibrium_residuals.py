@@ -208,7 +208,7 @@ def scene(seed: int) -> gb.RotorSystem:
             gb.Torque(("s0", 0.0), torque),
             gb.Torque.balance((f"s{count - 1}", 0.0)),
         ]
-    if on_box:
+    if any(one.support == "box" for one in parts["bearings"]):
         axial = {"axial_stiffness": 1e8} if helix else {}
         parts["housings"] = [
             gb.Housing(

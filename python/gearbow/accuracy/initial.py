@@ -47,14 +47,13 @@ def check_initial_state(model: Model, options: Mapping[str, Any]) -> None:
     profile = read_speed(options["speed"])
     speed = float(profile(begin)) if isinstance(profile, SpeedProfile) else profile
     static = model.static(options["geometry"], speed)
-    _check(
-        "the forces at the static equilibrium do not balance", speed, static.get("residual", 0.0)
-    )
+    unbalanced = [residual for _, residual in static["residuals"]]
+    _check("the forces at the static equilibrium do not balance", speed, unbalanced)
     motion = [static["state"], np.zeros_like(static["state"])]
     if initial == "synchronous":
         response = model.synchronous(np.array([speed]))
         problem = "the synchronous response does not satisfy the equations of motion"
-        _check(problem, speed, response.get("residuals", 0.0))
+        _check(problem, speed, response["residuals"])
         spins = speed * model.speed_ratios
         angle = profile.angle(begin) if isinstance(profile, SpeedProfile) else speed * begin
         phasors = np.exp(1j * model.speed_ratios * angle)

@@ -88,13 +88,16 @@ class Level:
             )
         return sentence
 
-    def coarse(self, model: Model) -> str | None:
+    def coarse(self, model: Model, speed: float | None) -> str | None:
         """Say why the elements of a system are too coarse for the level.
 
         Parameters
         ----------
         model : Model
             The system.
+        speed : float or None
+            Constant speed of the reference shaft [rad/s]; None if the speed changes, so that
+            resonances are passed.
 
         Returns
         -------
@@ -102,18 +105,21 @@ class Level:
             The reason; None if the elements are fine enough.
         """
         permitted = self.mesh_force if model.has_meshes else self.displacement
+        expected = model.expected_error()
         if model.choice is not None:
             resolution = LEVELS[model.choice[0]]
-            if resolution.mesh_force <= self.mesh_force and model.choice[1] <= permitted:
-                return None
             reason = f"they have the resolution {resolution.name!r}"
-            if resolution.mesh_force <= self.mesh_force:
+            is_finer = resolution.mesh_force <= self.mesh_force
+            if is_finer:
                 reason += " with the largest number of coordinates that gearbow chooses"
-        elif model.expected_error() <= permitted:
-            return None
         else:
-            reason = "the shafts give their numbers"
-        return f"{reason}, and an expected error of {model.expected_error():.0e}"
+            reason, is_finer = "the shafts give their numbers", True
+        if is_finer and expected <= permitted:
+            expected = expected if speed is None else model.expected_error(speed)
+            if expected <= permitted:
+                return None
+            reason = f"the teeth excite natural frequencies at {speed:g} rad/s"
+        return f"{reason}, and an expected error of {expected:.0e}"
 
     def finer(self, model: Model) -> str:
         """Say how to get elements that are fine enough for the level.
@@ -129,7 +135,10 @@ class Level:
             The advice.
         """
         if model.choice is not None and LEVELS[model.choice[0]].mesh_force <= self.mesh_force:
-            return "compare `response.errors`, which often is below it, or give the shafts elements"
+            finer = [name for name in LEVELS if LEVELS[name].mesh_force < self.mesh_force]
+            more = f"resolution={finer[0]!r} to RotorSystem, or " if finer else ""
+            advice = "compare `response.errors`, which often is below it"
+            return f"{advice}, or give {more}the shafts elements"
         return (
             f"leave out the numbers of elements, and give resolution={self.name!r} to RotorSystem"
         )

@@ -187,7 +187,7 @@ class Simulation(LinearAnalyses):
         given = {"method": method, "step": step, "rtol": rtol}
         if accuracy is not None:
             given |= {"stages": stages}
-        level, coarse = system._level(accuracy, given)
+        level, coarse = system._level(accuracy, given, profile)
         rtol = rtol if level is None else level.rtol
         if method is None:
             method = "exponential"
@@ -239,7 +239,7 @@ class Simulation(LinearAnalyses):
         return self._model.default_output_step(duration, plain_speed(given), 0.0)
 
     def _level(
-        self, accuracy: str | None, given: Mapping[str, Any]
+        self, accuracy: str | None, given: Mapping[str, Any], speed: SpeedProfile | float
     ) -> tuple[Level | None, str | None]:
         """Find the accuracy level, and why the elements are too coarse for it.
 
@@ -247,7 +247,8 @@ class Simulation(LinearAnalyses):
         response says it.
         """
         level = find_level(accuracy, given)
-        coarse = None if level is None else level.coarse(self._model)
+        constant = speed if isinstance(speed, float) else None
+        coarse = None if level is None else level.coarse(self._model, constant)
         if accuracy is not None and level is not None and coarse is not None:
             message = (
                 f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; "

@@ -124,7 +124,7 @@ class SteadyAnalyses(Simulation):
         given = {"method": None, "step": step, "rtol": rtol}
         if accuracy is not None:
             given |= {"stages": stages}
-        level, coarse = system._level(accuracy, given)
+        level, coarse = system._level(accuracy, given, speed)
         arguments: dict[str, Any] = {
             "duration": period,
             "speed": plain_speed(given_speed(speed, begin, period)),

@@ -1,10 +1,12 @@
 //! The modes that the teeth excite: frequency, damping, amplitude, and the elastic energy in each part of the shafts.
 
+use std::borrow::Cow;
+
 use super::varying_loads::{VaryingLoad, varying_loads};
 use crate::connection::Row;
 use crate::linalg::DecompositionError;
 use crate::mesh::GearMesh;
-use crate::modal::CachedModel;
+use crate::modal::{CachedModel, RealModes};
 use crate::model::{Model, RodChain, ShaftModel};
 
 /// Step of a mesh force, relative to the static force, that its teeth excite. A pair of teeth that engages without
@@ -54,18 +56,8 @@ pub struct Excitation {
 /// starts from rest, and of both to loads over time. Without meshes, also that of the shafts to a uniform and a linear acceleration of each shaft.
 pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError> {
     let model = &cached.model;
-    let of_loads;
-    let modes = if model.len() < LARGE_MODEL {
-        cached.real_modes(0.0)?
-    } else {
-        let loads = loads(model);
-        of_loads = cached.modes_of_loads(0.0, &loads, MIN_VECTORS.max(VECTORS_PER_LOAD * loads.len()))?;
-        &of_loads
-    };
-    let elastic = (modes.null..modes.frequencies.len()).filter(|column| modes.frequencies[*column] > 0.0);
-    let elastic: Vec<(f64, &[f64])> = elastic
-        .map(|column| (modes.frequencies[column], &modes.vectors.as_slice()[column * model.len()..][..model.len()]))
-        .collect();
+    let modes = examined_modes(cached)?;
+    let elastic = elastic_modes(&modes);
     let (mut signals, mut squares) = (Vec::new(), vec![Vec::new(); elastic.len()]);
     for mesh in 0..model.meshes.len() {
         add_mesh(model, mesh, &elastic, &mut signals, &mut squares);
@@ -88,9 +80,31 @@ pub fn excitation(cached: &CachedModel) -> Result<Excitation, DecompositionError
         frequency: *frequency,
         damping: damping(model, *frequency, shape),
         squares,
-        energy: model.shafts.iter().map(|shaft| elastic_energy(shaft, shape).map(|e| e / frequency.powi(2))).collect(),
+        energy: energy(model, *frequency, shape),
     });
     Ok(Excitation { modes: modes.collect(), signals })
+}
+
+/// The undamped modes of a small model, or those of a large one that the loads excite.
+pub(super) fn examined_modes(cached: &CachedModel) -> Result<Cow<'_, RealModes>, DecompositionError> {
+    let model = &cached.model;
+    if model.len() < LARGE_MODEL {
+        return cached.real_modes(0.0).map(Cow::Borrowed);
+    }
+    let loads = loads(model);
+    cached.modes_of_loads(0.0, &loads, MIN_VECTORS.max(VECTORS_PER_LOAD * loads.len())).map(Cow::Owned)
+}
+
+/// Frequencies, rad/s, and shapes of the modes that have one.
+pub(super) fn elastic_modes(modes: &RealModes) -> Vec<(f64, &[f64])> {
+    let n = modes.vectors.nrows();
+    let elastic = (modes.null..modes.frequencies.len()).filter(|column| modes.frequencies[*column] > 0.0);
+    elastic.map(|column| (modes.frequencies[column], &modes.vectors.as_slice()[column * n..][..n])).collect()
+}
+
+/// Fractions of the elastic energy of a mode in the bending, in the torsion and in the axial strain of each shaft.
+pub(super) fn energy(model: &Model, frequency: f64, shape: &[f64]) -> Vec<[f64; 3]> {
+    model.shafts.iter().map(|shaft| elastic_energy(shaft, shape).map(|e| e / frequency.powi(2))).collect()
 }
 
 /// The loads that [`excitation`] counts, n entries each.
@@ -233,7 +247,7 @@ fn released_loads(model: &Model) -> Vec<Vec<f64>> {
 }
 
 /// φᵀCφ of a mode, 1/s.
-fn damping(model: &Model, frequency: f64, shape: &[f64]) -> f64 {
+pub(super) fn damping(model: &Model, frequency: f64, shape: &[f64]) -> f64 {
     let meshes = model.meshes.iter().enumerate();
     let of_mesh = |(index, mesh): (usize, &GearMesh)| {
         mesh.damping * mesh.deflection_at_rest(model.sigma(index, 0.0), shape).powi(2)
@@ -241,7 +255,7 @@ fn damping(model: &Model, frequency: f64, shape: &[f64]) -> f64 {
     model.damping_form(shape) + 2.0 * model.scene.modal_damping * frequency + meshes.map(of_mesh).sum::<f64>()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

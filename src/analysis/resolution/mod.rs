@@ -6,11 +6,17 @@
 //! amplitude, and how fast they decay. An element changes the natural frequencies. Within the
 //! time T, the change Δω of a frequency becomes a phase error Δω·T, unless damping decays the mode before. The expected
 //! error is the RMS of the difference between the step responses with ω and with ω + Δω, relative to the RMS of the
-//! response. Of all degrees and element lengths that meet the level, those with the fewest coordinates are chosen; then
-//! the degree of single shafts and the number of elements of single segments decrease while the level is met.
+//! response. A mesh has its least, its mean and its largest stiffness: between two engagements of teeth, the modes are those
+//! of the momentary stiffness. Of all degrees and element lengths that meet the level, those with the fewest coordinates are
+//! chosen; then the degree of single shafts and the number of elements of single segments decrease while the level is met.
+//! The model whose modes are examined must meet the level itself. Otherwise the chosen elements are examined in turn.
+//!
+//! The speed is not known when the elements are chosen. At a speed at which a harmonic of the tooth frequency is close to a
+//! natural frequency, one mode dominates the motion, and its error is that of the motion. [`ElementErrors`] know the speed.
 
 mod excited_modes;
 mod layout;
+mod tooth_harmonics;
 mod variation;
 mod varying_loads;
 
@@ -20,10 +26,13 @@ use super::{AnalysisError, Interrupt};
 use excited_modes::{Excitation, ExcitedMode, excitation};
 use layout::Layout;
 use std::sync::Arc;
+use tooth_harmonics::ToothResponse;
 use variation::Probe;
 use varying_loads::highest_tone;
 
 use crate::element::{BendingFunction, rod_degrees};
+use crate::linalg::DecompositionError;
+use crate::mesh::GearMesh;
 use crate::modal::CachedModel;
 use crate::model::Model;
 use crate::scene::description::Resolution;
@@ -52,6 +61,10 @@ const FINE_DISPLACEMENT_SAFETY: f64 = 2.0;
 const FINER: f64 = 0.8;
 /// Number of element lengths that are examined.
 const LENGTHS: usize = 16;
+/// Largest number of models that are examined until one meets the level.
+const MAX_PROBES: usize = 4;
+/// Number of positions in a tooth cycle among which the least and the largest stiffness are sought.
+const CYCLE_POSITIONS: usize = 64;
 /// Largest number of coordinates that is chosen.
 const MAX_COORDINATES: usize = 1200;
 /// Relative error of a natural frequency that counts as resolved.
@@ -103,43 +116,78 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
         Resolution::Draft | Resolution::Engineering => (PROBE_DEGREE, PROBE_LENGTH),
     };
     let tone = highest_tone(&scene);
-    let probe = with_elements(given, &automatic, |i| {
+    let first = |i: usize| {
         let shaft = &scene.shafts[automatic[i]];
         let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius).fold(f64::INFINITY, f64::min);
         let longest = (probe_length * diameter).max(shaft.length() / PROBE_ELEMENTS);
-        (layouts[i].counts_for(tone, longest, probe_degree), probe_degree)
-    });
-    let model = Model::new(Scene::new(&probe)?)?;
-    let permitted_error = permitted(level, model.meshes.is_empty());
-    interrupt.check()?;
-    let known = at_tabulated_speed(model.clone()).map(CachedModel::new).ok();
-    let known = known.and_then(|cached| excitation(&cached).ok().map(|excitation| (cached, excitation)));
-    let Some((cached, excitation)) = known else {
-        // Tables without a common speed, or a decomposition that fails: an analysis of the scene reports it.
-        let choice = Choice { level, expected_error: f64::NAN, permitted_error, highest_frequency: f64::NAN };
-        return Ok(Resolved { description: probe, choice: Some(choice), probe: None });
+        (layouts[i].counts_for(tone, longest, probe_degree), given.shafts[automatic[i]].degree.unwrap_or(probe_degree))
     };
-    let weight = displacement_weight(level, &cached.model);
-    let search = Search {
-        given,
-        automatic: &automatic,
-        layouts: &layouts,
-        excitation: &excitation,
-        weight,
-        model: &cached.model,
+    let (mut counts, mut degrees): (Vec<Vec<usize>>, Vec<usize>) = (0..automatic.len()).map(first).unzip();
+    let mut examined = 0;
+    loop {
+        examined += 1;
+        interrupt.check()?;
+        let probe = with_elements(given, &automatic, |i| (counts[i].clone(), degrees[i]));
+        let model = Model::new(Scene::new(&probe)?)?;
+        let permitted_error = permitted(level, model.meshes.is_empty());
+        let known = at_tabulated_speed(model.clone()).map(contact_phases).ok();
+        let known = known.and_then(|phases| excitations(&phases).ok().map(|excitations| (phases, excitations)));
+        let Some((phases, excitations)) = known else {
+            // Tables without a common speed, or a decomposition that fails: an analysis of the scene reports it.
+            let choice = Choice { level, expected_error: f64::NAN, permitted_error, highest_frequency: f64::NAN };
+            return Ok(Resolved { description: probe, choice: Some(choice), probe: None });
+        };
+        let search = Search {
+            given,
+            automatic: &automatic,
+            layouts: &layouts,
+            excitations: &excitations,
+            weight: displacement_weight(level, &model),
+            model: &model,
+        };
+        let best = search.best(permitted_error, interrupt)?;
+        let is_accurate = search.candidate(degrees, counts).error <= permitted_error;
+        (counts, degrees) = (best.counts, best.degrees);
+        // Elements that do not meet the level have the largest number of coordinates: the next model is not better.
+        if !is_accurate && best.error <= permitted_error && examined < MAX_PROBES {
+            continue;
+        }
+        let highest = |i: usize| layouts[i].highest_frequency(&best.lengths[i], degrees[i], RESOLVED);
+        let choice = Choice {
+            level,
+            expected_error: best.error.min(1.0),
+            permitted_error,
+            highest_frequency: (0..layouts.len()).map(highest).fold(f64::INFINITY, f64::min),
+        };
+        let description = with_elements(given, &automatic, |i| (counts[i].clone(), degrees[i]));
+        let probe = Probe { description: probe, model, phases, automatic, layouts, counts, degrees };
+        return Ok(Resolved { description, choice: Some(choice), probe: Some(Arc::new(probe)) });
+    }
+}
+
+/// The model with the mean, the least and the largest stiffness of its meshes over the tooth cycle; the model alone if none
+/// varies.
+fn contact_phases(model: Model) -> Vec<CachedModel> {
+    let range = |(index, mesh): (usize, &GearMesh)| {
+        let cycle = mesh.tooth_cycle(model.sigma(index, 0.0), CYCLE_POSITIONS);
+        let stiffnesses = cycle.iter().map(|teeth| teeth.stiffness);
+        // Teeth with a contact ratio below 1 separate in every cycle: no mode describes this.
+        let stiffnesses = stiffnesses.filter(|stiffness| *stiffness > 0.0);
+        stiffnesses.fold([mesh.stiffness; 2], |[least, most], k| [k.min(least), k.max(most)])
     };
-    let best = search.best(permitted_error, interrupt)?;
-    let highest = |i: usize| layouts[i].highest_frequency(&best.lengths[i], best.degrees[i], RESOLVED);
-    let choice = Choice {
-        level,
-        expected_error: best.error.min(1.0),
-        permitted_error,
-        highest_frequency: (0..layouts.len()).map(highest).fold(f64::INFINITY, f64::min),
+    let ranges: Vec<[f64; 2]> = model.meshes.iter().enumerate().map(range).collect();
+    let with = |bound: usize| {
+        let mut model = model.clone();
+        model.meshes.iter_mut().zip(&ranges).for_each(|(mesh, range)| mesh.stiffness = range[bound]);
+        model
     };
-    let description = with_elements(given, &automatic, |i| (best.counts[i].clone(), best.degrees[i]));
-    let (counts, degrees) = (best.counts, best.degrees);
-    let probe = Probe { description: probe, model, cached, automatic, layouts, counts, degrees };
-    Ok(Resolved { description, choice: Some(choice), probe: Some(Arc::new(probe)) })
+    let varies = model.meshes.iter().any(|mesh| !mesh.teeth.is_constant());
+    let bounds = if varies { vec![with(0), with(1)] } else { Vec::new() };
+    [model].into_iter().chain(bounds).map(CachedModel::new).collect()
+}
+
+fn excitations(phases: &[CachedModel]) -> Result<Vec<Excitation>, DecompositionError> {
+    phases.iter().map(excitation).collect()
 }
 
 /// The model with the bearing coefficients of the lowest speed that all tables contain. Nonlinear bearings have a stiffness
@@ -152,35 +200,52 @@ fn at_tabulated_speed(model: Model) -> Result<Model, SceneError> {
     model.at_tabulated_speed(model.lowest_speed().unwrap_or(0.0))
 }
 
-/// Expected error of mesh forces, or of displacements in a scene without meshes, with the elements of a model: RMS of the
-/// difference over RMS of the variation.
-///
-/// # Errors
-/// [`AnalysisError`] if the modes cannot be computed.
-pub fn expected_error(resolved: &Resolved, cached: &CachedModel) -> Result<f64, AnalysisError> {
-    if let Some(choice) = &resolved.choice {
-        return Ok(choice.expected_error);
+/// Errors to expect of the elements of a model.
+#[derive(Debug)]
+pub struct ElementErrors {
+    /// Error at any speed.
+    error: f64,
+    /// The response to the teeth, which have a harmonic close to a natural frequency at some speeds; none without meshes.
+    teeth: Option<ToothResponse>,
+}
+
+impl ElementErrors {
+    /// The errors of the elements of a model.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if the modes cannot be computed.
+    pub fn new(resolved: &Resolved, cached: &CachedModel) -> Result<Self, AnalysisError> {
+        let (given, scene) = (&resolved.description, &cached.model.scene);
+        let automatic: Vec<usize> = (0..scene.shafts.len()).collect();
+        // Every node counts as a place of a part, so that the elements are those of the model.
+        let layouts: Vec<Layout> =
+            given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
+        let phases = contact_phases(at_tabulated_speed(cached.model.clone())?);
+        if !cached.model.lacks_coefficients() {
+            phases[0].share(cached);
+        }
+        let known = resolved.choice.as_ref().map(|choice| choice.expected_error);
+        let excitations = if known.is_none() { excitations(&phases)? } else { Vec::new() };
+        let search = Search {
+            given,
+            automatic: &automatic,
+            layouts: &layouts,
+            excitations: &excitations,
+            weight: displacement_weight(Resolution::Engineering, &cached.model),
+            model: &cached.model,
+        };
+        let elements = search.uniform(1, f64::INFINITY);
+        let has_teeth = !cached.model.meshes.is_empty();
+        let teeth = has_teeth.then(|| ToothResponse::new(&search, &phases[0], &elements)).transpose()?;
+        Ok(Self { error: known.unwrap_or(elements.error), teeth })
     }
-    let (given, scene) = (&resolved.description, &cached.model.scene);
-    let automatic: Vec<usize> = (0..scene.shafts.len()).collect();
-    // Every node counts as a place of a part, so that the elements are those of the model.
-    let layouts: Vec<Layout> =
-        given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
-    let excitation = if !cached.model.lacks_coefficients() {
-        excitation(cached)
-    } else {
-        excitation(&CachedModel::new(at_tabulated_speed(cached.model.clone())?))
-    }?;
-    let weight = displacement_weight(Resolution::Engineering, &cached.model);
-    let search = Search {
-        given,
-        automatic: &automatic,
-        layouts: &layouts,
-        excitation: &excitation,
-        weight,
-        model: &cached.model,
-    };
-    Ok(search.uniform(1, f64::INFINITY).error.min(1.0))
+
+    /// Expected error of mesh forces, or of displacements in a scene without meshes: RMS of the difference over RMS of the
+    /// variation. At a constant speed of the reference shaft, rad/s, it contains the response to the teeth.
+    pub fn expected(&self, speed: Option<f64>) -> f64 {
+        let at_speed = self.teeth.as_ref().zip(speed.filter(|speed| *speed != 0.0));
+        at_speed.map_or(self.error, |(teeth, speed)| self.error.max(teeth.error(speed))).min(1.0)
+    }
 }
 
 /// Weight of the errors of displacements beside those of mesh forces: the ratio of the permitted errors, and a safety
@@ -234,7 +299,8 @@ struct Search<'a> {
     automatic: &'a [usize],
     /// Their segments.
     layouts: &'a [Layout],
-    excitation: &'a Excitation,
+    /// Signals and modes for each stiffness of the meshes.
+    excitations: &'a [Excitation],
     /// Weight of the errors of displacements beside those of mesh forces.
     weight: f64,
     model: &'a Model,
@@ -352,9 +418,14 @@ impl Search<'_> {
         usize::from(scene.lateral) * bending + (usize::from(scene.torsion) + usize::from(scene.axial)) * rod
     }
 
-    /// Expected error of the worst load: RMS of the difference between the step responses.
+    /// Expected error of the worst load and stiffness of the meshes: RMS of the difference between the step responses.
     fn error(&self, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> f64 {
-        let Excitation { signals, modes } = self.excitation;
+        let errors = self.excitations.iter().map(|excitation| self.step_error(excitation, lengths, degrees));
+        SAFETY * errors.fold(0.0, f64::max)
+    }
+
+    fn step_error(&self, excitation: &Excitation, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> f64 {
+        let Excitation { signals, modes } = excitation;
         let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * TIME]).collect();
         for mode in modes {
             let [difference, response] = self.squares(mode, lengths, degrees);
@@ -367,22 +438,33 @@ impl Search<'_> {
             let weight = if signal.displacement { self.weight } else { 1.0 };
             weight * (difference / response.max(f64::MIN_POSITIVE)).sqrt()
         });
-        SAFETY * relative.fold(0.0, f64::max)
+        relative.fold(0.0, f64::max)
     }
 
     /// Integrals over T of the squares of e^{−ct/2}(cos ωt − cos(ω + Δω)t) and of e^{−ct/2} cos ωt, without their fast
     /// oscillation, s.
     fn squares(&self, mode: &ExcitedMode, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> [f64; 2] {
+        let change = mode.frequency * self.frequency_error(mode.frequency, &mode.energy, lengths, degrees);
+        let (response, cosine) = (decay(mode.damping), decaying_cosine(mode.damping, change));
+        [response - cosine, response / 2.0]
+    }
+
+    /// Relative error of the frequency of a mode, from its fractions of elastic energy; at most 1.
+    fn frequency_error(
+        &self,
+        frequency: f64,
+        energy: &[[f64; 3]],
+        lengths: &[Vec<Vec<f64>>],
+        degrees: &[usize],
+    ) -> f64 {
         let mut error = 0.0;
         for (i, layout) in self.layouts.iter().enumerate() {
-            let errors = layout.frequency_errors(&lengths[i], degrees[i], mode.frequency);
-            let energy = mode.energy[self.automatic[i]];
+            let errors = layout.frequency_errors(&lengths[i], degrees[i], frequency);
+            let energy = energy[self.automatic[i]];
             // Without axial motion its energy is zero, and the sum that of the other two.
             error += errors[0] * energy[0] + errors[1] * energy[1] + errors[2] * energy[2];
         }
-        let change = mode.frequency * error.min(1.0);
-        let (response, cosine) = (decay(mode.damping), decaying_cosine(mode.damping, change));
-        [response - cosine, response / 2.0]
+        f64::min(error, 1.0)
     }
 }
 

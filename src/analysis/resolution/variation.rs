@@ -1,8 +1,9 @@
 //! Elements of a scene that differs from another one in loads only: those of the other scene, if they meet the level.
 
-use super::excited_modes::excitation;
 use super::layout::Layout;
-use super::{Choice, Resolved, Search, at_tabulated_speed, displacement_weight, with_elements};
+use super::{
+    Choice, Resolved, Search, at_tabulated_speed, contact_phases, displacement_weight, excitations, with_elements,
+};
 use crate::modal::CachedModel;
 use crate::model::Model;
 use crate::scene::{Scene, SceneDescription, SceneError};
@@ -14,8 +15,8 @@ pub(super) struct Probe {
     pub description: SceneDescription,
     /// The assembled model.
     pub model: Model,
-    /// The same at the speed of its modes.
-    pub cached: CachedModel,
+    /// The same at the speed of its modes, for each stiffness of its meshes.
+    pub phases: Vec<CachedModel>,
     /// Indices of the shafts whose elements are chosen.
     pub automatic: Vec<usize>,
     /// Segments of these shafts.
@@ -39,13 +40,13 @@ pub fn resolve_variation(given: &SceneDescription, base: &Resolved) -> Result<Op
     let Some(model) = probe.model.with_loads(Scene::new(&with_elements_of(given, &probe.description))?)? else {
         return Ok(None);
     };
-    let cached = CachedModel::new(at_tabulated_speed(model)?);
-    cached.share(&probe.cached);
-    let Ok(excitation) = excitation(&cached) else {
+    let phases = contact_phases(at_tabulated_speed(model)?);
+    phases.iter().zip(&probe.phases).for_each(|(phase, known)| phase.share(known));
+    let Ok(excitations) = excitations(&phases) else {
         return Ok(None);
     };
-    let (model, weight) = (&cached.model, displacement_weight(choice.level, &cached.model));
-    let search = Search { given, automatic, layouts, excitation: &excitation, weight, model };
+    let (model, weight) = (&phases[0].model, displacement_weight(choice.level, &phases[0].model));
+    let search = Search { given, automatic, layouts, excitations: &excitations, weight, model };
     let error = search.candidate(degrees.clone(), counts.clone()).error;
     if error > choice.permitted_error || error.is_nan() {
         return Ok(None);

@@ -7,7 +7,7 @@ use nalgebra::{Complex, DMatrix};
 use super::super::AnalysisError;
 use super::super::synchronous::synchronous_in;
 use super::initial::{Start, start_amplitudes};
-use super::run_cache::StartKey;
+use super::run_cache::{ResponseKey, RunCache, StartKey};
 use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
@@ -57,18 +57,28 @@ impl<'m> ModalSetup<'m> {
         };
         // At a changing speed, bow and unbalance are loads, and no shaft is a source of synchronous motion.
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
-        for shaft in motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))) {
-            let amplitude = match subspace {
-                Some(subspace) => synchronous_in(subspace, cached, speed, speed, shaft)?,
-                None => match linear.synchronous(motion.spin(shaft), &motion.rotating_forces(shaft)) {
-                    Some(found) => found,
+        let sources: Vec<usize> = motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))).collect();
+        if let Some(subspace) = subspace {
+            for shaft in sources {
+                amplitudes.set_column(shaft, &synchronous_in(subspace, cached, speed, speed, shaft)?);
+            }
+        } else {
+            let key = ResponseKey {
+                linear: Arc::clone(&linear),
+                spins: sources.iter().map(|shaft| motion.spin(*shaft)).collect(),
+                forces: sources.iter().map(|shaft| motion.rotating_forces(*shaft)).collect(),
+            };
+            let known = cached.run_results::<RunCache>();
+            let responses = known.responses.get_or(key.clone(), || key.responses());
+            for (shaft, response) in sources.into_iter().zip(responses.iter()) {
+                match response {
+                    Some(found) => amplitudes.set_column(shaft, found),
                     None => {
                         let key = StartKey { speed, flank_speed: speed, uses_components: false };
-                        start_amplitudes(cached, key)?.column(shaft).into_owned()
+                        amplitudes.set_column(shaft, &start_amplitudes(cached, key)?.column(shaft));
                     }
-                },
-            };
-            amplitudes.set_column(shaft, &amplitude);
+                }
+            }
         }
         let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
         let (mut nonlinear_loads, mut maps) = loads.map_err(|(mesh, overlap)| {

@@ -4,11 +4,11 @@
 
 use std::sync::{Arc, Mutex};
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::known_reduction::{KnownReduction, ReductionKey};
 use crate::exponential::{PropagatorCache, PropagatorKey};
-use crate::modal::Recent;
+use crate::modal::{ModalStateSpace, Recent};
 
 /// Number of settings whose propagators and reductions are kept: they take most of the memory, see docs/limits.md.
 const SETTINGS: usize = 2;
@@ -24,6 +24,32 @@ pub(super) struct StartKey {
     pub uses_components: bool,
 }
 
+/// What the synchronous responses of a linear motion read: the arguments of [`ModalStateSpace::synchronous`].
+#[derive(Clone, Debug)]
+pub(super) struct ResponseKey {
+    /// The linear motion ż = A z.
+    pub linear: Arc<ModalStateSpace>,
+    /// Angular velocity of each source, rad/s.
+    pub spins: Vec<f64>,
+    /// Force of each source at the shaft angles 0 and π/2 as entries (index, value), N and N m.
+    pub forces: Vec<[Vec<(usize, f64)>; 2]>,
+}
+
+impl PartialEq for ResponseKey {
+    fn eq(&self, other: &Self) -> bool {
+        // Two computations of one linear motion have the same entries, but comparing these takes long.
+        Arc::ptr_eq(&self.linear, &other.linear) && self.spins == other.spins && self.forces == other.forces
+    }
+}
+
+impl ResponseKey {
+    /// The response to each source; none where the linear motion gives none.
+    pub fn responses(&self) -> Arc<Vec<Option<DVector<Complex<f64>>>>> {
+        let sources = self.spins.iter().zip(&self.forces);
+        Arc::new(sources.map(|(spin, force)| self.linear.synchronous(*spin, force)).collect())
+    }
+}
+
 /// Complex amplitudes of the synchronous motion, m and rad: one column for each source shaft.
 pub(super) type Amplitudes = Arc<DMatrix<Complex<f64>>>;
 
@@ -34,6 +60,8 @@ pub(super) struct RunCache {
     pub propagators: Recent<Arc<PropagatorKey>, Arc<PropagatorCache>, SETTINGS>,
     /// Synchronous motions at the start.
     pub start_amplitudes: Recent<StartKey, Amplitudes>,
+    /// Synchronous responses of the linear motion; they keep this in memory, as the propagators do.
+    pub responses: Recent<ResponseKey, Arc<Vec<Option<DVector<Complex<f64>>>>>, SETTINGS>,
     /// Reductions with their measured errors.
     pub reductions: Recent<ReductionKey, KnownReduction, SETTINGS>,
     /// Reductions that variations of the model share; none for a run that fails or is not reduced. One variation finds them,

@@ -175,6 +175,13 @@ impl Stiffness {
         }
     }
 
+    /// Stiffness at a position on a path of contact, m, if all touching pairs carry, N/m.
+    pub fn at(&self, path: &ContactPath, position: f64) -> f64 {
+        let path = ContactPath { position, ..*path };
+        // Tip relief is small beside this deflection, m.
+        self.elastic_state(|| path, path.engaged(), 1.0).stiffness
+    }
+
     /// Upper bound of the stiffness, N/m.
     pub fn largest(&self, path: &ContactPath) -> f64 {
         match self {

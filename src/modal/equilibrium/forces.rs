@@ -218,6 +218,8 @@ pub(super) struct AtRest<'m> {
     pub bodies: Bodies,
     /// Given loads, weights, and torques over the speed, n entries each.
     loads: [DVector<f64>; 3],
+    /// The part of the loads that acts.
+    pub load_factor: f64,
 }
 
 impl<'m> AtRest<'m> {
@@ -228,7 +230,7 @@ impl<'m> AtRest<'m> {
             Cow::Owned(model.clone().without_points())
         };
         let loads = [model.given_load(), model.weight(), model.speed_torques(speeds.flanks)];
-        Self { bodies: Bodies::new(&model), model, geometry, speeds, loads }
+        Self { bodies: Bodies::new(&model), model, geometry, speeds, loads, load_factor: 1.0 }
     }
 
     /// The forces at displacements q. Calls `visit` with the tangent of the connections, which is complete for given flanks.
@@ -245,7 +247,7 @@ impl<'m> AtRest<'m> {
         let zero = || DVector::zeros(q.len());
         let mut forces = Forces { external: zero(), acting: zero(), elastic: zero(), round_off: zero() };
         for load in &self.loads {
-            load.iter().enumerate().for_each(|(index, force)| forces.add(index, *force));
+            load.iter().enumerate().for_each(|(index, force)| forces.add(index, self.load_factor * force));
         }
         forces.add_elements(&self.model, q.as_slice());
         forces.add_connections(self, (contacts, laws), q.as_slice(), visit)?;
