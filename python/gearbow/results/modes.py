@@ -42,8 +42,8 @@ class Modes(ReadOnly):
         Complex eigenvalues [1/s].
     residuals : ndarray, shape (m,)
         Residual of the equations of motion for each mode: the force [λ²M + λ(C + ΩG) + K] φ
-        relative to the forces in the mode, both in the energy norm of K + |λ|²M. A relative error
-        of an eigenvalue or a shape causes a residual of this size.
+        relative to the forces in the mode, both in the energy norm of ``K + |λ|²M``. A relative
+        error of an eigenvalue or a shape causes a residual of this size.
     speed : float
         Speed of the reference shaft [rad/s].
     dofs : tuple of (str, float or (float, float), str)

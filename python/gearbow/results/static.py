@@ -109,7 +109,7 @@ class Static(ReadOnly):
         by the length of the shaft, and those of a housing by that of the longest shaft. The load is
         the sum of the sizes of all forces of weight, torques, bearings, meshes, couplings and other
         loads on the shaft, and at least 1e-6 of the largest load of all. At a degree of freedom the
-        round-off of elastic forces, 8 ε Σ|K||q| with ε = 2.2e-16, does not count.
+        round-off of elastic forces, ``8 ε Σ|K||q|`` with ε = 2.2e-16, does not count.
 
         Returns
         -------

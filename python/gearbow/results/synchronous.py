@@ -44,9 +44,9 @@ class Synchronous(ReadOnly):
         Speed [rad/s] of the subtracted slow-roll amplitudes; None if none were subtracted.
     residuals : ndarray, shape (speeds,)
         Relative residual of the equations of motion at each speed, the largest of all sources: the
-        backward error max |f − S a|/(|S| |a| + |f|) over the degrees of freedom, with the dynamic
-        stiffness S and the force f; of a large system with modal damping, the part of the response
-        in the energy norm.
+        backward error ``max |f − S a|/(|S| |a| + |f|)`` over the degrees of freedom, with the
+        dynamic stiffness S and the force f; of a large system with modal damping, the part of the
+        response in the energy norm.
     coordinates : Coordinates
         Degrees of freedom of the system.
     description : mapping

@@ -33,7 +33,7 @@ class StabilityThreshold(Shown):
     above : {"unstable", "stable"}
         The mode at higher speeds. Unstable means a negative damping ratio: each disturbance grows.
     residual : float
-        The larger one of |Re λ|/|λ| and the residual of the mode, as `Modes.residuals`.
+        The larger one of ``|Re λ|/|λ|`` and the residual of the mode, as `Modes.residuals`.
 
     Examples
     --------

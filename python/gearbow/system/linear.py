@@ -88,7 +88,8 @@ class LinearAnalyses(SystemFiles):
         SceneError
             If the speed or the count is invalid.
         ConvergenceError
-            If the residual of a mode exceeds 1e-4 and the round-off of its shape, 100 ε ω_max/|λ|.
+            If the residual of a mode exceeds 1e-4 and the round-off of its shape,
+            ``100 ε ω_max/|λ|``.
         """
         speed = number(speed, "speed")
         data = self._model.modes(speed, None if count is None else whole(count, "count"))
