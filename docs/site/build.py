@@ -29,6 +29,7 @@ DOCUMENTS = (
     "docs/figures/*",
     "docs/notebooks/*.ipynb",
     "examples/*.py",
+    "examples/machines/README.md",
     "examples/machines/*.toml",
     "examples/rotors/*.toml",
     "python/gearbow/study/scene.toml",

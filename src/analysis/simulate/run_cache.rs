@@ -44,7 +44,7 @@ impl PartialEq for ResponseKey {
 
 impl ResponseKey {
     /// The response to each source; none where the linear motion gives none.
-    pub fn responses(&self) -> Arc<Vec<Option<DVector<Complex<f64>>>>> {
+    pub fn responses(&self) -> SourceResponses {
         let sources = self.spins.iter().zip(&self.forces);
         Arc::new(sources.map(|(spin, force)| self.linear.synchronous(*spin, force)).collect())
     }
@@ -52,6 +52,9 @@ impl ResponseKey {
 
 /// Complex amplitudes of the synchronous motion, m and rad: one column for each source shaft.
 pub(super) type Amplitudes = Arc<DMatrix<Complex<f64>>>;
+
+/// Complex amplitudes of the modes and their speeds in the synchronous motion of each source; none where there is no response.
+pub(super) type SourceResponses = Arc<Vec<Option<DVector<Complex<f64>>>>>;
 
 /// Results of the last runs.
 #[derive(Debug, Default)]
@@ -61,7 +64,7 @@ pub(super) struct RunCache {
     /// Synchronous motions at the start.
     pub start_amplitudes: Recent<StartKey, Amplitudes>,
     /// Synchronous responses of the linear motion; they keep this in memory, as the propagators do.
-    pub responses: Recent<ResponseKey, Arc<Vec<Option<DVector<Complex<f64>>>>>, SETTINGS>,
+    pub responses: Recent<ResponseKey, SourceResponses, SETTINGS>,
     /// Reductions with their measured errors.
     pub reductions: Recent<ReductionKey, KnownReduction, SETTINGS>,
     /// Reductions that variations of the model share; none for a run that fails or is not reduced. One variation finds them,
