@@ -26,7 +26,13 @@ extensions = [
     "flowchart",
     "numbers_in_tables",
 ]
-exclude_patterns = ["examples/*.*", "examples/rotors", "gallery/**.ipynb", "gallery/**.py", "gallery/**.md5"]
+exclude_patterns = [
+    "examples/*.*",
+    "examples/rotors",
+    "gallery/**.ipynb",
+    "gallery/**.py",
+    "gallery/**.md5",
+]
 templates_path = [str(HERE / "templates")]
 # The README, ARCHITECTURE.md and the pages of docs/ are read as GitHub shows them.
 myst_heading_anchors = 4

@@ -67,8 +67,18 @@ def displaced(data):
             lambda data: {**data, "amplitudes": 1.001 * data["amplitudes"]},
             "is not the motion 'synchronous'",
         ),
-        ("static", "static", lambda data: {**data, "residuals": [("s0", 2e-6)]}, "forces .* do not balance"),
-        ("static", "static", lambda data: {**data, "residuals": [("s0", np.nan)]}, "forces .* do not balance"),
+        (
+            "static",
+            "static",
+            lambda data: {**data, "residuals": [("s0", 2e-6)]},
+            "forces .* do not balance",
+        ),
+        (
+            "static",
+            "static",
+            lambda data: {**data, "residuals": [("s0", np.nan)]},
+            "forces .* do not balance",
+        ),
         (
             "synchronous",
             "synchronous",

@@ -174,7 +174,7 @@ def name_orders(
     named: list[tuple[str, float, float]] = []
 
     def crowded(name: str, x: float) -> bool:
-        """Whether a name is closer to another one than half of the lines of both."""
+        # A name is closer to another one than half of the lines of both.
         return any(
             abs(x - at) <= line * (_lines_of(name) + _lines_of(other)) / 2.0
             for other, at, _ in named
