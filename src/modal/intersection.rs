@@ -8,9 +8,9 @@ use crate::model::{Model, Weights};
 
 /// Newton's method converges quadratically; if it needs more iterations, it diverges.
 const MAX_ITERATIONS: usize = 20;
-/// Relative change of λ and Ω at which Newton's method has converged.
-const CONVERGED: f64 = 1e-13;
-/// The same limit for changes that have stopped to decrease, because of round-off in stiff scenes.
+/// Change of φ, λ and Ω, relative to each, after which the error of the next iterate, its square, is below round-off.
+const CONVERGED: f64 = 1e-9;
+/// Relative change of λ and Ω below which changes that no longer decrease are due to round-off in stiff scenes.
 const STALLED: f64 = 1e-8;
 
 /// A mode whose frequency is a multiple (order) of the speed, Im λ = order·Ω: its intersection with the line of this
@@ -34,23 +34,27 @@ pub struct OrderIntersection {
 pub fn intersection(model: &Model, order: f64, start: &OrderIntersection) -> Option<OrderIntersection> {
     let mut at = start.clone();
     at.eigenvalue.im = order * at.speed;
-    let mut previous = f64::INFINITY;
+    let (mut previous, mut is_close) = (f64::INFINITY, false);
     for _ in 0..MAX_ITERATIONS {
-        let change = newton_step(model, order, &at).ok()?;
-        let (shape, decay, speed) = change;
+        let (shape, decay, speed) = newton_step(model, order, &at).ok()?;
+        let of_values = (decay.abs() / at.eigenvalue.norm()).max(speed.abs() / at.speed.abs());
+        let change = of_values.max(model.complex_kinetic_form(&shape).sqrt());
+        // At the root, S is singular to round-off, and a further step would spoil φ.
+        if is_close && change >= previous / 2.0 {
+            return Some(at);
+        }
         at.shape += shape;
         let size = model.complex_kinetic_form(&at.shape).sqrt();
         at.shape.unscale_mut(size);
         at.speed += speed;
         at.eigenvalue = Complex::new(at.eigenvalue.re + decay, order * at.speed);
-        let error = (decay.abs() / at.eigenvalue.norm()).max(speed.abs() / at.speed.abs());
-        if !(error.is_finite() && size.is_finite() && size > 0.0 && at.speed > 0.0) {
+        if !(change.is_finite() && size.is_finite() && size > 0.0 && at.speed > 0.0) {
             return None;
         }
-        if error <= CONVERGED || error <= STALLED && error >= previous / 2.0 {
+        if change <= CONVERGED {
             return Some(at);
         }
-        previous = error;
+        (previous, is_close) = (change, of_values <= STALLED);
     }
     None
 }

@@ -211,6 +211,23 @@ def test_intersections_are_modes_on_bearings_of_every_kind(seed: int):
 
 
 @pytest.mark.implausible
+def test_every_intersection_of_an_isotropic_rotor_satisfies_its_equations():
+    # on bearings without damping, a step of Newton's method from the root has a singular matrix
+    residuals = [
+        crossing.residual
+        for elements in range(1, 8)
+        for degree in range(3, 9)
+        for crossing in gb.RotorSystem(
+            [gb.Shaft("r", length=1.0, outer_diameter=0.05, elements=elements, degree=degree)],
+            bearings=[gb.Bearing("r", x, stiffness=1e8) for x in (0.0, 1.0)],
+        )
+        .campbell([0.0, 1000.0], count=2)
+        .intersections
+    ]
+    assert len(residuals) == 2 * 7 * 6
+    assert max(residuals) < 1e-10  # 1e-13 is reached
+
+
 def test_the_nutation_of_a_free_disk_starts_at_zero_frequency():
     # a symmetric free rigid body nutates forward at Ω I_p/I_d
     shaft = gb.Shaft(

@@ -154,7 +154,9 @@ def test_a_choice_that_the_number_of_coordinates_limits_is_too_coarse():
     assert system.discretisation.expected_error > system.discretisation.permitted_error
     # `simulate` writes both into its warning; a run would take half a minute
     level = LEVELS["reference"]
-    assert "the largest number of coordinates that gearbow chooses" in level.coarse(system._model)
+    assert "the largest number of coordinates that gearbow chooses" in level.coarse(
+        system._model, 100.0
+    )
     assert "response.errors" in level.finer(system._model)
     assert "resolution='reference'" in level.finer(automatic()._model)
 

@@ -54,7 +54,8 @@ class Spectrum(ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
+    ...                  bow=gb.Bow.half_sine(1e-4))
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem([rotor], bearings=bearings)
     >>> middle = ("rotor", 0.5)

@@ -46,7 +46,8 @@ class Waterfall(ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
+    ...                  bow=gb.Bow.half_sine(1e-4))
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem([rotor], bearings=bearings)
     >>> options = {"record": [("rotor", 0.5)], "output_step": 1e-3}
@@ -137,7 +138,7 @@ def waterfall(
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05,
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
     ...                  bow=gb.Bow.half_sine(1e-4))
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)

@@ -55,7 +55,7 @@ class Response(RunFigures):
     --------
     >>> import gearbow as gb
     >>> bow = gb.Bow.half_sine(1e-4)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
     >>> middle = ("rotor", 0.5)
