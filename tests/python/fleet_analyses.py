@@ -446,7 +446,7 @@ def hann_amplitudes(values: Any) -> Any:
 
 def compute_orders(system: gb.RotorSystem, speed: float) -> tuple[gb.Response, gb.Orders]:
     name = places(system)[0]
-    run = system.simulate(1.5 * turn(system, speed), speed, record=[name])
+    run = system.simulate(2.0 * turn(system, speed), speed, record=[name])
     return run, run.orders(
         name,
         quantity(system),

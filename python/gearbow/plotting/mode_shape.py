@@ -120,7 +120,7 @@ def _panel(ax: GivenAxes) -> Iterator[tuple[Figure, Any]]:
         return
     with mpl.rc_context({**STYLE, "figure.constrained_layout.use": False}):
         figure = Figure(figsize=(12.0, 7.6))
-        yield figure, figure.add_axes((0.0, 0.06, 1.0, 0.82), projection="3d")
+        yield figure, figure.add_axes((0.0, 0.09, 1.0, 0.8), projection="3d")
 
 
 def _finish(axes: Any, extent: Array) -> None:

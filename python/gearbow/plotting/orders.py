@@ -341,7 +341,10 @@ def orders(
     with panels(1, 1.2 + 0.45 * len(names), columns=1, ax=ax) as (figure, (panel,)):
         names = _short(names)
         shades = [FAMILIES[family(name)][1] for name in names]
-        bars = panel.barh(np.arange(len(names)), amplitudes, color=shades, log=logarithmic)
+        begin = 0.5 * low if logarithmic else 0.0
+        # The value of a bar that is too short to be seen stands at the edge of the panel.
+        lengths = np.maximum(amplitudes, begin)
+        bars = panel.barh(np.arange(len(names)), lengths, color=shades, log=logarithmic)
         panel.bar_label(bars, [f"{value:.3g}" for value in amplitudes], padding=4)
         panel.set_yticks(np.arange(len(names)), names)
         panel.invert_yaxis()
@@ -349,7 +352,6 @@ def orders(
         panel.set(xlabel=label)
         panel.set_title(title, loc="right", fontsize=text_size(0.86))
         if logarithmic:
-            begin = 0.5 * low
             panel.set_xlim(begin, top * (top / begin) ** 0.15)
         elif top > 0.0:
             panel.set_xlim(0.0, 1.15 * top)
@@ -411,14 +413,14 @@ def waterfall(
         panel.grid(visible=False)
         panel.set(xlabel="frequency [Hz]", ylabel=speed)
         panel.set_xlim(0.0, highest)
-        _order_lines(panel, factor * speeds, lines, factor)
+        _order_lines(panel, np.array(panel.get_ylim()), lines, factor)
     return figure
 
 
 def _order_lines(
     panel: Axes, speeds: Array, lines: Sequence[tuple[str, float]], factor: float
 ) -> None:
-    """Draw the orders up to the edge of the panel, with their names above and beside it."""
+    """Draw the orders between the limits of the speeds, with their names above and inside."""
     highest = panel.get_xlim()[1]
     free, taken = highest, -np.inf
     # Names from the highest order down; a name without space is omitted.
