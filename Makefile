@@ -190,6 +190,9 @@ $(VENV)/.compare: $(VENV)/.wheel
 	|| { echo "ROSS cannot be installed."; $(PIP) install "$$(echo dist/gearbow-*.whl)[test]"; }
 	touch $@
 
+# One installation at a time.
+$(VENV)/.docs: $(VENV)/.dev
+
 # The wheel with one of its extras: plot, docs or dev.
 $(VENV)/.%: $(VENV)/.wheel
 	$(PIP) install "$$(echo dist/gearbow-*.whl)[$*]"

@@ -2,7 +2,7 @@
 
 `make random` measures 200 cases. The normal run takes those whose mesh force varies by 4e-5 to 5e-3
 of its mean: the tolerance of a run refers to the whole motion, and their errors exceed the level if
-they are divided by the variation alone.
+they are divided by the variation alone. In the first case, both flanks of undamped meshes touch.
 """
 
 import os
@@ -19,11 +19,7 @@ from gearbow.accuracy.scale import root_mean_square, unit_of_errors
 
 LEVEL = LEVELS["engineering"]
 TIMES = os.environ.get("GEARBOW_CASES")
-CASES = range(20 * int(TIMES)) if TIMES else (5, 19, 31, 70, 113, 130)
-#: Largest error of the elements in multiples of the level. Their choice examines the response to a
-#: step of the mesh force, and does not know the speed: of 200 cases, two have errors of 1.4 and 2.9
-#: times the level.
-ELEMENTS = 3.0
+CASES = range(20 * int(TIMES)) if TIMES else (2, 5, 19, 31, 70, 113, 130)
 #: Tolerance of the reference: a thousandth of that of the level.
 RTOL = 1e-7
 #: Duration of a run [s]: the time for which the levels promise the error of undamped motions.
@@ -244,4 +240,4 @@ def test_no_error_exceeds_the_level_without_an_announcement(seed):
     if not found.is_announced:
         for kind, error in found.run.items():
             assert error <= getattr(LEVEL, kind), case.name
-            assert found.elements[kind] <= ELEMENTS * getattr(LEVEL, kind), case.name
+            assert found.elements[kind] <= getattr(LEVEL, kind), case.name

@@ -20,6 +20,8 @@ __all__ = ["DEFAULT", "LEVELS", "Level", "check_reduction", "find_level"]
 
 #: Share of the total error that a reduction to fewer modes may use.
 REDUCTION_SHARE = 1.0 / 3.0
+#: What happens at events after which an impact follows.
+CHANGES_OF_CONTACT = {"separation": "flanks separated", "tight": "both flanks touched"}
 
 
 @dataclass(frozen=True)
@@ -80,10 +82,12 @@ class Level:
         )
         if coarse is not None:
             sentence += f"; this promise does not include the elements: {coarse}"
-        if any(event.kind == "separation" for event in events):
+        kinds = {event.kind for event in events}
+        contact = [text for kind, text in CHANGES_OF_CONTACT.items() if kind in kinds]
+        if contact:
             sentence += (
-                "; flanks separated in this run, and impacts can amplify small differences: after "
-                "chaotic contact the error holds neither for the time history nor for spectra "
+                f"; {' and '.join(contact)} in this run, and impacts can amplify small "
+                "differences: after chaotic contact the error holds neither for the time history nor for spectra "
                 "(`errors` tells whether the contact is chaotic)"
             )
         return sentence
