@@ -87,8 +87,8 @@ class Level:
         if contact:
             sentence += (
                 f"; {' and '.join(contact)} in this run, and impacts can amplify small "
-                "differences: after chaotic contact the error holds neither for the time history nor for spectra "
-                "(`errors` tells whether the contact is chaotic)"
+                "differences: after chaotic contact the error holds neither for the time history "
+                "nor for spectra (`errors` tells whether the contact is chaotic)"
             )
         return sentence
 
