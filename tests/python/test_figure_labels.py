@@ -234,11 +234,13 @@ class TestOrders:
         assert labels(figure)[0] == ("frequency [Hz]", "speed of the reference shaft [rad/s]")
         assert bar.get_ylabel() == "g1 w [m]"
         assert panel.get_xlim() == (0.0, 60.0)
-        # at 20 and 40 revolutions per second the input shaft is at 20 Hz and 40 Hz, the middle one
-        # at 8 Hz and 16 Hz
+        # a cell reaches half of the distance of the speeds beyond its own, and the lines cross it;
+        # at 10 and 50 revolutions per second the input shaft is at 10 Hz and 50 Hz, the middle one
+        # at 4 Hz and 20 Hz
+        turns = np.array([10.0, 50.0])
         lines = [line.get_xydata() for line in panel.get_lines()]
         for ratio in (1.0, 0.4, 0.16):
-            expected = np.column_stack([ratio * np.array([20.0, 40.0]), speeds])
+            expected = np.column_stack([ratio * turns, 2 * np.pi * turns])
             assert any(np.allclose(line, expected) for line in lines), ratio
 
 
