@@ -23,7 +23,6 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 PYTEST_PARALLEL := -n logical --dist worksteal
 
 .PHONY: help demo test check docs random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
-.NOTPARALLEL:
 .DELETE_ON_ERROR:
 
 help:
@@ -87,7 +86,6 @@ lint: lint-rust lint-python
 
 lint-rust: $(BIN)/python
 	cargo fmt --check
-	cargo clippy --locked --all-targets -- -D warnings
 	cargo clippy --locked --all-targets --features python -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --document-private-items --all-features
 

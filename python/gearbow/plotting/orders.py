@@ -173,13 +173,6 @@ def name_orders(
     line = 1.3 * size * point
     named: list[tuple[str, float, float]] = []
 
-    def crowded(name: str, x: float) -> bool:
-        # A name is closer to another one than half of the lines of both.
-        return any(
-            abs(x - at) <= line * (_lines_of(name) + _lines_of(other)) / 2.0
-            for other, at, _ in named
-        )
-
     short = zip(_short([name for name, _, _ in found]), found, strict=True)
     for whole, (_, x, _) in sorted(short, key=lambda pair: -pair[1][2]):
         # The gears of a mesh stand in a second line, or in two further ones.
@@ -187,7 +180,11 @@ def name_orders(
         if _length(name) >= 0.45 * height:
             name = name.replace("–", "–\n")
         wanted = (sidebands or family(name) != "sideband") and _length(name) < 0.45 * height
-        if wanted and len(named) < most and not crowded(name, x):
+        free = all(
+            abs(x - at) > line * (_lines_of(name) + _lines_of(other)) / 2.0
+            for other, at, _ in named
+        )
+        if wanted and free and len(named) < most:
             # A name stands above the markers beside its peak, and within the panel.
             above = max(v for _, u, v in found if abs(u - x) < 0.7 * line * _lines_of(name))
             named.append((name, x, above))
