@@ -235,8 +235,10 @@ def forces(machine: Machine) -> tuple[Complex, Complex]:
     return bows, unbalances
 
 
-def critical_map(machine: Machine) -> Work:
-    """Find the undamped critical speeds against the stiffness of all bearings."""
+def critical_map(machine: Machine) -> Work | None:
+    """Find the undamped critical speeds against the stiffness of all bearings, if there are any."""
+    if not machine.system.bearings:
+        return None
 
     def prepare() -> Run[Any]:
         system = machine.loaded()
