@@ -57,7 +57,7 @@ def run(scene: Drawn, profile: gb.SpeedProfile, **how: Any) -> gb.Response:
     return scene.system().simulate(DURATION, profile, **options)
 
 
-@cases(40)
+@cases(8)
 def test_the_methods_agree(scene: Drawn, profile: gb.SpeedProfile):
     exact = motion(run(scene, profile, method="rk45", rtol=1e-10), scene)
     # A run omits weak gyroscopic couplings of modes: the largest error of 120 scenes was 420 rtol.
@@ -68,7 +68,7 @@ def test_the_methods_agree(scene: Drawn, profile: gb.SpeedProfile):
         assert_near(motion(found, scene), exact, 1e3 * max(rtol, 1e-8) * part)
 
 
-@cases(25)
+@cases(12)
 def test_a_continued_run_gives_the_bits_of_one_run(scene: Drawn, profile: gb.SpeedProfile):
     system = scene.system()
     whole = system.simulate(DURATION, profile, initial="rest", rtol=1e-6)
@@ -78,7 +78,7 @@ def test_a_continued_run_gives_the_bits_of_one_run(scene: Drawn, profile: gb.Spe
     assert part.final["state"].tobytes() == whole.final["state"].tobytes()
 
 
-@cases(25)
+@cases(12)
 def test_the_energy_balance_closes(scene: Drawn, profile: gb.SpeedProfile):
     balance = run(scene, profile, rtol=1e-9, record=["energy"]).energy_balance()
     scale = max(np.abs(balance.total).max() + np.ptp(balance.work), 1e-9)

@@ -390,7 +390,7 @@ def assert_moves_alike(scene: Drawn) -> None:
         assert_near(unturned(changed.run(method="rk45"), changed), exact, 1e-5)
 
 
-@examples(4)
+@examples(2)
 @given(drawn(), st.floats(0.02, 0.5), st.sampled_from(SPEEDS[1:]))
 def test_trains_on_oil_films_move_alike_by_two_methods_and_when_transformed(
     scene: Drawn, viscosity: float, speed: float

@@ -42,6 +42,7 @@ def tiny() -> Settings:
     scene = dict(settings.scene)
     # A constant stiffness takes the longest steps.
     scene["meshes"] = [{**mesh, "stiffness": 2e8} for mesh in scene["meshes"]]
+    scene["shafts"] = [{**shaft, "elements": 4} for shaft in scene["shafts"]]
     return dataclasses.replace(settings, layouts=first, scene=scene)
 
 
@@ -156,6 +157,7 @@ def test_means_and_peak_to_peak_values_are_those_of_the_closed_forms(where):
     scene = dict(settings.scene)
     scene["bearings"] = [{**bearing, "stiffness": 1e10} for bearing in scene["bearings"]]
     scene["meshes"] = [{**mesh, "stiffness": 2e8} for mesh in scene["meshes"]]
+    scene["shafts"] = [{**shaft, "elements": 4} for shaft in scene["shafts"]]
     settings = dataclasses.replace(settings, scene=scene, samples=400, settle=0)
     bow = 0.01
     found = measure(settings, Case("quarter", 0.0, 2.0, bow=bow, where=where))
