@@ -123,7 +123,9 @@ def draw_python(chance: random.Random, left_out: list[str]) -> tuple[Path, str, 
 
 def python_mutants(count: int, chance: random.Random, left_out: list[str]) -> list[str]:
     """Return the differences of the Python mutants that no test catches."""
-    survivors = []
+    survivors: list[str] = []
+    if not count:
+        return survivors
     if not pytest("--cov=gearbow", "--cov-context=test", "tests/python", limit=None):
         raise SystemExit("The tests fail without any change: mend them first.")
     data = CoverageData(str(COPY / ".coverage"))
