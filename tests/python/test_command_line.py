@@ -131,6 +131,9 @@ def test_run_prints_and_saves_signals(scene: str, tmp_path: Path, capsys):
     assert found["complete"]
     force = np.hypot(*response.bearing_force("output", 0.0).T)
     assert found["bearings"]["output at 0 m"]["force"]["max"] == pytest.approx(force.max())
+    _, printed, _ = called(capsys, *given, "--record", *items)
+    y, z = 1e6 * expected
+    assert f"pinion: peak-to-peak {y:.4g} µm along y, {z:.4g} µm along z\n" in printed
     code, out, err = called(capsys, *given, "--end-speed", "3000 rpm")
     assert (code, err) == (0, "")
     assert f"signals: {tmp_path / 'r.npz'}" in out

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.recording.contact import first_contact
 
 MESH = ("pinion", "wheel")
 SPEED = 820.0
@@ -129,6 +130,15 @@ def test_a_file_and_a_lower_rate_keep_the_contact(rattling, tmp_path: Path):
     exact = np.isclose(at, np.rint(at), atol=1e-6)
     same = rattling.mesh(*MESH).contact[np.rint(at[exact]).astype(int)]
     np.testing.assert_array_equal(slow.mesh(*MESH).contact[exact], same)
+
+
+@pytest.mark.parametrize(
+    ("force", "stiffness", "contact"),
+    [(5.0, 1e8, "DRIVE"), (-5.0, 1e8, "BACK"), (0.0, 0.0, "NONE")],
+)
+def test_without_a_scene_the_force_tells_the_first_contact(force, stiffness, contact):
+    mesh = {"force": np.array([force]), "stiffness": np.array([stiffness])}
+    assert first_contact(np.zeros(1), mesh, [], None) is gb.Contact[contact]
 
 
 def test_a_state_has_a_name():

@@ -124,6 +124,10 @@ def element(plain: dict, kind: str, i: int = 0) -> dict:
             lambda p: p.pop("PointMass_pedestal mass"),
             "ball: its n_link 8 needs a PointMass and a bearing to the ground",
         ),
+        (
+            lambda p: [part.pop("n_link", None) for part in p.values() if isinstance(part, dict)],
+            "node 8 is not on the shaft, and no bearing links it",
+        ),
         (lambda p: p.pop("ross_version"), "not a rotor of ROSS: it has no ross_version"),
         (
             lambda p: [p.pop(key) for key in list(p) if key.startswith("ShaftElement")],

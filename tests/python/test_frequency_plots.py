@@ -8,6 +8,7 @@ import pytest
 
 import gearbow as gb
 from gearbow.description.train import Train
+from gearbow.plotting.orders import orders
 from reference import scenes
 from reference.bows import HalfSine
 
@@ -93,3 +94,17 @@ def test_a_mode_number_out_of_range_is_an_error():
     modes = scenes.v3().modes(count=4)
     with pytest.raises(gb.GearbowError, match="there is no mode 5; there are 4, from 1"):
         modes.plot(5)
+
+
+@pytest.mark.parametrize("smallest", [0.5, 1e-3])
+def test_the_longest_bar_of_orders_leaves_room_for_its_value(smallest: float):
+    (panel,) = orders(["1x", "2x"], np.array([1.0, smallest]), "amplitude [m]").axes
+    assert panel.get_xscale() == ("linear" if smallest == 0.5 else "log")
+    begin, end = panel.transData.inverted().transform(panel.transAxes.transform([(0, 0), (1, 0)]))
+    assert begin[0] == pytest.approx(panel.get_xlim()[0])
+    (top, _), (low, _) = panel.transAxes.inverted().transform(
+        panel.transData.transform([(1.0, 0.0), (smallest, 0.0)])
+    )
+    assert 0.8 < top < 0.95
+    assert 0.05 < low < top
+    assert end[0] > 1.0

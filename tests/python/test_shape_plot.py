@@ -8,7 +8,8 @@ import pytest
 import gearbow as gb
 from gearbow._lookup import nodal
 from gearbow.description.layout import layout, reference_radius
-from gearbow.plotting.mode_shape import _at_maximum, _ring
+from gearbow.description.train import Train
+from gearbow.plotting.mode_shape import _at_maximum, _lever, _ring
 from gearbow.plotting.within_elements import refined
 
 
@@ -59,6 +60,15 @@ def test_radii():
     assert [shaft.outer_radius(x) for x in (0.1, 0.3, 0.31, 0.8)] == pytest.approx(
         [0.02, 0.02, 0.03, 0.03]
     )
+
+
+def test_a_twist_moves_the_rim_of_the_body_at_its_place():
+    system = Train.of(rotor().description, rotor().speed_ratios).layout
+    (disk,) = system.bodies
+    assert disk.radius > 0.03
+    assert _lever(system, ("s", 0.3, "twist")) == disk.radius
+    assert _lever(system, ("s", 0.8, "twist")) == pytest.approx(0.03)
+    assert (_lever(system, ("s", 0.3, "v")), _lever(system, ("s", 0.3, "B"))) == (1.0, 0.0)
 
 
 def test_a_shape_is_drawn_at_its_largest_displacement():

@@ -370,6 +370,14 @@ def test_an_invalid_housing(changes: dict[str, Any], message: str):
         rotor("box" if carries else None, housings=[box])
 
 
+def test_the_description_of_a_housing_keeps_a_position_other_than_the_origin():
+    system, _ = on_housing()
+    (housing,) = system.housings
+    for place in ((0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -0.2)):
+        given = system.replace(housings=[replace(housing, position=place)]).description["housings"]
+        assert given[0].get("position", (0.0, 0.0, 0.0)) == place
+
+
 def test_a_listed_support_needs_a_name():
     with pytest.raises(gb.SceneError, match=r"^supports\[0\].name: needs a name"):
         single_shaft(supports=[gb.Support(mass=1.0, stiffness=1e6)])

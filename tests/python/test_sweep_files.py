@@ -208,18 +208,24 @@ def test_a_changed_byte_anywhere_is_found(tmp_path):
     assert refused < root / 5
 
 
-def test_a_damaged_structure_loses_only_its_part(tmp_path):
+# The last point stands in the last page, which the rows in descending order begin with.
+@pytest.mark.parametrize("point", [50, 99])
+def test_a_damaged_structure_loses_only_its_part(tmp_path, point):
     path = tmp_path / "map.sweep"
     grid = {"a": range(100), "b": [0]}
     sweep = gb.sweep(plain, grid, number, store=path)
-    content = files._content(50, files.Outcome({"value": np.float64(number({"a": 50, "b": 0}))}))
+    content = files._content(
+        point, files.Outcome({"value": np.float64(number({"a": point, "b": 0}))})
+    )
     data = bytearray(path.read_bytes())
     page = data.index(content) // 512 * 512
     data[page] = 0  # the kind of the page
     path.write_bytes(data)
-    with pytest.warns(gb.CheckpointWarning, match=r"the points .*50.* and its structure \("):
+    with pytest.warns(gb.CheckpointWarning, match=rf"the points .*{point}.* and its structure \("):
         kept = gb.Sweep.load(path)
     assert 93 <= kept.computed < 100
+    contents = files.read(path)
+    assert contents.damaged == set(range(100)) - set(contents.outcomes)
     with pytest.warns(gb.CheckpointWarning, match="the others are computed again"):
         same(gb.sweep(plain, grid, number, store=path), sweep)
     same(gb.Sweep.load(path), sweep)

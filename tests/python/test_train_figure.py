@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+from dataclasses import replace
 from functools import cache
 from math import pi
 from pathlib import Path
@@ -278,6 +279,26 @@ def test_forces_have_their_components():
         "−70 N axial",
         "force",
     } <= set(texts(side))
+    arrows = [p._path_original.vertices for p in side.patches if isinstance(p, FancyArrowPatch)]
+    heads = {round(float(arrow[-1, 0]), 6): arrow[-1] - arrow[0] for arrow in arrows}
+    # along −x; a force that varies points downwards; the others have the sense of the component along y
+    assert heads[0.1][0] < 0.0 == heads[0.1][1]
+    assert heads[1.0][1] < 0.0 == heads[1.0][0]
+    assert heads[0.4][1] > 0.0 == heads[0.4][0]
+    assert heads[0.8][1] > 0.0 == heads[0.8][0]
+
+
+def test_a_housing_surrounds_its_own_shafts():
+    system = pair()
+    on_box = [
+        replace(one, support="box") if one.shaft == "input" else one for one in system.bearings
+    ]
+    box = gb.Housing("box", mass=50.0, stiffness=1e8, inertia=(1.0, 1.0, 1.0))
+    side = system.replace(bearings=on_box, housings=[box]).plot().axes[0]
+    (area,) = (patch for patch in side.patches if patch.get_linestyle() == "--")
+    # gear g1 has a radius of 37.5 mm, and the axis of the other shaft lies 112.5 mm away
+    assert area.get_y() < -0.02
+    assert 0.0375 < area.get_y() + area.get_height() < 0.09
 
 
 def test_the_line_of_action_is_that_of_the_engine():

@@ -220,3 +220,20 @@ fn leading(degree: usize, kappa: f64) -> f64 {
     let power = kappa.powi(degree as i32) / ratio;
     0.5 * power * power / (2 * degree + 1) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leading_terms_are_those_of_the_dispersion() {
+        // Linear elements with a consistent mass: (ωh/c)² = 6(1 − cos κ)/(2 + cos κ); at this κ the next term is 1e-4.
+        let kappa = 0.02_f64;
+        let exact = (6.0 * (1.0 - kappa.cos()) / (2.0 + kappa.cos())).sqrt() / kappa - 1.0;
+        assert!((leading(1, kappa) / exact - 1.0).abs() < 1e-3, "{exact}");
+        // Quadratic elements: κ⁴/1440 (Thompson and Pinsky, Computational Mechanics 13, 1994).
+        assert!((leading(2, kappa) * 1440.0 / kappa.powi(4) - 1.0).abs() < 1e-12);
+        assert!(dispersion(2, kappa) < leading(2, kappa));
+        assert!((dispersion(2, 10.0) - 1.0).abs() < 1e-15);
+    }
+}
