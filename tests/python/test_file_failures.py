@@ -335,7 +335,7 @@ write(path)
 for small in (True, False, True):
     child = os.fork()
     if not child:
-        for _ in range(15):
+        for _ in range(6):
             write(path, small=small)
         os._exit(0)
     writers.append(child)

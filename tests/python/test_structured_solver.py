@@ -64,7 +64,7 @@ def through_dense_matrices(system: gb.RotorSystem) -> gb.RotorSystem:
 
 # An undamped rotor may turn at a critical speed by chance.
 @pytest.mark.filterwarnings("ignore:a displacement is")
-@scenes(30)
+@scenes(15)
 def test_the_synchronous_response_is_that_of_dense_matrices(scene: Drawn):
     assert_same_response(scene.system(), np.array([-300.0, 0.0, 17.0, 150.0, 900.0]))
 
@@ -101,7 +101,7 @@ def assert_response_with_modal_damping(system: gb.RotorSystem, speeds: list[floa
     assert_response(system, at, dense_response(system, at))
 
 
-@scenes(5)
+@scenes(3)
 def test_the_response_with_modal_damping_is_that_of_dense_matrices(scene: Drawn):
     for ratio in (0.001, 0.02, 0.3):
         system = refined(scene).replace(modal_damping=ratio)
@@ -169,12 +169,12 @@ def assert_lowest_modes(system: gb.RotorSystem, speed: float, count: int = 8) ->
     assert np.all(difference <= round_off(highest, size) * size)
 
 
-@scenes(10)
+@scenes(5)
 def test_the_lowest_modes_are_those_of_dense_matrices(scene: Drawn):
     assert_lowest_modes(refined(scene), scene.speed)
 
 
-@scenes(5)
+@scenes(3)
 def test_the_lowest_modes_of_strongly_damped_trains_are_those_of_dense_matrices(scene: Drawn):
     stiffness = scene.bearing[:3]
     for damping in (10.0, 100.0, 1000.0):
@@ -200,7 +200,7 @@ def test_published_rotors_with_more_elements_have_the_modes_of_dense_matrices(pa
         assert_lowest_modes(finer, speed, count=6)
 
 
-@scenes(5)
+@scenes(3)
 def test_the_lowest_modes_with_modal_damping_are_those_of_dense_matrices(scene: Drawn):
     for ratio in (0.001, 0.02, 0.3):
         assert_lowest_modes(refined(scene).replace(modal_damping=ratio), scene.speed)
@@ -289,7 +289,7 @@ def dense_equilibrium(system: gb.RotorSystem) -> np.ndarray:
     return np.linalg.solve(matrices.stiffness + constrained @ constrained.T, load)
 
 
-@scenes(20)
+@scenes(10)
 def test_the_equilibrium_is_that_of_dense_matrices(scene: Drawn):
     system = replace(scene, backlash=None).system()
     found = system.static("frozen").state
@@ -318,7 +318,7 @@ def test_bearings_that_are_soft_in_one_direction():
     assert np.abs(found - wanted).max() <= tolerance(system) * np.abs(wanted).max()
 
 
-@scenes(5)
+@scenes(3)
 def test_the_critical_speeds_are_those_of_dense_matrices(scene: Drawn):
     system = refined(scene)
     highest = 2 * np.pi * system.modes().frequencies_hz.max()
@@ -347,7 +347,7 @@ def test_the_campbell_diagram_is_that_of_dense_matrices(scene: Drawn):
         assert one.speed == pytest.approx(other.speed, rel=1e-8)
 
 
-@scenes(5)
+@scenes(3)
 def test_sparse_matrices_are_the_dense_ones(scene: Drawn):
     system = scene.system()
     sparse, dense = system.matrices(scene.speed, sparse=True), system.matrices(scene.speed)
