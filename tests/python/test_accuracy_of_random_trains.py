@@ -230,6 +230,8 @@ def measured(case: Case) -> Measured:
 
 
 @pytest.mark.implausible
+# Some gears stand less than 1 mm apart; the errors of the level are far larger than the round-off.
+@pytest.mark.filterwarnings("ignore:natural frequencies range:gearbow.AccuracyWarning")
 @pytest.mark.parametrize("seed", CASES)
 def test_no_error_exceeds_the_level_without_an_announcement(seed):
     case = drawn(seed)
