@@ -7,11 +7,6 @@ PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 
 SOURCES := Cargo.toml Cargo.lock pyproject.toml $(shell find src -name '*.rs') $(shell find python -name '*.py' -o -name '*.pyi')
 FIGURE := examples/output/bowed_train.png
-# Modules without public names: their docstrings need no sections.
-INTERNAL := $(addprefix python/gearbow/,analysis/protocol.py description/assumptions.py description/load_values.py description/part.py \
-	description/places.py \
-	recording/container.py recording/recording.py recording/schema.py recording/tables.py sweeps/tables.py system/run.py)
-
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
@@ -92,7 +87,7 @@ lint-rust: $(BIN)/python
 lint-python: $(VENV)/.dev
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/numpydoc lint $(filter-out $(INTERNAL),$(wildcard python/gearbow/*.py python/gearbow/*/*.py))
+	$(BIN)/python tools/docstrings.py
 
 types: $(VENV)/.dev
 	$(BIN)/mypy

@@ -40,11 +40,7 @@ def shown(value: object) -> str:
 
 
 def real(value: object, path: str, wanted: str = "a number") -> float:
-    """Convert one real number; NaN and infinity pass, because the core rejects them.
-
-    Integers stay integers. NumPy scalars, arrays without axes and objects with ``__float__`` or
-    ``__index__`` are numbers too.
-    """
+    """Convert one real number; NaN and infinity pass, because the core rejects them."""
     if type(value) is float:
         return value
     if is_quantity(value):

@@ -30,10 +30,7 @@ def nodal(dofs: Sequence[Dof]) -> list[NodalDof]:
 
 
 def locate(places: Sequence[tuple[str, float]], shaft: str, position: float) -> int | None:
-    """Find (shaft, position) in a list of places.
-
-    Positions are equal if their relative difference is at most 1e-9, or 1 nm below 1 m.
-    """
+    """Find (shaft, position) in a list of places."""
     shaft, position = text(shaft, "shaft"), real(position, "position")
     for i, (other, x) in enumerate(places):
         if other == shaft and abs(x - position) <= 1e-9 * max(1.0, abs(x)):

@@ -66,10 +66,7 @@ def _call(groups: tuple[str, ...], function: Callable[..., Any], arguments: tupl
 
 @cache
 def _end_with_parent() -> None:
-    """End this process when the process that started it ends, also if that was killed.
-
-    A worker of a `ProcessPoolExecutor` would finish its call, and then wait for ever.
-    """
+    """End this process when the process that started it ends, also if that was killed."""
     import multiprocessing  # noqa: PLC0415
 
     parent = multiprocessing.parent_process()
@@ -84,26 +81,7 @@ def _end_with_parent() -> None:
 
 
 class ParallelCalls:
-    """Calls of one function with many arguments, in the order of their completion.
-
-    The ``with`` statement stops all calls at its end, also after an exception. Iteration gives the
-    number and the future of each call; `finished` gives those that ended before or during the stop
-    and that the iteration has not given.
-
-    Parameters
-    ----------
-    function : callable
-        The function; an executor of processes imports it.
-    arguments : iterable of tuple
-        Arguments of each call. It is read as the calls are submitted.
-    executor : Executor, optional
-        Runs the calls; None is one thread for each core.
-
-    Raises
-    ------
-    SceneError
-        If the executor has no method `submit`.
-    """
+    """Calls of one function with many arguments, in the order of their completion."""
 
     def __init__(
         self,
@@ -176,13 +154,7 @@ class ParallelCalls:
             _stopped.discard(self._group)
 
     def finished(self) -> Iterator[tuple[int, "Future[Any]"]]:
-        """Give the remaining calls that returned a result.
-
-        Yields
-        ------
-        tuple of (int, Future)
-            Number and future of a call. The last call that the iteration gave may be among them.
-        """
+        """Give the remaining calls that returned a result."""
         for future, number in list(self._pending.items()):
             if future.done() and not future.cancelled() and future.exception() is None:
                 del self._pending[future]

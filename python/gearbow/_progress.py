@@ -24,11 +24,7 @@ def reported(
     estimate: bool = True,
     numbers: str = ".3g",
 ) -> Iterator[Progress | None]:
-    """Give the callable that receives the completed fraction; True makes a progress bar.
-
-    With `estimate`, the fraction is that of a run: a run of more than one hour gives a
-    `RunTimeWarning`. `numbers` is the format of the completed and the total amount.
-    """
+    """Give the callable that receives the completed fraction; True makes a progress bar."""
     if progress is not True:
         is_off = progress is None or progress is False
         report = None if is_off else function(progress, "progress")

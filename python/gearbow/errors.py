@@ -118,13 +118,7 @@ class AccuracyWarning(UserWarning):
 
 
 def outside() -> int:
-    """Count the stack frames up to the first one outside the package: the line of the user.
-
-    Returns
-    -------
-    int
-        The `stacklevel` of a warning by the caller.
-    """
+    """Count the stack frames up to the first one outside the package: the line of the user."""
     level = 0
     frame: FrameType | None = sys._getframe(1)
     while frame is not None and frame.f_globals.get("__name__", "").split(".")[0] == "gearbow":

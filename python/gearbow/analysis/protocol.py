@@ -64,20 +64,7 @@ S = TypeVar("S", bound=System)
 
 
 def variant(system: S, **changes: Any) -> S:
-    """Make a variant of a checked system without plausibility warnings.
-
-    Parameters
-    ----------
-    system : System
-        The system.
-    **changes
-        Parts and options, as for `gearbow.RotorSystem.replace`.
-
-    Returns
-    -------
-    System
-        The variant. Without changes it is a copy that shares no stored results.
-    """
+    """Make a variant of a checked system without plausibility warnings."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
         made: S = system.replace(**changes)

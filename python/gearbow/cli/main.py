@@ -35,18 +35,7 @@ class _PrintError(Exception):
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run a command, and exit with its code: 0 is fine.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        The arguments; None is those of the program.
-
-    Raises
-    ------
-    SystemExit
-        With the exit code.
-    """
+    """Run a command, and exit with its code: 0 is fine."""
     _prepare_output()
     given = _parser().parse_args(arguments)
     with warnings.catch_warnings(), _stopped_by_sigterm():
@@ -55,10 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _prepare_output() -> None:
-    """Refuse a closed stdout before a computation; write other encodings than UTF-8 with escapes.
-
-    A closed stream is None. The number of a closed stdout is that of the next file that opens.
-    """
+    """Refuse a closed stdout before a computation; escape characters outside its encoding."""
     if sys.stderr is None:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115  # until the end
     if sys.stdout is None:

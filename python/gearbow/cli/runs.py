@@ -30,13 +30,7 @@ __all__ = ["add"]
 
 
 def add(commands: Commands) -> None:
-    """Add the commands.
-
-    Parameters
-    ----------
-    commands : subparsers
-        The commands of the program.
-    """
+    """Add the commands."""
     parser = add_command(
         commands,
         "run",
@@ -90,13 +84,7 @@ def add(commands: Commands) -> None:
 
 
 def add_signals(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a command that records signals.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The command.
-    """
+    """Add the options of a command that records signals."""
     parser.add_argument(
         "--accuracy", choices=["draft", "engineering", "reference"], help="default: engineering"
     )
@@ -113,23 +101,7 @@ def add_signals(parser: argparse.ArgumentParser) -> None:
 
 
 def run(given: argparse.Namespace) -> Answer:
-    """Simulate.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        Size of the recorded signals.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        At Ctrl-C. Its `answer` is that of the signals so far, which are saved.
-    """
+    """Simulate."""
     system = RotorSystem.load(given.scene)
     speed: float | SpeedProfile = given.speed
     if given.end_speed is not None:
@@ -170,18 +142,7 @@ def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> 
 
 
 def steady(given: argparse.Namespace) -> Answer:
-    """Find the steady state.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        Period, stability and size of the signals.
-    """
+    """Find the steady state."""
     system = RotorSystem.load(given.scene)
     found = system.steady_state(
         given.speed,
@@ -261,23 +222,7 @@ def _size(values: Array) -> dict[str, float]:
 
 
 def tradeoff(given: argparse.Namespace) -> Answer:
-    """Measure error and CPU time of many settings.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        A row for each setting.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        At Ctrl-C. Its `answer` is that of the settings so far.
-    """
+    """Measure error and CPU time of many settings."""
     system = RotorSystem.load(given.scene)
     signals = None if given.signals is None else [item(system, text) for text in given.signals]
     try:

@@ -24,19 +24,7 @@ _SAME_POSITION = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Coordinates(Shown):
-    """Degrees of freedom of a system, found by name or place.
-
-    Parameters
-    ----------
-    dofs : tuple of (str, float or (float, float), str)
-        Shaft, position [m] and direction ("u", "v", "w", "B", "G" or "twist") of each degree of
-        freedom.
-        Those within an element have the positions of its ends and a degree ("v2").
-    bodies : mapping of {str: (str, float)}
-        Shaft and position [m] of each gear and disk; name and position of each support or housing.
-    points : mapping of {str: (str, (float, float, float))}
-        Housing of each of its points, and the vector (x, y, z) from its centre of mass [m].
-    """
+    """Degrees of freedom of a system, found by name or place."""
 
     dofs: tuple[Dof, ...]
     bodies: Mapping[str, tuple[str, float]]
@@ -51,26 +39,7 @@ class Coordinates(Shown):
         bases: Sequence[str] = (),
         housings: Sequence[Housing] = (),
     ) -> "Coordinates":
-        """Collect the coordinates of a system.
-
-        Parameters
-        ----------
-        dofs : sequence of (str, float or (float, float), str)
-            The degrees of freedom.
-        gears : sequence of Gear
-            The gears.
-        disks : sequence of Disk
-            The disks.
-        bases : sequence of str
-            Names of supports and housings.
-        housings : sequence of Housing
-            The housings, whose points have names.
-
-        Returns
-        -------
-        Coordinates
-            The coordinates.
-        """
+        """Collect the coordinates of a system."""
         given: list[Gear | Disk] = [*gears, *disks]
         bodies = {body.name: (body.shaft, float(body.position)) for body in given}
         bodies |= {name: (name, x) for name, x, _ in nodal(dofs) if name in bases}
@@ -82,27 +51,7 @@ class Coordinates(Shown):
         return cls(tuple(dofs), bodies, points)
 
     def displacement(self, values: Any, at: At) -> Any:
-        """Give the lateral displacement of a place.
-
-        Parameters
-        ----------
-        values : ndarray, shape (..., n)
-            Displacements or amplitudes of all degrees of freedom [m, rad].
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (..., 2)
-            Displacements v and w [m].
-
-        Raises
-        ------
-        SceneError
-            If there is no such place.
-        GearbowError
-            If the system has no lateral motion.
-        """
+        """Give the lateral displacement of a place."""
         at = place(at)
         if not isinstance(at, str) or at not in self.points:
             return values[..., self.lateral(at)]
@@ -118,28 +67,7 @@ class Coordinates(Shown):
         return moved
 
     def axial_displacement(self, values: Any, at: At) -> Any:
-        """Give the axial displacement of a place.
-
-        Parameters
-        ----------
-        values : ndarray, shape (..., n)
-            Displacements or amplitudes of all degrees of freedom [m, rad].
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (...)
-            Displacement u [m].
-
-        Raises
-        ------
-        SceneError
-            If there is no such place.
-        GearbowError
-            If the system has no axial motion, or the support or housing does not move along the
-            axis.
-        """
+        """Give the axial displacement of a place."""
         at = place(at)
         if not isinstance(at, str) or at not in self.points:
             return values[..., self.axial(at)]
@@ -156,89 +84,19 @@ class Coordinates(Shown):
         return moved
 
     def shaft(self, at: At) -> str:
-        """Find the shaft of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        str
-            Name of the shaft.
-
-        Raises
-        ------
-        SceneError
-            If there is no such gear, disk or shaft.
-        """
+        """Find the shaft of a place."""
         return self._node(at)[0]
 
     def lateral(self, at: At) -> list[int]:
-        """Find the lateral displacements of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        list of int, length 2
-            Indices of v and w.
-
-        Raises
-        ------
-        SceneError
-            If there is no such node.
-        GearbowError
-            If the system has no lateral motion.
-        """
+        """Find the lateral displacements of a place."""
         return [self._index(at, "v", "lateral motion"), self._index(at, "w", "lateral motion")]
 
     def twist(self, at: At) -> int:
-        """Find the twist of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        int
-            Index of the twist.
-
-        Raises
-        ------
-        SceneError
-            If there is no such node.
-        GearbowError
-            If the system has no twist.
-        """
+        """Find the twist of a place."""
         return self._index(at, "twist", "twist")
 
     def axial(self, at: At) -> int:
-        """Find the axial displacement of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        int
-            Index of u.
-
-        Raises
-        ------
-        SceneError
-            If there is no such node.
-        GearbowError
-            If the system has no axial motion.
-        """
+        """Find the axial displacement of a place."""
         return self._index(at, "u", "axial motion")
 
     def _index(self, at: At, direction: str, motion: str) -> int:

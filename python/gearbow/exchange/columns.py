@@ -29,32 +29,7 @@ def read_columns(
     known: Mapping[str, str],
     hints: Mapping[str, str] | None = None,
 ) -> dict[str, Array]:
-    """Read the columns of a CSV file in SI units.
-
-    Columns are separated by commas, semicolons or tabs. Lines that begin with ``#`` are comments.
-    A heading without a unit is in SI units.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-    known : mapping of {str: str}
-        Name of each possible column, and the path of a field that has its unit.
-    hints : mapping of {str: str}, optional
-        What a message adds about the names of other columns.
-
-    Returns
-    -------
-    dict of {str: ndarray}
-        The columns, each of shape (k,).
-
-    Raises
-    ------
-    SceneError
-        If a heading, a unit or a number is invalid. The message names line and column.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read the columns of a CSV file in SI units."""
     with reading(path) as text:
         lines = text.splitlines()
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip()]

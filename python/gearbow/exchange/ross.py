@@ -53,26 +53,7 @@ class _File:
 
 
 def read_ross(path: str | os.PathLike[str]) -> dict[str, Plain]:
-    """Read a rotor that ROSS saved.
-
-    Parameters
-    ----------
-    path : str or path-like
-        A file of ``rotor.save`` of ROSS 2, ``.toml`` or ``.json``.
-
-    Returns
-    -------
-    dict
-        Plain description of the rotor.
-
-    Raises
-    ------
-    SceneError
-        If the file is not one of ROSS, or has an element that gearbow cannot represent; the message
-        names it.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read a rotor that ROSS saved."""
     file = _read(path)
     shaft, positions = _shaft(file)
     masses = {mass["n"]: (name, mass) for name, mass in file.all("PointMass")}

@@ -19,17 +19,7 @@ _BEARING = {name.removeprefix("force_"): unit for name, unit in BEARING.items()}
 
 @dataclass(frozen=True, eq=False)
 class Channel(Shown):
-    """A signal over time.
-
-    Parameters
-    ----------
-    label : str
-        Name of the signal, e.g. "g1 v".
-    unit : str
-        Unit of the signal.
-    values : ndarray, shape (k,)
-        The signal.
-    """
+    """A signal over time."""
 
     label: str
     unit: str
@@ -39,30 +29,7 @@ class Channel(Shown):
 def channel(
     recording: Recording, of: Record | SignalSensor, quantity: str | None = None
 ) -> Channel:
-    """Find one recorded signal.
-
-    Parameters
-    ----------
-    recording : Recording
-        The recorded run.
-    of : str, tuple or SignalSensor
-        A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m]),
-        "energy", or a probe or accelerometer.
-    quantity : str, optional
-        "v", "w", "twist", "u", "velocity_v", "velocity_w", "velocity_u", "twist_rate",
-        "acceleration_v", "acceleration_w" or "acceleration_u" of a place, "y", "z" or "x" of the
-        force on a bearing, or a number field of `MeshResponse`. None is "v", "y" or the mesh force.
-
-    Returns
-    -------
-    Channel
-        The signal.
-
-    Raises
-    ------
-    ChannelError
-        If it was not recorded, or there is no such quantity.
-    """
+    """Find one recorded signal."""
     if isinstance(of, SignalSensor):
         if quantity is not None:
             raise ChannelError(f"quantity: a sensor has one signal; leave out {quantity!r}")

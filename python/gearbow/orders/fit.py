@@ -224,30 +224,7 @@ def orders(
     bearing_harmonics: int = 3,
     skip_time: float = 0.0,
 ) -> Orders:
-    """Fit the orders of a train to a recorded signal.
-
-    Parameters
-    ----------
-    recording : Recording
-        The recorded run.
-    of : str, tuple or SignalSensor
-        Owner of the signal, as in `gearbow.Response.orders`.
-    quantity : str, optional
-        Quantity, as in `gearbow.Response.orders`.
-    shaft_harmonics : int
-        Number of harmonics of each shaft.
-    mesh_harmonics : int, optional
-        Number of harmonics of each tooth frequency; None chooses, as in `gearbow.Response.orders`.
-    sidebands, bearing_harmonics : int
-        Numbers of orders, as in `gearbow.Response.orders`.
-    skip_time : float
-        Time at the beginning that is ignored [s].
-
-    Returns
-    -------
-    Orders
-        The amplitudes.
-    """
+    """Fit the orders of a train to a recorded signal."""
     if recording.kinematics is None:
         raise GearbowError("the orders are unknown, because the response has no kinematics")
     if isinstance(recording.speed, SpeedProfile):

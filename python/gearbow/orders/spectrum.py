@@ -102,29 +102,7 @@ class Spectrum(ReadOnly):
 
 
 def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array, Array]:
-    """Find the amplitude spectra of signals along the first axis.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Equally spaced times [s].
-    values : ndarray, shape (k, ...)
-        The signals.
-    window : {"hann", "flat top", "none"}
-        Window function.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Frequencies above zero [Hz].
-    ndarray, shape (n, ...)
-        Amplitudes.
-
-    Raises
-    ------
-    GearbowError
-        If the times are not equally spaced, or there is no such window.
-    """
+    """Find the amplitude spectra of signals along the first axis."""
     one_of(window, WINDOWS, "window")
     steps = np.diff(time)
     if steps.size < 2 or np.ptp(steps) > 1e-6 * abs(steps[0]) or steps[0] <= 0.0:
@@ -148,24 +126,7 @@ def spectrum(
     *,
     window: str = "hann",
 ) -> Spectrum:
-    """Find the amplitude spectrum of a recorded signal.
-
-    Parameters
-    ----------
-    recording : Recording
-        The recorded run.
-    of : str, tuple or SignalSensor
-        Owner of the signal, as in `gearbow.Response.spectrum`.
-    quantity : str, optional
-        Quantity, as in `gearbow.Response.spectrum`.
-    window : {"hann", "flat top", "none"}
-        Window function.
-
-    Returns
-    -------
-    Spectrum
-        The spectrum.
-    """
+    """Find the amplitude spectrum of a recorded signal."""
     signal = channel(recording, of, quantity)
     frequencies, amplitude = amplitudes(recording.time, signal.values, window)
     named = order_frequencies(recording)
@@ -173,19 +134,7 @@ def spectrum(
 
 
 def order_frequencies(recording: Recording) -> tuple[tuple[str, float], ...]:
-    """List the orders of a train with their frequencies.
-
-    Parameters
-    ----------
-    recording : Recording
-        The recorded run.
-
-    Returns
-    -------
-    tuple of (str, float)
-        Simplest name and frequency [Hz] of each order; none if the speed changes or the train is
-        unknown.
-    """
+    """List the orders of a train with their frequencies."""
     if recording.kinematics is None or isinstance(recording.speed, SpeedProfile):
         return ()
     turns = abs(recording.speed) / (2.0 * np.pi)

@@ -20,23 +20,7 @@ __all__ = ["Event", "MeshResponse", "RunRecord", "Statistics"]
 
 @dataclass(frozen=True, eq=False)
 class RunRecord(Shown):
-    """All data of a run that a file contains.
-
-    Parameters
-    ----------
-    data : mapping
-        Recorded arrays, events, final state and statistics.
-    speed : float or SpeedProfile
-        Speed of the reference shaft [rad/s].
-    kinematics : Kinematics or None
-        Speed ratios and tooth frequencies; None if unknown.
-    accuracy : str or None
-        What an accuracy level promises for the run; None without a level.
-    request : RunRequest or None
-        Scene and options of the run; None if unknown.
-    errors : Errors or None
-        Estimated errors; None if not estimated.
-    """
+    """All data of a run that a file contains."""
 
     data: RunData
     speed: float | SpeedProfile
@@ -144,37 +128,7 @@ class MeshResponse(ReadOnly):
 
 @dataclass(frozen=True)
 class Statistics(Shown):
-    """Counts and step lengths of a simulation.
-
-    Parameters
-    ----------
-    steps : int
-        Accepted steps.
-    rejected : int
-        Rejected steps.
-    evaluations : int
-        Evaluations of the right-hand side.
-    events : int
-        Events that ended a step.
-    step_min : float
-        Smallest step [s].
-    step_max : float
-        Largest step [s].
-    omega_max : float
-        Largest natural frequency of the model [rad/s], which bounds the step of an explicit method.
-    limited_by : str
-        What limited the length of most steps: "step" (the given step), "stability", "tolerance",
-        "cycle" (the longest step that resolves the prescribed excitation) or "events" (changes of
-        tooth contact).
-    condition : float
-        Condition number of the mode shapes; NaN for a method that does not use modes.
-    modes : int, optional
-        Number of modes that a reduced model keeps; None if the run used the complete model.
-    modes_error : tuple of float, optional
-        Error of the reduction to these modes, of gear displacements and of mesh forces: RMS of the
-        difference / RMS of the signal about its mean, at least 2 % of the mean, for the worst
-        recorded signal, over at most 0.1 s: the beginning, or the part around the largest speed.
-    """
+    """Counts and step lengths of a simulation."""
 
     steps: int
     rejected: int

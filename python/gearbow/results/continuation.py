@@ -45,25 +45,7 @@ _BRANCH = record(
 
 @dataclass
 class BranchData:
-    """Points of a branch as plain data.
-
-    Parameters
-    ----------
-    parameter : str
-        Name of the parameter.
-    speed : float
-        Speed of the reference shaft [rad/s]; the first one if it is the parameter.
-    unknowns : int
-        Number of unknowns.
-    values : list of float
-        Value of the parameter at each point.
-    kinds : list of str
-        "" or the kind of a located point.
-    multipliers : list of list of (float, float)
-        Real and imaginary parts of the multipliers of each point.
-    message : str
-        Why the branch ended before the end of the interval; "" if it did not.
-    """
+    """Points of a branch as plain data."""
 
     parameter: str
     speed: float
@@ -349,18 +331,7 @@ class Continuation(Shown):
 
 
 def summary(periods: Sequence[RunData]) -> RunData:
-    """Describe each signal of recorded periods by four numbers, as rows of one recording.
-
-    Parameters
-    ----------
-    periods : sequence of RunData
-        One recorded period for each point.
-
-    Returns
-    -------
-    RunData
-        Minimum, maximum, mean and root mean square about the mean, point after point.
-    """
+    """Describe each signal of recorded periods by four numbers, as rows of one recording."""
     data: dict[str, Any] = dict(periods[-1])
 
     for name, value in data.items():

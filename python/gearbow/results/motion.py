@@ -38,41 +38,7 @@ def animate(  # numpydoc ignore=PR01
     duration: float = 6.0,
     fps: float = 15.0,
 ) -> None:
-    """Write an animation of the train in motion, seen along -x.
-
-    It shows the pitch circles of the recorded gears and disks with a spoke, the enlarged motion of
-    their centres about the mean position, the turning bow, the line of action of one mesh at its
-    momentary angle, and the contact ratio and pressure angle of this mesh over time.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file. Its name ends with ".gif", or with ".html" for a page that needs no other file.
-    mesh : tuple of (str, str), optional
-        Driver and driven gear of the mesh; None is the first recorded one.
-    times : tuple of (float, float), optional
-        First and last time [s]; None is the last turn of the slowest shaft.
-    magnify : float, optional
-        Factor that enlarges displacements and bows; None chooses one, which the animation shows.
-    duration : float
-        Length of the animation [s].
-    fps : float
-        Frames per second, at most 50.
-
-    Raises
-    ------
-    GearbowError
-        If the name has another ending, no gear or disk was recorded, or the response does not know
-        its system.
-    ChannelError
-        If the mesh was not recorded.
-    SceneError
-        If a number is invalid, or the times are not in the record.
-    MissingExtraError
-        If matplotlib or Pillow is not installed.
-    OSError
-        If the file cannot be written. An existing file is unchanged.
-    """
+    """Write an animation of the train in motion, seen along -x."""
     with extra("plot"):
         from gearbow.plotting import animation, movie  # noqa: PLC0415
 

@@ -138,23 +138,7 @@ class Peak(Shown):
 
 
 def operating_range(given: object) -> tuple[float, float] | None:
-    """Check an operating speed or a range of operating speeds.
-
-    Parameters
-    ----------
-    given : float, (float, float) or None
-        One speed, or the lowest and the highest [rad/s].
-
-    Returns
-    -------
-    tuple of (float, float) or None
-        Speeds with the smallest and the largest absolute value.
-
-    Raises
-    ------
-    SceneError
-        If a speed is zero or not finite, the signs differ, or the highest speed comes first.
-    """
+    """Check an operating speed or a range of operating speeds."""
     if given is None:
         return None
     speeds = (

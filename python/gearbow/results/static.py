@@ -19,32 +19,7 @@ __all__ = ["MeshState", "Static"]
 
 @dataclass(frozen=True)
 class MeshState(Shown):
-    """State of one mesh at equilibrium.
-
-    Parameters
-    ----------
-    deflection : float
-        Mesh deflection along the line of action [m].
-    force : float
-        Mesh force [N].
-    stiffness : float
-        Mean mesh stiffness over a tooth cycle [N/m], as of all analyses without time.
-    pressure_angle : float
-        Operating pressure angle [rad]; NaN where the base circles overlap, which only frozen
-        geometry allows.
-    centre_distance : float
-        Distance between the centres [m].
-    centre_line_angle : float
-        Angle of the line of centres, driver to driven, from y towards z [rad].
-    contact_ratio : float
-        Contact ratio, NaN where the base circles overlap.
-    pairs_in_contact : float
-        Mean number of tooth pairs that carry load over a tooth cycle, to which the mean stiffness
-        belongs: the contact ratio, or zero if the flanks are separated.
-    thrust : float
-        Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
-        subject to the opposite force.
-    """
+    """State of one mesh at equilibrium."""
 
     deflection: float
     force: float

@@ -41,19 +41,7 @@ _STEADY = record(
 
 
 def instability(values: ComplexArray) -> str | None:
-    """Name the instability of a periodic motion by its largest multiplier.
-
-    Parameters
-    ----------
-    values : ndarray
-        Floquet multipliers.
-
-    Returns
-    -------
-    str or None
-        "fold" (a multiplier beyond +1), "flip" (beyond −1), "Neimark-Sacker" (a complex pair beyond
-        the unit circle), or None for a stable motion.
-    """
+    """Name the instability of a periodic motion by its largest multiplier."""
     if not values.size:
         return None
     largest = values[np.argmax(np.abs(values))]

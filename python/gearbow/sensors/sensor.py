@@ -18,18 +18,7 @@ class Sensor(Shown, ABC):
 
     @abstractmethod
     def measure(self, recording: Recording) -> Array:
-        """Measure a recorded motion.
-
-        Parameters
-        ----------
-        recording : Recording
-            The recorded run.
-
-        Returns
-        -------
-        ndarray
-            The measurement.
-        """
+        """Measure a recorded motion."""
 
 
 class SignalSensor(Sensor):
@@ -41,43 +30,15 @@ class SignalSensor(Sensor):
     @property
     @abstractmethod
     def label(self) -> str:
-        """Name of the signal in tables and figures.
-
-        Returns
-        -------
-        str
-            Kind, place and direction.
-        """
+        """Name of the signal in tables and figures."""
 
 
 def check_recording(recording: object) -> None:
-    """Check that a sensor can measure this value.
-
-    Parameters
-    ----------
-    recording : object
-        The value.
-
-    Raises
-    ------
-    SceneError
-        If it is no recorded run.
-    """
+    """Check that a sensor can measure this value."""
     if not isinstance(recording, Recording):
         raise SceneError(f"recording: must be a Response, got {shown(recording)}")
 
 
 def degrees_text(angle: float) -> str:
-    """Give an angle in degrees for a label.
-
-    Parameters
-    ----------
-    angle : float
-        The angle [rad].
-
-    Returns
-    -------
-    str
-        The angle, e.g. "45°".
-    """
+    """Give an angle in degrees for a label."""
     return f"{math.degrees(angle):.4g}°"

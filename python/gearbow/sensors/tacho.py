@@ -126,10 +126,7 @@ class Tacho(Sensor):
 def _crossings(
     nodes: Array, turned: Callable[[Array], Array], rate: Callable[[Array], Array]
 ) -> Array:
-    """Find the times at which a function, monotone between the nodes, is a whole number.
-
-    A value at the beginning counts, one at the end of the last interval does not.
-    """
+    """Find the times at which a function, monotone between the nodes, is a whole number."""
     values = turned(nodes)
     low, high, levels = [], [], []
     for begin, end, first, last in zip(nodes, nodes[1:], values, values[1:], strict=False):

@@ -20,28 +20,7 @@ ALL = "all"
 
 @dataclass(frozen=True)
 class Case:
-    """Parameters of one run.
-
-    Parameters
-    ----------
-    layout : str
-        Name of the gear positions, a key of `Settings.layouts`.
-    torque : float
-        First torque of the scene [N m].
-    speed : float
-        Speed of the reference shaft [rad/s].
-    bow : float
-        Amplitude of the half-sine bow, divided by the shaft radius.
-    where : str
-        Name of the bowed shaft, or "all".
-    phases : tuple of (float, float)
-        Phases of the bows on the second and the third shaft [rad]. The first phase is 0.
-    geometry : str
-        Mesh geometry, "live" or "frozen".
-    accuracy : str
-        Accuracy of the run, as `RotorSystem.simulate` takes it. Where the scene gives no elements,
-        they follow from it too.
-    """
+    """Parameters of one run."""
 
     layout: str
     torque: float
@@ -77,34 +56,12 @@ def cases(settings: Settings) -> tuple[Case, ...]:
 
 
 def middle(values: tuple[float, ...]) -> float:
-    """Return the middle value of a list.
-
-    Parameters
-    ----------
-    values : tuple of float
-        The values, in ascending order.
-
-    Returns
-    -------
-    float
-        The middle value; the upper one of an even number.
-    """
+    """Return the middle value of a list."""
     return values[len(values) // 2]
 
 
 def phases(settings: Settings) -> tuple[float, ...]:
-    """Return the phases of the phase grid.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-
-    Returns
-    -------
-    tuple of float
-        Equally spaced angles over one revolution [rad].
-    """
+    """Return the phases of the phase grid."""
     steps = settings.phase_steps
     return tuple(2.0 * math.pi * step / steps for step in range(steps))
 
@@ -133,19 +90,7 @@ def _all(settings: Settings) -> Iterator[Case]:
 
 
 def checks(settings: Settings) -> Iterator[Case]:
-    """List the runs that measure the error of the study.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-
-    Yields
-    ------
-    Case
-        Runs with the accuracy "reference" in the first layout, at the largest torque and the middle
-        speed: one without bow, one with `phase_bow`.
-    """
+    """List the runs that measure the error of the study."""
     first = next(iter(settings.layouts))
     for bow in (0.0, settings.phase_bow):
         speed = middle(settings.speeds)
@@ -153,20 +98,7 @@ def checks(settings: Settings) -> Iterator[Case]:
 
 
 def description(settings: Settings, case: Case) -> dict[str, Plain]:
-    """Return the system of a case as plain data.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-    case : Case
-        The case.
-
-    Returns
-    -------
-    dict
-        Description in the form of `RotorSystem.description`.
-    """
+    """Return the system of a case as plain data."""
     scene = copy.deepcopy(dict(settings.scene))
     for shaft, phase in zip(scene["shafts"], (0.0, *case.phases), strict=True):
         if case.bow and case.where in (ALL, shaft["name"]):
@@ -180,37 +112,12 @@ def description(settings: Settings, case: Case) -> dict[str, Plain]:
 
 
 def system(settings: Settings, case: Case) -> RotorSystem:
-    """Create the system of a case.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-    case : Case
-        The case.
-
-    Returns
-    -------
-    RotorSystem
-        The system.
-    """
+    """Create the system of a case."""
     return RotorSystem._from_description(description(settings, case))
 
 
 def influential(settings: Settings) -> Settings:
-    """Return the settings that a run of a given case depends on.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-
-    Returns
-    -------
-    Settings
-        The settings without the lists of values and the parameters of tables, so that another
-        backlash of the table of limits does not repeat the runs.
-    """
+    """Return the settings that a run of a given case depends on."""
     return replace(
         settings,
         bows=(),
@@ -225,20 +132,7 @@ def influential(settings: Settings) -> Settings:
 
 
 def key(settings: Settings, wanted: Sequence[Case]) -> str:
-    """Return a file name for runs, a digest of everything that their results depend on.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-    wanted : sequence of Case
-        The cases.
-
-    Returns
-    -------
-    str
-        Hexadecimal digits; they change with every parameter and with the version of gearbow.
-    """
+    """Return a file name for runs, a digest of everything that their results depend on."""
     whole = {
         "version": __version__,
         "settings": asdict(influential(settings)),

@@ -17,13 +17,7 @@ __all__ = ["add", "main"]
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command to its parser.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser of the command.
-    """
+    """Add the options of the command to its parser."""
     parser.add_argument(
         "--workers", type=_positive, help="number of parallel runs; default: number of cores"
     )
@@ -43,13 +37,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def main(given: argparse.Namespace) -> None:
-    """Carry out the study.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options of `add`.
-    """
+    """Carry out the study."""
     settings = Settings.load(given.scene)
     if given.quick:
         settings = settings.quick()

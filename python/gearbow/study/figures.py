@@ -26,22 +26,7 @@ _LINES, _WORDS = ("-", "--", ":"), ("solid", "dashed", "dotted")
 
 
 def write(study: Study, folder: Path, names: Sequence[str] | None = None) -> list[Path]:
-    """Draw figures and write them as PNG files.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    folder : path-like
-        Folder for the files.
-    names : sequence of str, optional
-        Names of the figures; None is all of `FIGURES`.
-
-    Returns
-    -------
-    list of Path
-        The files, ``study_NAME.png``.
-    """
+    """Draw figures and write them as PNG files."""
     paths = []
     for name in FIGURES if names is None else names:
         path = folder / f"study_{name}.png"
@@ -57,18 +42,7 @@ def write(study: Study, folder: Path, names: Sequence[str] | None = None) -> lis
 
 
 def turn(study: Study) -> Figure:
-    """Draw gear orbits and mesh geometry over one revolution of the output shaft.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One line for each bow on all shafts.
-    """
+    """Draw gear orbits and mesh geometry over one revolution of the output shaft."""
     colours = dict(zip(study.settings.bows, _ordered(len(study.settings.bows)), strict=True))
     rows = {
         "contact ratio": ("contact_ratio", 1.0),
@@ -107,18 +81,7 @@ def turn(study: Study) -> Figure:
 
 
 def where(study: Study) -> Figure:
-    """Draw peak-to-peak values against the bow, on all shafts and on each shaft.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Contact ratio of both meshes, displacement of the second and of the third gear.
-    """
+    """Draw peak-to-peak values against the bow, on all shafts and on each shaft."""
     bows = study.settings.bows
     with plots.panels(4, 4.2, columns=2, width=14.0) as (figure, panels):
         shown = [(pair, "contact_ratio") for pair in study.pairs]
@@ -150,18 +113,7 @@ def where(study: Study) -> Figure:
 
 
 def limits(study: Study) -> Figure:
-    """Draw the decrease of the centre distance and the smallest contact ratio against the bow.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The worse of both meshes, in the first layout, with the limits.
-    """
+    """Draw the decrease of the centre distance and the smallest contact ratio against the bow."""
     with plots.panels(2, 5.0, columns=2, width=14.0) as (figure, (near, few)):
         for number, place in enumerate((ALL, *study.shafts)):
             closer, ratios = [], []
@@ -199,18 +151,7 @@ def limits(study: Study) -> Figure:
 
 
 def frozen(study: Study) -> Figure:
-    """Draw the mesh forces with live and with frozen geometry.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Top: a tenth of a revolution. Bottom: peak-to-peak value against the bow.
-    """
+    """Draw the mesh forces with live and with frozen geometry."""
     with plots.panels(4, 4.2, columns=2, width=14.0) as (figure, panels):
         styles = (("live", plots.PALETTE[0]), ("frozen", plots.PALETTE[1]))
         for panel, pair in zip(panels[:2], study.pairs, strict=True):
@@ -262,18 +203,7 @@ def frozen(study: Study) -> Figure:
 
 
 def over_phases(study: Study) -> Figure:
-    """Draw the smallest contact ratio against the phases of the bows.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each layout and mesh.
-    """
+    """Draw the smallest contact ratio against the phases of the bows."""
     angles = phases(study.settings)
     ticks = np.degrees(angles)
     count = len(study.settings.layouts)
@@ -317,18 +247,7 @@ def over_phases(study: Study) -> Figure:
 
 
 def modes(study: Study) -> Figure:
-    """Draw the first mode shapes at rest.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Six modes of the first layout.
-    """
+    """Draw the first mode shapes at rest."""
     return system(study.settings, study.base).modes().plot(count=min(6, study.settings.modes))
 
 

@@ -16,18 +16,7 @@ _MICRO = 1e6
 
 
 def runs(study: Study) -> str:
-    """State the number of runs, their periodicity and their numerical error.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        Sentences and a table.
-    """
+    """State the number of runs, their periodicity and their numerical error."""
     count = len(cases(study.settings))
     # Without torque the mesh force is almost zero, and so is its peak-to-peak value.
     periodicity = max(
@@ -54,18 +43,7 @@ def runs(study: Study) -> str:
 
 
 def modes(study: Study) -> str:
-    """Tabulate the modes at rest.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        One row for each mode, with its frequency in every layout.
-    """
+    """Tabulate the modes at rest."""
     found = [
         system(study.settings, replace(study.base, layout=layout)).modes(count=study.settings.modes)
         for layout in study.settings.layouts
@@ -90,18 +68,7 @@ def modes(study: Study) -> str:
 
 
 def growth(study: Study) -> str:
-    """Tabulate peak-to-peak values against the bow.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        One row for each bow, on all shafts.
-    """
+    """Tabulate peak-to-peak values against the bow."""
     titles = ["bow / radius", *(f"{gear} [µm]" for gear in study.gears)]
     titles += [f"ε {pair}" for pair in study.pairs]
     titles += [f"α {pair} [°]" for pair in study.pairs]
@@ -118,18 +85,7 @@ def growth(study: Study) -> str:
 
 
 def loads(study: Study) -> str:
-    """Tabulate peak-to-peak values at every torque and speed.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        One row for each torque and speed, with the bow `Settings.phase_bow`.
-    """
+    """Tabulate peak-to-peak values at every torque and speed."""
     titles = ["torque [N m]", "speed [rad/s]", *(f"{gear} [µm]" for gear in study.gears)]
     titles += [f"ε {pair}: mean" for pair in study.pairs]
     titles += [f"ε {pair}: peak-to-peak" for pair in study.pairs]
@@ -146,18 +102,7 @@ def loads(study: Study) -> str:
 
 
 def ratio(study: Study) -> str:
-    """Tabulate the displacements of the gears, divided by the bow amplitude.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        One row for each gear: the range over all bows, speeds, torques and layouts.
-    """
+    """Tabulate the displacements of the gears, divided by the bow amplitude."""
     titles = ["gear", "peak-to-peak / bow", "amplitude / bow"]
     rows = []
     for gear in study.gears:
@@ -175,18 +120,7 @@ def ratio(study: Study) -> str:
 
 
 def shift(study: Study) -> str:
-    """Tabulate the effect of a bow on one shaft: at phase 0, on the mean, and peak-to-peak.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        One row for each shaft and each of its meshes, beside the closed forms.
-    """
+    """Tabulate the effect of a bow on one shaft: at phase 0, on the mean, and peak-to-peak."""
     bow = study.bows[0]
     case = replace(study.base, torque=min(study.settings.torques), speed=min(study.settings.speeds))
     straight = study[case]
@@ -228,18 +162,7 @@ def shift(study: Study) -> str:
 
 
 def which(study: Study) -> str:
-    """Tabulate the effect of a bow on one shaft at a time.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        One row for each layout and each bowed shaft.
-    """
+    """Tabulate the effect of a bow on one shaft at a time."""
     titles = ["layout", "bow on", *(f"ε {pair}" for pair in study.pairs)]
     titles += [f"α {pair} [°]" for pair in study.pairs]
     titles += [f"largest force {pair} [N]" for pair in study.pairs]
@@ -258,18 +181,7 @@ def which(study: Study) -> str:
 
 
 def layouts(study: Study) -> str:
-    """Tabulate the effect of the position of the second gear.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        One row for each bow and layout.
-    """
+    """Tabulate the effect of the position of the second gear."""
     pair = study.pairs[0]
     titles = ["bow / radius", "layout", *(f"{gear} [µm]" for gear in study.gears)]
     titles += [f"ε {pair}: mean", "smallest", "largest"]
@@ -290,19 +202,7 @@ def layouts(study: Study) -> str:
 
 
 def frozen(study: Study) -> str:
-    """Tabulate the difference between frozen and live mesh geometry.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        One row for each speed and bow: peak-to-peak mesh forces with both geometries, and the
-        relative difference of forces and displacements.
-    """
+    """Tabulate the difference between frozen and live mesh geometry."""
     titles = ["speed [rad/s]", "bow / radius"]
     for pair in study.pairs:
         titles += [f"force {pair}: live [N]", "frozen [N]", "difference"]
@@ -327,18 +227,7 @@ def frozen(study: Study) -> str:
 
 
 def phase_effects(study: Study) -> str:
-    """Tabulate the effect of the phases of the bows.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    str
-        One row for each layout and quantity: the best and the worst value over all phases.
-    """
+    """Tabulate the effect of the phases of the bows."""
     titles = ["layout", "quantity", "best", "worst", "phases of the worst [°]"]
     rows = []
     grid = [

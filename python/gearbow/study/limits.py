@@ -19,18 +19,7 @@ _TOLERANCE = 1e-4
 
 
 def limits(study: Study) -> str:
-    """Tabulate the bow at which a mesh reaches each limit, divided by the shaft radius.
-
-    Parameters
-    ----------
-    study : Study
-        The study. The search makes further runs at other bows and stores them in its folder.
-
-    Returns
-    -------
-    str
-        One row for each layout and each bowed shaft.
-    """
+    """Tabulate the bow at which a mesh reaches each limit, divided by the shaft radius."""
     titles = ["layout", "bow on", "backlash used up", "tips reach root circles"]
     titles += ["tips pass base circles", "contact ratio below 1"]
     places = [
@@ -99,12 +88,7 @@ def _crossing(margin: Callable[[float], float], bows: tuple[float, ...]) -> str:
 def _root(
     margin: Callable[[float], float], low: tuple[float, float], high: tuple[float, float]
 ) -> float:
-    """Return the bow at which a margin changes sign, by the Illinois method.
-
-    `low` and `high` are pairs of a bow and its margin; the margin is positive at `low` and not
-    positive at `high`. The method of Dowell and Jarratt (1971) is the rule of false position with
-    one change: it halves the margin of an end that stays the same in two consecutive steps.
-    """
+    """Return the bow at which a margin changes sign, by the Illinois method."""
     kept = 0
     bow = before = low[0]
     while high[0] - low[0] > _TOLERANCE:

@@ -27,108 +27,34 @@ UNITS = {**POINT, "radius": "m", **MESH, "line_of_action": "rad"}
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Signals over one revolution of the slowest shaft.
-
-    Parameters
-    ----------
-    turn : ndarray, shape (k,)
-        Angle of the slowest shaft, in revolutions from 0 to 1.
-    signals : dict of {(str, str): ndarray, shape (k,)}
-        Signals by item and quantity. Item is a gear ("g1") or a mesh ("g1/g2"). Quantities of a
-        gear: displacements "v" and "w", and "radius" = √(v² + w²), from the unloaded position at
-        rest [m]. Quantities of a mesh: "contact_ratio", "pressure_angle" [rad], "centre_distance"
-        [m], "centre_line_angle" [rad], "line_of_action" (its angle [rad]) and "force" [N].
-    events : tuple of str
-        Events of the meshes during this revolution, for example "g1/g2 tip interference".
-    """
+    """Signals over one revolution of the slowest shaft."""
 
     turn: Array
     signals: dict[tuple[str, str], Array]
     events: tuple[str, ...]
 
     def mean(self, of: str, quantity: str) -> float:
-        """Return the mean of a signal over the revolution.
-
-        Parameters
-        ----------
-        of, quantity : str
-            The signal.
-
-        Returns
-        -------
-        float
-            The mean. Start and end are the same point of the period and count once.
-        """
+        """Return the mean of a signal over the revolution."""
         return float(self.signals[of, quantity][:-1].mean())
 
     def peak_to_peak(self, of: str, quantity: str) -> float:
-        """Return the peak-to-peak value of a signal over the revolution.
-
-        Parameters
-        ----------
-        of, quantity : str
-            The signal.
-
-        Returns
-        -------
-        float
-            Largest minus smallest value.
-        """
+        """Return the peak-to-peak value of a signal over the revolution."""
         return float(np.ptp(self.signals[of, quantity]))
 
     def largest(self, of: str, quantity: str) -> float:
-        """Return the largest value of a signal.
-
-        Parameters
-        ----------
-        of, quantity : str
-            The signal.
-
-        Returns
-        -------
-        float
-            The largest value.
-        """
+        """Return the largest value of a signal."""
         return float(self.signals[of, quantity].max())
 
     def smallest(self, of: str, quantity: str) -> float:
-        """Return the smallest value of a signal.
-
-        Parameters
-        ----------
-        of, quantity : str
-            The signal.
-
-        Returns
-        -------
-        float
-            The smallest value.
-        """
+        """Return the smallest value of a signal."""
         return float(self.signals[of, quantity].min())
 
     def orbit(self, gear: str) -> float:
-        """Return the peak-to-peak displacement of a gear, the larger one of v and w.
-
-        Parameters
-        ----------
-        gear : str
-            Name of the gear.
-
-        Returns
-        -------
-        float
-            Peak-to-peak displacement [m].
-        """
+        """Return the peak-to-peak displacement of a gear, the larger one of v and w."""
         return max(self.peak_to_peak(gear, "v"), self.peak_to_peak(gear, "w"))
 
     def periodicity_error(self) -> float:
-        """Return the difference between the end and the start of the revolution.
-
-        Returns
-        -------
-        float
-            The largest difference of v, w and force, divided by the peak-to-peak value.
-        """
+        """Return the difference between the end and the start of the revolution."""
         parts = [
             abs(float(values[-1] - values[0])) / float(np.ptp(values))
             for (_, quantity), values in self.signals.items()
@@ -138,13 +64,7 @@ class Measured:
 
     @property
     def always_in_contact(self) -> bool:
-        """Whether the contact ratio of every mesh is above 1 at all times.
-
-        Returns
-        -------
-        bool
-            False if a contact ratio falls to 1 or below.
-        """
+        """Whether the contact ratio of every mesh is above 1 at all times."""
         return all(
             values.min() > 1.0
             for (_, quantity), values in self.signals.items()
@@ -152,23 +72,7 @@ class Measured:
         )
 
     def relative_difference(self, other: "Measured", of: str, quantities: tuple[str, ...]) -> float:
-        """Return the relative difference between this run and a reference run.
-
-        Parameters
-        ----------
-        other : Measured
-            The reference run.
-        of : str
-            Name of a gear or a mesh.
-        quantities : tuple of str
-            Signals that are compared together.
-
-        Returns
-        -------
-        float
-            RMS of the difference, divided by the RMS of the reference about its mean; infinite if
-            the reference is constant and this run differs.
-        """
+        """Return the relative difference between this run and a reference run."""
         mine = np.array([self.signals[of, quantity] for quantity in quantities])
         others = np.array([other.signals[of, quantity] for quantity in quantities])
         vibration = others - others.mean(axis=1, keepdims=True)
@@ -177,40 +81,12 @@ class Measured:
 
 
 def measure(settings: Settings, case: Case) -> Measured:
-    """Simulate a case and return the signals of its last revolution.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-    case : Case
-        The case.
-
-    Returns
-    -------
-    Measured
-        The signals.
-    """
+    """Simulate a case and return the signals of its last revolution."""
     return signals(settings, system(settings, case), case)
 
 
 def signals(settings: Settings, train: "RotorSystem", case: Case) -> Measured:
-    """Simulate the system of a case and return the signals of its last revolution.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-    train : RotorSystem
-        The system of the case.
-    case : Case
-        The case.
-
-    Returns
-    -------
-    Measured
-        The signals.
-    """
+    """Simulate the system of a case and return the signals of its last revolution."""
     slowest = float(np.abs(train.speed_ratios).min())
     turn = 2.0 * np.pi / (case.speed * slowest)
     parts = np.linspace(0.0, 1.0, settings.samples + 1)

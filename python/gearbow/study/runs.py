@@ -31,57 +31,13 @@ Results = Mapping[Case, Measured]
 def run(
     settings: Settings, folder: Path, workers: int | None = None, *, progress: bool = False
 ) -> Results:
-    """Make all missing runs of a study and return all results.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-    folder : path-like
-        Folder of the file of the runs.
-    workers : int, optional
-        Number of parallel runs; None is the number of cores. It does not affect the results.
-    progress : bool
-        Whether to show a progress bar.
-
-    Returns
-    -------
-    mapping of {Case: Measured}
-        The results of all runs, in the order of `cases`.
-
-    Raises
-    ------
-    GearbowError
-        If a run fails. The file contains the other runs.
-    """
+    """Make all missing runs of a study and return all results."""
     with nullcontext() if workers is None else ThreadPoolExecutor(workers) as executor:
         return _run(settings, cases(settings), Path(folder), executor, progress=progress)
 
 
 def find(settings: Settings, case: Case, folder: Path) -> Measured:
-    """Return the result of a case; make the run if its file is missing.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-    case : Case
-        The case; it need not be one of `cases`.
-    folder : path-like
-        Folder of the files.
-
-    Returns
-    -------
-    Measured
-        The result.
-
-    Raises
-    ------
-    GearbowError
-        If the run fails.
-    OSError
-        If the file cannot be written or read.
-    """
+    """Return the result of a case; make the run if its file is missing."""
     return _run(settings, [case], Path(folder), None)[case]
 
 

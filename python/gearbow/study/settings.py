@@ -77,23 +77,7 @@ class Settings:
 
     @classmethod
     def load(cls, path: Path = SCENE) -> "Settings":
-        """Read the settings from a TOML file.
-
-        Parameters
-        ----------
-        path : path-like
-            A scene with an additional table ``study``; by default the file of the package.
-
-        Returns
-        -------
-        Settings
-            The settings.
-
-        Raises
-        ------
-        SceneError
-            If the file is invalid; the message begins with the path of the entry.
-        """
+        """Read the settings from a TOML file."""
         try:
             with reading(path) as document:
                 text = tomllib.loads(document)
@@ -113,14 +97,7 @@ class Settings:
         return cls(scene=scene, **given)._checked()
 
     def quick(self) -> "Settings":
-        """Return a small part of the study.
-
-        Returns
-        -------
-        Settings
-            The same scene without bow and with `phase_bow`, at the last torque and the middle
-            speed, with two phases and the accuracy "draft".
-        """
+        """Return a small part of the study."""
         return replace(
             self,
             bows=(0.0, self.phase_bow),

@@ -33,19 +33,7 @@ _SHAPES = ("layout", "mode", "shaft", "position [m]", "direction", "real", "imag
 
 
 def write(settings: Settings, results: Results, folder: Path) -> None:
-    """Write the CSV files of a study.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-    results : mapping of {Case: Measured}
-        Results of the runs.
-    folder : path-like
-        Folder for the files. ``cases.csv`` has one row for each signal of each run: mean,
-        smallest, largest and peak-to-peak value. ``events.csv`` lists the events of the meshes.
-        ``modes.csv`` and ``mode_shapes.csv`` contain natural frequencies and mode shapes at rest.
-    """
+    """Write the CSV files of a study."""
     numbers = ("mean", "smallest", "largest", "peak_to_peak")
     rows = (
         (
@@ -82,20 +70,7 @@ def write(settings: Settings, results: Results, folder: Path) -> None:
 
 
 def markdown(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table in Markdown.
-
-    Parameters
-    ----------
-    titles : sequence of str
-        Column headers.
-    rows : iterable of sequence of str
-        Cells of each row.
-
-    Returns
-    -------
-    str
-        The table.
-    """
+    """Return a table in Markdown."""
     lines = [titles, ["---"] * len(titles), *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 

@@ -15,17 +15,7 @@ __all__ = ["Study"]
 
 
 class Study:
-    """Settings and results of a study, with the cases that tables and figures use.
-
-    Parameters
-    ----------
-    settings : Settings
-        The study.
-    results : mapping of {Case: Measured}
-        Results of the runs.
-    folder : path-like, optional
-        Folder for the files of further runs, which `limits` needs; None stores no files.
-    """
+    """Settings and results of a study, with the cases that tables and figures use."""
 
     def __init__(self, settings: Settings, results: Results, folder: Path | None = None) -> None:
         self.settings = settings
@@ -46,18 +36,7 @@ class Study:
         return self.results[replace(case, where=ALL) if not case.bow else case]
 
     def find(self, case: Case) -> Measured:
-        """Return the result of any case; simulate the case if there is no result.
-
-        Parameters
-        ----------
-        case : Case
-            The case.
-
-        Returns
-        -------
-        Measured
-            The result.
-        """
+        """Return the result of any case; simulate the case if there is no result."""
         try:
             return self[case]
         except KeyError:
@@ -66,81 +45,26 @@ class Study:
             return find(self.settings, case, self.folder)
 
     def amplitude(self, bow: float) -> float:
-        """Return the amplitude of a bow on the first shaft.
-
-        Parameters
-        ----------
-        bow : float
-            Amplitude divided by the shaft radius.
-
-        Returns
-        -------
-        float
-            Amplitude [m].
-        """
+        """Return the amplitude of a bow on the first shaft."""
         return bow * float(self.settings.scene["shafts"][0]["outer_diameter"]) / 2.0
 
     def gear(self, name: str) -> dict[str, float]:
-        """Return the description of a gear.
-
-        Parameters
-        ----------
-        name : str
-            Name of the gear.
-
-        Returns
-        -------
-        dict
-            Description, with at least teeth and module.
-        """
+        """Return the description of a gear."""
         (found,) = [gear for gear in self.settings.scene["gears"] if gear["name"] == name]
         return dict(found)
 
     def mesh(self, name: str) -> MeshGeometry:
-        """Return the geometry of a mesh at rest.
-
-        Parameters
-        ----------
-        name : str
-            Name of the mesh, for example "g1/g2".
-
-        Returns
-        -------
-        dict
-            Centre distance, pressure angle and radii.
-        """
+        """Return the geometry of a mesh at rest."""
         return mesh_geometry(self.settings.scene)[self.pairs.index(name)]
 
     def pair(self, name: str) -> tuple[float, float, float]:
-        """Return centre distance, pressure angle and base pitch of a mesh at rest.
-
-        Parameters
-        ----------
-        name : str
-            Name of the mesh, for example "g1/g2".
-
-        Returns
-        -------
-        tuple of (float, float, float)
-            Centre distance [m], pressure angle [rad] and base pitch [m].
-        """
+        """Return centre distance, pressure angle and base pitch of a mesh at rest."""
         mesh, driver = self.mesh(name), self.gear(name.split("/", maxsplit=1)[0])
         pitch = 2.0 * math.pi * mesh["base_radii"][0] / driver["teeth"]
         return mesh["centre_distance"], mesh["pressure_angle"], pitch
 
     def clearance(self, name: str) -> float:
-        """Return the smaller tip clearance of a mesh at rest.
-
-        Parameters
-        ----------
-        name : str
-            Name of the mesh, for example "g1/g2".
-
-        Returns
-        -------
-        float
-            Distance between the tip circle of a gear and the root circle of the other one [m].
-        """
+        """Return the smaller tip clearance of a mesh at rest."""
         mesh = self.mesh(name)
         reach = (
             tip + root

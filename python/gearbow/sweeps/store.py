@@ -68,20 +68,7 @@ _LIST = record(points=each(record()))
 
 @dataclass
 class Contents:
-    """What a file contains.
-
-    Parameters
-    ----------
-    head : dict
-        The head of the sweep.
-    outcomes : dict of {int: Outcome}
-        Outcome of each intact point.
-    damaged : set of int
-        Numbers of the points whose rows have changed since they were written or cannot be read.
-    structure : str
-        The first damage of the structure of the file, with which rows may have been lost; empty for
-        an intact file.
-    """
+    """What a file contains."""
 
     head: dict[str, Plain]
     outcomes: dict[int, Outcome] = field(default_factory=dict)
@@ -89,13 +76,7 @@ class Contents:
     structure: str = ""
 
     def damage(self) -> str:
-        """Describe the damage.
-
-        Returns
-        -------
-        str
-            The points, and what else is known; empty for an intact file.
-        """
+        """Describe the damage."""
         named = ", ".join(map(str, sorted(self.damaged)[:_MOST_NAMED]))
         more = len(self.damaged) - _MOST_NAMED
         found = []
@@ -110,20 +91,7 @@ class Contents:
 def head_of(
     make: Mapping[str, str], measure: Mapping[str, str], parameters: Mapping[str, Plain]
 ) -> dict[str, Plain]:
-    """Return the head of a file: what identifies a sweep.
-
-    Parameters
-    ----------
-    make, measure : mapping
-        Identities of the functions.
-    parameters : mapping
-        The points as plain data.
-
-    Returns
-    -------
-    dict
-        The head.
-    """
+    """Return the head of a file: what identifies a sweep."""
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
     return {
         "sweep": _FORMAT,
@@ -136,26 +104,7 @@ def head_of(
 
 
 class Store:
-    """File of a running sweep. Within a ``with`` statement no other sweep can use it.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file. It need not exist.
-    head : dict
-        The head of the sweep.
-
-    Attributes
-    ----------
-    known : dict of {int: Outcome}
-        Outcomes of the points that the file contains at the start, without failed ones.
-
-    Raises
-    ------
-    SceneError
-        If the suffix is not ".sweep", the folder is missing, or the file belongs to another sweep,
-        is no file of a sweep, is damaged beyond its points, or is in use.
-    """
+    """File of a running sweep. Within a ``with`` statement no other sweep can use it."""
 
     def __init__(self, path: str | os.PathLike[str], head: dict[str, Plain]) -> None:
         self.path, _ = check_name(path, [SUFFIX], "store")
@@ -213,20 +162,7 @@ class Store:
             self._lock.release()
 
     def add(self, number: int, outcome: Outcome) -> None:
-        """Write the outcome of a point.
-
-        Parameters
-        ----------
-        number : int
-            Number of the point.
-        outcome : Outcome
-            Its outcome.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written. Its points remain.
-        """
+        """Write the outcome of a point."""
         if self._database is None:
             raise SceneError("store: the file is not open")
         with self._writing():
@@ -250,22 +186,7 @@ class Store:
 def write(
     path: str | os.PathLike[str], head: Mapping[str, Plain], outcomes: Mapping[int, Outcome]
 ) -> None:
-    """Write a file with these outcomes, completely or not at all.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-    head : mapping
-        The head of the sweep.
-    outcomes : mapping of {int: Outcome}
-        Outcome of each finished point.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written. An existing file is unchanged.
-    """
+    """Write a file with these outcomes, completely or not at all."""
     with replacing(path) as file:
         try:
             # Nobody else knows the temporary file, and `replacing` removes it after an error: it
@@ -288,25 +209,7 @@ def write(
 
 
 def read(path: str | os.PathLike[str]) -> Contents:
-    """Read a file of a sweep.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-
-    Returns
-    -------
-    Contents
-        The head and the intact points.
-
-    Raises
-    ------
-    GearbowError
-        If the head is damaged, or the file has another content.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read a file of a sweep."""
     with Path(path).open("rb"):  # an error of the system names the cause
         pass
     try:

@@ -222,10 +222,7 @@ class SystemDescription(CheckedKeywords, Shown):
         return system
 
     def _variation(self, **changes: Any) -> "Self":
-        """Make a system as `replace`, with elements and modes of this one if only loads change.
-
-        It has them where they keep the accuracy with its own loads.
-        """
+        """Make a system as `replace`, with elements and modes of this one if only loads change."""
         given = self._changed(changes)
         system = type(self).__new__(type(self))
         lists = [given[key] for key in PARTS]
@@ -361,12 +358,6 @@ class SystemDescription(CheckedKeywords, Shown):
 
 
 def warn(model: Model) -> None:
-    """Warn about implausible entries, at the line outside the package that made the system.
-
-    Parameters
-    ----------
-    model : Model
-        The checked system.
-    """
+    """Warn about implausible entries, at the line outside the package that made the system."""
     for message in model.warnings:
         warnings.warn(message, SceneWarning, stacklevel=outside())

@@ -20,25 +20,7 @@ _NUL = re.compile(r"\\(u0000|U00000000)")
 
 
 def read_scene(path: str | os.PathLike[str]) -> Model:
-    """Read a scene file.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-
-    Returns
-    -------
-    Model
-        The checked system.
-
-    Raises
-    ------
-    SceneError
-        If the description is invalid, or the file is not TOML.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read a scene file."""
     with reading(path) as document:
         try:
             plain = tomllib.loads(document)

@@ -241,11 +241,7 @@ class Simulation(LinearAnalyses):
     def _level(
         self, accuracy: str | None, given: Mapping[str, Any], speed: SpeedProfile | float
     ) -> tuple[Level | None, str | None]:
-        """Find the accuracy level, and why the elements are too coarse for it.
-
-        Elements that are too coarse for a given level are worth a warning; without a level, the
-        response says it.
-        """
+        """Find the accuracy level, and why the elements are too coarse for it."""
         level = find_level(accuracy, given)
         constant = speed if isinstance(speed, float) else None
         coarse = None if level is None else level.coarse(self._model, constant)
@@ -286,10 +282,7 @@ class Simulation(LinearAnalyses):
     def _require_memory_of_runs(
         self, count: int, duration: float, speed: Any, options: Mapping[str, Any]
     ) -> None:
-        """Refuse runs whose records do not fit into memory together.
-
-        An invalid option, which the first run reports, is not examined.
-        """
+        """Refuse runs whose records do not fit into memory together."""
         try:
             times = options.get("times")
             if times is None:

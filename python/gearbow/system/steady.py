@@ -155,11 +155,7 @@ class SteadyAnalyses(Simulation):
     def _period(
         self, speed: float, given: float | None, longest: float, geometry: str
     ) -> tuple[float, "Superposition | float | None"]:
-        """Give the period.
-
-        Without a common one, give the length of a record, and the sources of a sum of motions or
-        the longest section of a quasi-periodic motion.
-        """
+        """Give the period."""
         if given is not None:
             given = number(given, "period")
             if not given > 0.0:

@@ -23,31 +23,7 @@ _INITIAL = ("synchronous", "static", "rest")
 
 @dataclass(frozen=True, eq=False)
 class Plan(Generic[S]):
-    """All runs of a study.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    duration : float
-        Simulated time [s].
-    speed : float
-        Speed of the reference shaft [rad/s].
-    wanted : tuple of Signal
-        Signals to compare.
-    times : ndarray, shape (k,)
-        Times of the compared samples [s].
-    initial : str
-        Initial state of every run.
-    settings : list of Setting
-        Settings for the given system.
-    simpler : list of Model
-        The simplified models.
-    degrees : list of int
-        Degrees of the elements of the simplified models.
-    repeats : int
-        Maximum number of runs of each setting.
-    """
+    """All runs of a study."""
 
     system: S
     duration: float
@@ -61,29 +37,12 @@ class Plan(Generic[S]):
     repeats: int
 
     def settings_of(self, model: Model[S]) -> list[Setting]:
-        """Return the settings of a simplified model.
-
-        Parameters
-        ----------
-        model : Model
-            The model.
-
-        Returns
-        -------
-        list of Setting
-            Settings of one method, because a simplification hardly changes the rank of methods.
-        """
+        """Return the settings of a simplified model."""
         methods = model.methods or (self.settings[0].method,)
         return [setting for setting in self.settings if setting.method in methods]
 
     def common(self) -> dict[str, Any]:
-        """Return the options of `simulate` that all runs share.
-
-        Returns
-        -------
-        dict
-            The options.
-        """
+        """Return the options of `simulate` that all runs share."""
         record = list(dict.fromkeys(signal.of for signal in self.wanted))
         return {"times": self.times, "record": record, "initial": self.initial}
 
@@ -106,27 +65,7 @@ def plan(
     output_step: float | None,
     repeats: int,
 ) -> Plan[S]:
-    """Read and check the arguments of a study.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    duration, speed, signals, methods, steps, tolerances, modes, elements, degrees : object
-        As in `gearbow.RotorSystem.tradeoff`.
-    frozen, mean_stiffness, initial, output_step, repeats : object
-        As in `gearbow.RotorSystem.tradeoff`.
-
-    Returns
-    -------
-    Plan
-        The plan.
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid; the message names it.
-    """
+    """Read and check the arguments of a study."""
     duration, speed = number(duration, "duration"), number(speed, "speed")
     if not 0.0 < duration < math.inf:
         raise SceneError(f"duration: must be positive and finite, got {duration!r}")

@@ -12,22 +12,7 @@ __all__ = ["METHODS", "Method", "Setting", "ladders", "references"]
 
 @dataclass(frozen=True)
 class Method:
-    """A method of integration and the values of its error control.
-
-    Parameters
-    ----------
-    options : mapping
-        Fixed options of `simulate`.
-    control : {"rtol", "step"}
-        The option that controls the error.
-    ladder : tuple of float
-        Tolerances, or steps divided by `unit`, from loose to tight.
-    finest : tuple of float
-        The same for a reference run, from tight to loose; the first that fits the budget is used.
-    unit : {"stability", "passing"}, optional
-        Unit of the steps: the step that resolves the highest frequency of the model, or the
-        shortest period of a shaft rotation or tooth passing.
-    """
+    """A method of integration and the values of its error control."""
 
     options: Mapping[str, Any]
     control: str
@@ -76,27 +61,13 @@ METHODS: dict[str, Method] = {
 
 @dataclass(frozen=True)
 class Setting:
-    """The options of `simulate` that determine accuracy and cost.
-
-    Parameters
-    ----------
-    method : str
-        Name of the method in the study.
-    options : mapping
-        Options of `simulate`.
-    """
+    """The options of `simulate` that determine accuracy and cost."""
 
     method: str
     options: Mapping[str, Any] = field(hash=False)
 
     def halved(self) -> "Setting":
-        """Return the setting with half the step or tolerance.
-
-        Returns
-        -------
-        Setting
-            The tighter setting.
-        """
+        """Return the setting with half the step or tolerance."""
         control = METHODS[self.method].control
         return Setting(self.method, {**self.options, control: 0.5 * self.options[control]})
 
@@ -112,24 +83,7 @@ def ladders(
     steps: Sequence[float] | None,
     tolerances: Sequence[float] | None,
 ) -> list[Setting]:
-    """Return the settings of a study, from loose to tight, with alternating methods.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    speed : float
-        Speed of the reference shaft [rad/s].
-    names : sequence of str
-        Methods.
-    steps, tolerances : sequence of float, optional
-        Steps [s] of methods with fixed steps, tolerances of the others; None is their series.
-
-    Returns
-    -------
-    list of Setting
-        The settings.
-    """
+    """Return the settings of a study, from loose to tight, with alternating methods."""
     columns = []
     for name in names:
         method = METHODS[name]
@@ -141,20 +95,7 @@ def ladders(
 
 
 def references(system: System, speed: float) -> list[Setting]:
-    """Return candidates for the reference run, the tightest first.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    speed : float
-        Speed of the reference shaft [rad/s].
-
-    Returns
-    -------
-    list of Setting
-        The tightest setting of each method, then the second of each, and so on.
-    """
+    """Return candidates for the reference run, the tightest first."""
     columns = [
         [_setting(name, value) for value in _values(system, speed, method, method.finest)]
         for name, method in METHODS.items()

@@ -19,40 +19,17 @@ __all__ = ["Signal", "Signals", "read_signals"]
 
 @dataclass(frozen=True)
 class Signal:
-    """A signal of a response: the displacement of a point or the force of a mesh.
-
-    Parameters
-    ----------
-    of : str or tuple
-        A gear or disk, (shaft, position [m]), or (driver, driven).
-    """
+    """A signal of a response: the displacement of a point or the force of a mesh."""
 
     of: Any
 
     @property
     def is_force(self) -> bool:
-        """Whether the signal is a mesh force.
-
-        Returns
-        -------
-        bool
-            True for (driver, driven).
-        """
+        """Whether the signal is a mesh force."""
         return isinstance(self.of, tuple) and isinstance(self.of[1], str)
 
     def values(self, response: Response) -> Array:
-        """Return the signal of a response.
-
-        Parameters
-        ----------
-        response : Response
-            A response that contains the signal.
-
-        Returns
-        -------
-        ndarray, shape (k, 2) or (k, 1)
-            Displacement [m] or force [N].
-        """
+        """Return the signal of a response."""
         if self.is_force:
             return response.mesh(*self.of).force[:, np.newaxis]
         return response.displacement(self.of)
@@ -64,35 +41,14 @@ class Signal:
 
 
 class Signals:
-    """The signals of one run, for the comparison with another run.
-
-    Parameters
-    ----------
-    wanted : sequence of Signal
-        The signals.
-    response : Response
-        The run.
-    """
+    """The signals of one run, for the comparison with another run."""
 
     def __init__(self, wanted: tuple[Signal, ...], response: Response) -> None:
         self._wanted = wanted
         self._values = [signal.values(response) for signal in wanted]
 
     def errors(self, other: "Signals", scale: "Signals") -> dict[str, float]:
-        """Return the relative difference from another run for each signal.
-
-        Parameters
-        ----------
-        other : Signals
-            The other run, with the same output times.
-        scale : Signals
-            The run whose signals give the unit of the difference.
-
-        Returns
-        -------
-        dict of {str: float}
-            RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean.
-        """
+        """Return the relative difference from another run for each signal."""
         rows = zip(self._wanted, self._values, other._values, scale._values, strict=True)
         return {
             str(signal): root_mean_square(mine - others) / unit_of_errors(exact)
@@ -100,28 +56,11 @@ class Signals:
         }
 
     def error(self, other: "Signals", scale: "Signals") -> float:
-        """Return the relative difference from another run for the worst signal.
-
-        Parameters
-        ----------
-        other, scale : Signals
-            As in `errors`.
-
-        Returns
-        -------
-        float
-            The largest difference.
-        """
+        """Return the relative difference from another run for the worst signal."""
         return max(self.errors(other, scale).values())
 
     def check(self) -> None:
-        """Reject constant signals, for which a relative error is undefined.
-
-        Raises
-        ------
-        SceneError
-            If a signal is constant to round-off.
-        """
+        """Reject constant signals, for which a relative error is undefined."""
         for signal, values in zip(self._wanted, self._values, strict=True):
             if not variation(values) > 0.0:
                 raise SceneError(
@@ -131,26 +70,7 @@ class Signals:
 
 
 def read_signals(system: System, given: object) -> tuple[Signal, ...]:
-    """Read the signals of a study and check that the system has them.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    given : str, tuple or sequence of them, optional
-        A gear or disk, (shaft, position [m]), (driver, driven), or several; None is the first gear,
-        or disk.
-
-    Returns
-    -------
-    tuple of Signal
-        The signals.
-
-    Raises
-    ------
-    SceneError
-        If the system does not have a signal.
-    """
+    """Read the signals of a study and check that the system has them."""
     if given is None:
         names = [gear.name for gear in system.gears] + [disk.name for disk in system.disks]
         if not names:

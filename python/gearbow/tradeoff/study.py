@@ -30,27 +30,7 @@ _NEGLIGIBLE = 0.1
 
 
 def carry_out(plan: Plan[S], budget: float, report: Progress) -> Tradeoff[S]:
-    """Run all settings that the budget allows.
-
-    Parameters
-    ----------
-    plan : Plan
-        The plan.
-    budget : float
-        Limit of the wall-clock time [s].
-    report : callable
-        Receives the completed fraction.
-
-    Returns
-    -------
-    Tradeoff
-        The result.
-
-    Raises
-    ------
-    GearbowError
-        If the budget is too short for a reference.
-    """
+    """Run all settings that the budget allows."""
     return _Study(plan, Budget(budget), report).result()
 
 
@@ -144,10 +124,7 @@ class _Study(Generic[S]):
         raise self._nothing("check of the reference")
 
     def _exact(self) -> _Run[S]:
-        """Run finer elements, from which total errors count.
-
-        These are the given elements if the study has no degrees, or no budget for finer ones.
-        """
+        """Run finer elements, from which total errors count."""
         degrees = self.plan.degrees
         run = self._tight(refined(self.plan.system, degrees)) if degrees else None
         self._count()

@@ -178,17 +178,7 @@ class Trial(Shown, Generic[S]):
 
 @dataclass(frozen=True)
 class Skipped(Shown):
-    """A skipped setting.
-
-    Parameters
-    ----------
-    setting : str
-        Method, and step or tolerance.
-    model : str
-        "as given" or the simplification.
-    reason : str
-        Why the setting was skipped.
-    """
+    """A skipped setting."""
 
     setting: str
     model: str
@@ -199,20 +189,7 @@ class Skipped(Shown):
 
 
 def table(trials: Iterable[Trial[S]], front: Sequence[Trial[S]]) -> str:
-    """Return rows as a text table.
-
-    Parameters
-    ----------
-    trials : iterable of Trial
-        The rows.
-    front : sequence of Trial
-        Rows that get a star.
-
-    Returns
-    -------
-    str
-        One line for each row, below a line of titles.
-    """
+    """Return rows as a text table."""
     rows = [_TITLES]
     for trial in trials:
         simplified = trial.model != GIVEN
@@ -252,23 +229,7 @@ def _below(error: float, floor: float) -> str:
 
 
 def positive_duration(duration: float | None) -> float | None:
-    """Check the simulated time of the compared runs [s].
-
-    Parameters
-    ----------
-    duration : float or None
-        The argument of the user.
-
-    Returns
-    -------
-    float or None
-        The same.
-
-    Raises
-    ------
-    SceneError
-        If it is not positive and finite.
-    """
+    """Check the simulated time of the compared runs [s]."""
     if duration is None:
         return None
     value = number(duration, "duration")

@@ -135,18 +135,7 @@ def _end(names: tuple[str, ...]) -> str | tuple[str | None, ...] | None:
 
 
 def unit_of(path: str) -> str | None:
-    """Give the SI unit of a field.
-
-    Parameters
-    ----------
-    path : str
-        Path of the field, for example "couplings[0].stiffness[2]".
-
-    Returns
-    -------
-    str or None
-        The unit; `DIMENSIONLESS` for a field without a unit, None for a field that is not a number.
-    """
+    """Give the SI unit of a field."""
     names = tuple(re.sub(r"\[\d+\]", "", path).split("."))
     found = _end(names)
     if not isinstance(found, tuple):

@@ -44,27 +44,7 @@ _FACTOR = re.compile(r"([A-Za-z%]+|1)(?:\^\(?(-?\d)\)?)?")
 
 
 def parsed(text: str, path: str, *, bare: bool = False) -> float:
-    """Convert a text with a unit to SI units.
-
-    Parameters
-    ----------
-    text : str
-        A number and a unit: products by spaces, then divisions by "/" and powers by "^".
-    path : str
-        Path of the field, which determines the dimension.
-    bare : bool
-        Whether a number without a unit is in the SI unit of the field; False rejects it.
-
-    Returns
-    -------
-    float
-        The value in the SI unit of the field, correctly rounded where the unit contains no angle.
-
-    Raises
-    ------
-    SceneError
-        If the text is not a number with a known unit of the dimension of the field.
-    """
+    """Convert a text with a unit to SI units."""
     wanted = unit_of(path) or DIMENSIONLESS
     found = _TEXT.fullmatch(text.strip())
     if found is None:
