@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import datetime as dt
+import functools
+import inspect
 import math
 from decimal import Decimal
 from fractions import Fraction
@@ -67,11 +69,27 @@ def response(system: gb.RotorSystem) -> gb.Response:
 
 
 def wrong(*without: str) -> Any:
-    return pytest.mark.parametrize(
-        "value",
-        [value for name, value in WRONG.items() if name not in without],
-        ids=[name for name in WRONG if name not in without],
-    )
+    """Run a test with every value that is no number, and report all that it accepts."""
+
+    def decorate(test: Any) -> Any:
+        @functools.wraps(test)
+        def with_each_value(**given: Any) -> None:
+            failures = []
+            for name, value in WRONG.items():
+                if name not in without:
+                    try:
+                        test(value=value, **given)
+                    except (Exception, pytest.fail.Exception) as error:  # noqa: BLE001  # reported below
+                        failures.append(f"{name}: {error}")
+            assert not failures, "\n".join(failures)
+
+        arguments = inspect.signature(test).parameters.values()
+        with_each_value.__signature__ = inspect.Signature(
+            [each for each in arguments if each.name != "value"]
+        )
+        return with_each_value
+
+    return decorate
 
 
 # --- the fields of parts --------------------------------------------------------------------------
