@@ -1,17 +1,15 @@
 """One setting of a study as a row of a table."""
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
-from gearbow._convert import number
+from gearbow._convert import positive
 from gearbow._shown import Shown
 from gearbow.analysis.protocol import S
-from gearbow.errors import SceneError
 from gearbow.tradeoff.models import GIVEN
 
-__all__ = ["Skipped", "Trial", "positive_duration", "table"]
+__all__ = ["Skipped", "Trial", "table"]
 
 _TITLES = (
     "",
@@ -158,8 +156,9 @@ class Trial(Shown, Generic[S]):
         float
             CPU time of set-up and steps [s].
         """
-        duration = positive_duration(duration)
-        return self.seconds if duration is None else self.setup + self.rate * duration
+        if duration is None:
+            return self.seconds
+        return self.setup + self.rate * positive(duration, "duration")
 
     @property
     def error_text(self) -> str:
@@ -226,13 +225,3 @@ def _together(setting: str, model: str) -> str:
 
 def _below(error: float, floor: float) -> str:
     return f"{error:.1e}" if error > floor else f"<{floor:.1e}"
-
-
-def positive_duration(duration: float | None) -> float | None:
-    """Check the simulated time of the compared runs [s]."""
-    if duration is None:
-        return None
-    value = number(duration, "duration")
-    if not 0.0 < value < math.inf:
-        raise SceneError(f"duration: must be positive and finite, got {duration!r}")
-    return value
