@@ -50,6 +50,11 @@ _FORMAT = 1
 _PAGE = 512
 #: Time for which a reader and a writer wait for each other [s]: a transaction takes milliseconds.
 _WAIT = 30.0
+#: What an error of the store says after its cause.
+_STAY = (
+    "the store cannot be written: {}; the points that it contains stay, and the same call "
+    "continues when the cause is removed"
+)
 #: Most numbers of points in a message.
 _MOST_NAMED = 10
 #: Types of values: letters of NumPy, with the number of bytes.
@@ -145,7 +150,7 @@ class Store:
             )
             write(self.path, self._head, found.outcomes)  # without the damage
         self.known = {i: one for i, one in found.outcomes.items() if one.values is not None}
-        with self._writing():
+        with _system_errors(self.path, _STAY):
             self._database = _connect(self.path)
             self._database.execute("BEGIN IMMEDIATE")  # fails for a file that is only readable
             self._database.execute("COMMIT")
@@ -165,47 +170,42 @@ class Store:
         """Write the outcome of a point."""
         if self._database is None:
             raise SceneError("store: the file is not open")
-        with self._writing():
+        with _system_errors(self.path, _STAY):
             _insert(self._database, number, outcome)
 
-    @contextmanager
-    def _writing(self) -> Iterator[None]:
-        """Turn an error of SQLite into one of the system that names the file."""
-        try:
-            yield
-        except sqlite3.Error as error:
-            full = errno.ENOSPC if "full" in str(error) else errno.EIO
-            raise OSError(
-                full,
-                f"the store cannot be written: {error}; the points that it contains stay, and the "
-                "same call continues when the cause is removed",
-                str(self.path),
-            ) from error
+
+@contextmanager
+def _system_errors(path: Path | None = None, text: str = "{}") -> Iterator[None]:
+    """Turn an error of SQLite into one of the operating system."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        code = errno.ENOSPC if "full" in str(error) else errno.EIO
+        raise OSError(code, text.format(error), path and str(path)) from error
 
 
 def write(
     path: str | os.PathLike[str], head: Mapping[str, Plain], outcomes: Mapping[int, Outcome]
 ) -> None:
     """Write a file with these outcomes, completely or not at all."""
-    with replacing(path) as file:
-        try:
-            # Nobody else knows the temporary file, and `replacing` removes it after an error: it
-            # needs neither locks nor a journal.
-            with closing(_connect(Path(file.name), "&nolock=1")) as database:
-                database.execute("PRAGMA journal_mode = OFF")
-                database.execute("PRAGMA synchronous = OFF")
-                database.execute(f"PRAGMA page_size = {_PAGE}")
-                database.execute("BEGIN")
-                for table in _TABLES:
-                    database.execute(table)
-                content = json.dumps(head).encode()
-                database.execute("INSERT INTO head VALUES (?, ?)", (content, _digest(content)))
-                for number in sorted(outcomes):
-                    _insert(database, number, outcomes[number])
-                database.execute("COMMIT")
-        except sqlite3.Error as error:
-            full = "full" in str(error)
-            raise OSError(errno.ENOSPC if full else errno.EIO, str(error)) from error
+    # Nobody else knows the temporary file, and `replacing` removes it after an error: it needs
+    # neither locks nor a journal.
+    with (
+        replacing(path) as file,
+        _system_errors(),
+        closing(_connect(Path(file.name), "&nolock=1")) as database,
+    ):
+        database.execute("PRAGMA journal_mode = OFF")
+        database.execute("PRAGMA synchronous = OFF")
+        database.execute(f"PRAGMA page_size = {_PAGE}")
+        database.execute("BEGIN")
+        for table in _TABLES:
+            database.execute(table)
+        content = json.dumps(head).encode()
+        database.execute("INSERT INTO head VALUES (?, ?)", (content, _digest(content)))
+        for number in sorted(outcomes):
+            _insert(database, number, outcomes[number])
+        database.execute("COMMIT")
 
 
 def read(path: str | os.PathLike[str]) -> Contents:
