@@ -309,6 +309,27 @@ def test_a_budget_too_short_for_a_reference_is_an_error():
         system.tradeoff(10.0, SPEED, signals="g1", methods="rk4", budget=0.1)
 
 
+def test_a_study_may_consist_of_the_reference_and_its_check():
+    alone = {"modes": [], "elements": [], "degrees": [], "frozen": False, "mean_stiffness": False}
+    found = toothed().tradeoff(
+        1e-3, SPEED, signals="g1", methods="exponential", tolerances=[1e-12], repeats=1, **alone
+    )
+    assert [trial.setting for trial in found.trials] == [found.reference, found.check]
+    assert found.skipped == ()
+
+
+def test_an_interrupted_study_keeps_its_settings():
+    def interrupt(fraction):
+        if fraction > 0.3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        toothed().tradeoff(1e-3, SPEED, signals="g1", repeats=1, progress=interrupt)
+    kept = stopped.value.tradeoff
+    assert {kept.reference, kept.check} < {trial.setting for trial in kept.trials}
+    assert kept.recommend(1.0).error <= 1.0
+
+
 def test_an_unstable_step_is_skipped_with_a_reason():
     found = toothed().tradeoff(
         1e-3, SPEED, signals="g1", methods="rk4", steps=[1e-3, 1e-6], initial="rest", repeats=1

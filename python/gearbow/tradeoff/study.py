@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Generic
@@ -10,7 +10,7 @@ from typing import Any, Generic
 from gearbow._types import Array, Progress
 from gearbow.analysis.protocol import S
 from gearbow.errors import ContactError, GearbowError
-from gearbow.sweeps.result import Sweep
+from gearbow.sweeps.result import SweepPoint
 from gearbow.sweeps.run import sweep
 from gearbow.tradeoff import signals
 from gearbow.tradeoff.clock import TooSlowError, measure
@@ -90,15 +90,17 @@ class Study(Generic[S]):
         # Runs that agree to the last bit are still rounded: no error below that is known.
         self.floor = max(self._error(self.check, self.reference), ROUND_OFF)
         points = self._points()
+        if not points:  # all settings are those of the reference and its check
+            return self._tradeoff(())
         self.waiting = len(points)
         # One run after the other: another one would change its time.
         with ThreadPoolExecutor(1) as executor:
             try:
                 found = sweep(_system, points, self._measured, executor, progress=progress)
             except KeyboardInterrupt as stop:
-                stop.tradeoff = self._tradeoff(stop.sweep)  # type: ignore[attr-defined]
+                stop.tradeoff = self._tradeoff(stop.sweep.failed)  # type: ignore[attr-defined]
                 raise
-        return self._tradeoff(found)
+        return self._tradeoff(found.failed)
 
     def _points(self) -> list[dict[str, Any]]:
         """List the models and settings. None is the tightest setting, which comes first."""
@@ -203,16 +205,16 @@ class Study(Generic[S]):
             **run.costs,
         )
 
-    def _tradeoff(self, found: Sweep) -> Tradeoff[S]:
+    def _tradeoff(self, failed: Sequence[SweepPoint]) -> Tradeoff[S]:
         """Return the result, complete or not."""
         order = [GIVEN, *(model.name for model in self.simpler)]
         own = [run for run in self.own.values() if run.model.name in order]
         # The tightest run of a model is its last row.
         trials = [*self.trials, *map(self._trial, (self.check, *own))]
         trials.sort(key=lambda trial: (order.index(trial.model), list(METHODS).index(trial.method)))
-        for point in found.failed:
-            kind, _, reason = point.error.partition(": ")
-            if kind != _NotNeededError.__name__:
+        for point in failed:
+            reason = point.error.removeprefix(f"{TooSlowError.__name__}: ")
+            if reason != _NotNeededError.__name__:
                 setting = point.parameters["setting"] or self.reference.setting
                 model = point.parameters["model"].name
                 self.skipped.append(Skipped(str(setting), model, reason))
