@@ -7,10 +7,9 @@ from functools import partial
 from itertools import pairwise
 from typing import Any
 
+import gearbow as gb
 from cases import ALL, Case, Settings, bent
 from runs import Measured, Study, Teeth, make, measure, swept
-
-import gearbow as gb
 
 #: Tolerance of a limit, bow / radius: a tenth of the last printed digit.
 TOLERANCE = 1e-4

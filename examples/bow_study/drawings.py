@@ -9,12 +9,12 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from cases import ALL, Case, train
 from matplotlib.figure import Figure
 from PIL import Image
-from runs import Measured, Study
 
+from cases import ALL, Case, train
 from gearbow import plotting as plots
+from runs import Measured, Study
 
 _MICRO = 1e6
 _BOW = "bow / shaft radius"

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from cases import Case, Settings, cases, train
 from numpy.typing import NDArray
 
 import gearbow as gb
+from cases import Case, Settings, cases, train
 
 #: Unit of each signal of a gear and of a mesh.
 GEAR = {"v": "m", "w": "m"}

@@ -34,8 +34,9 @@ from gearbow._types import Plain
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording.schema import anything, each, entries, record, row, text, whole
 from gearbow.sweeps.outcome import Outcome
+from gearbow.sweeps.points import Points
 
-__all__ = ["SUFFIX", "Contents", "Store", "head_of", "read", "write"]
+__all__ = ["SUFFIX", "Contents", "Store", "head_of", "points_of", "read", "write"]
 
 #: The tables of a file.
 _TABLES = (
@@ -259,7 +260,7 @@ def _points(database: sqlite3.Connection, head: dict[str, Plain]) -> Contents:
         if not found.structure:
             return found
     if len(ends) == 2:
-        found.damaged.update(range(ends[0] + 1, ends[1] if ends[1] >= 0 else _count(head)))
+        found.damaged.update(range(ends[0] + 1, ends[1] if ends[1] >= 0 else len(points_of(head))))
     found.damaged.difference_update(found.outcomes)
     return found
 
@@ -273,12 +274,9 @@ def _structure(database: sqlite3.Connection) -> str:
     return "" if answer == "ok" else " ".join(str(answer).split())
 
 
-def _count(head: dict[str, Any]) -> int:
-    """Return the number of points of a sweep."""
-    parameters = head["parameters"]
-    if "grid" in parameters:
-        return prod(map(len, parameters["grid"].values()))
-    return len(parameters["points"])
+def points_of(head: Mapping[str, Any]) -> Points:
+    """Return the points of a sweep."""
+    return Points(next(iter(head["parameters"].values())))
 
 
 def _keep(found: Contents, number: int, content: object, digest: object) -> None:
