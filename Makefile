@@ -69,7 +69,7 @@ fuzz: $(VENV)/.dev
 
 # Takes up to five hours on two cores and needs cargo-mutants. Parts that another design replaces are left out.
 mutants: $(VENV)/.mutants
-	$(BIN)/python tools/mutants.py --seed 1 --left-out study/ tradeoff/ accuracy/ recording/motion.py \
+	$(BIN)/python tools/mutants.py --seed 1 --left-out tradeoff/ accuracy/ recording/motion.py \
 		simulate/reduc simulate/variation simulate/pilot simulate/known simulate/ports simulate/component simulate/audit \
 		modal/balanced modal/components modal/projected modal/square_root modal/galerkin exponential/substep \
 		exponential/dense exponential/jump exponential/contact_change steady/quasi steady/harmonics steady/turning \
@@ -117,7 +117,7 @@ figures: demo
 
 # Runs that are kept in examples/output/study are not made again.
 study: $(VENV)/.dev
-	$(BIN)/python -m gearbow study --out examples/output/study
+	$(BIN)/python examples/bow_study/study.py --out examples/output/study
 	cp examples/output/study/study_*.png docs/figures/
 	$(BIN)/python docs/printed.py --studied
 	$(MAKE) measure

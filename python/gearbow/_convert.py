@@ -70,6 +70,15 @@ def number(value: object, path: str, *, infinite: bool = False) -> float:
     return found
 
 
+def positive(value: object, path: str, below: float = math.inf) -> float:
+    """Convert one positive, finite number, less than `below`."""
+    found = number(value, path)
+    if not 0.0 < found < below:
+        bound = "positive and finite" if math.isinf(below) else f"between 0 and {below:g}"
+        raise SceneError(f"{path}: must be {bound}, got {value!r}")
+    return found
+
+
 def whole(value: object, path: str, least: int = 1, most: int = LARGEST_COUNT) -> int:
     """Convert one whole number; 25.0 is valid, 25.5 is invalid."""
     found = real(value, path, "a whole number")

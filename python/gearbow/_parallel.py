@@ -9,6 +9,7 @@ import queue
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
 from functools import cache
 from itertools import islice
 from types import TracebackType
@@ -153,9 +154,18 @@ class ParallelCalls:
         if ended:
             _stopped.discard(self._group)
 
-    def finished(self) -> Iterator[tuple[int, "Future[Any]"]]:
-        """Give the remaining calls that returned a result."""
-        for future, number in list(self._pending.items()):
-            if future.done() and not future.cancelled() and future.exception() is None:
-                del self._pending[future]
-                yield number, future
+    def collect(
+        self, keep: Callable[[int, "Future[Any]"], None], report: Callable[[], object]
+    ) -> None:
+        """Keep every call that ends, after an exception also those that returned meanwhile."""
+        try:
+            with self:
+                for number, future in self:
+                    keep(number, future)
+                    report()
+        except BaseException:
+            with suppress(OSError):  # the exception may be that of a full disk
+                for future, number in self._pending.items():
+                    if future.done() and not future.cancelled() and future.exception() is None:
+                        keep(number, future)
+            raise

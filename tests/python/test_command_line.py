@@ -262,7 +262,6 @@ def test_every_command_has_examples_in_its_help(capsys):
         "run",
         "steady",
         "tradeoff",
-        "study",
     ]
     for command in commands:
         _, out, _ = called(capsys, command, "--help")

@@ -41,7 +41,6 @@ def test_the_import_is_small():
     assert added & HEAVY == set()
     assert {name.split(".")[1] for name in added if name.startswith("gearbow.")} & {
         "plotting",
-        "study",
         "cli",
     } == set()
     assert added & {"hashlib", "gearbow.sweeps.run", "gearbow.tradeoff.study"} == set()

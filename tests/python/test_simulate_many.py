@@ -5,13 +5,12 @@ from __future__ import annotations
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.study import Case, Settings
-from gearbow.study.case import system
 from test_sweep import pair
 
 
@@ -113,9 +112,9 @@ def test_variations_share_a_number_of_modes_in_any_order_and_with_any_number_of_
 
 
 def train() -> gb.RotorSystem:
-    """Return the train of the bow study, with bows of half a millimetre."""
-    settings = Settings.load()
-    return system(settings, Case(next(iter(settings.layouts)), 250.0, 100.0, bow=0.05))
+    """Return the train of the bow study, with bows of a twentieth of the radius."""
+    path = Path(__file__).parents[2] / "examples" / "machines" / "double_stage_train.toml"
+    return gb.RotorSystem.load(path)
 
 
 def test_a_variation_takes_the_modes_that_its_loads_need():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from dataclasses import replace
 from itertools import pairwise
@@ -11,6 +12,7 @@ import pytest
 
 import gearbow as gb
 from gearbow.accuracy.levels import LEVELS
+from gearbow.tradeoff.clock import measure
 from reference import independent_solution
 from reference.bows import HalfSine
 from reference.scenes import PAIR
@@ -282,11 +284,13 @@ def test_a_budget_ends_a_long_setting():
     assert any(trial.setting == "rk4, step 1e-06 s" for trial in found.trials)
 
 
-def test_no_setting_starts_after_the_budget_is_spent():
-    def dawdle(_: float) -> None:
+def test_no_setting_starts_after_the_budget_is_spent(monkeypatch):
+    def dawdling(*args, **options):
         time.sleep(0.2)
+        return measure(*args, **options)
 
-    found = toothed().tradeoff(END, SPEED, signals="g1", budget=2.0, progress=dawdle)
+    monkeypatch.setattr("gearbow.tradeoff.study.measure", dawdling)
+    found = toothed().tradeoff(END, SPEED, signals="g1", budget=2.0)
     # of more than 30 settings, those that end within two seconds
     late = [skipped for skipped in found.skipped if skipped.reason == "the budget is spent"]
     assert len(late) > 10
@@ -305,6 +309,27 @@ def test_a_budget_too_short_for_a_reference_is_an_error():
         system.tradeoff(10.0, SPEED, signals="g1", methods="rk4", budget=0.1)
 
 
+def test_a_study_may_consist_of_the_reference_and_its_check():
+    alone = {"modes": [], "elements": [], "degrees": [], "frozen": False, "mean_stiffness": False}
+    found = toothed().tradeoff(
+        1e-3, SPEED, signals="g1", methods="exponential", tolerances=[1e-12], repeats=1, **alone
+    )
+    assert [trial.setting for trial in found.trials] == [found.reference, found.check]
+    assert found.skipped == ()
+
+
+def test_an_interrupted_study_keeps_its_settings():
+    def interrupt(fraction):
+        if fraction > 0.3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        toothed().tradeoff(1e-3, SPEED, signals="g1", repeats=1, progress=interrupt)
+    kept = stopped.value.tradeoff
+    assert {kept.reference, kept.check} < {trial.setting for trial in kept.trials}
+    assert kept.recommend(1.0).error <= 1.0
+
+
 def test_an_unstable_step_is_skipped_with_a_reason():
     found = toothed().tradeoff(
         1e-3, SPEED, signals="g1", methods="rk4", steps=[1e-3, 1e-6], initial="rest", repeats=1
@@ -321,7 +346,7 @@ def test_progress_increases_from_0_to_1(capsys):
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
     toothed().tradeoff(1e-3, SPEED, progress=True, **how)
-    assert "100/100 %" in capsys.readouterr().err
+    assert re.search(r"(\d+)/\1 points", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 def add_command(
     commands: Commands,
     name: str,
-    call: Callable[[argparse.Namespace], Answer | None],
+    call: Callable[[argparse.Namespace], Answer],
     text: str,
     examples: str,
 ) -> argparse.ArgumentParser:

@@ -16,9 +16,7 @@ from typing import Any
 from gearbow._core import __version__
 from gearbow.cli import linear, new, runs
 from gearbow.cli.answer import Answer
-from gearbow.cli.arguments import add_command
 from gearbow.errors import GearbowError, SceneError
-from gearbow.study import command as study
 
 __all__ = ["FAILED", "INVALID", "STOPPED", "TERMINATED", "main"]
 
@@ -89,9 +87,6 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for module in (new, linear, runs):
         module.add(commands)
-    text = "compute what bent shafts do to a double-stage train: runs, tables and figures"
-    examples = "  gearbow study --quick --out study\n  gearbow study --print runs"
-    study.add(add_command(commands, "study", study.main, text, examples))
     return parser
 
 
@@ -122,7 +117,6 @@ def _code(given: argparse.Namespace) -> int:
 def _write(answer: Answer | None, given: argparse.Namespace) -> None:
     """Print an answer, then draw its figure: an error of the figure must not lose the answer."""
     if answer is None:
-        _print("")  # a command that prints itself
         return
     text = answer.json() if given.json else answer.text
     _print(f"{text}\n" if text else "")

@@ -34,8 +34,9 @@ from gearbow._types import Plain
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording.schema import anything, each, entries, record, row, text, whole
 from gearbow.sweeps.outcome import Outcome
+from gearbow.sweeps.points import Points
 
-__all__ = ["SUFFIX", "Contents", "Store", "head_of", "read", "write"]
+__all__ = ["SUFFIX", "Contents", "Store", "head_of", "points_of", "read", "write"]
 
 #: The tables of a file.
 _TABLES = (
@@ -50,6 +51,11 @@ _FORMAT = 1
 _PAGE = 512
 #: Time for which a reader and a writer wait for each other [s]: a transaction takes milliseconds.
 _WAIT = 30.0
+#: What an error of the store says after its cause.
+_STAY = (
+    "the store cannot be written: {}; the points that it contains stay, and the same call "
+    "continues when the cause is removed"
+)
 #: Most numbers of points in a message.
 _MOST_NAMED = 10
 #: Types of values: letters of NumPy, with the number of bytes.
@@ -145,7 +151,7 @@ class Store:
             )
             write(self.path, self._head, found.outcomes)  # without the damage
         self.known = {i: one for i, one in found.outcomes.items() if one.values is not None}
-        with self._writing():
+        with _system_errors(self.path, _STAY):
             self._database = _connect(self.path)
             self._database.execute("BEGIN IMMEDIATE")  # fails for a file that is only readable
             self._database.execute("COMMIT")
@@ -165,47 +171,42 @@ class Store:
         """Write the outcome of a point."""
         if self._database is None:
             raise SceneError("store: the file is not open")
-        with self._writing():
+        with _system_errors(self.path, _STAY):
             _insert(self._database, number, outcome)
 
-    @contextmanager
-    def _writing(self) -> Iterator[None]:
-        """Turn an error of SQLite into one of the system that names the file."""
-        try:
-            yield
-        except sqlite3.Error as error:
-            full = errno.ENOSPC if "full" in str(error) else errno.EIO
-            raise OSError(
-                full,
-                f"the store cannot be written: {error}; the points that it contains stay, and the "
-                "same call continues when the cause is removed",
-                str(self.path),
-            ) from error
+
+@contextmanager
+def _system_errors(path: Path | None = None, text: str = "{}") -> Iterator[None]:
+    """Turn an error of SQLite into one of the operating system."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        code = errno.ENOSPC if "full" in str(error) else errno.EIO
+        raise OSError(code, text.format(error), path and str(path)) from error
 
 
 def write(
     path: str | os.PathLike[str], head: Mapping[str, Plain], outcomes: Mapping[int, Outcome]
 ) -> None:
     """Write a file with these outcomes, completely or not at all."""
-    with replacing(path) as file:
-        try:
-            # Nobody else knows the temporary file, and `replacing` removes it after an error: it
-            # needs neither locks nor a journal.
-            with closing(_connect(Path(file.name), "&nolock=1")) as database:
-                database.execute("PRAGMA journal_mode = OFF")
-                database.execute("PRAGMA synchronous = OFF")
-                database.execute(f"PRAGMA page_size = {_PAGE}")
-                database.execute("BEGIN")
-                for table in _TABLES:
-                    database.execute(table)
-                content = json.dumps(head).encode()
-                database.execute("INSERT INTO head VALUES (?, ?)", (content, _digest(content)))
-                for number in sorted(outcomes):
-                    _insert(database, number, outcomes[number])
-                database.execute("COMMIT")
-        except sqlite3.Error as error:
-            full = "full" in str(error)
-            raise OSError(errno.ENOSPC if full else errno.EIO, str(error)) from error
+    # Nobody else knows the temporary file, and `replacing` removes it after an error: it needs
+    # neither locks nor a journal.
+    with (
+        replacing(path) as file,
+        _system_errors(),
+        closing(_connect(Path(file.name), "&nolock=1")) as database,
+    ):
+        database.execute("PRAGMA journal_mode = OFF")
+        database.execute("PRAGMA synchronous = OFF")
+        database.execute(f"PRAGMA page_size = {_PAGE}")
+        database.execute("BEGIN")
+        for table in _TABLES:
+            database.execute(table)
+        content = json.dumps(head).encode()
+        database.execute("INSERT INTO head VALUES (?, ?)", (content, _digest(content)))
+        for number in sorted(outcomes):
+            _insert(database, number, outcomes[number])
+        database.execute("COMMIT")
 
 
 def read(path: str | os.PathLike[str]) -> Contents:
@@ -259,7 +260,7 @@ def _points(database: sqlite3.Connection, head: dict[str, Plain]) -> Contents:
         if not found.structure:
             return found
     if len(ends) == 2:
-        found.damaged.update(range(ends[0] + 1, ends[1] if ends[1] >= 0 else _count(head)))
+        found.damaged.update(range(ends[0] + 1, ends[1] if ends[1] >= 0 else len(points_of(head))))
     found.damaged.difference_update(found.outcomes)
     return found
 
@@ -273,12 +274,9 @@ def _structure(database: sqlite3.Connection) -> str:
     return "" if answer == "ok" else " ".join(str(answer).split())
 
 
-def _count(head: dict[str, Any]) -> int:
-    """Return the number of points of a sweep."""
-    parameters = head["parameters"]
-    if "grid" in parameters:
-        return prod(map(len, parameters["grid"].values()))
-    return len(parameters["points"])
+def points_of(head: Mapping[str, Any]) -> Points:
+    """Return the points of a sweep."""
+    return Points(next(iter(head["parameters"].values())))
 
 
 def _keep(found: Contents, number: int, content: object, digest: object) -> None:

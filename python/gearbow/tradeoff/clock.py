@@ -13,7 +13,7 @@ from gearbow.analysis.protocol import System, variant
 from gearbow.errors import AccuracyWarning, RunTimeWarning
 from gearbow.results.response import Response
 
-__all__ = ["Budget", "Cost", "TooSlowError", "measure"]
+__all__ = ["Cost", "TooSlowError", "measure"]
 
 T = TypeVar("T")
 
@@ -28,24 +28,6 @@ class TooSlowError(Exception):
 
     def __init__(self, seconds: float | None = None) -> None:
         super().__init__("the budget is spent" if seconds is None else f"takes {seconds:.2g} s")
-
-
-class Budget:
-    """Remaining wall-clock time of a study."""
-
-    def __init__(self, seconds: float) -> None:
-        self._begin = time.perf_counter()
-        self._seconds = seconds
-
-    @property
-    def spent(self) -> float:
-        """Elapsed time."""
-        return time.perf_counter() - self._begin
-
-    @property
-    def left(self) -> float:
-        """Remaining time."""
-        return max(0.0, self._seconds - self.spent)
 
 
 @dataclass(frozen=True)

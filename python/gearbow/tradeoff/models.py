@@ -46,14 +46,9 @@ def simplified(
         mean = _with_mean_stiffness(system)
         if mean is not None:
             found.append(Model("mean stiffness", mean))
-    for factor in factors:
-        other = _with_elements(system, factor=factor)
-        if other is not None:
-            found.append(Model(f"elements × {factor:g}", other))
-    for degree in degrees:
-        other = _with_elements(system, degree=degree)
-        if other is not None:
-            found.append(Model(f"degree {degree}", other))
+    others = {f"elements × {factor:g}": _with_elements(system, factor) for factor in factors}
+    others |= {f"degree {degree}": _with_elements(system, degree=degree) for degree in degrees}
+    found += [Model(name, other) for name, other in others.items() if other is not None]
     found += [
         Model(f"{count} modes", system, {"modes": count}, ("exponential",)) for count in modes
     ]

@@ -1,8 +1,9 @@
 """Settings of a study: methods as data, each with a series of steps or tolerances."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Any
 
 from gearbow.analysis.protocol import System
@@ -17,7 +18,7 @@ class Method:
     options: Mapping[str, Any]
     control: str
     ladder: tuple[float, ...]
-    finest: tuple[float, ...]
+    finest: tuple[float, ...] = ()
     unit: str = ""
 
 
@@ -40,19 +41,14 @@ METHODS: dict[str, Method] = {
         "stability",
     ),
     "etdrk4": Method(
-        {"method": "etdrk4"},
-        "step",
-        (0.02, 0.01, 0.004, 0.002, 0.001),
-        (),
-        "passing",
+        {"method": "etdrk4"}, "step", (0.02, 0.01, 0.004, 0.002, 0.001), unit="passing"
     ),
     **{
         f"exponential, {stages} stages": Method(
             {"method": "exponential", "stages": stages},
             "step",
             (0.1, 0.04, 0.02, 0.01, 0.004),
-            (),
-            "passing",
+            unit="passing",
         )
         for stages in (2, 4)
     },
@@ -61,19 +57,22 @@ METHODS: dict[str, Method] = {
 
 @dataclass(frozen=True)
 class Setting:
-    """The options of `simulate` that determine accuracy and cost."""
+    """A method with a step [s] or a tolerance."""
 
     method: str
-    options: Mapping[str, Any] = field(hash=False)
+    value: float
 
-    def halved(self) -> "Setting":
-        """Return the setting with half the step or tolerance."""
-        control = METHODS[self.method].control
-        return Setting(self.method, {**self.options, control: 0.5 * self.options[control]})
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of `simulate`."""
+        method = METHODS[self.method]
+        return {**method.options, method.control: self.value}
 
     def __str__(self) -> str:
-        step, rtol = self.options.get("step"), self.options.get("rtol")
-        return f"{self.method}, " + (f"step {step:.3g} s" if step else f"rtol {rtol:.0e}")
+        is_step = METHODS[self.method].control == "step"
+        return f"{self.method}, " + (
+            f"step {self.value:.3g} s" if is_step else f"rtol {self.value:.0e}"
+        )
 
 
 def ladders(
@@ -89,24 +88,22 @@ def ladders(
         method = METHODS[name]
         given = steps if method.control == "step" else tolerances
         values = _values(system, speed, method, method.ladder) if given is None else list(given)
-        columns.append([_setting(name, value) for value in sorted(values, reverse=True)])
-    longest = max(len(column) for column in columns)
-    return [column[rung] for rung in range(longest) for column in columns if rung < len(column)]
+        columns.append([Setting(name, value) for value in sorted(values, reverse=True)])
+    return _alternating(columns)
 
 
 def references(system: System, speed: float) -> list[Setting]:
     """Return candidates for the reference run, the tightest first."""
-    columns = [
-        [_setting(name, value) for value in _values(system, speed, method, method.finest)]
+    return _alternating(
+        [Setting(name, value) for value in _values(system, speed, method, method.finest)]
         for name, method in METHODS.items()
-    ]
-    longest = max(len(column) for column in columns)
-    return [column[rung] for rung in range(longest) for column in columns if rung < len(column)]
+    )
 
 
-def _setting(name: str, value: float) -> Setting:
-    method = METHODS[name]
-    return Setting(name, {**method.options, method.control: value})
+def _alternating(columns: Iterable[list[Setting]]) -> list[Setting]:
+    """Return the first settings of all methods, then the second ones, and so on."""
+    rows = zip_longest(*columns)
+    return [setting for row in rows for setting in row if setting is not None]
 
 
 def _values(system: System, speed: float, method: Method, ladder: Sequence[float]) -> list[float]:

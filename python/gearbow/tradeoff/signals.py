@@ -1,6 +1,6 @@
 """Signals of a study, displacements and mesh forces, and the difference between two runs."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from gearbow.description.places import is_pair, is_place, place, place_label
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.response import Response
 
-__all__ = ["Signal", "Signals", "read_signals"]
+__all__ = ["Signal", "check", "error", "errors", "read_signals"]
 
 
 @dataclass(frozen=True)
@@ -40,33 +40,31 @@ class Signal:
         return f"the displacement of {place_label(self.of)}"
 
 
-class Signals:
-    """The signals of one run, for the comparison with another run."""
+def errors(
+    found: Mapping[str, Array], other: Mapping[str, Array], scale: Mapping[str, Array]
+) -> dict[str, float]:
+    """Return the relative difference of each signal of two runs."""
+    return {
+        name: root_mean_square(found[name] - other[name]) / unit_of_errors(exact)
+        for name, exact in scale.items()
+    }
 
-    def __init__(self, wanted: tuple[Signal, ...], response: Response) -> None:
-        self._wanted = wanted
-        self._values = [signal.values(response) for signal in wanted]
 
-    def errors(self, other: "Signals", scale: "Signals") -> dict[str, float]:
-        """Return the relative difference from another run for each signal."""
-        rows = zip(self._wanted, self._values, other._values, scale._values, strict=True)
-        return {
-            str(signal): root_mean_square(mine - others) / unit_of_errors(exact)
-            for signal, mine, others, exact in rows
-        }
+def error(
+    found: Mapping[str, Array], other: Mapping[str, Array], scale: Mapping[str, Array]
+) -> float:
+    """Return the relative difference of two runs for the worst signal."""
+    return max(errors(found, other, scale).values())
 
-    def error(self, other: "Signals", scale: "Signals") -> float:
-        """Return the relative difference from another run for the worst signal."""
-        return max(self.errors(other, scale).values())
 
-    def check(self) -> None:
-        """Reject constant signals, for which a relative error is undefined."""
-        for signal, values in zip(self._wanted, self._values, strict=True):
-            if not variation(values) > 0.0:
-                raise SceneError(
-                    f"signals: {signal} is constant in this run, so its relative error is "
-                    "undefined; give another signal"
-                )
+def check(found: Mapping[str, Array]) -> None:
+    """Reject constant signals, for which a relative error is undefined."""
+    for name, values in found.items():
+        if not variation(values) > 0.0:
+            raise SceneError(
+                f"signals: {name} is constant in this run, so its relative error is "
+                "undefined; give another signal"
+            )
 
 
 def read_signals(system: System, given: object) -> tuple[Signal, ...]:

@@ -1,23 +1,25 @@
 """Findings of the bow study as tables in Markdown: one function for each table."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
-from gearbow.study.case import ALL, cases, phases, system
-from gearbow.study.limits import limits
-from gearbow.study.measure import Measured
-from gearbow.study.table import markdown
-from gearbow.study.view import Study
-
-__all__ = ["TABLES"]
+from bow_limits import LIMITS, limits
+from cases import ALL, radius, train
+from runs import Measured, Study
 
 _MICRO = 1e6
 
 
+def markdown(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    lines = [titles, ["---"] * len(titles), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
 def runs(study: Study) -> str:
     """State the number of runs, their periodicity and their numerical error."""
-    count = len(cases(study.settings))
+    count = len(study.results)
     # Without torque the mesh force is almost zero, and so is its peak-to-peak value.
     periodicity = max(
         found.periodicity_error()
@@ -45,7 +47,7 @@ def runs(study: Study) -> str:
 def modes(study: Study) -> str:
     """Tabulate the modes at rest."""
     found = [
-        system(study.settings, replace(study.base, layout=layout)).modes(count=study.settings.modes)
+        train(study.settings, replace(study.base, layout=layout)).modes(count=study.settings.modes)
         for layout in study.settings.layouts
     ]
     titles = [
@@ -107,7 +109,7 @@ def ratio(study: Study) -> str:
     rows = []
     for gear in study.gears:
         found = [
-            result.orbit(gear) / study.amplitude(case.bow)
+            result.orbit(gear) / (case.bow * radius(study.settings.train.shafts[0]))
             for case, result in study.results.items()
             if case.bow
             and case.where == ALL
@@ -130,12 +132,13 @@ def shift(study: Study) -> str:
     for where in study.shafts:
         found = study[replace(case, bow=bow, where=where)]
         for pair in study.pairs:
-            if where not in [study.gear(gear)["shaft"] for gear in pair.split("/")]:
+            if where not in [study.gears[gear].shaft for gear in pair.split("/")]:
                 continue
-            distance, angle, pitch = study.pair(pair)
+            teeth = study.teeth[pair]
+            distance, angle, pitch = teeth.centre_distance, teeth.pressure_angle, teeth.base_pitch
             b = found.peak_to_peak(pair, "centre_distance") / 2.0
             first = [
-                float(found.signals[pair, name][0] - straight.signals[pair, name][0])
+                float(found[pair, name][0] - straight[pair, name][0])
                 for name in ("contact_ratio", "pressure_angle")
             ]
             mean = [
@@ -201,6 +204,17 @@ def layouts(study: Study) -> str:
     return markdown(titles, rows)
 
 
+def limits_of_bow(study: Study) -> str:
+    """Tabulate the bow at which a mesh reaches each limit, divided by the shaft radius."""
+    found = limits(study)
+    rows = [
+        [layout, where, *(found[layout, where, limit] for limit in LIMITS)]
+        for layout in study.settings.layouts
+        for where in (ALL, *study.shafts)
+    ]
+    return markdown(["layout", "bow on", *LIMITS], rows)
+
+
 def frozen(study: Study) -> str:
     """Tabulate the difference between frozen and live mesh geometry."""
     titles = ["speed [rad/s]", "bow / radius"]
@@ -230,9 +244,8 @@ def phase_effects(study: Study) -> str:
     """Tabulate the effect of the phases of the bows."""
     titles = ["layout", "quantity", "best", "worst", "phases of the worst [°]"]
     rows = []
-    grid = [
-        (second, third) for second in phases(study.settings) for third in phases(study.settings)
-    ]
+    angles = study.settings.phases
+    grid = [(second, third) for second in angles for third in angles]
     for layout in study.settings.layouts:
         found = {
             angles: study[replace(study.bent, layout=layout, phases=angles)] for angles in grid
@@ -257,13 +270,13 @@ def phase_effects(study: Study) -> str:
     return markdown(titles, rows)
 
 
-#: Tables by their name in ``python -m gearbow study --print``.
+#: Tables by their name, the argument of ``--print``.
 TABLES: dict[str, Callable[[Study], str]] = {
     "runs": runs,
     "modes": modes,
     "growth": growth,
     "loads": loads,
-    "limits": limits,
+    "limits": limits_of_bow,
     "ratio": ratio,
     "shift": shift,
     "which": which,

@@ -1,7 +1,7 @@
 """Figures of the bow study: one function for each figure."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -12,31 +12,26 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from cases import ALL, Case, train
 from gearbow import plotting as plots
-from gearbow._files import replacing
-from gearbow.study.case import ALL, Case, phases, system
-from gearbow.study.measure import Measured
-from gearbow.study.view import Study
-
-__all__ = ["FIGURES", "write"]
+from runs import Measured, Study
 
 _MICRO = 1e6
 _BOW = "bow / shaft radius"
 _LINES, _WORDS = ("-", "--", ":"), ("solid", "dashed", "dotted")
 
 
-def write(study: Study, folder: Path, names: Sequence[str] | None = None) -> list[Path]:
+def write(study: Study, folder: Path) -> list[Path]:
     """Draw figures and write them as PNG files."""
     paths = []
-    for name in FIGURES if names is None else names:
+    for name, draw in FIGURES.items():
         path = folder / f"study_{name}.png"
         drawn = BytesIO()
-        FIGURES[name](study).savefig(drawn, format="png", dpi=90)
+        draw(study).savefig(drawn, format="png", dpi=90)
         # A palette of few colours makes the file small.
         with Image.open(drawn) as image:
             few = image.convert("RGB").quantize(96, dither=Image.Dither.NONE)
-        with replacing(path) as file:
-            few.save(file, format="PNG", optimize=True)
+        few.save(path, format="PNG", optimize=True)
         paths.append(path)
     return paths
 
@@ -60,12 +55,12 @@ def turn(study: Study) -> Figure:
         for bow in reversed(study.settings.bows):
             found = study[replace(study.base, bow=bow)]
             for panel, gear in zip(orbits, study.gears, strict=True):
-                v, w = (_MICRO * found.signals[gear, name] for name in ("v", "w"))
+                v, w = (_MICRO * found[gear, name] for name in ("v", "w"))
                 panel.plot(v, w, color=colours[bow], label=f"{bow:g}")
                 panel.set(title=gear, xlabel="v [µm]", ylabel="w [µm]")
             for line, (label, (name, scale)) in zip(panels, rows.items(), strict=True):
                 for panel, pair in zip(line, study.pairs, strict=True):
-                    values = scale * found.signals[pair, name]
+                    values = scale * found[pair, name]
                     panel.plot(found.turn, values, color=colours[bow])
                     panel.set(ylabel=f"{label}, {pair}")
         plots.equal_ranges(orbits)
@@ -85,7 +80,7 @@ def where(study: Study) -> Figure:
     bows = study.settings.bows
     with plots.panels(4, 4.2, columns=2, width=14.0) as (figure, panels):
         shown = [(pair, "contact_ratio") for pair in study.pairs]
-        shown += [(gear, "orbit") for gear in study.gears[1:3]]
+        shown += [(gear, "orbit") for gear in list(study.gears)[1:3]]
         for panel, (of, what) in zip(panels, shown, strict=True):
             for number, place in enumerate((ALL, *study.shafts)):
                 for line, layout in zip(_LINES, study.settings.layouts, strict=False):
@@ -118,10 +113,10 @@ def limits(study: Study) -> Figure:
         for number, place in enumerate((ALL, *study.shafts)):
             closer, ratios = [], []
             for bow in study.settings.bows:
-                found = study[_at(study, study.layout, place, bow)]
+                found = study[_at(study, study.base.layout, place, bow)]
                 closer.append(
                     max(
-                        study.pair(pair)[0] - found.smallest(pair, "centre_distance")
+                        study.teeth[pair].centre_distance - found.smallest(pair, "centre_distance")
                         for pair in study.pairs
                     )
                 )
@@ -129,9 +124,9 @@ def limits(study: Study) -> Figure:
             style: dict[str, Any] = {"marker": "o", "markersize": 4, "color": plots.PALETTE[number]}
             near.plot(study.settings.bows, 1e3 * np.array(closer), label=place, **style)
             few.plot(study.settings.bows, ratios, **style)
-        _, angle, _ = study.pair(study.pairs[0])
+        angle = study.teeth[study.pairs[0]].pressure_angle
         lines = {
-            "tips reach root circles": min(study.clearance(pair) for pair in study.pairs),
+            "tips reach root circles": min(teeth.tip_clearance for teeth in study.teeth.values()),
             "backlash used up": study.settings.backlash / (2.0 * math.sin(angle)),
         }
         for text, value in lines.items():
@@ -159,14 +154,14 @@ def frozen(study: Study) -> Figure:
                 found = study[replace(study.bent, geometry=geometry)]
                 panel.plot(
                     found.turn,
-                    1e-3 * found.signals[pair, "force"],
+                    1e-3 * found[pair, "force"],
                     color=colour,
                     linewidth=1.0,
                     label=geometry,
                 )
             # A tenth of a revolution around the largest force; a longer range shows no details.
             live = study[study.bent]
-            peak = live.turn[live.signals[pair, "force"].argmax()]
+            peak = live.turn[live[pair, "force"].argmax()]
             begin = min(max(peak - 0.05, 0.0), 0.9)
             panel.set_xlim(begin, begin + 0.1)
             panel.set(xlabel="revolutions of the output shaft", ylabel=f"force {pair} [kN]")
@@ -204,7 +199,7 @@ def frozen(study: Study) -> Figure:
 
 def over_phases(study: Study) -> Figure:
     """Draw the smallest contact ratio against the phases of the bows."""
-    angles = phases(study.settings)
+    angles = study.settings.phases
     ticks = np.degrees(angles)
     count = len(study.settings.layouts)
     with plots.panels(2 * count, 5.0, columns=2, width=13.0) as (figure, panels):
@@ -248,7 +243,7 @@ def over_phases(study: Study) -> Figure:
 
 def modes(study: Study) -> Figure:
     """Draw the first mode shapes at rest."""
-    return system(study.settings, study.base).modes().plot(count=min(6, study.settings.modes))
+    return train(study.settings, study.base).modes().plot(count=min(6, study.settings.modes))
 
 
 #: Figures by name.
