@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -545,6 +546,10 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "planes": (
         lambda: system().balance({"pinion": 1}, 100.0),
         "planes: must be a list of names or tuples, got {'pinion': 1}",
+    ),
+    "a class of executors": (
+        lambda: system().simulate_many([{}], 1e-3, 100.0, executor=ThreadPoolExecutor),  # type: ignore[arg-type]
+        "executor: must be an executor of concurrent.futures, or None for threads, got <class",
     ),
     "a key": (
         lambda: gb.RotorSystem.from_dict({5: 5}),  # type: ignore[dict-item]
