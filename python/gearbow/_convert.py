@@ -7,7 +7,9 @@ the path of the argument. Quantities of pint are converted to the SI unit of the
 
 import math
 import numbers
-from collections.abc import Callable, Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from operator import index
 from typing import Any
 
@@ -211,13 +213,33 @@ def _is_sequence(value: object) -> bool:
     return isinstance(value, Iterable) and not isinstance(value, (str, *BYTES, Mapping))
 
 
+@contextmanager
+def showing(plain: Any) -> Iterator[None]:
+    """Add the given value to errors of the core about the shape of an entry of plain data."""
+    try:
+        yield
+    except SceneError as error:
+        path, _, message = str(error).partition(": ")
+        if not message.startswith(("expected ", "invalid type: sequence", "invalid length")):
+            raise
+        value = plain
+        try:
+            for name, i in re.findall(r"([^.\[\]]+)|\[(\d+)\]", path):
+                value = value[name or int(i)]
+        except (KeyError, IndexError, TypeError):  # a name that the user chose may have dots
+            raise error from None
+        raise SceneError(f"{error}, got {shown(value)}") from None
+
+
 def copied(value: Any, path: str) -> Plain:
     """Convert nested mappings and sequences of numbers, strings and booleans to plain data."""
     if is_quantity(value):
         value = magnitude(value, path)
     if isinstance(value, Mapping):
         return {
-            text(key, path): copied(item, f"{path}.{key}" if path else key)
+            text(key, f"{path or 'description'}: the key"): copied(
+                item, f"{path}.{key}" if path else key
+            )
             for key, item in value.items()
             if item is not None
         }

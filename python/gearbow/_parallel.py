@@ -90,7 +90,8 @@ class ParallelCalls:
         arguments: Iterable[tuple[Any, ...]],
         executor: Executor | None = None,
     ) -> None:
-        if executor is not None and not callable(getattr(executor, "submit", None)):
+        is_one = callable(getattr(executor, "submit", None)) and not isinstance(executor, type)
+        if executor is not None and not is_one:
             raise SceneError(
                 "executor: must be an executor of concurrent.futures, or None for threads, got "
                 f"{shown(executor)}"

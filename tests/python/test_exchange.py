@@ -181,6 +181,10 @@ def test_a_table_of_coefficients(tmp_path: Path):
         ("kyz", "kxy", "line 2: 'kxy [N/um]' is not a column; there are speed, k, kyy"),
         ("kyz", "kxy", "kxx, kxy, kyx, kyy for kyy, kyz, kzy, kzz"),
         ("speed [rpm]", "rpm", 'in brackets behind its column, for example "speed [rpm]"'),
+        ("[rpm]", "rpm", 'write the unit in brackets: "speed [rpm]"'),
+        ("[rpm]", "{rpm}", 'write the unit in brackets: "speed [rpm]"'),
+        ("[rpm]", "(rpm]", 'write the unit in brackets: "speed [rpm]"'),
+        ("[rpm]", "[rpm", 'write the unit in brackets: "speed [rpm]"'),
         ("kyz", "kzz", "line 2: the column 'kzz' occurs twice"),
         (
             "25;",

@@ -273,6 +273,24 @@ def test_a_level_at_a_changing_speed(elements: int):
     assert (errors(found, exact) < (1e-3, 1e-2)).all()
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.02])
+@pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
+def test_every_place_of_a_large_model_at_a_changing_speed(damping: float):
+    # Bow and unbalance are loads on the reduced motion, and bend the shafts between the gears.
+    system = train(LARGE, engagement=0.4, system={"modal_damping": damping})
+    profile = gb.SpeedProfile.ramp(SPEED, SPEED * (1.0 + 1e-9), 0.02)
+    run: dict[str, Any] = {"output_step": 1e-4, "record": ["nodes"]}
+    exact = system.simulate(0.02, profile, rtol=1e-7, **run)
+    found = system.simulate(0.02, profile, accuracy="engineering", **run)
+    assert found.statistics.modes < 0.6 * len(system.dofs)
+    for place in exact.recorded:
+        values = exact.displacement(place)
+        mean = values.mean(axis=0)
+        size = max(np.sqrt(np.mean((values - mean) ** 2)), 0.02 * np.abs(mean).max())
+        difference = found.displacement(place) - values
+        assert np.sqrt(np.mean(difference**2)) < 1e-3 * size, place
+
+
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_speed_dependent_bearings_in_a_reduced_run_up():
     stiffness = gb.SpeedTable([0.0, 300.0], [5e7, 1.5e8])

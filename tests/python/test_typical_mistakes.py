@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -357,6 +358,16 @@ elements = 4
             ("gears: ", "[gears]", "write two brackets around the name of a list: [[gears]]"),
         ),
         (
+            "elements = 4",
+            "elements = 4\n[gears]\nname = 'a'\n[gears]\nname = 'b'",
+            ("toml: ", "[gears]", "write two brackets around each name of a list: [[gears]]"),
+        ),
+        (
+            "elements = 4",
+            "elements = 4\n[gears]\nname = 'a'\n[[gears]]\nname = 'b'",
+            ("toml: ", "[[gears]]", "write two brackets around each name of a list: [[gears]]"),
+        ),
+        (
             "[[shafts]]",
             "gears = ['g']\n[[shafts]]",
             ("gears[0]: ", '"g"', "expected entries with names; write [[gears]]"),
@@ -508,6 +519,54 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
         lambda: gb.SpeedProfile.ramp("1500 RPM", 0.0, 1.0),
         "must be a number, got '1500 RPM'; did you mean \"rpm\"? Capital and small letters differ",
     ),
+    "a text of a function": (
+        lambda: gb.SpeedProfile.function(lambda _: "1", 1.0),
+        "speed: the function must give a number, got '1'",
+    ),
+    "a complex number of a function": (
+        lambda: gb.SpeedProfile.function(lambda t: 1j * t, 1.0),
+        "speed: the function must give a number, got 0j",
+    ),
+    "a large number of a function": (
+        lambda: gb.SpeedProfile.function(lambda _: 10**400, 1.0),
+        "speed: the function must give a number, got 1000",
+    ),
+    "no number of a function": (
+        lambda: system(torques=[gb.Torque("pinion", lambda _: None)]).simulate(1e-3, 100.0),
+        "torques[0].value: the function must give a number, got None",
+    ),
+    "a mapping": (
+        lambda: run(record={"pinion": 1}),
+        "record: must be a list of names or tuples, got {'pinion': 1}",
+    ),
+    "bytes of names": (
+        lambda: run(record=b"p"),
+        "record: must be a list of names or tuples, got b'p'",
+    ),
+    "planes": (
+        lambda: system().balance({"pinion": 1}, 100.0),
+        "planes: must be a list of names or tuples, got {'pinion': 1}",
+    ),
+    "a class of executors": (
+        lambda: system().simulate_many([{}], 1e-3, 100.0, executor=ThreadPoolExecutor),  # type: ignore[arg-type]
+        "executor: must be an executor of concurrent.futures, or None for threads, got <class",
+    ),
+    "a key": (
+        lambda: gb.RotorSystem.from_dict({5: 5}),  # type: ignore[dict-item]
+        "description: the key: must be text, got 5",
+    ),
+    "three stiffnesses": (
+        lambda: system(bearings=[gb.Bearing("input", 0.0, stiffness=[1.0, 2.0, 3.0])]),
+        "[[yy, yz], [zy, zz]], got [1.0, 2.0, 3.0]",
+    ),
+    "a gravity of three": (
+        lambda: system().replace(gravity=[0.0, 0.0, 9.81]),
+        "gravity: expected a number [m/s²] or a pair [y, z], got [0.0, 0.0, 9.81]",
+    ),
+    "many elements": (
+        lambda: with_shaft(elements=2**70),
+        "shafts[0].elements: must be smaller, got 1180591620717411300000",
+    ),
     "a file": (lambda: gb.RotorSystem.load("a\0b"), "path: must be the name of a file, got 'a"),
     "no file": (lambda: gb.Response.load(None), "path: must be the name of a file, got None"),
 }
@@ -519,6 +578,11 @@ def test_a_value_of_another_kind_is_refused(case: str):
     with pytest.raises(gb.SceneError) as caught:
         call()
     assert message in str(caught.value)
+
+
+def test_a_place_that_is_none_is_not_recorded():
+    with pytest.raises(gb.ChannelError, match=r"the motion of \('input', 'a', 'b'\) was not"):
+        run(record=["pinion"]).displacement(("input", "a", "b"))  # type: ignore[arg-type]
 
 
 def test_a_name_with_nul_is_refused_in_descriptions_and_files(tmp_path: Path):

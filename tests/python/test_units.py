@@ -64,6 +64,9 @@ def test_a_text_with_a_unit(text: str, path: str, value: float):
     [
         ("500", 'write the number without quotes [m], or with its unit, such as "500 m"'),
         ("3 N", "must have a unit that converts to m, got '3 N'"),
+        ("0,5 m", "must be a number with a decimal point"),
+        ("1_0 mm", "must be a number with a decimal point"),
+        ("٣ m", "must be a number"),
         ("3 inch", "'inch' is not a known unit; known are m,"),
         ("long", "must be a number [m] or a text with a number and a unit"),
         ("", "must be a number [m] or a text"),

@@ -1,10 +1,10 @@
 """Names and places: a gear or disk by its name, or a position on a shaft."""
 
 import numbers
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from gearbow._convert import real, shown
+from gearbow._convert import BYTES, real, shown
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError
 from gearbow.units.convert import is_quantity
@@ -45,7 +45,7 @@ def places(given: object, path: str) -> tuple[Any, ...]:
     """Convert one name or (shaft, position) pair, or several."""
     if isinstance(given, str) or is_place(given):
         return (place(given, path),)
-    if not isinstance(given, Iterable):
+    if not isinstance(given, Iterable) or isinstance(given, (Mapping, *BYTES)):
         raise SceneError(f"{path}: must be a list of names or tuples, got {shown(given)}")
     found = tuple(place(at, f"{path}[{i}]") for i, at in enumerate(given))
     if not found:

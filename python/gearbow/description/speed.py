@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, function, matrix, number, shown
+from gearbow._convert import array, function, matrix, number, real, shown
 from gearbow._core import check_speed
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
@@ -270,17 +270,22 @@ def evaluated(f: Callable[[Any], Any], times: Array, path: str) -> Array:
     flat = times.reshape(-1)
     try:
         values: NDArray[Any] = np.asarray(f(flat))
-    except (TypeError, ValueError):  # the function takes a single time
+    except (TypeError, ValueError, OverflowError):  # the function takes a single time
         values = np.empty(0)
-    if values.shape != flat.shape:
-        values = np.array([f(float(t)) for t in flat])
-    if values.shape != flat.shape:
-        raise SceneError(f"{path}: the function must give a number, got {shown(f(float(flat[0])))}")
-    try:
-        values = values.astype(np.float64)
-    except (TypeError, ValueError):
-        raise SceneError(f"{path}: the function must give a number, got {values[0]!r}") from None
+    if values.shape != flat.shape or values.dtype.kind not in "iuf":
+        values = np.array([_value(f(float(t)), path) for t in flat])
+    values = values.astype(np.float64)
     if not np.isfinite(values).all():
         at = int(np.argmin(np.isfinite(values)))
         raise SceneError(f"{path}: the function gives {values[at]} at {flat[at]:g} s")
     return values.reshape(times.shape)
+
+
+def _value(value: object, path: str) -> float:
+    """Check one value of a function of time."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    try:
+        return float(real(value, path))
+    except SceneError:
+        raise SceneError(f"{path}: the function must give a number, got {shown(value)}") from None

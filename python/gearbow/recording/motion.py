@@ -2,7 +2,7 @@
 
 from gearbow._lookup import locate
 from gearbow._types import Array, At
-from gearbow.description.places import place
+from gearbow.description.places import is_place, place
 from gearbow.recording.bearings import BearingRecording
 from gearbow.recording.tables import optional_arrays
 
@@ -204,7 +204,7 @@ class MotionRecording(BearingRecording):
             for i, (_, _, names) in enumerate(points):
                 if name in names:
                     return i
-        else:
+        elif is_place(name):
             found = locate([(shaft, x) for shaft, x, _ in points], *name)
             if found is not None:
                 return found

@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from gearbow._convert import copied, nested, number, shown, text
+from gearbow._convert import copied, nested, number, showing, shown, text
 from gearbow._core import Model
 from gearbow._keywords import CheckedKeywords
 from gearbow._lookup import nearest
@@ -102,7 +102,9 @@ class SystemDescription(CheckedKeywords, Shown):
             "motion": motion,
             "resolution": resolution,
         }
-        self._model = Model(self._read(lists, options))
+        plain = self._read(lists, options)
+        with showing(plain):
+            self._model = Model(plain)
         warn(self._model)
 
     def _read(
@@ -138,7 +140,9 @@ class SystemDescription(CheckedKeywords, Shown):
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Self":
         """Make a system that was checked before, without warnings."""
-        return cls._from_model(Model(copied(without_texts(description), "")))
+        plain = copied(without_texts(description), "")
+        with showing(plain):
+            return cls._from_model(Model(plain))
 
     @classmethod
     def from_dict(cls, description: Mapping[str, Plain]) -> "Self":
@@ -227,7 +231,8 @@ class SystemDescription(CheckedKeywords, Shown):
         system = type(self).__new__(type(self))
         lists = [given[key] for key in PARTS]
         description = system._read(lists, {key: given[key] for key in _OPTIONS})
-        system._model = self._model.variation(description)
+        with showing(description):
+            system._model = self._model.variation(description)
         warn(system._model)
         return system
 

@@ -39,7 +39,7 @@ _OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
     "bar": (Fraction(100_000), 0, (-1, 1, -2)),
 }
 _SIGNS = {"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"}
-_TEXT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?")
+_TEXT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?", re.ASCII)
 _FACTOR = re.compile(r"([A-Za-z%]+|1)(?:\^\(?(-?\d)\)?)?")
 
 
@@ -53,6 +53,11 @@ def parsed(text: str, path: str, *, bare: bool = False) -> float:
             f'"2.5 {wanted}", got {text!r}'
         )
     number, unit = float(found[1]), found[2]
+    if unit is not None and unit[0] in ",_'":
+        raise SceneError(
+            f"{path}: must be a number with a decimal point and without other signs between its "
+            f"digits, got {text!r}"
+        )
     if unit is None:
         if bare:
             return number

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
+use num_complex::Complex64;
+
 use super::pilot::PILOT_DURATION;
 use super::ports::interface;
 use super::ramp::reference_speed;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::modal::{DirectionSelection, Projected, SubspaceKey};
-use crate::model::Model;
-use crate::motion::EquationOfMotion;
+use crate::model::{Excitation, Model};
+use crate::motion::{EquationOfMotion, Speed};
 
 /// Share of the omitted directions in the motion for a frequency limit of one; it decreases with the error.
 const COMPONENT_SHARE: f64 = 0.01;
@@ -35,12 +37,37 @@ pub(super) fn of_components(
     loaded.dedup();
     // An oil film is such a strong damper that it constrains the motion, which directions of undamped motion do not show.
     let selection = (!has_film(model)).then(|| DirectionSelection {
-        scalars: ports,
+        scalars: if matches!(run.options.speed, Speed::Changing(_)) {
+            [ports, rotating_loads(model)].concat()
+        } else {
+            ports
+        },
         horizon: PILOT_DURATION,
         share: COMPONENT_SHARE / (limit * limit),
     });
     let highest = limit * excited_frequency(motion, fastest);
     Ok(at_fastest.subspace(SubspaceKey { speed, highest, loaded, selection })?)
+}
+
+/// Loads of bows and of unbalances at two angles of each shaft, as entries (index, coefficient) over the displacements. At a
+/// changing speed they act on the linear motion, which must carry them. Only their shape matters: they have the length 1, so
+/// that variations of their size share a subspace.
+fn rotating_loads(model: &Model) -> Vec<Vec<(usize, f64)>> {
+    let parts = [Excitation::steady_amplitude, |excitation: &Excitation| excitation.unbalance];
+    let mut loads = Vec::new();
+    for (shaft, part) in model.shafts.iter().flat_map(|shaft| parts.map(|part| (shaft, part))) {
+        let size = shaft.excitations.iter().map(|excitation| part(excitation).norm_sqr()).sum::<f64>().sqrt();
+        for angle in [Complex64::ONE, Complex64::I] {
+            let entries = shaft.excitations.iter().flat_map(|excitation| {
+                let load = part(excitation) * angle / size;
+                [(excitation.index, load.re), (excitation.index + 1, load.im)]
+            });
+            if size > 0.0 {
+                loads.push(entries.collect());
+            }
+        }
+    }
+    loads
 }
 
 /// Whether a bearing of the model has an oil film.

@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::scene::Node;
 
 /// Largest number of recorded coordinates whose static displacement under a load is kept exactly.
-const MAX_RECORDED: usize = 64;
+const MAX_RECORDED: usize = 128;
 /// Weight of loads across the line of action relative to those along it.
 const ACROSS: f64 = 0.03;
 

@@ -66,6 +66,10 @@ impl<T: TryFrom<i64>> Visitor<'_> for Whole<T> {
         if value.fract() == 0.0 && value.abs() <= LARGEST_WHOLE {
             return self.visit_i64(value as i64);
         }
+        if value.fract() == 0.0 {
+            let bound = if value < 0.0 { "at least 1" } else { "smaller" };
+            return Err(E::custom(format!("must be {bound}, got {value}")));
+        }
         Err(E::custom(format!("must be a whole number, got {value}")))
     }
 }
