@@ -168,7 +168,8 @@ def test_a_large_rotor_without_damping_has_multipliers():
     steady = system.steady_state(150.0, record=[("rotor", 0.5)])
     exact = np.exp(system.modes(150.0, count=6).eigenvalues * steady.period)
     growing = exact[np.abs(exact) > 1.0 + 1e-6]
-    assert growing.size and not steady.stable
+    assert growing.size
+    assert not steady.stable
     for value in growing:
         assert np.abs(steady.multipliers - value).min() < 1e-6 * abs(value)
 
