@@ -128,6 +128,7 @@ def test_a_disk_on_bearings_that_push_it_whirls():
     assert compare(whirling(), 100.0, rtol=1e-9, record=["disk"])
 
 
+@pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
 def test_a_multiplier_far_below_the_largest_is_found():
     # those of a period of 2 s are up to e^63: round-off of an integrated period hides all others
     def bearings(name: str, cross: float) -> list[gb.Bearing]:
