@@ -128,6 +128,53 @@ def test_a_disk_on_bearings_that_push_it_whirls():
     assert compare(whirling(), 100.0, rtol=1e-9, record=["disk"])
 
 
+@pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
+def test_a_multiplier_far_below_the_largest_is_found():
+    # those of a period of 2 s are up to e^63: round-off of an integrated period hides all others
+    def bearings(name: str, cross: float) -> list[gb.Bearing]:
+        return [gb.Bearing(name, x, **cross_coupled(3e7, cross, 100.0)) for x in (0.0, 0.5)]
+
+    bow = gb.Bow.half_sine(1e-5)
+    shafts = [
+        gb.Shaft(name, length=0.5, outer_diameter=0.04, elements=2, bow=bow) for name in ("a", "b")
+    ]
+    wheel = {"position": 0.25, "module": 3e-3, "face_width": 0.03}
+    system = gb.RotorSystem(
+        shafts,
+        [gb.Gear("p", "a", teeth=20, **wheel), gb.Gear("w", "b", teeth=40, **wheel)],
+        [gb.Mesh("p", "w", stiffness=2e8, damping_ratio=0.05)],
+        [*bearings("a", 1e6), *bearings("b", 6e5)],
+        [gb.Torque("p", 50.0), gb.Torque.balance("w")],
+    )
+    speed = 2.0 * np.pi
+    assert compare(system, speed, record=["gears"])
+    steady = system.steady_state(speed, geometry="frozen", record=["gears"])
+    sizes = np.abs(steady.multipliers)
+    assert sizes[0] > 1e20 * sizes[sizes > 1.1].min()
+    teeth = gb.Stiffness.fourier(2e8, [2e7], [0.0])
+    varying = system.replace(meshes=[gb.Mesh("p", "w", stiffness=teeth, damping_ratio=0.05)])
+    with pytest.raises(gb.ConvergenceError, match="lost in the round-off of the largest one"):
+        _ = varying.steady_state(
+            speed, geometry="frozen", modes=8, rtol=1e-3, record=["gears"]
+        ).multipliers
+
+
+def test_a_large_rotor_without_damping_has_multipliers():
+    # most of its 1,200 multipliers have magnitudes near 1
+    shaft = gb.Shaft(
+        "rotor", length=1.0, outer_diameter=0.05, elements=150, bow=gb.Bow.half_sine(1e-5)
+    )
+    bearings = [gb.Bearing("rotor", x, **cross_coupled(3e7, 8e5, 300.0)) for x in (0.0, 1.0)]
+    system = gb.RotorSystem([shaft], bearings=bearings)
+    steady = system.steady_state(150.0, record=[("rotor", 0.5)])
+    exact = np.exp(system.modes(150.0, count=6).eigenvalues * steady.period)
+    growing = exact[np.abs(exact) > 1.0 + 1e-6]
+    assert growing.size
+    assert not steady.stable
+    for value in growing:
+        assert np.abs(steady.multipliers - value).min() < 1e-6 * abs(value)
+
+
 def test_a_sum_of_motions_without_a_period_is_unstable_with_its_modes():
     system = whirling().replace(forces=[gb.Force("disk", 10.0, order=np.pi)])
     steady = system.steady_state(100.0, rtol=1e-8, record=["disk"])
