@@ -5,11 +5,14 @@
 //! coordinates are ∫EI φ_i' b'' dx, with the curvature φ_i' of their shape functions. The internal coordinates of the
 //! shape are K_ii⁻¹ times these forces: the shape of the elements that is closest to b(x) in strain energy.
 
+use std::convert::Infallible;
+
 use nalgebra::{DMatrix, Vector4};
 use num_complex::Complex64;
 
-use crate::element::{BendingFunction, deflection, flexural_rigidity, gauss};
+use crate::element::{BendingFunction, deflection, flexural_rigidity};
 use crate::linalg::ChainMatrix;
+use crate::numerics::{Sample, gauss, maximum};
 use crate::scene::{Bow, Element, Scene, SceneError, Shaft};
 
 /// Stiffness of a rigid bearing relative to the largest diagonal entry of the shaft stiffness.
@@ -21,9 +24,8 @@ const POINTS: usize = 16;
 
 /// Number of parts of an element between whose ends the largest deflection is searched.
 const SAMPLES: usize = 16;
-/// Number of steps of the ternary search: each divides the interval by 1.5, and the deflection at its maximum is accurate to
-/// round-off if the position is accurate to 1e-8.
-const TERNARY_STEPS: usize = 48;
+/// Relative error of the position of the largest deflection: the deflection there is accurate to its square.
+const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// u, m, and φ, rad, at the nodes of shaft `index`, then the internal coordinates of bending; `None` for a straight shaft.
 ///
@@ -144,17 +146,10 @@ fn largest_deflection(shaft: &Shaft, nodes: &[f64]) -> f64 {
         let at = |xi: f64| deflection(element, &shaft.material, shaft.shear, ends, xi).abs();
         let point = |i: usize| i as f64 / SAMPLES as f64;
         let best = (0..=SAMPLES).max_by(|a, b| at(point(*a)).total_cmp(&at(point(*b)))).unwrap_or_default();
-        // Ternary search: between two samples the deflection has one maximum.
-        let (mut low, mut high) = (point(best.saturating_sub(1)), point((best + 1).min(SAMPLES)));
-        for _ in 0..TERNARY_STEPS {
-            let third = (high - low) / 3.0;
-            if at(low + third) < at(high - third) {
-                low += third;
-            } else {
-                high -= third;
-            }
-        }
-        at(point(best)).max(at((low + high) / 2.0))
+        // Between two samples the deflection has one maximum.
+        let ends = [best.saturating_sub(1), (best + 1).min(SAMPLES)].map(point);
+        let found: Result<Sample, Infallible> = maximum(ends[0], ends[1], POSITION_TOLERANCE, |xi| Ok(at(xi)));
+        found.map_or(0.0, |top| top.value).max(at(point(best)))
     };
     shaft.elements.iter().enumerate().map(within).fold(0.0, f64::max)
 }

@@ -7,7 +7,7 @@
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-use super::super::campbell::{Assignment, equal};
+use super::super::assignment::{Assignment, equal};
 use super::{Critical, modes, named};
 use crate::analysis::{AnalysisError, Interrupt};
 use crate::modal::{CachedModel, OrderIntersection};

@@ -11,7 +11,7 @@ const MAX_MIXING_OF_CROSSING: f64 = 1e-4;
 const EQUAL_TOLERANCE: f64 = 1e-7;
 
 /// Assignment of the modes at the end of a step to those at its beginning.
-pub(in crate::analysis) struct Assignment {
+pub(super) struct Assignment {
     /// Index of the mode at the end for each mode at the beginning.
     pub states: Vec<usize>,
     /// Correlation of each mode with all modes at the end that have the eigenvalue of the assigned one.
@@ -62,6 +62,6 @@ impl Assignment {
 }
 
 /// Whether two eigenvalues are equal, up to round-off.
-pub(in crate::analysis) fn equal(a: Complex<f64>, b: Complex<f64>) -> bool {
+pub(super) fn equal(a: Complex<f64>, b: Complex<f64>) -> bool {
     (a - b).norm() <= EQUAL_TOLERANCE * a.norm()
 }
