@@ -471,7 +471,7 @@ def check_orders(system: gb.RotorSystem, _: float, result: tuple[gb.Response, gb
 def sensors_of(system: gb.RotorSystem) -> list[Any]:
     body = next(b for b in (*system.gears, *system.disks) if b.name == places(system)[0])
     return [
-        gb.Probe(body.shaft, body.position, angle=0.7, run_out=2e-6j),
+        gb.Probe(body.shaft, body.position, angle=0.7, runout=2e-6j),
         gb.Accelerometer((body.shaft, body.position), angle=0.7),
         gb.Tacho(body.shaft, 61),
     ]

@@ -443,7 +443,7 @@ def test_a_free_undamped_motion_conserves_energy():
 )
 def test_the_energy_balance_closes(mesh: dict[str, Any]):
     gears = pair().gears
-    out = [gb.Gear("g1", "input", 0.15, 25, **TEETH, helix_angle=HELIX, run_out=2e-5), gears[1]]
+    out = [gb.Gear("g1", "input", 0.15, 25, **TEETH, helix_angle=HELIX, runout=2e-5), gears[1]]
     for parts in (gears, out):
         system = pair(mesh=mesh, gears=parts)
         run = system.simulate(5e-3, 200.0, method="rk45", rtol=1e-9, record=["energy", "meshes"])

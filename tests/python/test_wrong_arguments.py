@@ -448,7 +448,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
 OF_WRONG_TYPE = {
     "True": {"progress", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
     | {"damping_in_separation", "axial", "foundation"},
-    "function": {"progress", "make", "measure", "f", "speed", "value", "run_out"},
+    "function": {"progress", "make", "measure", "f", "speed", "value", "runout"},
     "object": set(),
     "bytes": set(),
     "list of None": set(),

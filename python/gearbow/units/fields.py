@@ -38,7 +38,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "polar_inertia": "kg m^2",
     "inertia": "kg m^2",
     "unbalance": "kg m",
-    "run_out": "m",
+    "runout": "m",
     # Teeth
     "module": "m",
     "base_radius": "m",
@@ -77,7 +77,6 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "couplings.damping": ("N s/m", "N s/m", "N m s/rad", "N m s/rad"),
     "offset": "m",
     "angle": "rad",
-    "runout": "m",
     # Journal and rolling bearings
     "diameter": "m",
     "clearance": "m",
