@@ -31,20 +31,20 @@ def gearbox() -> gb.RotorSystem:
     first = {"module": 2.5e-3, "face_width": 0.04}
     second = {"module": 3.5e-3, "face_width": 0.06}
     ball_6308: dict[str, Any] = {
-        "balls": 8,
-        "ball_diameter": 0.01508,
+        "elements": 8,
+        "element_diameter": 0.01508,
         "pitch_diameter": 0.065,
         "clearance": 1e-5,
     }
     ball_6310: dict[str, Any] = {
-        "balls": 8,
-        "ball_diameter": 0.01905,
+        "elements": 8,
+        "element_diameter": 0.01905,
         "pitch_diameter": 0.080,
         "clearance": 1e-5,
     }
     rollers: dict[str, Any] = {
-        "balls": 13,
-        "ball_diameter": 0.016,
+        "elements": 13,
+        "element_diameter": 0.016,
         "pitch_diameter": 0.081,
         "roller_length": 0.014,
     }

@@ -121,8 +121,8 @@ def bearing(rng: np.random.Generator, kind: str, shaft: str, place: float, **mor
             return gb.RollingBearing(
                 shaft,
                 place,
-                balls=int(rng.integers(6, 15)),
-                ball_diameter=0.015,
+                elements=int(rng.integers(6, 15)),
+                element_diameter=0.015,
                 pitch_diameter=0.075,
                 clearance=float(rng.choice([0.0, 2e-5, -5e-6])),
                 damping=500.0,
@@ -332,8 +332,8 @@ def test_forces_balance_on_every_shaft_of_random_scenes():
 # --- matrices and stability ---------------------------------------------------------------------
 
 ROLLING: dict[str, Any] = {
-    "balls": 9,
-    "ball_diameter": 0.012,
+    "elements": 9,
+    "element_diameter": 0.012,
     "pitch_diameter": 0.06,
     "clearance": 1e-5,
 }

@@ -56,7 +56,7 @@ def objects() -> dict[str, object]:
     rotor = gb.RotorSystem([bent], bearings=soft)
     journal = gb.JournalBearing("a", 0.0, diameter=0.1, length=0.03, clearance=1e-4, viscosity=0.1)
     rolling = gb.RollingBearing(
-        "a", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
+        "a", 0.0, elements=9, element_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
     )
     force = np.zeros((300, 2))
     tradeoff = pair.tradeoff(

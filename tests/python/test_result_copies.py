@@ -34,7 +34,7 @@ def everything() -> dict[str, Any]:
     )
     floating = bowed.replace(bearings=[film, bearings[1]], gravity=(0.0, -9.81))
     balls = gb.RollingBearing(
-        "rotor", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=0.0
+        "rotor", 0.0, elements=9, element_diameter=0.0127, pitch_diameter=0.065, clearance=0.0
     )
     rolling = bowed.replace(bearings=[balls, bearings[1]], gravity=(0.0, -9.81))
     campbell, response = results()["campbell"], bowed.synchronous(np.linspace(100.0, 900.0, 9))

@@ -139,8 +139,8 @@ JOURNAL: dict[str, Any] = {
     "viscosity": 0.03,
 }
 ROLLING: dict[str, Any] = {
-    "balls": 9,
-    "ball_diameter": 0.0127,
+    "elements": 9,
+    "element_diameter": 0.0127,
     "pitch_diameter": 0.065,
     "clearance": 1e-5,
     "hertz_stiffness": 1e10,

@@ -35,7 +35,7 @@ class RollingCoefficients(ReadOnly):
     --------
     >>> import gearbow as gb
     >>> bearing = gb.RollingBearing(
-    ...     "rotor", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
+    ...     "rotor", 0.0, elements=9, element_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
     ... )
     >>> print(f"{bearing.coefficients(load=500.0).stiffness[1, 1]:.3g} N/m")
     9.79e+07 N/m
@@ -63,7 +63,7 @@ class RollingMotion(ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> size = {"balls": 9, "ball_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 1e-5}
+    >>> size = {"elements": 9, "element_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 1e-5}
     >>> bearings = [gb.RollingBearing("rotor", x, **size, damping=100.0) for x in (0.0, 1.0)]
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> system = gb.RotorSystem([rotor], bearings=bearings, gravity=9.81)
@@ -92,9 +92,9 @@ class RollingBearing(Part):
         Name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
-    balls : int
+    elements : int
         Number n of rolling elements, balls or rollers.
-    ball_diameter : float
+    element_diameter : float
         Diameter d of a ball or roller [m].
     pitch_diameter : float
         Diameter D of the circle through the centres of the elements [m].
@@ -145,7 +145,7 @@ class RollingBearing(Part):
     --------
     >>> import gearbow as gb
     >>> bearing = gb.RollingBearing(
-    ...     "rotor", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
+    ...     "rotor", 0.0, elements=9, element_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
     ... )
     >>> print(f"{bearing.cage_order:.4f} {bearing.ball_pass_order:.3f}")
     0.4023 3.621
@@ -154,8 +154,8 @@ class RollingBearing(Part):
     shaft: str
     position: float
     _: KW_ONLY
-    balls: int
-    ball_diameter: float
+    elements: int
+    element_diameter: float
     pitch_diameter: float
     clearance: float
     hertz_stiffness: float | None = None
@@ -235,7 +235,7 @@ class RollingBearing(Part):
         float
             The number of elements times `cage_order`.
         """
-        return self.balls * self.cage_order
+        return self.elements * self.cage_order
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "RollingBearing":

@@ -82,7 +82,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "clearance": "m",
     "viscosity": "Pa s",
     "grooves": "rad",
-    "ball_diameter": "m",
+    "element_diameter": "m",
     "pitch_diameter": "m",
     "roller_length": "m",
     "contact_angle": "rad",

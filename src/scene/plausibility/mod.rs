@@ -65,7 +65,7 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
                 found.check(&at.field("viscosity"), journal.viscosity, &VISCOSITY);
             }
             Some(Nonlinear::Rolling(rolling)) => {
-                let diameter = system.bearings[index].ball_diameter.unwrap_or(f64::INFINITY);
+                let diameter = system.bearings[index].element_diameter.unwrap_or(f64::INFINITY);
                 found.check(&at.field("clearance"), rolling.clearance.abs() / diameter, &ROLLING_CLEARANCE);
             }
         }
