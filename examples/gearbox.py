@@ -106,8 +106,14 @@ def gearbox() -> gb.RotorSystem:
             gb.Coupling(
                 ("motor", 0.5),
                 ("input", 0.0),
-                stiffness=(5e5, 1e6, 500.0, 2e4),
-                damping=(50.0, 50.0, 0.1, 5.0),
+                axial_stiffness=5e5,
+                lateral_stiffness=1e6,
+                tilting_stiffness=500.0,
+                torsional_stiffness=2e4,
+                axial_damping=50.0,
+                lateral_damping=50.0,
+                tilting_damping=0.1,
+                torsional_damping=5.0,
                 offset=2e-4,
             )
         ],

@@ -640,7 +640,16 @@ def test_a_coupling_transmits_thrust():
     shafts = [gb.Shaft(name, length=0.3, outer_diameter=0.05) for name in ("left", "right")]
     system = gb.RotorSystem(
         shafts=shafts,
-        couplings=[gb.Coupling(("left", 0.3), ("right", 0.0), stiffness=(2e6, 1e8, 1e4, 1e5))],
+        couplings=[
+            gb.Coupling(
+                ("left", 0.3),
+                ("right", 0.0),
+                axial_stiffness=2e6,
+                lateral_stiffness=1e8,
+                tilting_stiffness=1e4,
+                torsional_stiffness=1e5,
+            )
+        ],
         bearings=[
             gb.Bearing("left", 0.0, stiffness=1e8, axial_stiffness=1e7),
             gb.Bearing("left", 0.2, stiffness=1e8),

@@ -115,9 +115,15 @@ def test_an_unlike_name_gets_no_suggestion():
 @pytest.mark.parametrize(
     ("path", "changes"),
     [
-        ("shafts[2].name", lambda name: {"shafts": [gb.Shaft(name, length=1.0, outer_diameter=0.05)]}),
+        (
+            "shafts[2].name",
+            lambda name: {"shafts": [gb.Shaft(name, length=1.0, outer_diameter=0.05)]},
+        ),
         ("disks[0].name", lambda name: {"disks": [gb.Disk(name, "input", 0.1, 1.0, 0.01, 0.02)]}),
-        ("supports[0].name", lambda name: {"supports": [gb.Support(name, mass=1.0, stiffness=1e8)]}),
+        (
+            "supports[0].name",
+            lambda name: {"supports": [gb.Support(name, mass=1.0, stiffness=1e8)]},
+        ),
         (
             "housings[0].points.",
             lambda name: {

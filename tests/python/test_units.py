@@ -441,9 +441,7 @@ def test_quantities_of_pint_in_sensors():
     assert gb.Accelerometer(place, angle=quantity(90, "deg")).angle == pytest.approx(np.pi / 2)
     assert gb.Accelerometer(place).at == ("rotor", pytest.approx(0.3, rel=1e-15))
     assert gb.Tacho("rotor", position=quantity(30, "cm")).position == pytest.approx(0.3)
-    with pytest.raises(
-        gb.SceneError, match=r"^probe\.runout: must have a unit that converts to m"
-    ):
+    with pytest.raises(gb.SceneError, match=r"^probe\.runout: must have a unit that converts to m"):
         gb.Probe("rotor", 0.3, runout=quantity(1.0, "kg"))
 
 

@@ -73,8 +73,10 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "rotational_damping": "N m s/rad",
     "drives.stiffness": "N m/rad",
     "drives.damping": "N m s/rad",
-    "couplings.stiffness": ("N/m", "N/m", "N m/rad", "N m/rad"),
-    "couplings.damping": ("N s/m", "N s/m", "N m s/rad", "N m s/rad"),
+    "lateral_stiffness": "N/m",
+    "lateral_damping": "N s/m",
+    "torsional_stiffness": "N m/rad",
+    "torsional_damping": "N m s/rad",
     "offset": "m",
     "angle": "rad",
     # Journal and rolling bearings
