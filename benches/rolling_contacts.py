@@ -88,7 +88,9 @@ def exponential(rtol: float) -> tuple[int, int]:
         "clearance": CLEARANCE,
     }
     bearings = [
-        gb.RollingBearing("s", x, elements=BALLS, hertz_stiffness=STIFFNESS, damping=DAMPING, **sizes)
+        gb.RollingBearing(
+            "s", x, elements=BALLS, hertz_stiffness=STIFFNESS, damping=DAMPING, **sizes
+        )
         for x in (0.0, 0.3)
     ]
     disk = gb.Disk("d", "s", 0.15, 2.0 * MASS, 0.02, 0.04)

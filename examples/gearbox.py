@@ -168,7 +168,7 @@ def run(system: gb.RotorSystem) -> gb.Response:
     )
 
 
-def frequencies(modes: gb.Modes, orders: dict[str, float]) -> Figure:
+def frequencies(modes: gb.results.Modes, orders: dict[str, float]) -> Figure:
     """Draw the natural frequencies with their damping, and the excitation frequencies [Hz]."""
     with mpl.rc_context(plotting.STYLE):
         drawing = Figure(figsize=(10.0, 5.0))

@@ -225,7 +225,7 @@ def scene(seed: int) -> gb.RotorSystem:
     return gb.RotorSystem(**parts, gravity=gravity, motion="coupled" if count > 1 else None)
 
 
-def balances(system: gb.RotorSystem, static: gb.Static) -> dict[str, Balance]:
+def balances(system: gb.RotorSystem, static: gb.results.Static) -> dict[str, Balance]:
     """Add up the forces on every shaft from the weights, torques, tooth forces and bearing forces."""
     found = {shaft.name: Balance(shaft.length) for shaft in system.shafts}
     gravity = np.array([0.0, *system.gravity])
@@ -242,7 +242,7 @@ def balances(system: gb.RotorSystem, static: gb.Static) -> dict[str, Balance]:
 
 
 def add_teeth(
-    found: dict[str, Balance], system: gb.RotorSystem, static: gb.Static, speed: float
+    found: dict[str, Balance], system: gb.RotorSystem, static: gb.results.Static, speed: float
 ) -> None:
     """Add the forces of the teeth on both gears of every mesh."""
     gears = {gear.name: gear for gear in system.gears}

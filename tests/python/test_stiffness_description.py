@@ -51,7 +51,7 @@ def pair(*, driver: dict | None = None, centre_distance=None, **mesh) -> gb.Roto
     )
 
 
-def cycle(system: gb.RotorSystem, rows: int = 200, **options) -> gb.MeshResponse:
+def cycle(system: gb.RotorSystem, rows: int = 200, **options) -> gb.results.MeshResponse:
     """Simulate one quasi-static mesh cycle."""
     duration = 2.0 * math.pi / 25.0
     times = np.linspace(0.0, duration, rows, endpoint=False)

@@ -77,7 +77,7 @@ def steady() -> gb.SteadyState:
 
 
 @cache
-def tradeoff() -> gb.Tradeoff:
+def tradeoff() -> gb.results.Tradeoff:
     few: dict[str, Any] = {"methods": ["exponential"], "elements": (), "repeats": 1, "budget": 5.0}
     return system().tradeoff(2e-3, 100.0, frozen=False, mean_stiffness=False, **few)
 
@@ -522,8 +522,8 @@ def test_an_error_names_the_argument(name: str, tmp_path: Path, monkeypatch: pyt
 
 def test_every_public_function_and_method_is_examined():
     public = {name for name in dir(gb) if inspect.isfunction(getattr(gb, name))}
-    for owner in dir(gb):
-        found = getattr(gb, owner)
+    for owner in {*dir(gb), *dir(gb.results)}:
+        found = getattr(gb, owner, None) or getattr(gb.results, owner)
         if inspect.isclass(found):
             methods = inspect.getmembers(found, callable)
             public |= {f"{owner}.{name}" for name, _ in methods if not name.startswith("_")}

@@ -129,7 +129,7 @@ class Bow(Part):
 
         An amplitude is the distance of the centre line from the straight axis. A dial gauge shows
         twice as much in one turn: divide its total indicator reading by 2, as `read_csv` does for
-        "total_runout".
+        "total_run_out".
 
         Parameters
         ----------
@@ -167,10 +167,10 @@ class Bow(Part):
         Parameters
         ----------
         path : str or path-like
-            A file with the columns "position", "amplitude" or "total_runout", and optionally
+            A file with the columns "position", "amplitude" or "total_run_out", and optionally
             "phase". The total run-out of a dial gauge, from its smallest to its largest reading in
             one turn, is twice the amplitude. A heading has the unit in brackets, for example
-            "position [mm]", "total_runout [um]" or "phase [deg]"; without one it is the SI unit.
+            "position [mm]", "total_run_out [um]" or "phase [deg]"; without one it is the SI unit.
             Separators are commas, semicolons or tabs; lines that begin with "#" are comments.
 
         Returns
@@ -189,7 +189,7 @@ class Bow(Part):
         --------
         >>> from pathlib import Path
         >>> import gearbow as gb
-        >>> lines = ["position [mm]; total_runout [um]; phase [deg]", "0; 0; 0", "250; 300; 90"]
+        >>> lines = ["position [mm]; total_run_out [um]; phase [deg]", "0; 0; 0", "250; 300; 90"]
         >>> written = Path("runout.csv").write_text("\n".join([*lines, "500; 0; 0"]))
         >>> bow = gb.Bow.read_csv("runout.csv")
         >>> bow.positions, bow.amplitudes
@@ -199,14 +199,14 @@ class Bow(Part):
         from gearbow.exchange.columns import read_columns  # noqa: PLC0415  # few scenes need it
 
         known = {"position": "position", "amplitude": "amplitude", "phase": "phase"}
-        found = read_columns(path, {**known, "total_runout": "amplitude"})
-        sizes = [name for name in ("amplitude", "total_runout") if name in found]
+        found = read_columns(path, {**known, "total_run_out": "amplitude"})
+        sizes = [name for name in ("amplitude", "total_run_out") if name in found]
         if "position" not in found or len(sizes) != 1:
             raise SceneError(
-                f'{path}: needs the column "position" and one of "amplitude" and "total_runout", '
+                f'{path}: needs the column "position" and one of "amplitude" and "total_run_out", '
                 f"got {', '.join(found)}"
             )
-        amplitudes = found[sizes[0]] / (2.0 if sizes == ["total_runout"] else 1.0)
+        amplitudes = found[sizes[0]] / (2.0 if sizes == ["total_run_out"] else 1.0)
         return cls.points(found["position"], amplitudes, found.get("phase", 0.0))
 
     @classmethod

@@ -13,7 +13,7 @@ from gearbow._types import Array, Plain
 from gearbow.description.part import Part
 from gearbow.description.supports import Support, with_support
 
-__all__ = ["RollingBearing", "RollingCoefficients", "RollingMotion"]
+__all__ = ["RollingBearing", "RollingCoefficients"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,36 +45,6 @@ class RollingCoefficients(ReadOnly):
     stiffness: Array
     damping: Array
     contact_forces: Array
-
-
-@dataclass(frozen=True, eq=False)
-class RollingMotion(ReadOnly):
-    """Force on a rolling bearing and load of its elements, at the k times of a response.
-
-    Parameters
-    ----------
-    force : ndarray, shape (k, 2)
-        Force of the shaft on the bearing along y and z [N].
-    loaded_elements : ndarray, shape (k,)
-        Number of rolling elements that carry load.
-    largest_contact_force : ndarray, shape (k,)
-        Contact force of the most loaded element [N].
-
-    Examples
-    --------
-    >>> import gearbow as gb
-    >>> size = {"elements": 9, "element_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 1e-5}
-    >>> bearings = [gb.RollingBearing("rotor", x, **size, damping=100.0) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    >>> system = gb.RotorSystem([rotor], bearings=bearings, gravity=9.81)
-    >>> response = system.simulate(0.01, 300.0, record=["bearings"])
-    >>> response.rolling("rotor", 0.0).force.shape == (response.time.size, 2)
-    True
-    """
-
-    force: Array
-    loaded_elements: Array
-    largest_contact_force: Array
 
 
 @dataclass(frozen=True)

@@ -185,7 +185,7 @@ class Balance:
     def __init__(
         self,
         system: gb.RotorSystem,
-        motion: gb.Static | gb.Response,
+        motion: gb.results.Static | gb.Response,
         speed: float,
         rows: slice = slice(None),
     ) -> None:
@@ -259,7 +259,7 @@ class Balance:
 
     def _tilt(self, gear: gb.Gear) -> Array:
         """Slopes of a gear along y and z; they are neglected in a run, which does not record them."""
-        if not isinstance(self.motion, gb.Static) or "B" not in self.kinds:
+        if not isinstance(self.motion, gb.results.Static) or "B" not in self.kinds:
             return np.zeros(2)
         at = {dof: i for i, dof in enumerate(self.system.dofs)}
         b, g = (self.motion.state[at[gear.shaft, gear.position, kind]] for kind in "BG")
