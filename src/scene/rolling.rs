@@ -120,8 +120,9 @@ fn point_stiffness(
         if found > 0.5 {
             return Ok(found);
         }
-        let message =
-            format!("radius of the groove over element_diameter must be above 0.5, got {found}; usual are 0.515 to 0.53");
+        let message = format!(
+            "radius of the groove over element_diameter must be above 0.5, got {found}; usual are 0.515 to 0.53"
+        );
         Err(at.field(name).error(message))
     };
     let groove = [radius("inner_groove", given.inner_groove)?, radius("outer_groove", given.outer_groove)?];

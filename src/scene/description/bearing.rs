@@ -101,7 +101,8 @@ impl Bearing {
 
     /// Whether an entry of a rolling bearing is given.
     pub fn is_rolling(&self) -> bool {
-        let lengths = [self.element_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];
+        let lengths =
+            [self.element_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];
         let others = [self.inner_groove, self.outer_groove, self.roller_length];
         self.elements.is_some() || self.contact.is_some() || lengths.iter().chain(&others).any(Option::is_some)
     }
