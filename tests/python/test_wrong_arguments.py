@@ -463,7 +463,8 @@ NO_ARGUMENTS = {("RotorSystem.simulate_many", "system"), ("TimeSeries.function",
 
 def parameters(name: str) -> list[str]:
     """Return the names of the arguments of a public function, class or method."""
-    found: Any = gb
+    first = name.split(".", maxsplit=1)[0]
+    found: Any = gb if hasattr(gb, first) else gb.results
     for part in name.split("."):
         found = getattr(found, part)
     given = inspect.signature(found).parameters.values()

@@ -1,6 +1,5 @@
 """Linear and static analyses of a system."""
 
-
 import numpy as np
 from numpy.typing import ArrayLike
 
