@@ -209,7 +209,12 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Housing": (with_part("Housing"), {"name": "h", "mass": 1.0, "stiffness": 1e8}),
     "Coupling": (
         with_part("Coupling"),
-        {"a": ("input", 0.5), "b": ("output", 0.0), "stiffness": (0.0, 1e6, 1e3, 1e4)},
+        {
+            "a": ("input", 0.5),
+            "b": ("output", 0.0),
+            "lateral_stiffness": 1e6,
+            "torsional_stiffness": 1e4,
+        },
     ),
     "Drive": (with_part("Drive"), {"at": "g1", "stiffness": 1e4}),
     "Force": (with_part("Force"), {"at": "g1", "value": 1.0}),
