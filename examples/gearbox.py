@@ -31,20 +31,20 @@ def gearbox() -> gb.RotorSystem:
     first = {"module": 2.5e-3, "face_width": 0.04}
     second = {"module": 3.5e-3, "face_width": 0.06}
     ball_6308: dict[str, Any] = {
-        "balls": 8,
-        "ball_diameter": 0.01508,
+        "elements": 8,
+        "element_diameter": 0.01508,
         "pitch_diameter": 0.065,
         "clearance": 1e-5,
     }
     ball_6310: dict[str, Any] = {
-        "balls": 8,
-        "ball_diameter": 0.01905,
+        "elements": 8,
+        "element_diameter": 0.01905,
         "pitch_diameter": 0.080,
         "clearance": 1e-5,
     }
     rollers: dict[str, Any] = {
-        "balls": 13,
-        "ball_diameter": 0.016,
+        "elements": 13,
+        "element_diameter": 0.016,
         "pitch_diameter": 0.081,
         "roller_length": 0.014,
     }
@@ -106,8 +106,14 @@ def gearbox() -> gb.RotorSystem:
             gb.Coupling(
                 ("motor", 0.5),
                 ("input", 0.0),
-                stiffness=(5e5, 1e6, 500.0, 2e4),
-                damping=(50.0, 50.0, 0.1, 5.0),
+                axial_stiffness=5e5,
+                lateral_stiffness=1e6,
+                tilting_stiffness=500.0,
+                torsional_stiffness=2e4,
+                axial_damping=50.0,
+                lateral_damping=50.0,
+                tilting_damping=0.1,
+                torsional_damping=5.0,
                 offset=2e-4,
             )
         ],
@@ -162,7 +168,7 @@ def run(system: gb.RotorSystem) -> gb.Response:
     )
 
 
-def frequencies(modes: gb.Modes, orders: dict[str, float]) -> Figure:
+def frequencies(modes: gb.results.Modes, orders: dict[str, float]) -> Figure:
     """Draw the natural frequencies with their damping, and the excitation frequencies [Hz]."""
     with mpl.rc_context(plotting.STYLE):
         drawing = Figure(figsize=(10.0, 5.0))

@@ -71,7 +71,7 @@ def over_cycles(system: gb.RotorSystem, speed: float = SLOW) -> tuple[gb.Respons
     return system.simulate(CYCLES * cycle, speed, times=times, initial="static"), cycle
 
 
-def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
+def opened(stiffness: gb.Stiffness) -> dict[str, gb.results.MeshResponse]:
     """Simulate the mesh with nominal, with mounted larger and with loaded larger distance."""
 
     def mesh(more: float = 0.0) -> gb.Mesh:
@@ -97,7 +97,7 @@ def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
     }
 
 
-def stiffness_figure(meshes: dict[str, gb.MeshResponse]) -> Figure:
+def stiffness_figure(meshes: dict[str, gb.results.MeshResponse]) -> Figure:
     """Draw the mesh stiffness against the mesh cycles."""
     with mpl.rc_context(plotting.STYLE):
         figure = Figure(figsize=(10.0, 3.6))

@@ -328,9 +328,9 @@ def journals() -> Iterable[str]:
 
 def rolling() -> Iterable[str]:
     """Compare deflections and contact forces of rolling bearings."""
-    sizes: dict[str, Any] = {"ball_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 0.0}
+    sizes: dict[str, Any] = {"element_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 0.0}
     # Sjövall's integral J_r(0.5) is the load over n times the largest contact force.
-    given = {"balls": 15, "hertz_stiffness": 1e10, **sizes}
+    given = {"elements": 15, "hertz_stiffness": 1e10, **sizes}
     bearing = gb.RollingBearing("s", 0.0, **given)
     deflection = -bearing.coefficients(1000.0).displacement[1]
     integral = 1000.0 / (15 * 1e10 * deflection**1.5)

@@ -43,6 +43,8 @@ _SYNONYMS = {
     "k": ("stiffness",),
     "cxx": ("damping",),
     "c": ("damping",),
+    "stiffness": ("torsional_stiffness",),
+    "damping": ("torsional_damping",),
     "rpm": ("speed",),
     "omega": ("speed",),
 }

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from gearbow._convert import function
 from gearbow._types import Progress
-from gearbow.errors import RunTimeWarning, outside
+from gearbow.errors import AccuracyWarning, outside
 
 #: A run with a longer estimated duration gives a warning [s].
 LONG_RUN = 3600.0
@@ -74,6 +74,6 @@ class _Estimate:
                 f"simulate: takes about {(elapsed + left) / 3600.0:.3g} h at the rate of the first "
                 f"{elapsed:.2g} s; reduce the duration, increase rtol, use fewer elements, or save "
                 'the run in a file by checkpoint="run.npz"',
-                RunTimeWarning,
+                AccuracyWarning,
                 stacklevel=outside(),
             )

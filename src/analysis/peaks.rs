@@ -62,10 +62,10 @@ pub fn peaks(
         let amplitudes = &responses.at(speed, &[probe.source], probe.part)?[0].phasors;
         Ok([amplitudes[probe.index], amplitudes[probe.index + 1]])
     };
-    let run_out = probe.slow_roll.map(displacement).transpose()?.unwrap_or_default();
+    let runout = probe.slow_roll.map(displacement).transpose()?.unwrap_or_default();
     let size = |speed: f64| -> Result<f64, AnalysisError> {
         let [v, w] = displacement(speed)?;
-        let (v, w) = (v - run_out[0], (w - run_out[1]) * Complex::i());
+        let (v, w) = (v - runout[0], (w - runout[1]) * Complex::i());
         Ok(f64::midpoint((v + w).norm(), (v - w).norm()))
     };
     let backward: Vec<f64> = speeds.iter().rev().filter(|speed| **speed <= 0.0).map(|speed| -speed).collect();

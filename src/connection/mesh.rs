@@ -74,7 +74,7 @@ impl MeshInterface {
         // The back flank has another line of action, unless there is no bending.
         let frozen = geometry == Geometry::Frozen && gear_mesh.backlash.is_none();
         let flat = frozen || gear_mesh.coordinates.translation.is_none();
-        let scalars = match (follows_twist || gear_mesh.has_run_out(), flat, gear_mesh.helix.is_some()) {
+        let scalars = match (follows_twist || gear_mesh.has_runout(), flat, gear_mesh.helix.is_some()) {
             (true, _, false) => Scalars::PlaneAndTwists,
             (true, _, true) => Scalars::SpaceAndTwists,
             (false, true, _) => Scalars::Deflection,
@@ -130,7 +130,7 @@ impl MeshInterface {
     pub(super) fn has_rates(&self) -> bool {
         let contained =
             self.contained[1] > 0.0 && self.gear_mesh.backlash.is_none() && self.scalars == Scalars::Deflection;
-        self.gear_mesh.damping > 0.0 && !contained || self.gear_mesh.has_run_out()
+        self.gear_mesh.damping > 0.0 && !contained || self.gear_mesh.has_runout()
     }
 
     pub(super) fn is_affine(&self) -> bool {

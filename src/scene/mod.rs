@@ -41,7 +41,7 @@ pub use gear::Gear;
 pub use hertz::{LINE_CONTACT, POINT_CONTACT};
 pub use housing::{Attachment, Housing};
 pub use journal::{FilmKind, Journal};
-pub use loads::{Coupling, Drive, Force, LoadLaw, VaryingLoad};
+pub use loads::{Coupling, Drive, Force, LoadLaw, SpringDamper, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use nonlinear::{Nonlinear, bearing};

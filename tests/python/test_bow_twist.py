@@ -18,7 +18,7 @@ REDUCED = 1.0 / np.sum(BASE**2 / INERTIA)
 def system(offset: str, torque: float) -> gb.RotorSystem:
     """Two gears between stiff bearings; the first is off its axis by a bow of its shaft or by run-out."""
     bow = gb.Bow.half_sine(OFFSET) if offset == "bow" else None
-    run_out = {"run_out": OFFSET} if offset == "run-out" else {}
+    runout = {"runout": OFFSET} if offset == "run-out" else {}
     steel = {"length": LENGTH, "outer_diameter": DIAMETER, "elements": 4}
     small = {"mass": 10.0, "diametral_inertia": 0.02, "polar_inertia": 0.04}
     large = {"mass": 40.0, "diametral_inertia": 0.3, "polar_inertia": 0.6}
@@ -26,7 +26,7 @@ def system(offset: str, torque: float) -> gb.RotorSystem:
     return gb.RotorSystem(
         [gb.Shaft("a", **steel, bow=bow), gb.Shaft("b", **steel)],
         [
-            gb.Gear("ga", "a", middle, teeth=25, module=4e-3, **small, **run_out),
+            gb.Gear("ga", "a", middle, teeth=25, module=4e-3, **small, **runout),
             gb.Gear("gb", "b", middle, teeth=50, module=4e-3, **large),
         ],
         [gb.Mesh("ga", "gb", stiffness=1e9, damping_ratio=0.2)],
@@ -48,22 +48,22 @@ def first_order(offset: str, torque: float, speed: float) -> complex:
 STIFF = 0.02
 
 
-def test_without_torque_a_bow_moves_the_gears_like_a_run_out():
-    bow, run_out = (first_order(offset, 0.0, 300.0) for offset in ("bow", "run-out"))
+def test_without_torque_a_bow_moves_the_gears_like_a_runout():
+    bow, runout = (first_order(offset, 0.0, 300.0) for offset in ("bow", "run-out"))
     assert abs(bow) == pytest.approx(REDUCED * 300.0**2 * OFFSET, rel=STIFF)
-    assert run_out == pytest.approx(bow, rel=1e-2)
+    assert runout == pytest.approx(bow, rel=1e-2)
 
 
 @pytest.mark.parametrize(("torque", "speed"), [(500.0, 100.0), (2000.0, 300.0)])
 def test_the_missing_moment_of_a_bow_under_torque_has_the_documented_size(
     torque: float, speed: float
 ):
-    bow, run_out = (first_order(offset, torque, speed) for offset in ("bow", "run-out"))
+    bow, runout = (first_order(offset, torque, speed) for offset in ("bow", "run-out"))
     force = torque / BASE[0]
     moment = force * OFFSET  # on the twist, N m
     missing = REDUCED * BASE[0] / INERTIA[0] * moment
     inertial = REDUCED * speed**2 * OFFSET
     assert abs(bow) == pytest.approx(inertial, rel=STIFF)
-    assert abs(run_out) == pytest.approx(np.hypot(inertial, missing), rel=STIFF)
-    assert abs(run_out - bow) == pytest.approx(missing, rel=STIFF)
+    assert abs(runout) == pytest.approx(np.hypot(inertial, missing), rel=STIFF)
+    assert abs(runout - bow) == pytest.approx(missing, rel=STIFF)
     assert missing < force * OFFSET / BASE[0]

@@ -14,7 +14,7 @@ from reference import published, scenes
 RPM = 2 * np.pi / 60
 
 
-def same_as_modes(system: gb.RotorSystem, intersection: gb.Intersection) -> None:
+def same_as_modes(system: gb.RotorSystem, intersection: gb.results.Intersection) -> None:
     """Check that an intersection is a mode of the system at its speed and lies on its excitation
     line.
     """
@@ -103,7 +103,7 @@ def test_mode_lines_pass_the_frequencies_of_friswell():
     assert list(campbell.whirl[-1]) == published_whirl(campbell)
 
 
-def published_whirl(campbell: gb.Campbell) -> list[str]:
+def published_whirl(campbell: gb.results.Campbell) -> list[str]:
     order = np.argsort(np.argsort(campbell.frequencies_hz[-1]))
     names = ["backward", "forward", "backward", "forward", "backward"]
     return [names[i] for i in order]
@@ -139,7 +139,7 @@ def test_each_mode_keeps_its_shape_through_a_crossing():
     assert np.all(np.diff(falling) < 0.0)
 
 
-def veering(anisotropy: float, steps: int) -> gb.Campbell:
+def veering(anisotropy: float, steps: int) -> gb.results.Campbell:
     """Return a rotor whose forward mode approaches the backward mode of the next pair."""
     system = scenes.v3()
     bearings = [
@@ -273,7 +273,7 @@ def test_the_table_has_a_line_for_each_intersection():
     assert scenes.v1().campbell([1.0, 2.0], count=1).lines[2].name == "1× teeth of wheel–pinion"
 
 
-def all_lines(found: gb.CriticalSpeedMap) -> np.ndarray:
+def all_lines(found: gb.results.CriticalSpeedMap) -> np.ndarray:
     """Return the lines of every whirl, shape (stiffnesses, lines)."""
     whirls = sorted({name for names in found.whirl for name in names})
     return np.concatenate([found.lines(whirl) for whirl in whirls], axis=1)

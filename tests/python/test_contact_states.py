@@ -63,23 +63,23 @@ def tight() -> gb.Response:
 def test_the_contact_agrees_with_the_force_and_the_stiffness(rattling):
     mesh = rattling.mesh(*MESH)
     assert {"separation", "contact", "back contact"} <= kinds(rattling)
-    apart = mesh.contact == gb.Contact.NONE
+    apart = mesh.contact == gb.results.Contact.NONE
     assert apart.any()
     assert np.all(mesh.force[apart] == 0.0)
     assert np.all(mesh.stiffness[apart] == 0.0)
     assert np.all(mesh.stiffness[~apart] > 0.0)
     # Damping may give a flank that is about to separate a force of round-off.
-    assert np.all(mesh.force[mesh.contact == gb.Contact.DRIVE] > -1e-6)
-    assert np.all(mesh.force[mesh.contact == gb.Contact.BACK] < 1e-6)
+    assert np.all(mesh.force[mesh.contact == gb.results.Contact.DRIVE] > -1e-6)
+    assert np.all(mesh.force[mesh.contact == gb.results.Contact.BACK] < 1e-6)
 
 
 def test_both_flanks_have_twice_the_stiffness(tight):
     mesh = tight.mesh(*MESH)
     assert "tight" in kinds(tight)
-    both = mesh.contact == gb.Contact.BOTH
+    both = mesh.contact == gb.results.Contact.BOTH
     assert both.any()
     np.testing.assert_allclose(mesh.stiffness[both], 4e8)
-    np.testing.assert_allclose(mesh.stiffness[mesh.contact == gb.Contact.DRIVE], 2e8)
+    np.testing.assert_allclose(mesh.stiffness[mesh.contact == gb.results.Contact.DRIVE], 2e8)
 
 
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
@@ -117,8 +117,8 @@ def test_shares_are_exact_times_between_events(rattling):
 def test_a_mesh_without_backlash_never_loses_contact():
     response = run(pair(3.5e-4, None), turns=1.0)
     assert response.mesh(*MESH).force.min() < 0.0
-    assert set(response.mesh(*MESH).contact) == {gb.Contact.DRIVE}
-    assert response.contact_shares(*MESH) == gb.ContactShares(1.0, 0.0, 0.0, 0.0)
+    assert set(response.mesh(*MESH).contact) == {gb.results.Contact.DRIVE}
+    assert response.contact_shares(*MESH) == gb.results.ContactShares(1.0, 0.0, 0.0, 0.0)
 
 
 def test_a_file_and_a_lower_rate_keep_the_contact(rattling, tmp_path: Path):
@@ -138,9 +138,9 @@ def test_a_file_and_a_lower_rate_keep_the_contact(rattling, tmp_path: Path):
 )
 def test_without_a_scene_the_force_tells_the_first_contact(force, stiffness, contact):
     mesh = {"force": np.array([force]), "stiffness": np.array([stiffness])}
-    assert first_contact(np.zeros(1), mesh, [], None) is gb.Contact[contact]
+    assert first_contact(np.zeros(1), mesh, [], None) is gb.results.Contact[contact]
 
 
 def test_a_state_has_a_name():
-    names: Mapping[int, str] = {state.value: state.name for state in gb.Contact}
+    names: Mapping[int, str] = {state.value: state.name for state in gb.results.Contact}
     assert names == {0: "NONE", 1: "DRIVE", 2: "BACK", 3: "BOTH"}

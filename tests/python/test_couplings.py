@@ -24,8 +24,12 @@ UNBALANCE = 1e-4j
 COUPLING = gb.Coupling(
     ("a", HALF),
     ("b", 0.0),
-    stiffness=(0.0, 4e6, 900.0, 3e4),
-    damping=(0.0, 60.0, 0.3, 2.0),
+    lateral_stiffness=4e6,
+    tilting_stiffness=900.0,
+    torsional_stiffness=3e4,
+    lateral_damping=60.0,
+    tilting_damping=0.3,
+    torsional_damping=2.0,
     offset=1e-4 - 2e-4j,
     angle=1e-3 + 5e-4j,
     runout=3e-5 + 4e-5j,
@@ -64,13 +68,26 @@ def reference(coupling: gb.Coupling = COUPLING) -> Attached:
         ],
     )
     found = Attached(train)
-    assert coupling.damping is not None
-    _, lateral, tilting, torsional = zip(coupling.stiffness, coupling.damping, strict=True)
     hubs = [("a", HALF), ("b", 0.0)]
     node = found.node(*hubs[0]) - found.node(*hubs[1])
-    found.spring(node, *lateral, complex(coupling.offset), complex(coupling.runout))
-    found.spring(found.slopes(*hubs[0]) - found.slopes(*hubs[1]), *tilting, complex(coupling.angle))
-    found.spring(found.twist(*hubs[0]) - found.twist(*hubs[1]), *torsional)
+    found.spring(
+        node,
+        coupling.lateral_stiffness,
+        coupling.lateral_damping,
+        complex(coupling.offset),
+        complex(coupling.runout),
+    )
+    found.spring(
+        found.slopes(*hubs[0]) - found.slopes(*hubs[1]),
+        coupling.tilting_stiffness,
+        coupling.tilting_damping,
+        complex(coupling.angle),
+    )
+    found.spring(
+        found.twist(*hubs[0]) - found.twist(*hubs[1]),
+        coupling.torsional_stiffness,
+        coupling.torsional_damping,
+    )
     return found
 
 
@@ -85,7 +102,13 @@ def test_matrices_are_those_of_the_independent_assembly():
 
 
 def test_two_half_shafts_with_a_rigid_coupling_are_one_shaft():
-    rigid = gb.Coupling(("a", HALF), ("b", 0.0), stiffness=(0.0, 1e11, 1e9, 1e9))
+    rigid = gb.Coupling(
+        ("a", HALF),
+        ("b", 0.0),
+        lateral_stiffness=1e11,
+        tilting_stiffness=1e9,
+        torsional_stiffness=1e9,
+    )
     two = halves(rigid)
     one = gb.RotorSystem(
         [gb.Shaft("a", length=2 * HALF, outer_diameter=DIAMETER, elements=4, material=MATERIAL)],
@@ -179,7 +202,15 @@ def test_a_coupling_connects_speed_ratios_torques_and_loaded_flanks():
         [gb.Mesh("g", "h", stiffness=2e8)],
         [gb.Bearing(n, x, stiffness=1e8) for n in "abc" for x in (0.0, 0.2)],
         [gb.Torque(("a", 0.0), -40.0), gb.Torque.balance("h")],
-        couplings=[gb.Coupling(("a", 0.2), ("b", 0.0), stiffness=(0.0, 1e6, 1e3, 1e5))],
+        couplings=[
+            gb.Coupling(
+                ("a", 0.2),
+                ("b", 0.0),
+                lateral_stiffness=1e6,
+                tilting_stiffness=1e3,
+                torsional_stiffness=1e5,
+            )
+        ],
         reference="c",
     )
     np.testing.assert_array_equal(system.speed_ratios, [-2.0, -2.0, 1.0])
@@ -209,7 +240,6 @@ def test_an_extreme_coupling_has_the_torsion_of_the_closed_form(ratio: float, da
     inertia, polar = 0.035, np.pi * DIAMETER**4 / 32.0
     shaft = G * polar / HALF
     spring = ratio * shaft
-    stiffness, damper = (0.0, 1e6, 1e3, spring), (0.0, 0.0, 0.0, damping)
     system = gb.RotorSystem(
         [
             gb.Shaft(name, length=HALF, outer_diameter=DIAMETER, elements=4, material=MATERIAL)
@@ -219,7 +249,16 @@ def test_an_extreme_coupling_has_the_torsion_of_the_closed_form(ratio: float, da
             gb.Disk("first", "a", 0.0, 6.0, 0.02, inertia),
             gb.Disk("last", "b", HALF, 6.0, 0.02, inertia),
         ],
-        couplings=[gb.Coupling(("a", HALF), ("b", 0.0), stiffness=stiffness, damping=damper)],
+        couplings=[
+            gb.Coupling(
+                ("a", HALF),
+                ("b", 0.0),
+                lateral_stiffness=1e6,
+                tilting_stiffness=1e3,
+                torsional_stiffness=spring,
+                torsional_damping=damping,
+            )
+        ],
         torques=[gb.Torque("first", 10.0), gb.Torque("last", -10.0)],
         motion="torsion",
     )
@@ -264,15 +303,15 @@ def test_an_extreme_coupling_has_the_torsion_of_the_closed_form(ratio: float, da
         ({"a": "whel"}, 'couplings[0].a: no gear or disk is called "whel"; did you mean "wheel"'),
         ({"b": ("a", 0.0)}, 'couplings[0].b: is on "a", as a is; a coupling joins two shafts'),
         ({"b": ("b", 0.9)}, "couplings[0].b: "),
-        ({"stiffness": (0.0, -1.0, 0.0, 0.0)}, "couplings[0].stiffness[1]: must not be negative"),
-        (
-            {"damping": (0.0, 1.0, 0.0)},
-            "couplings[0].damping: invalid length 3, expected 4 numbers [axial, lateral, tilting, tor",
+        *(
+            (
+                {f"{direction}_{kind}": -1.0},
+                f"couplings[0].{direction}_{kind}: must not be negative",
+            )
+            for direction in ("axial", "lateral", "tilting", "torsional")
+            for kind in ("stiffness", "damping")
         ),
-        (
-            {"stiffness": (0.0, 1.0, 0.0, 0.0, 0.0)},
-            "couplings[0].stiffness: invalid length 5, expected 4 numbers [axial, lateral",
-        ),
+        ({"torsional_stiffness": (1.0, 2.0)}, "couplings[0].torsional_stiffness: must be a number"),
         ({"offset": complex(0, np.inf)}, "couplings[0].offset: must be finite"),
     ],
 )
@@ -288,5 +327,13 @@ def test_a_coupling_between_shafts_of_different_speed():
             shafts,
             [gb.Gear(n, s, 0.1, teeth=z, module=3e-3, face_width=0.02) for n, s, z in GEARS],
             [gb.Mesh("g", "h", stiffness=2e8)],
-            couplings=[gb.Coupling(("b", 0.2), ("c", 0.0), stiffness=(0.0, 1e6, 1e3, 1e5))],
+            couplings=[
+                gb.Coupling(
+                    ("b", 0.2),
+                    ("c", 0.0),
+                    lateral_stiffness=1e6,
+                    tilting_stiffness=1e3,
+                    torsional_stiffness=1e5,
+                )
+            ],
         )

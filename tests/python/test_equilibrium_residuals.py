@@ -121,8 +121,8 @@ def bearing(rng: np.random.Generator, kind: str, shaft: str, place: float, **mor
             return gb.RollingBearing(
                 shaft,
                 place,
-                balls=int(rng.integers(6, 15)),
-                ball_diameter=0.015,
+                elements=int(rng.integers(6, 15)),
+                element_diameter=0.015,
                 pitch_diameter=0.075,
                 clearance=float(rng.choice([0.0, 2e-5, -5e-6])),
                 damping=500.0,
@@ -225,7 +225,7 @@ def scene(seed: int) -> gb.RotorSystem:
     return gb.RotorSystem(**parts, gravity=gravity, motion="coupled" if count > 1 else None)
 
 
-def balances(system: gb.RotorSystem, static: gb.Static) -> dict[str, Balance]:
+def balances(system: gb.RotorSystem, static: gb.results.Static) -> dict[str, Balance]:
     """Add up the forces on every shaft from the weights, torques, tooth forces and bearing forces."""
     found = {shaft.name: Balance(shaft.length) for shaft in system.shafts}
     gravity = np.array([0.0, *system.gravity])
@@ -242,7 +242,7 @@ def balances(system: gb.RotorSystem, static: gb.Static) -> dict[str, Balance]:
 
 
 def add_teeth(
-    found: dict[str, Balance], system: gb.RotorSystem, static: gb.Static, speed: float
+    found: dict[str, Balance], system: gb.RotorSystem, static: gb.results.Static, speed: float
 ) -> None:
     """Add the forces of the teeth on both gears of every mesh."""
     gears = {gear.name: gear for gear in system.gears}
@@ -332,8 +332,8 @@ def test_forces_balance_on_every_shaft_of_random_scenes():
 # --- matrices and stability ---------------------------------------------------------------------
 
 ROLLING: dict[str, Any] = {
-    "balls": 9,
-    "ball_diameter": 0.012,
+    "elements": 9,
+    "element_diameter": 0.012,
     "pitch_diameter": 0.06,
     "clearance": 1e-5,
 }

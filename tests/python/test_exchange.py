@@ -231,8 +231,8 @@ def test_a_mistake_in_a_table_names_line_and_column(tmp_path, old: str, new: str
     assert message in str(caught.value)
 
 
-def test_measured_run_out(tmp_path: Path):
-    path = tmp_path / "run_out.csv"
+def test_measured_runout(tmp_path: Path):
+    path = tmp_path / "runout.csv"
     path.write_text(
         "position [mm]\tTotal run out [um]\tphase [deg]\n0\t0\t0\n250\t300\t90\n500\t0\t0\n"
     )

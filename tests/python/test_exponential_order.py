@@ -23,7 +23,7 @@ TORSION = Toothed(torque=80.0, mesh={"damping_ratio": 0.03})
 FOURIER = {"model": "fourier", "mean": 2e8, "amplitudes": [6e7, 1e7]}
 SMOOTH = {"model": "square", "pair": 1.5e8, "engagement": 0.2}
 SHARP = {"model": "square", "pair": 1.5e8, "engagement": "sharp"}
-RUN_OUT = {"run_out": (2e-5 + 1e-5j, -1e-5j)}
+RUNOUT = {"runout": (2e-5 + 1e-5j, -1e-5j)}
 RELIEF = {"stiffness": SMOOTH, "tip_relief": {"amount": 6e-6, "length": 2e-3}}
 ERROR = {"tooth": [(4e-6, 0.3), (1e-6, 0.0)], "driver": [(8e-6, -1.0)]}
 
@@ -64,7 +64,7 @@ def test_observed_order(name: str, options: dict[str, Any], steps: tuple[int, in
     phase = "prescribed" if name == "frozen" else "twist"
     scene = with_mesh(BOWED, stiffness={**FOURIER, "phase": phase})
     if name == "run-out":
-        scene = replace(scene, gear=RUN_OUT)
+        scene = replace(scene, gear=RUNOUT)
     system, duration = scene.package(), 2.0**-9  # sums of step lengths are exact
     run: dict[str, Any] = {
         "initial": "rest",
@@ -106,8 +106,8 @@ SCENES: dict[str, tuple[Toothed, str]] = {
     "relief, live": (with_mesh(BOWED, **RELIEF), "live"),
     "relief, frozen": (with_mesh(BOWED, **RELIEF), "frozen"),
     "error, live": (with_mesh(BOWED, stiffness=SMOOTH, error=ERROR), "live"),
-    "run-out, live": (replace(with_mesh(BOWED, stiffness=SMOOTH), gear=RUN_OUT), "live"),
-    "run-out, frozen": (replace(with_mesh(BOWED, stiffness=SMOOTH), gear=RUN_OUT), "frozen"),
+    "run-out, live": (replace(with_mesh(BOWED, stiffness=SMOOTH), gear=RUNOUT), "live"),
+    "run-out, frozen": (replace(with_mesh(BOWED, stiffness=SMOOTH), gear=RUNOUT), "frozen"),
     "torsion, smooth": (with_mesh(TORSION, stiffness=SMOOTH), "live"),
     "torsion, sharp": (with_mesh(TORSION, stiffness=SHARP), "live"),
     "torsion, backlash": (with_mesh(TORSION, stiffness=SMOOTH, backlash=5e-6), "live"),

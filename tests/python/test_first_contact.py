@@ -69,12 +69,22 @@ def test_the_help_of_the_package_fits_on_a_screen():
     assert pydoc.plain(pydoc.render_doc(gb)).count("\n") <= 64
 
 
-@pytest.mark.parametrize("name", [name for name in dir(gb) if callable(getattr(gb, name))])
+PUBLIC = {name: getattr(module, name) for module in (gb, gb.results) for name in dir(module)}
+
+
+def test_results_that_no_file_holds_are_not_at_the_top():
+    assert {*dir(gb)} & {*dir(gb.results)} == {"Continuation", "Response", "SteadyState", "Sweep"}
+    assert all(hasattr(getattr(gb, name), "load") for name in {*dir(gb)} & {*dir(gb.results)})
+    with pytest.raises(AttributeError, match=r"module 'gearbow\.results' has no attribute 'Mode'"):
+        _ = gb.results.Mode
+
+
+@pytest.mark.parametrize("name", [name for name in PUBLIC if callable(PUBLIC[name])])
 def test_a_docstring_begins_with_one_sentence_and_has_an_example(name: str):
-    text = inspect.getdoc(getattr(gb, name))
+    text = inspect.getdoc(PUBLIC[name])
     first, *_ = text.split("\n\n")
     assert first.endswith(".")
     assert "\n" not in first
-    one = getattr(gb, name)
+    one = PUBLIC[name]
     if not (inspect.isclass(one) and issubclass(one, Exception)):
         assert ">>>" in text

@@ -101,14 +101,16 @@ def check_drawn(_: dict[str, Any], __: Any, ___: Machine, folder: Path) -> None:
     assert (folder / "train.png").stat().st_size > 1000
 
 
-def check_printed_modes(answer: dict[str, Any], modes: gb.Modes, _: Machine, __: Path) -> None:
+def check_printed_modes(
+    answer: dict[str, Any], modes: gb.results.Modes, _: Machine, __: Path
+) -> None:
     frequencies = [mode["frequency_hz"] for mode in answer["modes"]]
     np.testing.assert_allclose(frequencies, modes.frequencies_hz, rtol=1e-9, atol=1e-9)
     assert [mode["whirl"] for mode in answer["modes"]] == list(modes.whirl)
 
 
 def check_printed_campbell(
-    answer: dict[str, Any], campbell: gb.Campbell, _: Machine, folder: Path
+    answer: dict[str, Any], campbell: gb.results.Campbell, _: Machine, folder: Path
 ) -> None:
     # the speeds of the command differ by round-off
     np.testing.assert_allclose(

@@ -68,8 +68,8 @@ FILM = gb.JournalBearing(
 ROLLING = gb.RollingBearing(
     "input",
     0.0,
-    balls=9,
-    ball_diameter=0.0127,
+    elements=9,
+    element_diameter=0.0127,
     pitch_diameter=0.065,
     clearance=1e-5,
     hertz_stiffness=1e10,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from math import pi
 
 import matplotlib as mpl
@@ -54,7 +55,7 @@ def results() -> dict:
 
 #: Number of panels and call of each figure. The numbers of panels that do not fit follow.
 FIGURES = {
-    "system, side view": (1, lambda r, ax: r["system"].plot(ax)),
+    "system, side view": (1, lambda r, ax: r["system"].plot(ax=ax)),
     "system": (2, lambda r, ax: r["system"].plot(ax=ax)),
     "orbits": (2, lambda r, ax: r["run"].plot("orbits", ["g1", "g2"], ax=ax)),
     "history": (2, lambda r, ax: r["run"].plot("history", ["g1", "g2"], ax=ax)),
@@ -64,14 +65,14 @@ FIGURES = {
     "bearings": (4, lambda r, ax: r["run"].plot("bearings", ax=ax)),
     "spectra": (2, lambda r, ax: r["run"].plot("spectrum", ["g1", "g2"], ax=ax)),
     "modes": (3, lambda r, ax: r["modes"].plot(count=3, ax=ax)),
-    "campbell": (2, lambda r, ax: r["campbell"].plot(ax)),
+    "campbell": (2, lambda r, ax: r["campbell"].plot(ax=ax)),
     "map": (1, lambda r, ax: r["map"].plot(ax=ax)),
     "synchronous": (2, lambda r, ax: r["synchronous"].plot(["g1", "g2"], ax=ax)),
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
-    "spectrum": (1, lambda r, ax: r["spectrum"].plot(ax)),
+    "spectrum": (1, lambda r, ax: r["spectrum"].plot(ax=ax)),
     "orders": (1, lambda r, ax: r["orders"].plot(ax=ax)),
     "waterfall": (1, lambda r, ax: r["waterfall"].plot(ax=ax)),
-    "energy": (3, lambda r, ax: r["energy"].plot(ax)),
+    "energy": (3, lambda r, ax: r["energy"].plot(ax=ax)),
     "tradeoff": (1, lambda r, ax: r["tradeoff"].plot(ax=ax)),
     "branch": (1, lambda r, ax: r["branch"].plot(ax=ax)),
     "steady state": (1, lambda r, ax: r["steady"].plot("orbits", "g1", ax=ax)),
@@ -114,7 +115,7 @@ def test_other_things_than_the_panels_are_an_error(name, results):
 def test_panels_may_be_in_an_array_or_a_subfigure(results):
     figure = Figure()
     left, right = figure.subfigures(1, 2)
-    assert results["campbell"].plot(left.subplots(2, 1)) is figure
+    assert results["campbell"].plot(ax=left.subplots(2, 1)) is figure
     assert results["run"].plot("mesh", ax=right.subplots(3, 2)) is figure
 
 
@@ -271,3 +272,12 @@ def test_bearings_of_a_figure_are_places():
     run._data["bearings"] = []
     with pytest.raises(gb.GearbowError, match="no bearing was recorded"):
         run.plot("bearings")
+
+
+def test_axes_are_given_by_keyword_everywhere():
+    public = [getattr(module, name) for module in (gb, gb.results) for name in dir(module)]
+    figures = {each.plot for each in public if hasattr(each, "plot")}
+    assert len(figures) >= 10
+    for figure in figures:
+        kind = inspect.signature(figure).parameters["ax"].kind
+        assert kind is inspect.Parameter.KEYWORD_ONLY, figure

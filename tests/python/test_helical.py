@@ -443,7 +443,7 @@ def test_a_free_undamped_motion_conserves_energy():
 )
 def test_the_energy_balance_closes(mesh: dict[str, Any]):
     gears = pair().gears
-    out = [gb.Gear("g1", "input", 0.15, 25, **TEETH, helix_angle=HELIX, run_out=2e-5), gears[1]]
+    out = [gb.Gear("g1", "input", 0.15, 25, **TEETH, helix_angle=HELIX, runout=2e-5), gears[1]]
     for parts in (gears, out):
         system = pair(mesh=mesh, gears=parts)
         run = system.simulate(5e-3, 200.0, method="rk45", rtol=1e-9, record=["energy", "meshes"])
@@ -640,7 +640,16 @@ def test_a_coupling_transmits_thrust():
     shafts = [gb.Shaft(name, length=0.3, outer_diameter=0.05) for name in ("left", "right")]
     system = gb.RotorSystem(
         shafts=shafts,
-        couplings=[gb.Coupling(("left", 0.3), ("right", 0.0), stiffness=(2e6, 1e8, 1e4, 1e5))],
+        couplings=[
+            gb.Coupling(
+                ("left", 0.3),
+                ("right", 0.0),
+                axial_stiffness=2e6,
+                lateral_stiffness=1e8,
+                tilting_stiffness=1e4,
+                torsional_stiffness=1e5,
+            )
+        ],
         bearings=[
             gb.Bearing("left", 0.0, stiffness=1e8, axial_stiffness=1e7),
             gb.Bearing("left", 0.2, stiffness=1e8),

@@ -285,8 +285,8 @@ class TestEstimate:
         monkeypatch.setattr(_progress, "WATCHED", 0.0)
         monkeypatch.setattr(_progress, "LONG_RUN", 0.0)
         with warnings.catch_warnings():
-            warnings.simplefilter("error", gb.RunTimeWarning)
-            with pytest.raises(gb.RunTimeWarning, match="reduce the duration") as caught:
+            warnings.simplefilter("error", gb.AccuracyWarning)
+            with pytest.raises(gb.AccuracyWarning, match="reduce the duration") as caught:
                 train().simulate(1e4, 100.0, output_step=0.1)
         assert 0 < caught.value.response.time.size < 100_001
 
@@ -303,5 +303,5 @@ class TestEstimate:
             with pytest.raises(KeyboardInterrupt):
                 train().simulate(1e4, 100.0, output_step=0.1, progress=stop)
         assert [(warning.category, warning.filename) for warning in caught] == [
-            (gb.RunTimeWarning, __file__)
+            (gb.AccuracyWarning, __file__)
         ]

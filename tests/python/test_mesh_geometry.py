@@ -199,7 +199,7 @@ def test_exactly_one_rigid_body_rotation(scene: Geared, speed: float):
 
 
 @cache
-def one_turn(bowed: str, speed: float = 20.0, points: int = 720) -> gb.MeshResponse:
+def one_turn(bowed: str, speed: float = 20.0, points: int = 720) -> gb.results.MeshResponse:
     """Simulate one slow revolution of the bowed shaft from the synchronous state."""
     system = stiff_pair({bowed: gb.Bow.half_sine(AMPLITUDE, phase=0.4)})
     period = 2 * np.pi / speed / (1.0 if bowed == "a" else 0.5)
@@ -355,7 +355,7 @@ def test_frozen_geometry_runs_where_the_base_circles_overlap():
     assert all(np.isfinite(event.time) for event in run.events)
 
 
-def system_distance(static: gb.Static) -> float:
+def system_distance(static: gb.results.Static) -> float:
     """Return the distance of the centres of g1 and g2, 112.5 mm along y at rest."""
     apart = static.displacement("g2") - static.displacement("g1")
     return float(np.hypot(0.1125 + apart[0], apart[1]))

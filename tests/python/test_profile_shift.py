@@ -397,9 +397,11 @@ def test_drawings_and_mode_shapes_have_the_same_centres():
 
 
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
-@pytest.mark.parametrize(("phase", "state"), [(0.0, gb.Contact.DRIVE), (math.pi, gb.Contact.BOTH)])
+@pytest.mark.parametrize(
+    ("phase", "state"), [(0.0, gb.results.Contact.DRIVE), (math.pi, gb.results.Contact.BOTH)]
+)
 def test_the_contact_of_shifted_gears_follows_from_the_backlash(
-    geometry: str, phase: float, state: gb.Contact
+    geometry: str, phase: float, state: gb.results.Contact
 ):
     """The bow moves the wheel away from the pinion, or into it by more than the backlash."""
     system = pair(
@@ -414,7 +416,7 @@ def test_the_contact_of_shifted_gears_follows_from_the_backlash(
         1e-5, 100.0, output_step=1e-6, record=["meshes"], geometry=geometry
     ).mesh("ga", "gb")
     assert found.contact[0] == state
-    assert found.stiffness[0] == pytest.approx(4e8 if state == gb.Contact.BOTH else 2e8)
+    assert found.stiffness[0] == pytest.approx(4e8 if state == gb.results.Contact.BOTH else 2e8)
 
 
 def test_stiffness_models_use_the_path_at_the_centres_without_play():

@@ -55,7 +55,7 @@ def film(x: float) -> gb.JournalBearing:
 
 def rolling(x: float) -> gb.RollingBearing:
     return gb.RollingBearing(
-        "rotor", x, balls=9, ball_diameter=0.0119, pitch_diameter=0.052, clearance=1e-5
+        "rotor", x, elements=9, element_diameter=0.0119, pitch_diameter=0.052, clearance=1e-5
     )
 
 

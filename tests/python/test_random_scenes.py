@@ -83,8 +83,8 @@ class Drawn:
         return gb.RollingBearing(
             shaft,
             position,
-            balls=count,
-            ball_diameter=0.3 * diameter,
+            elements=count,
+            element_diameter=0.3 * diameter,
             pitch_diameter=1.5 * diameter,
             clearance=clearance * metre,
             hertz_stiffness=5e9 * newton / metre**1.5,

@@ -189,7 +189,12 @@ FILM = {"diameter": 0.06, "length": 0.03, "clearance": 6e-5, "viscosity": 0.02}
         {
             "bearings": [
                 gb.RollingBearing(
-                    "rotor", x, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=0.0
+                    "rotor",
+                    x,
+                    elements=9,
+                    element_diameter=0.0127,
+                    pitch_diameter=0.065,
+                    clearance=0.0,
                 )
                 for x in (0.0, 1.0)
             ]

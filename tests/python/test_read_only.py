@@ -19,7 +19,7 @@ def writable(value: object) -> list[np.ndarray]:
         return [array for item in value.values() for array in writable(item)]
     if isinstance(value, list | tuple):
         return [array for item in value for array in writable(item)]
-    if dataclasses.is_dataclass(value) or isinstance(value, gb.Response | gb.Static):
+    if dataclasses.is_dataclass(value) or isinstance(value, gb.Response | gb.results.Static):
         return writable(vars(value))
     return []
 

@@ -19,7 +19,7 @@ def uniform(alpha: float, bearings: int = 0, elements: int = 40) -> gb.RotorSyst
     )
 
 
-def force_left(system: gb.RotorSystem, modes: gb.Modes) -> np.ndarray:
+def force_left(system: gb.RotorSystem, modes: gb.results.Modes) -> np.ndarray:
     """Return the force that each mode leaves, relative to its forces, from the dense matrices."""
     found, speed = system.matrices(modes.speed), modes.speed
     rate = found.damping + speed * found.gyroscopic

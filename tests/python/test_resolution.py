@@ -200,9 +200,7 @@ def test_the_expected_error_of_a_large_model_is_that_of_all_modes(degree, elemen
     large = small.replace(
         shafts=[*shafts, idle],
         bearings=[*system.bearings, *(gb.Bearing("idle", x, stiffness=1e8) for x in (0.0, 1.0))],
-        couplings=[
-            gb.Coupling((last.name, last.length), ("idle", 0.0), stiffness=(0.0, 0.0, 0.0, 1.0))
-        ],
+        couplings=[gb.Coupling((last.name, last.length), ("idle", 0.0), torsional_stiffness=1.0)],
     )
     assert len(small.dofs) < 400 <= len(large.dofs)
     errors = [one._model.expected_error() for one in (small, large)]

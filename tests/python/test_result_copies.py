@@ -34,7 +34,7 @@ def everything() -> dict[str, Any]:
     )
     floating = bowed.replace(bearings=[film, bearings[1]], gravity=(0.0, -9.81))
     balls = gb.RollingBearing(
-        "rotor", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=0.0
+        "rotor", 0.0, elements=9, element_diameter=0.0127, pitch_diameter=0.065, clearance=0.0
     )
     rolling = bowed.replace(bearings=[balls, bearings[1]], gravity=(0.0, -9.81))
     campbell, response = results()["campbell"], bowed.synchronous(np.linspace(100.0, 900.0, 9))
@@ -48,7 +48,7 @@ def everything() -> dict[str, Any]:
         "orders": run.orders("g1", mesh_harmonics=0),
         "waterfall": gb.waterfall([run, system.simulate(0.07, 90.0, output_step=2e-4)], "g1"),
         "variable": system.simulate(1e-3, (np.array([0.0, 1e-3]), np.array([90.0, 95.0]))),
-        "event": gb.Event(0.0, "contact", "a", "b"),
+        "event": gb.results.Event(0.0, "contact", "a", "b"),
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),
         "rolling coefficients": balls.coefficients(100.0),
@@ -120,9 +120,17 @@ def test_every_public_class_of_results_is_tested():
 
     kinds = {type(value) for value in MADE.values()}
     # The profile of a variable speed is part of a response.
-    wanted = {kind for kind in below(ReadOnly) if kind.__name__ in dir(gb)} - {gb.SpeedProfile}
+    wanted = {kind for kind in below(ReadOnly) if kind.__name__ in dir(gb.results)} - {
+        gb.SpeedProfile
+    }
     assert wanted <= kinds
-    assert {gb.Event, gb.Peak, gb.ExcitationLine, gb.Intersection, gb.Trial} <= kinds
+    assert {
+        gb.results.Event,
+        gb.results.Peak,
+        gb.results.ExcitationLine,
+        gb.results.Intersection,
+        gb.results.Trial,
+    } <= kinds
 
 
 def test_copies_answer_as_the_originals():

@@ -19,7 +19,7 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 #: Nine balls with a moderate stiffness.
 BALLS = Elements(count=9, stiffness=8e9, clearance=1e-5)
-SIZES = {"ball_diameter": 0.0127, "pitch_diameter": 0.065}
+SIZES = {"element_diameter": 0.0127, "pitch_diameter": 0.065}
 #: Speed of the cage over that of the shaft.
 CAGE = (1 - 0.0127 / 0.065) / 2
 DAMPING = 300.0
@@ -33,7 +33,7 @@ def bearing(
     return gb.RollingBearing(
         shaft,
         position,
-        balls=balls.count,
+        elements=balls.count,
         clearance=balls.clearance,
         hertz_stiffness=balls.stiffness,
         phase=balls.phase,
@@ -59,7 +59,7 @@ def pair(torque: float = 60.0, balls: Elements = BALLS, **options: Any) -> gb.Ro
 @pytest.mark.parametrize("groove", [0.515, 0.52, 0.55])
 def test_the_stiffness_of_the_geometry_is_that_of_hertz(groove: float):
     options = {"inner_groove": groove, "outer_groove": groove}
-    ball = gb.RollingBearing("s", 0.0, balls=9, clearance=0.0, **options, **SIZES)
+    ball = gb.RollingBearing("s", 0.0, elements=9, clearance=0.0, **options, **SIZES)
     # the approximation of Brewe and Hamrock
     wanted = hertz(0.0127, 12.7 / 65, groove, 206e9, 0.3)
     assert ball.stiffness_of_contact == pytest.approx(wanted, rel=0.03)
@@ -68,7 +68,7 @@ def test_the_stiffness_of_the_geometry_is_that_of_hertz(groove: float):
 def test_a_roller_has_the_stiffness_of_palmgren():
     # delta = 3.84e-5 Q^0.9 / l^0.8 in mm and N at each of two races
     roller = gb.RollingBearing(
-        "s", 0.0, balls=14, clearance=0.0, contact="roller", roller_length=0.01, **SIZES
+        "s", 0.0, elements=14, clearance=0.0, contact="roller", roller_length=0.01, **SIZES
     )
     deflection = 2 * 3.84e-5 * 1000.0**0.9 / 10.0**0.8 * 1e-3
     assert roller.stiffness_of_contact * deflection ** (10 / 9) == pytest.approx(1000.0, rel=1e-12)
@@ -130,7 +130,7 @@ def test_many_balls_tend_to_the_integral():
     for count in (8, 16, 32, 64):
         # the balls are thin enough for the pitch circle
         balls = replace(BALLS, count=count, stiffness=8e9 * 8 / count)
-        thin = {"ball_diameter": 0.003}
+        thin = {"element_diameter": 0.003}
         mean = bearing("s", 0.0, balls, **thin).coefficients(1000.0).displacement[1]
         errors.append(
             max(abs(bearing("s", 0.0, balls, **thin).coefficients(1000.0, a).displacement[1] / mean - 1)
@@ -431,15 +431,15 @@ def test_files_keep_rolling_bearings(tmp_path: Any):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"balls": 0}, "bearings[0].balls: must be between 3 and 1000, got 0"),
-        ({"balls": 2}, "bearings[0].balls: must be between 3 and 1000, got 2"),
-        ({"balls": 30}, "bearings[0].balls: 30 elements of 0.0127 m overlap"),
-        ({"ball_diameter": 0.07}, "bearings[0].ball_diameter: must be below pitch_diameter"),
-        ({"ball_diameter": math.nan}, "bearings[0].ball_diameter: must be finite"),
-        ({"ball_diameter": -1.0}, "bearings[0].ball_diameter: must be positive"),
+        ({"elements": 0}, "bearings[0].elements: must be between 3 and 1000, got 0"),
+        ({"elements": 2}, "bearings[0].elements: must be between 3 and 1000, got 2"),
+        ({"elements": 30}, "bearings[0].elements: 30 elements of 0.0127 m overlap"),
+        ({"element_diameter": 0.07}, "bearings[0].element_diameter: must be below pitch_diameter"),
+        ({"element_diameter": math.nan}, "bearings[0].element_diameter: must be finite"),
+        ({"element_diameter": -1.0}, "bearings[0].element_diameter: must be positive"),
         ({"pitch_diameter": 0.0}, "bearings[0].pitch_diameter: must be positive"),
         ({"clearance": math.nan}, "bearings[0].clearance: must be finite"),
-        ({"clearance": 0.02}, "bearings[0].clearance: must be below ball_diameter"),
+        ({"clearance": 0.02}, "bearings[0].clearance: must be below element_diameter"),
         ({"hertz_stiffness": 0.0}, "bearings[0].hertz_stiffness: must be positive"),
         ({"contact_angle": 40.0}, "bearings[0].contact_angle: must be at least 0 and below pi/2"),
         ({"phase": math.inf}, "bearings[0].phase: must be finite"),

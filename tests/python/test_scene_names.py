@@ -111,6 +111,41 @@ def test_an_unlike_name_gets_no_suggestion():
         pair(bearings=[gb.Bearing("something else", 0.0, stiffness=1e8)])
 
 
+@pytest.mark.parametrize("sign", ["/", ":"])
+@pytest.mark.parametrize(
+    ("path", "changes"),
+    [
+        (
+            "shafts[2].name",
+            lambda name: {"shafts": [gb.Shaft(name, length=1.0, outer_diameter=0.05)]},
+        ),
+        ("disks[0].name", lambda name: {"disks": [gb.Disk(name, "input", 0.1, 1.0, 0.01, 0.02)]}),
+        (
+            "supports[0].name",
+            lambda name: {"supports": [gb.Support(name, mass=1.0, stiffness=1e8)]},
+        ),
+        (
+            "housings[0].points.",
+            lambda name: {
+                "housings": [
+                    gb.Housing("box", mass=9.0, stiffness=1e8, points={name: (0.0, 0.0, 0.0)})
+                ]
+            },
+        ),
+    ],
+)
+def test_names_do_not_contain_what_joins_names(path, changes, sign):
+    given = changes(f"a{sign}b")
+    if "shafts" in given:
+        given["shafts"] = [*pair().shafts, *given["shafts"]]
+    with pytest.raises(gb.SceneError) as caught:
+        pair(**given)
+    text = str(caught.value)
+    assert text.startswith(path)
+    assert f'must not contain "{sign}", got "a{sign}b"' in text
+    assert 'write "a-b"' in text
+
+
 # --- missing parts --------------------------------------------------------------------------------
 
 BALANCE = r"^torques: no static equilibrium: .*, is 250 N m; add gb.Torque.balance\("

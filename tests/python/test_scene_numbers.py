@@ -110,7 +110,7 @@ def test_a_field_without_a_number_is_an_error(path: tuple[str | int, ...], value
 
 def test_every_numeric_field_is_in_that_scene():
     """Check that the test above covers every field of each part."""
-    beside = {"shear_modulus", "run_out", "backlash", "bow", "error", "tip_relief", "segments"}
+    beside = {"shear_modulus", "runout", "backlash", "bow", "error", "tip_relief", "segments"}
     parts = (gb.Material, gb.Segment, gb.Shaft, gb.Disk, gb.Gear, gb.Mesh, gb.Bearing)
     known = {key for path in numbers(SCENE) for key in path}
     for part in parts:
@@ -375,7 +375,18 @@ ATTACHED: dict[str, tuple[type, dict[str, Any]]] = {
     "housings": (gb.Housing, {"name": "base", "mass": 2.0, "stiffness": 1e8, "damping": 10.0}),
     "couplings": (
         gb.Coupling,
-        {"a": ("rotor", 1.0), "b": ("second", 0.0), "stiffness": (1e8, 1e8, 1e4, 1e5)},
+        {
+            "a": ("rotor", 1.0),
+            "b": ("second", 0.0),
+            "axial_stiffness": 1e8,
+            "lateral_stiffness": 1e8,
+            "tilting_stiffness": 1e4,
+            "torsional_stiffness": 1e5,
+            "axial_damping": 1.0,
+            "lateral_damping": 1.0,
+            "tilting_damping": 1.0,
+            "torsional_damping": 1.0,
+        },
     ),
     "drives": (gb.Drive, {"at": "wheel", "stiffness": 1e3, "damping": 1.0}),
     "forces": (gb.Force, {"at": "wheel", "value": 10.0, "order": 1.0}),

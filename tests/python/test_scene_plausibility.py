@@ -118,7 +118,7 @@ SLIPS = {
     ),
     "unbalance in g mm": ({"disks": disk(unbalance=720.0)}, "disks[0].unbalance", "g mm"),
     "unbalance in kg mm": ({"disks": disk(unbalance=0.72)}, "disks[0].unbalance", "g mm"),
-    "run-out": ({"gears": gears(run_out=0.02)}, "gears[0].run_out", "millimetres"),
+    "run-out": ({"gears": gears(runout=0.02)}, "gears[0].runout", "millimetres"),
     "angle of centres": (
         {"meshes": mesh(centre_line_angle=90.0)},
         "meshes[0].centre_line_angle",

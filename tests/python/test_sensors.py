@@ -17,19 +17,19 @@ MIDDLE = ("rotor", 0.5)
 # --- Probes
 
 
-def test_a_slow_bowed_shaft_shows_bow_and_run_out():
+def test_a_slow_bowed_shaft_shows_bow_and_runout():
     """Far below its critical speed a shaft turns about its bearings: u = bow e^{iΩt}."""
-    speed, run_out = 0.1, 20e-6 * np.exp(0.7j)
+    speed, runout = 0.1, 20e-6 * np.exp(0.7j)
     run = rotor(disks=[]).simulate(70.0, speed, output_step=0.5, record=[MIDDLE])
     bow = 1e-4 * np.exp(0.4j)
     for angle in (0.0, 0.6, np.pi / 2, -2.0):
-        probe = gb.Probe(*MIDDLE, angle=angle, run_out=run_out)
+        probe = gb.Probe(*MIDDLE, angle=angle, runout=runout)
         # a probe at φ sees what has the angle φ − Ωt in the shaft
-        expected = np.real((bow + run_out) * np.exp(1j * (speed * run.time - angle)))
+        expected = np.real((bow + runout) * np.exp(1j * (speed * run.time - angle)))
         assert run.measure(probe) == pytest.approx(expected, abs=1e-4 * abs(bow))
 
 
-def test_forms_of_run_out_agree():
+def test_forms_of_runout_agree():
     run = rotor().simulate(0.1, 100.0, output_step=1e-3, record=[MIDDLE])
     angles = np.linspace(0.0, 2 * np.pi, 20000, endpoint=False)
     forms = [
@@ -38,12 +38,12 @@ def test_forms_of_run_out_agree():
         (angles, 5e-6 * np.cos(angles - 0.3)),
     ]
     first, second, third = (
-        run.measure(gb.Probe(*MIDDLE, angle=1.0, run_out=form)) for form in forms
+        run.measure(gb.Probe(*MIDDLE, angle=1.0, runout=form)) for form in forms
     )
     assert second == pytest.approx(first, abs=1e-18)
     # linear interpolation of 20000 points
     assert third == pytest.approx(first, abs=1e-7 * 5e-6)
-    twice = gb.Probe(*MIDDLE, run_out=lambda angle: 1e-6 * np.cos(2 * angle))
+    twice = gb.Probe(*MIDDLE, runout=lambda angle: 1e-6 * np.cos(2 * angle))
     clean = run.measure(gb.Probe(*MIDDLE))
     assert run.measure(twice) - clean == pytest.approx(1e-6 * np.cos(200.0 * run.time), abs=1e-15)
 
@@ -61,7 +61,7 @@ def test_a_probe_on_a_support_measures_the_relative_motion():
 def test_the_second_shaft_turns_the_other_way():
     """The run-out of the driven shaft passes at −z₁/z₂ of the speed."""
     run = train(gears=None or train().gears).simulate(0.05, 100.0, record=[("output", 0.2)])
-    probe = gb.Probe("output", 0.2, run_out=1e-6 + 0j)
+    probe = gb.Probe("output", 0.2, runout=1e-6 + 0j)
     error = run.measure(probe) - run.measure(gb.Probe("output", 0.2))
     twist = run.twist(("output", 0.2))
     assert error == pytest.approx(1e-6 * np.cos(-50.0 * run.time + twist), abs=1e-15)
@@ -255,8 +255,8 @@ def test_clear_errors():
     cases: list[tuple[Any, type[Exception], str]] = [
         (lambda: gb.Probe("rotor", np.nan), gb.SceneError, r"^probe\.position: "),
         (lambda: gb.Probe("rotor", 0.1, angle=np.inf), gb.SceneError, r"^probe\.angle: "),
-        (lambda: gb.Probe("rotor", 0.1, run_out="a"), gb.SceneError, r"^probe\.run_out: "),
-        (lambda: gb.Probe("rotor", 0.1, run_out=([0, 1], [2])), gb.SceneError, r"as many angles"),
+        (lambda: gb.Probe("rotor", 0.1, runout="a"), gb.SceneError, r"^probe\.runout: "),
+        (lambda: gb.Probe("rotor", 0.1, runout=([0, 1], [2])), gb.SceneError, r"as many angles"),
         (lambda: gb.Probe(3, 0.1), gb.SceneError, r"^probe\.shaft: must be text"),
         (lambda: gb.Accelerometer(3), gb.SceneError, r"^accelerometer\.at: "),
         (lambda: gb.Tacho("rotor", 0), gb.SceneError, r"^tacho\.pulses: "),

@@ -51,7 +51,7 @@ def pair(*, driver: dict | None = None, centre_distance=None, **mesh) -> gb.Roto
     )
 
 
-def cycle(system: gb.RotorSystem, rows: int = 200, **options) -> gb.MeshResponse:
+def cycle(system: gb.RotorSystem, rows: int = 200, **options) -> gb.results.MeshResponse:
     """Simulate one quasi-static mesh cycle."""
     duration = 2.0 * math.pi / 25.0
     times = np.linspace(0.0, duration, rows, endpoint=False)
@@ -75,7 +75,7 @@ class TestDescription:
         assert gb.Mesh("g1", "g2")._describe("m") == {"driver": "g1", "driven": "g2"}
         assert gb.TipRelief(1e-5, 2e-3)._describe("r") == {"amount": 1e-5, "length": 2e-3}
         assert gb.TransmissionError()._describe("e") == {}
-        assert "run_out" not in gb.Gear("g1", "input", 0.05, 25)._describe("g")
+        assert "runout" not in gb.Gear("g1", "input", 0.05, 25)._describe("g")
 
     def test_arrays_equal_lists(self):
         values = np.array([2e8, 3e8, 1e8])
@@ -98,7 +98,7 @@ class TestDescription:
             backlash=1e-4,
             tip_relief=gb.TipRelief(1e-5, 2e-3, "parabolic") if paired else None,
             error=gb.TransmissionError(tooth=[(1e-6, 0.5)], driver=[(2e-6, 0.0)], driven=[]),
-            driver={"run_out": 1e-5 + 2e-5j},
+            driver={"runout": 1e-5 + 2e-5j},
         )
         system.save(tmp_path / "pair.toml")
         loaded = gb.RotorSystem.load(tmp_path / "pair.toml")
@@ -197,7 +197,7 @@ SQUARE = gb.Stiffness.square(2e8)
         ),
         ({"error": gb.TransmissionError(tooth=[1e-6])}, r"^meshes\[0\].error.tooth\[0\]"),
         ({"backlash": -1e-6}, r"^meshes\[0\].backlash: "),
-        ({"driver": {"run_out": complex(0.0, math.nan)}}, r"^gears\[0\].run_out"),
+        ({"driver": {"runout": complex(0.0, math.nan)}}, r"^gears\[0\].runout"),
     ],
 )
 def test_the_error_names_the_place_of_a_mistake(mesh, text):

@@ -30,7 +30,14 @@ HOUSING = gb.Housing(
 )
 PEDESTAL = gb.Support("pedestal", mass=3.0, stiffness=(4e7, 2e7), damping=150.0)
 COUPLING = gb.Coupling(
-    ("motor", 0.3), ("input", 0.0), stiffness=(0.0, 1e7, 2e3, 1e5), damping=(0.0, 40.0, 1.0, 3.0)
+    ("motor", 0.3),
+    ("input", 0.0),
+    lateral_stiffness=1e7,
+    tilting_stiffness=2e3,
+    torsional_stiffness=1e5,
+    lateral_damping=40.0,
+    tilting_damping=1.0,
+    torsional_damping=3.0,
 )
 DRIVE = gb.Drive(("motor", 0.0), stiffness=4e4, damping=5.0)
 TABLE = gb.SpeedTable([0.0, 100.0, 300.0, 600.0], [-260.0, -250.0, -210.0, -120.0])
@@ -81,7 +88,9 @@ def undamped() -> gb.RotorSystem:
         damping=0.0,
         stiffness=(1e8, 8e7),
         housing=replace(HOUSING, damping=0.0, rotational_damping=none),
-        couplings=[replace(COUPLING, damping=(0.0, *none))],
+        couplings=[
+            replace(COUPLING, lateral_damping=0.0, tilting_damping=0.0, torsional_damping=0.0)
+        ],
         drives=[replace(DRIVE, damping=0.0)],
     )
 
@@ -97,7 +106,9 @@ SYSTEMS: dict[str, Any] = {
     "no drive": lambda: train(drives=[], torques=[gb.Torque("g1", 50.0), gb.Torque.balance("g2")]),
     "free to turn": lambda: train(
         housing=replace(HOUSING, rotational_stiffness=(0.0, 0.0, 0.0)),
-        couplings=[replace(COUPLING, damping=(0.0, 0.0, 0.0, 0.0))],
+        couplings=[
+            replace(COUPLING, lateral_damping=0.0, tilting_damping=0.0, torsional_damping=0.0)
+        ],
     ),
 }
 
@@ -210,7 +221,7 @@ def test_a_reduced_run_has_the_signals_of_the_complete_one(name: str, speed: Any
         shafts=[replace(shaft, elements=18) for shaft in train().shafts],
         # Undamped modes represent strong dampers badly.
         drives=[replace(DRIVE, damping=0.1)],
-        couplings=[replace(COUPLING, damping=(0.0, 40.0, 0.05, 0.03))],
+        couplings=[replace(COUPLING, tilting_damping=0.05, torsional_damping=0.03)],
     )
     assert len(system.dofs) >= 250
     exact = system.simulate(0.1, speed, rtol=1e-6, output_step=2e-4)

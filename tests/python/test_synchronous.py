@@ -129,8 +129,8 @@ def test_peaks_agree_with_the_closed_form():
 
 
 def test_separation_margin_above_within_and_without_operating_speeds():
-    def peak(speed: float, width: float, operating=(90.0, 110.0)) -> gb.Peak:
-        return gb.Peak(speed, 1.0, speed - width / 2, speed + width / 2, operating)
+    def peak(speed: float, width: float, operating=(90.0, 110.0)) -> gb.results.Peak:
+        return gb.results.Peak(speed, 1.0, speed - width / 2, speed + width / 2, operating)
 
     assert peak(132.0, 13.2).separation_margin == pytest.approx(20.0)
     assert peak(132.0, 13.2).required_margin == pytest.approx(10 + 17 * (1 - 1 / 8.5))
@@ -139,10 +139,10 @@ def test_separation_margin_above_within_and_without_operating_speeds():
     assert not peak(100.0, 10.0).acceptable
     assert peak(100.0, 50.0).required_margin == 0.0  # AF 2: critically damped
     assert peak(100.0, 50.0).acceptable
-    open_end = gb.Peak(100.0, 1.0, np.nan, 110.0, (150.0, 150.0))
+    open_end = gb.results.Peak(100.0, 1.0, np.nan, 110.0, (150.0, 150.0))
     assert np.isnan(open_end.amplification_factor)
     assert not open_end.acceptable
-    assert np.isnan(gb.Peak(100.0, 1.0, 95.0, 105.0).required_margin)
+    assert np.isnan(gb.results.Peak(100.0, 1.0, 95.0, 105.0).required_margin)
 
 
 def test_slow_roll_subtraction_removes_the_bow():
@@ -225,7 +225,7 @@ class TestBackwards:
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_no_peak_inside_the_operating_range_is_acceptable(sense):
     for speed in (200.0, 450.0, 700.0):
-        peak = gb.Peak(
+        peak = gb.results.Peak(
             sense * speed,
             1.0,
             sense * (speed - 10.0),
@@ -240,7 +240,7 @@ def test_no_peak_inside_the_operating_range_is_acceptable(sense):
 
 def test_backward_operating_speeds_may_ascend_either_way():
     below, above = (
-        gb.Peak(-100.0, 1.0, -95.0, -105.0, span) for span in ((-700, -200), (-200, -700))
+        gb.results.Peak(-100.0, 1.0, -95.0, -105.0, span) for span in ((-700, -200), (-200, -700))
     )
     assert below == above
     assert below.operating == (-200.0, -700.0)
@@ -263,14 +263,14 @@ def test_backward_operating_speeds_may_ascend_either_way():
 )
 def test_invalid_operating_speeds_are_refused(operating, text):
     with pytest.raises(gb.SceneError, match=f"operating: .*{text}"):
-        gb.Peak(100.0, 1.0, 95.0, 105.0, operating)
+        gb.results.Peak(100.0, 1.0, 95.0, 105.0, operating)
     response = jeffcott().synchronous([1.0, 2.0])  # has no peak
     with pytest.raises(gb.SceneError, match=f"operating: .*{text}"):
         response.peaks("disk", operating=operating)
 
 
 def test_a_peak_without_width_is_undamped():
-    peak = gb.Peak(100.0, 1.0, 100.0, 100.0, (150.0, 150.0))
+    peak = gb.results.Peak(100.0, 1.0, 100.0, 100.0, (150.0, 150.0))
     assert peak.amplification_factor == np.inf
     assert peak.required_margin == 17.0
 

@@ -97,7 +97,7 @@ def test_slow_roll_subtraction_uses_the_excitation(excitation: str):
 def test_the_required_margin_of_api_684(factor: float, speed: float):
     # below an amplification factor of 2.5 nothing is required; above the operating speeds 10 % more
     width = speed / factor
-    peak = gb.Peak(speed, 1e-5, speed - 0.4 * width, speed + 0.6 * width, (90.0, 110.0))
+    peak = gb.results.Peak(speed, 1e-5, speed - 0.4 * width, speed + 0.6 * width, (90.0, 110.0))
     assert peak.amplification_factor == pytest.approx(factor)
     margin = 17 * (1 - 1 / (factor - 1.5)) + (10 if speed > 100 else 0)
     assert peak.required_margin == pytest.approx(0.0 if factor < 2.5 else margin)

@@ -193,17 +193,17 @@ FORCED = {
 }
 
 
-@pytest.mark.parametrize("run_out", [None, (2e-5 + 1e-5j, 1e-5j)], ids=["round", "run-out"])
+@pytest.mark.parametrize("runout", [None, (2e-5 + 1e-5j, 1e-5j)], ids=["round", "run-out"])
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
 @pytest.mark.parametrize("name", FORCED)
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
-def test_the_energy_balance_contains_all_works(method: str, name: str, geometry: str, run_out: Any):
+def test_the_energy_balance_contains_all_works(method: str, name: str, geometry: str, runout: Any):
     scene = replace(
         ROLLING,
         torque=80.0,
         bearing_damping=300.0,
         mesh=ROLLING.mesh | FORCED[name],
-        gear={"run_out": run_out} if run_out else {},
+        gear={"runout": runout} if runout else {},
         bows={"a": HalfSine(4e-5), "b": HalfSine(2e-5, 1.0)},
     )
     found = scene.package().simulate(
@@ -259,7 +259,7 @@ def test_centres_that_close_by_more_than_the_backlash_press_both_flanks(geometry
 @pytest.mark.parametrize("closing", [0.0, 2e-5, 1e-4])
 def test_force_of_a_tight_mesh_is_the_difference_of_its_flanks(closing: float):
     backlash = 3e-5
-    out = {"run_out": (None, -closing or None)}
+    out = {"runout": (None, -closing or None)}
     scene = Toothed(mesh={"stiffness": K, "backlash": backlash}, gear=out)
     system, law = scene.package(), scene.law()
     alpha_0, alpha = (
@@ -304,7 +304,7 @@ def test_a_damped_train_keeps_its_speed(given: dict[str, Any]):
 @pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3])
 def test_a_tight_mesh_is_integrated_stably(method: str, rtol: float):
     """Two flanks are twice as stiff as one, so that the longest stable step is shorter."""
-    scene = Toothed(mesh={"stiffness": K, "backlash": 1e-6}, gear={"run_out": (None, -2e-4)})
+    scene = Toothed(mesh={"stiffness": K, "backlash": 1e-6}, gear={"runout": (None, -2e-4)})
     system = scene.package()
     y = np.zeros(2 * len(system.dofs))
     y[:2] = 1e-5

@@ -63,12 +63,12 @@ def test_a_table_is_interpolated_by_a_cubic():
 
 
 @pytest.mark.parametrize("out", [(3e-5, 0.0), (0.0, 4e-5j), (2e-5 + 1e-5j, -3e-5)])
-def test_run_out_moves_the_centres(out: tuple[complex, complex]):
+def test_runout_moves_the_centres(out: tuple[complex, complex]):
     """At low speed, run-out moves the gear centre on a circle; compare the geometry and the
     resulting twist.
     """
     speed = 0.5
-    scene = Toothed(mesh={"stiffness": K, "damping_ratio": 0.3}, gear={"run_out": out}, torque=60.0)
+    scene = Toothed(mesh={"stiffness": K, "damping_ratio": 0.3}, gear={"runout": out}, torque=60.0)
     times = np.linspace(0.02, 4 * np.pi / speed, 100)
     found = scene.package().simulate(times[-1], speed, times=times, initial="static", rtol=1e-7)
     mesh, law = found.mesh("ga", "gb"), scene.law()

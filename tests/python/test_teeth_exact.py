@@ -143,9 +143,9 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         {"width": 0.2, "relief": (6e-6, 2e-3, 2)},
     ),
     "error": ({"stiffness": SQUARE, "error": ERROR}, {"width": 0.2, "error": error}),
-    "run-out": ({"stiffness": SQUARE, "run_out": (2e-5 + 1e-5j, -1e-5j)}, {"width": 0.2}),
+    "run-out": ({"stiffness": SQUARE, "runout": (2e-5 + 1e-5j, -1e-5j)}, {"width": 0.2}),
     "run-out, frozen": (
-        {"stiffness": SQUARE, "run_out": (2e-5 + 1e-5j, -1e-5j), "frozen": True},
+        {"stiffness": SQUARE, "runout": (2e-5 + 1e-5j, -1e-5j), "frozen": True},
         {"width": 0.2, "live": False},
     ),
     "backlash": ({"stiffness": SQUARE, "backlash": 5e-6}, {"width": 0.2, "backlash": 5e-6}),
@@ -168,7 +168,7 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
             "stiffness": SQUARE,
             "backlash": 5e-6,
             "error": ERROR,
-            "run_out": (2e-5 + 1e-5j, -1e-5j),
+            "runout": (2e-5 + 1e-5j, -1e-5j),
             "tip_relief": {"amount": 6e-6, "length": 2e-3},
         },
         {"width": 0.2, "backlash": 5e-6, "error": error, "relief": (6e-6, 2e-3, 1)},
@@ -179,7 +179,7 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
             "backlash": 5e-6,
             "damping_in_separation": True,
             "error": ERROR,
-            "run_out": (2e-5 + 1e-5j, -1e-5j),
+            "runout": (2e-5 + 1e-5j, -1e-5j),
         },
         {"width": 0.2, "backlash": 5e-6, "film": True, "error": error},
     ),
@@ -204,16 +204,16 @@ IN_BENDING = (
 def test_teeth_against_the_gradient_of_their_energy(method: str, name: str, bowed: bool):
     given, stated = CASES[name]
     mesh, teeth = dict(given), dict(stated)
-    frozen, run_out = mesh.pop("frozen", False), mesh.pop("run_out", None)
+    frozen, runout = mesh.pop("frozen", False), mesh.pop("runout", None)
     scene = BOWED if bowed else TORSION
     scene = replace(scene, teeth=mesh.pop("teeth", scene.teeth))
     scene = replace(
         scene,
         mesh={**scene.mesh, **mesh, "damping": 800.0, "damping_ratio": 0.0},
-        gear={"run_out": run_out} if run_out else {},
+        gear={"runout": runout} if runout else {},
     )
-    if run_out:
-        teeth["run_out"] = run_out
+    if runout:
+        teeth["runout"] = runout
     end = teeth.get("pair", 1.0)
     if "cycle" not in teeth:
         teeth["pair"] = parabola(scene, PAIR, end)

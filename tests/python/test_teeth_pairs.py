@@ -102,7 +102,7 @@ def test_a_larger_centre_distance_widens_the_clearance_of_both_flanks(opened: fl
     """Run-out increases the centre distance; the clearance of both flanks follows from the force."""
     backlash, turn = 1e-4, 0.02
     scene = Toothed(
-        mesh={"stiffness": MEAN, "backlash": backlash}, gear={"run_out": (None, opened or None)}
+        mesh={"stiffness": MEAN, "backlash": backlash}, gear={"runout": (None, opened or None)}
     )
     system, law = scene.package(), scene.law()
     alpha_0 = law.angle_at_rest

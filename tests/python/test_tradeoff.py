@@ -39,7 +39,7 @@ def apart(found: np.ndarray, exact: np.ndarray) -> float:
 
 
 @pytest.fixture(scope="module")
-def study() -> gb.Tradeoff:
+def study() -> gb.results.Tradeoff:
     return toothed().tradeoff(
         END,
         SPEED,
@@ -53,7 +53,7 @@ def study() -> gb.Tradeoff:
     )
 
 
-def of_method(study: gb.Tradeoff, method: str) -> list[gb.Trial]:
+def of_method(study: gb.results.Tradeoff, method: str) -> list[gb.results.Trial]:
     return [t for t in study.trials if t.method == method and t.model == "as given"]
 
 

@@ -435,19 +435,17 @@ def test_quantities_of_pint_in_sensors():
     probe = gb.Probe("rotor", quantity(300, "mm"), angle=quantity(45, "deg"))
     assert probe.position == pytest.approx(0.3, rel=1e-15)
     assert probe.angle == pytest.approx(np.pi / 4, rel=1e-15)
-    eccentric = gb.Probe("rotor", 0.3, run_out=quantity(5 + 2j, "um"))
-    assert eccentric.run_out == pytest.approx(5e-6 + 2e-6j, rel=1e-15)
+    eccentric = gb.Probe("rotor", 0.3, runout=quantity(5 + 2j, "um"))
+    assert eccentric.runout == pytest.approx(5e-6 + 2e-6j, rel=1e-15)
     angles, values = quantity([0.0, 90.0], "deg"), quantity([1.0, 2.0], "um")
-    table = gb.Probe("rotor", 0.3, run_out=(angles, values)).run_out
+    table = gb.Probe("rotor", 0.3, runout=(angles, values)).runout
     assert np.allclose(table, ([0.0, np.pi / 2], [1e-6, 2e-6]), rtol=1e-15, atol=0.0)
     place = ("rotor", quantity(300, "mm"))
     assert gb.Accelerometer(place, angle=quantity(90, "deg")).angle == pytest.approx(np.pi / 2)
     assert gb.Accelerometer(place).at == ("rotor", pytest.approx(0.3, rel=1e-15))
     assert gb.Tacho("rotor", position=quantity(30, "cm")).position == pytest.approx(0.3)
-    with pytest.raises(
-        gb.SceneError, match=r"^probe\.run_out: must have a unit that converts to m"
-    ):
-        gb.Probe("rotor", 0.3, run_out=quantity(1.0, "kg"))
+    with pytest.raises(gb.SceneError, match=r"^probe\.runout: must have a unit that converts to m"):
+        gb.Probe("rotor", 0.3, runout=quantity(1.0, "kg"))
 
 
 def test_gearbow_does_not_import_pint():

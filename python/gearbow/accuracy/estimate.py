@@ -25,7 +25,7 @@ from gearbow._types import Array, RunData
 from gearbow.accuracy.initial import check_initial_state
 from gearbow.accuracy.refine import refined
 from gearbow.accuracy.scale import root_mean_square, unit_of_errors, variation
-from gearbow.errors import AccuracyWarning, RunTimeWarning
+from gearbow.errors import AccuracyWarning
 from gearbow.recording.errors import ErrorEstimate, Errors
 from gearbow.recording.request import RunRequest
 from gearbow.recording.tables import optional_arrays
@@ -79,8 +79,7 @@ def estimate_errors(request: RunRequest, modes: int | None) -> Errors:
     options |= {"duration": window, "modes": modes or options["modes"]}
     with warnings.catch_warnings():
         # The run itself gave these warnings.
-        for category in (AccuracyWarning, RunTimeWarning):
-            warnings.simplefilter("ignore", category)
+        warnings.simplefilter("ignore", AccuracyWarning)
         times = _times(model, options)
         check_initial_state(model, options)
         runs = list(_runs(request, model, options, times))

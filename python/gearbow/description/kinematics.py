@@ -60,7 +60,7 @@ class Order(Shown):
     Examples
     --------
     >>> import gearbow as gb
-    >>> order = gb.Order(25.0, ("1× mesh g1–g2", "25× input"))
+    >>> order = gb.results.Order(25.0, ("1× mesh g1–g2", "25× input"))
     >>> print(order)
     1× mesh g1–g2 = 25× input
     """

@@ -6,6 +6,7 @@ segment with one element. https://ross.readthedocs.io
 
 import json
 import os
+import re
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -154,7 +155,8 @@ def _position(file: _File, name: str, n: int, positions: list[float]) -> dict[st
 
 
 def _named(name: str, element: Mapping[str, Any]) -> dict[str, Plain]:
-    return {"name": str(element.get("tag") or name)}
+    # Names of gearbow contain neither "/" nor ":".
+    return {"name": re.sub("[/:]", "-", str(element.get("tag") or name))}
 
 
 def _mass(file: _File, name: str, mass: Mapping[str, Any]) -> float:

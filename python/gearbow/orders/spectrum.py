@@ -70,7 +70,7 @@ class Spectrum(ReadOnly):
     unit: str
     orders: tuple[tuple[str, float], ...] = field(default=(), repr=False)
 
-    def plot(self, ax: Any = None) -> "Figure":
+    def plot(self, *, ax: Any = None) -> "Figure":
         """Draw the spectrum on a logarithmic scale, up to the highest frequency with a signal.
 
         Parameters

@@ -4,9 +4,8 @@ import numpy as np
 
 from gearbow._lookup import locate
 from gearbow._types import Array
-from gearbow.description.journal import JournalMotion
-from gearbow.description.rolling import RollingMotion
 from gearbow.errors import ChannelError
+from gearbow.recording.bearing_motion import BearingMotion, journal_motion
 from gearbow.recording.recorded_run import RecordedRun
 
 __all__ = ["BearingRecording"]
@@ -89,7 +88,7 @@ class BearingRecording(RecordedRun):
             raise ChannelError("the file of this run has no displacements at bearings; run again")
         return found[:, bearing]
 
-    def journal(self, shaft: str, position: float) -> JournalMotion:
+    def journal(self, shaft: str, position: float) -> BearingMotion:
         """Time history of a journal bearing.
 
         Parameters
@@ -101,7 +100,7 @@ class BearingRecording(RecordedRun):
 
         Returns
         -------
-        JournalMotion
+        BearingMotion
             Force, eccentricity ratio and attitude angle.
 
         Raises
@@ -114,9 +113,9 @@ class BearingRecording(RecordedRun):
             self.bearing_displacement(shaft, position),
         )
         bearings = () if self.request is None else self.request.description.get("bearings", ())
-        return JournalMotion.of(bearings, (shaft, position), displacement, force)
+        return journal_motion(bearings, (shaft, position), displacement, force)
 
-    def rolling(self, shaft: str, position: float) -> RollingMotion:
+    def rolling(self, shaft: str, position: float) -> BearingMotion:
         """Time history of a rolling bearing.
 
         Parameters
@@ -128,7 +127,7 @@ class BearingRecording(RecordedRun):
 
         Returns
         -------
-        RollingMotion
+        BearingMotion
             Force, number of loaded elements and largest contact force.
 
         Raises
@@ -143,7 +142,8 @@ class BearingRecording(RecordedRun):
             raise ChannelError(
                 f"no rolling bearing at ({shaft!r}, {position:g}); there are {places}"
             )
-        return RollingMotion(force, *np.moveaxis(self._data["rolling_contact"][:, i], -1, 0))
+        loaded, largest = np.moveaxis(self._data["rolling_contact"][:, i], -1, 0)
+        return BearingMotion(force, loaded_elements=loaded, largest_contact_force=largest)
 
     def _bearing(self, shaft: str, position: float) -> int:
         i = locate(self._data["bearings"], shaft, position)

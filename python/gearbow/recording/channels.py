@@ -33,5 +33,5 @@ POINT = {"v": "m", "w": "m", "twist": "rad", "u": "m"} | {
 MESH = _CONNECTION["mesh"]
 #: Quantities of the bearings at a node: the components of their force.
 BEARING = _CONNECTION["bearing"]
-#: Quantities of the rolling bearings at a node: the fields of `RollingMotion` besides the force.
+#: Quantities of the rolling bearings at a node: those fields of `BearingMotion`.
 ROLLING = _CONNECTION["rolling"]

@@ -28,7 +28,7 @@ class Contact(IntEnum):
     Examples
     --------
     >>> import gearbow as gb
-    >>> gb.Contact(2)
+    >>> gb.results.Contact(2)
     <Contact.BACK: 2>
     """
 
@@ -65,7 +65,7 @@ class ContactShares(Shown):
     Examples
     --------
     >>> import gearbow as gb
-    >>> shares = gb.ContactShares(drive=0.9, back=0.02, both=0.0, none=0.08)
+    >>> shares = gb.results.ContactShares(drive=0.9, back=0.02, both=0.0, none=0.08)
     >>> print(f"{shares.lost:.2f}")
     0.10
     """

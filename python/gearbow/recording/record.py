@@ -52,7 +52,7 @@ class Event(NamedTuple):
     Examples
     --------
     >>> import gearbow as gb
-    >>> gb.Event(0.1, "pinion", "wheel", "separation").kind
+    >>> gb.results.Event(0.1, "pinion", "wheel", "separation").kind
     'separation'
     """
 
@@ -95,8 +95,9 @@ class MeshResponse(ReadOnly):
         Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
         subject to the opposite force.
     contact : ndarray of int8, shape (k,)
-        Flanks in contact, as values of `gearbow.Contact`: 0 none, 1 drive, 2 back, 3 both. They
-        follow from the events, which are exact. `Response.contact_shares` gives shares of the time.
+        Flanks in contact, as values of `gearbow.results.Contact`: 0 none, 1 drive, 2 back, 3 both.
+        They follow from the events, which are exact. `Response.contact_shares` gives shares of
+        the time.
 
     Examples
     --------

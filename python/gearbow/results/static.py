@@ -11,8 +11,8 @@ from gearbow._read_only import ReadOnly, read_only
 from gearbow._shown import MOST_ROWS, Shown, Table
 from gearbow._types import Array, At, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.journal import JournalMotion
 from gearbow.errors import ChannelError
+from gearbow.recording.bearing_motion import BearingMotion, journal_motion
 
 __all__ = ["MeshState", "Static"]
 
@@ -211,7 +211,7 @@ class Static(ReadOnly):
         force: Array = self._data["bearing_force"][self._bearing(shaft, position)]
         return force
 
-    def journal(self, shaft: str, position: float) -> JournalMotion:
+    def journal(self, shaft: str, position: float) -> BearingMotion:
         """State of a journal bearing.
 
         Parameters
@@ -223,7 +223,7 @@ class Static(ReadOnly):
 
         Returns
         -------
-        JournalMotion
+        BearingMotion
             Force, eccentricity ratio and attitude angle.
 
         Raises
@@ -233,7 +233,7 @@ class Static(ReadOnly):
         """
         force = self.bearing_force(shaft, position)
         displacement = self._data["bearing_displacement"][self._bearing(shaft, position)]
-        return JournalMotion.of(self._bearings, (shaft, position), displacement, force)
+        return journal_motion(self._bearings, (shaft, position), displacement, force)
 
     def mesh(self, driver: str, driven: str) -> MeshState:
         """State of one mesh.

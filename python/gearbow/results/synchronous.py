@@ -251,8 +251,8 @@ class Synchronous(ReadOnly):
             If the speed is not finite.
         """
         slow = number(speed, "speed")
-        run_out = self._model().synchronous(np.array([slow]), self.excitation)["amplitudes"]
-        return replace(self, amplitudes=self.amplitudes - run_out, slow_roll=slow)
+        runout = self._model().synchronous(np.array([slow]), self.excitation)["amplitudes"]
+        return replace(self, amplitudes=self.amplitudes - runout, slow_roll=slow)
 
     def peaks(
         self,

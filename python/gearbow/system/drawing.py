@@ -15,7 +15,7 @@ __all__ = ["plot"]
 
 
 def plot(  # numpydoc ignore=PR01
-    self: SystemDescription, ax: Any = None, *, magnify: float | None = None
+    self: SystemDescription, *, ax: Any = None, magnify: float | None = None
 ) -> "Figure":
     """Draw the train to scale, from the side and from the end.
 

@@ -1,7 +1,5 @@
 """Linear and static analyses of a system."""
 
-from typing import Literal, overload
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -15,7 +13,7 @@ from gearbow.description.speed_table import SpeedTable
 from gearbow.errors import SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
-from gearbow.results.matrices import Matrices, SparseMatrices
+from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
@@ -27,17 +25,7 @@ __all__ = ["LinearAnalyses"]
 class LinearAnalyses(SystemFiles):
     """Matrices, modes, equilibrium and linear response of a system."""
 
-    @overload
-    def matrices(  # numpydoc ignore=GL08
-        self, speed: float = 0.0, sparse: Literal[False] = False
-    ) -> Matrices: ...
-
-    @overload
-    def matrices(  # numpydoc ignore=GL08
-        self, speed: float = 0.0, *, sparse: Literal[True]
-    ) -> SparseMatrices: ...
-
-    def matrices(self, speed: float = 0.0, sparse: bool = False) -> Matrices | SparseMatrices:
+    def matrices(self, speed: float = 0.0, sparse: bool = False) -> Matrices:
         """Assemble the matrices of the linear equations of motion.
 
         Parameters
@@ -51,7 +39,7 @@ class LinearAnalyses(SystemFiles):
 
         Returns
         -------
-        Matrices or SparseMatrices
+        Matrices
             Mass, stiffness, damping and gyroscopic matrix. Each mesh is linearised at rest on the
             flank in contact at this speed.
 
@@ -65,7 +53,7 @@ class LinearAnalyses(SystemFiles):
         """
         if truth(sparse, "sparse"):
             data = self._model.sparse_matrices(number(speed, "speed"))
-            return SparseMatrices.from_data(data, self.dofs)
+            return Matrices._from_sparse(data, self.dofs)
         return Matrices(**self._model.matrices(number(speed, "speed")), dofs=self.dofs)
 
     def modes(self, speed: float = 0.0, count: int | None = None) -> Modes:

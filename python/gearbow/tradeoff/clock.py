@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from gearbow.analysis.protocol import System, variant
-from gearbow.errors import AccuracyWarning, RunTimeWarning
+from gearbow.errors import AccuracyWarning
 from gearbow.results.response import Response
 
 __all__ = ["Cost", "TooSlowError", "measure"]
@@ -76,7 +76,7 @@ def _once(
     again, _ = _timed(lambda: fresh.simulate(0.0, speed, **nothing))
     with warnings.catch_warnings():
         # The allowance ends a run that takes too long, and says so.
-        warnings.simplefilter("ignore", RunTimeWarning)
+        warnings.filterwarnings("ignore", "simulate: takes about ", AccuracyWarning)
         # A study measures the error of a number of modes.
         warnings.filterwarnings("ignore", "modes: ", AccuracyWarning)
         whole, response = _timed(

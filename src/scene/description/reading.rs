@@ -12,8 +12,7 @@ use crate::scene::{SceneError, nearest};
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
 /// Names of the entries that are lists of a fixed length, and what their numbers are.
-const FIXED_LISTS: [(&[&str], &str); 7] = [
-    (&["stiffness", "damping"], "4 numbers [axial, lateral, tilting, torsional]"),
+const FIXED_LISTS: [(&[&str], &str); 6] = [
     (&["inertia", "position", "rotational_stiffness", "rotational_damping", "points"], "3 numbers [x, y, z]"),
     (&["value"], "a pair [y, z]"),
     (&["grooves"], "a pair [angle of the middle, extent] for each groove"),

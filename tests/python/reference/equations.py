@@ -185,7 +185,7 @@ class Balance:
     def __init__(
         self,
         system: gb.RotorSystem,
-        motion: gb.Static | gb.Response,
+        motion: gb.results.Static | gb.Response,
         speed: float,
         rows: slice = slice(None),
     ) -> None:
@@ -259,7 +259,7 @@ class Balance:
 
     def _tilt(self, gear: gb.Gear) -> Array:
         """Slopes of a gear along y and z; they are neglected in a run, which does not record them."""
-        if not isinstance(self.motion, gb.Static) or "B" not in self.kinds:
+        if not isinstance(self.motion, gb.results.Static) or "B" not in self.kinds:
             return np.zeros(2)
         at = {dof: i for i, dof in enumerate(self.system.dofs)}
         b, g = (self.motion.state[at[gear.shaft, gear.position, kind]] for kind in "BG")
@@ -319,18 +319,16 @@ class Balance:
             self._add(body.name, -k_y * v, -k_z * w)
 
     def _coupling(self, coupling: gb.Coupling) -> None:
-        axial, lateral, _, torsional = coupling.stiffness
-
         def apart(measure):
             return self._taken(measure(coupling.b)) - self._taken(measure(coupling.a))
 
         v, w = apart(self.motion.displacement) if "v" in self.kinds else np.zeros(2)
         along = apart(self.motion.axial) if "u" in self.kinds else 0.0
         pull = (
-            lateral * (v + complex(coupling.offset).real),
-            lateral * (w + complex(coupling.offset).imag),
-            axial * along,
-            torsional * apart(self.motion.twist),
+            coupling.lateral_stiffness * (v + complex(coupling.offset).real),
+            coupling.lateral_stiffness * (w + complex(coupling.offset).imag),
+            coupling.axial_stiffness * along,
+            coupling.torsional_stiffness * apart(self.motion.twist),
         )
         self._add(coupling.a[0], *pull)
         self._add(coupling.b[0], *(-value for value in pull))
