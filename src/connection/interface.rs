@@ -4,11 +4,11 @@
 //! equilibrium, if it exists. A load is the force of the connection minus its force at the reference and minus the
 //! linear part that the motion contains.
 
+use super::bearing::BearingInterface;
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange};
 use super::load::LoadInterface;
 use super::mesh::MeshInterface;
 use super::nonlinear_bearing::NonlinearInterface;
-use super::spring::SpringInterface;
 use super::{Connection, Direction, Row};
 use crate::mesh::{Contact, ContactMode, Overlap};
 
@@ -17,8 +17,8 @@ use crate::mesh::{Contact, ContactMode, Overlap};
 pub enum Interface {
     /// A pair of gears.
     Mesh(Box<MeshInterface>),
-    /// A spring with a cubic term.
-    Spring(SpringInterface),
+    /// A bearing whose coefficients depend on the speed, in a run at a changing speed.
+    Bearing(Box<BearingInterface>),
     /// An oil film or rolling elements.
     Nonlinear(Box<NonlinearInterface>),
     /// A load that depends on time, angle or speed.
@@ -26,22 +26,18 @@ pub enum Interface {
 }
 
 impl Interface {
-    /// Creates the interface of a connection; none if the linear motion contains the connection at a constant speed.
+    /// Creates the interface of a connection.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles at the reference.
-    pub fn new(connection: Connection<'_>, options: InterfaceOptions<'_>) -> Result<Option<Self>, Overlap> {
+    pub fn new(connection: Connection<'_>, options: InterfaceOptions<'_>) -> Result<Self, Overlap> {
         match connection {
             Connection::Mesh(index, mesh, sigma) => {
-                MeshInterface::new(index, mesh, sigma, options).map(|interface| Some(Self::Mesh(Box::new(interface))))
+                MeshInterface::new(index, mesh, sigma, options).map(|interface| Self::Mesh(Box::new(interface)))
             }
-            // A run in modal coordinates has a constant speed.
-            Connection::Bearing(_) => Ok(None),
-            Connection::Spring(spring) => Ok(Some(Self::Spring(SpringInterface::new(spring, options)))),
-            Connection::Nonlinear(bearing) => {
-                Ok(Some(Self::Nonlinear(Box::new(NonlinearInterface::new(bearing, options)))))
-            }
-            Connection::Load(load) => Ok(Some(Self::Load(LoadInterface::new(load, options)))),
+            Connection::Bearing(bearing) => Ok(Self::Bearing(Box::new(BearingInterface::new(bearing, options)))),
+            Connection::Nonlinear(bearing) => Ok(Self::Nonlinear(Box::new(NonlinearInterface::new(bearing, options)))),
+            Connection::Load(load) => Ok(Self::Load(LoadInterface::new(load, options))),
         }
     }
 
@@ -50,16 +46,17 @@ impl Interface {
     pub fn mesh(&self) -> Option<usize> {
         match self {
             Self::Mesh(interface) => Some(interface.mesh),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => None,
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => None,
         }
     }
 
     /// Index, among the shafts and, after them, the nonlinear bearings, of that on whose angle and speed it depends; none for
-    /// a mesh, which depends on two shafts, and for a spring.
+    /// a mesh, which depends on two shafts.
     #[inline(always)]
     pub fn turning(&self) -> Option<usize> {
         match self {
-            Self::Mesh(_) | Self::Spring(_) => None,
+            Self::Mesh(_) => None,
+            Self::Bearing(interface) => Some(interface.bearing.bearing.node.shaft),
             Self::Nonlinear(interface) => Some(interface.bearing.turning),
             Self::Load(interface) => Some(interface.load.shaft),
         }
@@ -70,8 +67,7 @@ impl Interface {
     pub fn scalars(&self) -> usize {
         match self {
             Self::Mesh(interface) => interface.scalars(),
-            Self::Spring(interface) => interface.spring.rows.len(),
-            Self::Nonlinear(_) => 2,
+            Self::Bearing(_) | Self::Nonlinear(_) => 2,
             Self::Load(interface) => interface.load.rows.len(),
         }
     }
@@ -80,8 +76,7 @@ impl Interface {
     pub fn has_rates(&self) -> bool {
         match self {
             Self::Mesh(interface) => interface.has_rates(),
-            Self::Spring(interface) => interface.has_rates(),
-            Self::Nonlinear(_) => true,
+            Self::Bearing(_) | Self::Nonlinear(_) => true,
             Self::Load(interface) => interface.has_rates(),
         }
     }
@@ -90,8 +85,7 @@ impl Interface {
     pub fn is_affine(&self) -> bool {
         match self {
             Self::Mesh(interface) => interface.is_affine(),
-            Self::Spring(interface) => interface.is_affine(),
-            Self::Nonlinear(_) => false,
+            Self::Bearing(_) | Self::Nonlinear(_) => false,
             Self::Load(interface) => interface.is_affine(),
         }
     }
@@ -101,7 +95,7 @@ impl Interface {
     pub fn rows(&self) -> Vec<Row> {
         match self {
             Self::Mesh(interface) => interface.rows(),
-            Self::Spring(interface) => interface.spring.rows.clone(),
+            Self::Bearing(interface) => interface.bearing.rows.to_vec(),
             Self::Nonlinear(interface) => interface.bearing.rows.to_vec(),
             Self::Load(interface) => interface.load.rows.clone(),
         }
@@ -111,7 +105,7 @@ impl Interface {
     pub fn reference_force(&self) -> &[f64] {
         match self {
             Self::Mesh(interface) => interface.reference_force(),
-            Self::Spring(interface) => &interface.reference_force,
+            Self::Bearing(interface) => &interface.reference_force,
             Self::Nonlinear(interface) => &interface.reference_force,
             Self::Load(interface) => &interface.reference_force,
         }
@@ -122,7 +116,7 @@ impl Interface {
     pub fn direction_count(&self) -> usize {
         match self {
             Self::Mesh(_) => 1,
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => self.scalars(),
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => self.scalars(),
         }
     }
 
@@ -131,9 +125,8 @@ impl Interface {
     pub fn directions(&self) -> Vec<Direction> {
         match self {
             Self::Mesh(interface) => vec![interface.direction()],
-            Self::Spring(interface) => Direction::of_scalars(&interface.spring.linear().stiffness),
-            Self::Nonlinear(interface) => Direction::of_scalars(&interface.linear().stiffness),
-            Self::Load(interface) => Direction::of_scalars(&interface.load.linear(0.0).stiffness),
+            // The energy of the linear motion contains the stiffness of bearings, and a load has none.
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Direction::of_scalars(self.scalars()),
         }
     }
 
@@ -146,8 +139,8 @@ impl Interface {
     pub fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<Contact, OutOfRange> {
         match self {
             Self::Mesh(interface) => Ok(interface.load(instant, u, rates, load)?),
-            Self::Spring(interface) => {
-                interface.load(u, rates, load);
+            Self::Bearing(interface) => {
+                interface.load(instant, u, rates, load);
                 Ok(Contact::default())
             }
             Self::Nonlinear(interface) => {
@@ -178,7 +171,7 @@ impl Interface {
                 stiffness[0] = k;
                 damping.fill(c);
             }
-            Self::Spring(interface) => interface.residual_tangent(u, [stiffness, damping]),
+            Self::Bearing(interface) => interface.residual_tangent(instant, [stiffness, damping]),
             Self::Nonlinear(interface) => interface.residual_tangent(instant, (u, rates), [stiffness, damping]),
             Self::Load(interface) => {
                 stiffness.fill(0.0);
@@ -192,7 +185,7 @@ impl Interface {
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => {
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => {
                 GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 }
             }
         }
@@ -203,7 +196,7 @@ impl Interface {
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
         match self {
             Self::Mesh(interface) => interface.margins(contact_mode.flank, contact),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => [f64::INFINITY; 2],
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => [f64::INFINITY; 2],
         }
     }
 
@@ -221,7 +214,7 @@ impl Interface {
     ) -> Result<Option<ContactMode>, Overlap> {
         match self {
             Self::Mesh(interface) => interface.contact_mode(instant, u, rates, unchanged).map(Some),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(None),
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(None),
         }
     }
 
@@ -233,7 +226,7 @@ impl Interface {
     pub fn ends(&self, instant: &Instant, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Overlap> {
         match self {
             Self::Mesh(interface) => interface.ends(instant, u, ends),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(()),
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(()),
         }
     }
 }

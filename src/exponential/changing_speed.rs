@@ -4,33 +4,25 @@
 //!
 //! - the gyroscopic difference −(Ω − Ω_ref) G q̇, as a few couplings between two scalars of the velocities
 //!   ([`crate::modal::gyroscopic_pairs`]);
-//! - the difference of every speed-dependent bearing, −ΔK(Ω) u − ΔC(Ω) u̇;
 //! - bow and unbalance, with the exact angle of the shaft: Re e^{iϑ} and Im e^{iϑ} for a bow, and the same of
 //!   (Ω_s² − iΩ̇_s) e^{iϑ} for an unbalance. There is no synchronous motion.
 //!
-//! The first two depend on the motion: their loads take part in the solution of the stage equations and in the error
-//! estimate. Their scalars follow those of the connections in the interface state.
+//! The gyroscopic loads depend on the motion: they take part in the solution of the stage equations and in the error
+//! estimate. Their scalars follow those of the connections in the interface state. Speed-dependent bearings are
+//! connections.
 
-use nalgebra::DVector;
 use num_complex::Complex64;
 
 use super::interface_maps::InterfaceMaps;
-use crate::connection::SpeedDependentBearing;
 use crate::modal::{GyroscopicPair, ModalStateSpace};
 use crate::model::{Excitation, Model, ShaftModel};
 use crate::motion::{EquationOfMotion, RotationState};
-use crate::scene::Matrix2;
-
-/// Interface scalars of a bearing: v, w and their rates.
-const BEARING_SCALARS: usize = 4;
 
 /// What the loads of a changing speed are made of.
 #[derive(Clone, Debug)]
 pub struct SpeedChange {
     /// Speed of the reference shaft in the linear motion, rad/s.
     pub reference_speed: f64,
-    /// Speed of the reference shaft whose bearing coefficients the linear motion contains, rad/s.
-    pub bearing_speed: f64,
     /// The gyroscopic couplings.
     pub pairs: Vec<GyroscopicPair>,
     /// Rotation of the reference shaft within the longest step, rad; infinite for fixed steps.
@@ -46,18 +38,7 @@ pub(super) struct ChangingSpeedLoads {
     longest_rotation: f64,
     /// Number of gyroscopic couplings.
     pairs: usize,
-    bearings: Vec<BearingDifference>,
     sources: Vec<Source>,
-}
-
-/// A bearing with its coefficients in the linear motion.
-#[derive(Clone, Debug)]
-struct BearingDifference {
-    bearing: SpeedDependentBearing,
-    /// Stiffness, N/m, and damping, N s/m, in the linear motion.
-    contained: [Matrix2; 2],
-    /// Displacements (v, w) at the reference, m.
-    reference: [f64; 2],
 }
 
 /// A shaft with bow or unbalance.
@@ -93,23 +74,11 @@ impl ChangingSpeedLoads {
     pub fn new(
         motion: &EquationOfMotion<'_>,
         linear: &ModalStateSpace,
-        reference: &DVector<f64>,
         change: &SpeedChange,
         maps: &mut InterfaceMaps,
     ) -> Self {
         let model = motion.model();
         let mut columns = Vec::new();
-        let mut bearings = Vec::with_capacity(model.bearings.len());
-        for bearing in &model.bearings {
-            let entries = &bearing.rows;
-            maps.rows.extend([false, true].iter().flat_map(|rate| entries.iter().map(|row| linear.row(row, *rate))));
-            columns.extend(entries.iter().map(|row| linear.column(row)));
-            bearings.push(BearingDifference {
-                bearing: bearing.clone(),
-                contained: bearing.at(change.bearing_speed),
-                reference: bearing.scalars(reference.as_slice()),
-            });
-        }
         for vector in change.pairs.iter().flat_map(|pair| &pair.vectors) {
             let entries: Vec<(usize, f64)> = vector.iter().copied().enumerate().collect();
             maps.rows.push(linear.row(&entries, true));
@@ -123,19 +92,18 @@ impl ChangingSpeedLoads {
             reference_speed: change.reference_speed,
             longest_rotation: change.longest_rotation,
             pairs: change.pairs.len(),
-            bearings,
             sources,
         }
     }
 
     /// Number of interface scalars.
     pub fn scalars(&self) -> usize {
-        BEARING_SCALARS * self.bearings.len() + 2 * self.pairs
+        2 * self.pairs
     }
 
     /// Number of loads that depend on the motion.
     pub fn coupled(&self) -> usize {
-        2 * (self.bearings.len() + self.pairs)
+        2 * self.pairs
     }
 
     /// Number of all loads.
@@ -150,15 +118,9 @@ impl ChangingSpeedLoads {
 
     /// Writes the loads at the interface scalars `u`, with the reference shaft at an instant.
     pub fn load(&self, shaft: &RotationState, u: &[f64], loads: &mut [f64]) {
-        let (of_bearings, of_pairs) = u.split_at(BEARING_SCALARS * self.bearings.len());
-        let (bearing_loads, loads) = loads.split_at_mut(2 * self.bearings.len());
         let (pair_loads, mut rest) = loads.split_at_mut(2 * self.pairs);
-        let each = of_bearings.chunks_exact(BEARING_SCALARS).zip(bearing_loads.chunks_exact_mut(2));
-        for (bearing, (u, load)) in self.bearings.iter().zip(each) {
-            bearing.load(shaft.speed, u, load);
-        }
         let difference = shaft.speed - self.reference_speed;
-        for (scalars, load) in of_pairs.chunks_exact(2).zip(pair_loads.chunks_exact_mut(2)) {
+        for (scalars, load) in u.chunks_exact(2).zip(pair_loads.chunks_exact_mut(2)) {
             load[0] = difference * scalars[1];
             load[1] = -difference * scalars[0];
         }
@@ -175,22 +137,6 @@ impl ChangingSpeedLoads {
                 let force = phasor * Complex64::new(spin * spin, -source.ratio * shaft.acceleration);
                 own.copy_from_slice(&[force.re, force.im]);
                 rest = others;
-            }
-        }
-    }
-}
-
-impl BearingDifference {
-    /// Writes the difference to the force in the linear motion at deviations (v, w) from the reference and their rates.
-    fn load(&self, speed: f64, u: &[f64], load: &mut [f64]) {
-        let [[stiffness, damping], [k, c]] = [self.bearing.at(speed), self.contained];
-        for (row, load) in load.iter_mut().enumerate() {
-            *load = 0.0;
-            for column in 0..2 {
-                let (deviation, rate) = (u[column], u[2 + column]);
-                let whole = self.reference[column] + deviation;
-                *load += k[row][column] * deviation - stiffness[row][column] * whole;
-                *load += (c[row][column] - damping[row][column]) * rate;
             }
         }
     }

@@ -97,7 +97,7 @@ impl<'m> NonlinearLoads<'m> {
 
     /// Adds the loads of a changing speed, and their rows and columns to the maps.
     pub fn add_changing_speed(&mut self, linear: &ModalStateSpace, change: &SpeedChange, maps: &mut InterfaceMaps) {
-        let loads = ChangingSpeedLoads::new(&self.motion, linear, &self.reference, change, maps);
+        let loads = ChangingSpeedLoads::new(&self.motion, linear, change, maps);
         self.changing_counts = [loads.scalars(), loads.coupled(), loads.load_count()];
         self.changing = Some(Box::new(loads));
     }
@@ -373,7 +373,7 @@ impl<'m> NonlinearLoads<'m> {
     }
 }
 
-/// The interfaces of all connections that the linear motion does not replace.
+/// The interfaces of all connections.
 fn interfaces(
     motion: &EquationOfMotion,
     reference: &DVector<f64>,
@@ -386,11 +386,12 @@ fn interfaces(
             reference: reference.as_slice(),
             contained,
             speed: motion.linear_speed(),
+            bearing_speed: motion.largest_speed(),
             highest_frequency: motion.highest_mesh_frequency(),
             mobility: if index < motion.model().meshes.len() { motion.mobility(index) } else { 0.0 },
         };
         // Only meshes have base circles, and they come first.
-        interfaces.extend(Interface::new(connection, options).map_err(|overlap| (index, overlap))?);
+        interfaces.push(Interface::new(connection, options).map_err(|overlap| (index, overlap))?);
     }
     Ok(interfaces)
 }

@@ -182,7 +182,6 @@ impl Model {
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
         let nonlinear = self.nonlinear_bearings.iter().map(Connection::Nonlinear);
         let others = self.bearings.iter().map(Connection::Bearing).chain(nonlinear);
-        let others = others.chain(self.springs.iter().map(Connection::Spring));
         meshes.chain(others).chain(self.loads.iter().map(Connection::Load))
     }
 

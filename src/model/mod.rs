@@ -31,7 +31,7 @@ pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
 
-use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing, Spring};
+use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -142,8 +142,6 @@ pub struct Model {
     pub nonlinear_bearings: Vec<NonlinearBearing>,
     /// Gear meshes.
     pub meshes: Vec<GearMesh>,
-    /// Springs between coordinates, which no scene describes: see [`Self::with_springs`].
-    pub springs: Vec<Spring>,
     /// Forces and torques that depend on time, angle or speed.
     pub loads: Vec<AppliedLoad>,
     /// Constant load of torques, forces, gravity and misaligned couplings, n entries, N or N m.
@@ -192,7 +190,6 @@ impl Model {
             bearings,
             nonlinear_bearings,
             meshes,
-            springs: Vec::new(),
             loads: Vec::new(),
         };
         model.set_initial_stiffness();
@@ -214,12 +211,6 @@ impl Model {
     /// depend on the loads of a scene.
     pub fn has_coordinates_of(&self, other: &Self) -> bool {
         loads::has_same_coordinates(&self.scene, &other.scene) && self.sigma_standing == other.sigma_standing
-    }
-
-    /// The same model with springs between its coordinates.
-    pub fn with_springs(mut self, springs: Vec<Spring>) -> Self {
-        self.springs = springs;
-        self
     }
 
     /// Force of the shaft on the bearings with constant coefficients at a node in the directions (y, z), N, for

@@ -32,7 +32,6 @@ pub fn connected_coordinates(model: &Model) -> Vec<usize> {
     let mut coordinates = of_rows(&mut model.links.iter().flat_map(|link| &link.rows));
     coordinates.extend(of_rows(&mut model.bearings.iter().flat_map(|bearing| &bearing.rows)));
     coordinates.extend(of_rows(&mut model.nonlinear_bearings.iter().flat_map(|bearing| &bearing.rows)));
-    coordinates.extend(of_rows(&mut model.springs.iter().flat_map(|spring| &spring.rows)));
     coordinates.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
     coordinates.extend(model.meshes.iter().flat_map(|mesh| mesh.indices()));
     coordinates.sort_unstable();
@@ -84,7 +83,6 @@ impl<'m> EquationOfMotion<'m> {
             Connection::Mesh(..) | Connection::Load(_) => 0.0,
             Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
             Connection::Nonlinear(bearing) => bearing.energy(&self.phase(bearing.turning, elapsed), q),
-            Connection::Spring(spring) => spring.energy(q),
         };
         self.connections().map(energy).sum()
     }

@@ -40,7 +40,7 @@ pub(super) struct RotatingForces {
 /// Numbers that a run does not change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RunConstants {
-    /// Speed of the reference shaft, rad/s, if it is constant.
+    /// Speed of the reference shaft, rad/s, or the largest one of the run if it changes.
     pub speed: f64,
     /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.
     pub linear_speed: f64,
@@ -339,6 +339,11 @@ impl<'m> EquationOfMotion<'m> {
     pub(super) fn phase(&self, turning: usize, elapsed: f64) -> ShaftPhase {
         let (angle, spin) = self.angle_and_spin(turning, elapsed);
         ShaftPhase { angle: self.angles[turning] + angle, spin }
+    }
+
+    /// Speed of the reference shaft, rad/s, or the largest one of the run if it changes: see [`super::Speed::fastest`].
+    pub fn largest_speed(&self) -> f64 {
+        self.constants.speed
     }
 
     /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.

@@ -66,7 +66,6 @@ impl EquationOfMotion<'_> {
                         row.iter().for_each(|(index, coefficient)| force[*index] -= coefficient * value);
                     }
                 }
-                Connection::Spring(spring) => spring.apply(q, v, force),
                 Connection::Load(load) => load.apply(&self.instant(None, Some(load.shaft), elapsed), v, force),
             }
             Ok(())

@@ -346,7 +346,6 @@ impl Forces {
                     bearings += 1;
                     (&bearing.rows[..], known)
                 }
-                Connection::Spring(spring) => (&spring.rows[..], spring.static_tangent(q)),
             };
             for (i, left) in rows.iter().enumerate() {
                 self.add_over(left, -known[i]);
