@@ -1,8 +1,9 @@
 //! A connection in a run: the loads that act on the linear motion through its scalars.
 //!
-//! The linear motion may contain the linear part of a connection. Deviations are measured from a reference: the static
-//! equilibrium, if it exists. A load is the force of the connection minus its force at the reference and minus the
-//! linear part that the motion contains.
+//! Deviations are measured from a reference: the static equilibrium, if it exists. The linear motion may contain a linear
+//! part of a connection: the mean stiffness and the damping of a mesh, the coefficients of a bearing at one speed or at its
+//! operating point, the slope of a torque over the speed. The load on a scalar is the generalised force of the connection at
+//! the instant, minus [`Interface::reference_force`], minus that of the linear part at the deviations.
 
 use super::bearing::BearingInterface;
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange};
@@ -101,7 +102,8 @@ impl Interface {
         }
     }
 
-    /// Generalised forces on the scalars at the reference.
+    /// Generalised forces on the scalars at the reference and at rest: the mean over the angle for a mesh or rolling elements;
+    /// for a bearing without the coefficients at its operating point.
     pub fn reference_force(&self) -> &[f64] {
         match self {
             Self::Mesh(interface) => interface.reference_force(),
@@ -181,7 +183,7 @@ impl Interface {
         }
     }
 
-    /// Interval in which the flanks keep the state that they have in `contact`.
+    /// Interval in which the flanks of a mesh keep the state that they have in `contact`; infinite for another connection.
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
@@ -191,7 +193,8 @@ impl Interface {
         }
     }
 
-    /// Distances of the drive flank and of the back flank from a change of the contact mode, m. A distance is positive
+    /// Distances of the drive flank and of the back flank of a mesh from a change of the contact mode, m; infinite for another
+    /// connection. A distance is positive
     /// while the flank keeps its state; for a pressed flank it is the remaining deflection.
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
         match self {
@@ -218,8 +221,8 @@ impl Interface {
         }
     }
 
-    /// Appends the ends of the path of contact, in base pitches among the tooth pairs with sharp engagement, to `ends`:
-    /// each with the pair that is the first or the last in contact, flank by flank.
+    /// Appends the ends of the path of contact of a mesh with sharp engagement, in base pitches, to `ends`: each with the tooth
+    /// pair that is the first or the last in contact, flank by flank. Another connection has none.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
