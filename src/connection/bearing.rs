@@ -1,6 +1,6 @@
 //! A bearing whose stiffness or damping depends on the speed of its shaft: f = −K(Ω_s) u − C(Ω_s) u̇ over u = (v, w).
 //!
-//! At a constant speed K and C are constant, and `Model::at_speed` includes the bearing in the matrices. At a changing
+//! At a constant speed K and C are constant, and `Model::with_tables_at` includes the bearing in the matrices. At a changing
 //! speed every evaluation computes K and C for the current speed. The linear motion of the exponential method contains K
 //! and C at one speed; the remainder is a load like that of any other connection. The energy ½uᵀKu also changes with K.
 //! The drive prescribes the speed and therefore supplies this power: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.

@@ -49,12 +49,14 @@ pub struct Support {
     pub symmetric_part: [[f64; 2]; 2],
     /// Damping matrix over (v, w), N s/m.
     pub damping: [[f64; 2]; 2],
+    /// Whether it has the coefficients of a nonlinear bearing at its operating point.
+    pub is_operating_point: bool,
 }
 
 impl Support {
     /// A bearing with constant coefficients at the coordinates `index` (v) and `index` + 1 (w).
     pub fn new(index: usize, stiffness: Matrix2, damping: Matrix2) -> Self {
-        Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping }
+        Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping, is_operating_point: false }
     }
 
     /// Orthogonal unit vectors over (v, w) in which the bearing has stiffness.
@@ -135,10 +137,10 @@ pub struct Model {
     /// Inertia of supports and housings.
     pub housings: HousingInertia,
     /// Bearings whose coefficients depend on the speed; empty in a scene without bending and in a model
-    /// [`at_speed`](Self::at_speed).
+    /// [with the tables at a speed](Self::with_tables_at).
     pub bearings: Vec<SpeedDependentBearing>,
-    /// Bearings with oil films or rolling elements. In a model at a speed, the last entries of `supports` and `links` are their
-    /// coefficients.
+    /// Bearings with oil films or rolling elements. In a model at a speed, `supports` and `links` contain their coefficients at
+    /// the operating point.
     pub nonlinear_bearings: Vec<NonlinearBearing>,
     /// Gear meshes.
     pub meshes: Vec<GearMesh>,
