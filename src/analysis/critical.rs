@@ -46,7 +46,7 @@ pub fn critical_speeds(
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
     let lowest = cached.model.lowest_speed().unwrap_or(SLOW);
-    let at_speed = cached.with_points_of(lowest)?;
+    let at_speed = cached.with_operating_points_of(lowest)?;
     let cached = &*at_speed;
     if !cached.model.bearings.is_empty() {
         let mut found = speed_dependent::critical_speeds(cached, excitation, interrupt)?;

@@ -11,6 +11,18 @@ use crate::numerics::{Knot, PiecewiseCubic, Place, spline_slopes};
 /// A checked residual bow.
 #[derive(Clone, Debug)]
 pub enum Bow {
+    /// A given curve.
+    Curve(BowCurve),
+    /// The static sag of the shaft between its bearings, scaled to `amplitude`.
+    Sag {
+        /// Largest deflection, m, with its angle in the rotating shaft.
+        amplitude: Complex64,
+    },
+}
+
+/// A bow that is a known function of the position.
+#[derive(Clone, Debug)]
+pub enum BowCurve {
     /// A sine of n half waves, `amplitude`·sin(nπx/L).
     Waves {
         /// Largest deflection, m, with its angle in the rotating shaft.
@@ -18,16 +30,32 @@ pub enum Bow {
         /// Wave number nπ/L, 1/m.
         wave_number: f64,
     },
-    /// The static sag of the shaft between its bearings, scaled to `amplitude`.
-    Sag {
-        /// Largest deflection, m, with its angle in the rotating shaft.
-        amplitude: Complex64,
-    },
     /// A cubic spline through measured points.
     Points(Spline),
 }
 
-impl Bow {
+impl BowCurve {
+    /// Deflection, m, and slope at `x`, m.
+    pub fn at(&self, x: f64) -> (Complex64, Complex64) {
+        match self {
+            Self::Waves { amplitude, wave_number } => {
+                let (sin, cos) = (wave_number * x).sin_cos();
+                (*amplitude * sin, *amplitude * (wave_number * cos))
+            }
+            Self::Points(spline) => spline.at(x),
+        }
+    }
+
+    /// Second derivative, 1/m, at `x`, m.
+    pub fn curvature(&self, x: f64) -> Complex64 {
+        match self {
+            Self::Waves { amplitude, wave_number } => {
+                *amplitude * (-wave_number * wave_number * (wave_number * x).sin())
+            }
+            Self::Points(spline) => spline.curvature(x),
+        }
+    }
+
     /// Ends of the pieces of an interval, ascending from `from` to `to`, m, within which a polynomial of low degree
     /// represents the curvature of the bow.
     pub fn pieces(&self, from: f64, to: f64) -> Vec<f64> {
@@ -40,12 +68,13 @@ impl Bow {
                 ends.extend((1..count as usize).map(|i| from + piece * i as f64));
             }
             Self::Points(spline) => ends.extend(spline.0.x.iter().copied().filter(|x| *x > from && *x < to)),
-            Self::Sag { .. } => {}
         }
         ends.push(to);
         ends
     }
+}
 
+impl Bow {
     pub(super) fn new(given: &description::Bow, length: f64, at: &EntryPath) -> Result<Self, SceneError> {
         let lists = [
             ("positions", given.positions.is_some()),
@@ -63,7 +92,7 @@ impl Bow {
             return Err(at.field(name).error("is not a parameter of this shape"));
         }
         if given.shape == BowShape::Points {
-            return Ok(Self::Points(points(given, length, at)?));
+            return Ok(Self::Curve(BowCurve::Points(points(given, length, at)?)));
         }
         let amplitude = given.amplitude.ok_or_else(|| at.error("needs amplitude"))?;
         let amplitude = at.field("amplitude").finite(amplitude)?;
@@ -77,7 +106,7 @@ impl Bow {
         if number == 0 {
             return Err(at.field("number").error("must be at least 1, got 0"));
         }
-        Ok(Self::Waves { amplitude, wave_number: f64::from(number) * PI / length })
+        Ok(Self::Curve(BowCurve::Waves { amplitude, wave_number: f64::from(number) * PI / length }))
     }
 }
 

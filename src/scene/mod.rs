@@ -32,7 +32,7 @@ mod train;
 use num_complex::Complex64;
 
 pub use bearing::Bearing;
-pub use bow::Bow;
+pub use bow::{Bow, BowCurve};
 pub(crate) use contact::path_of_contact;
 pub use curve::Curve;
 pub use description::{Foundation, MotionKind, SceneDescription};

@@ -43,10 +43,7 @@ pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection
     for column in &maps.columns[..maps.scalars] {
         of_connections.push(column.iter().map(|value| ACROSS * value).collect());
     }
-    // A changing speed adds the differences of bearings to the loads that depend on the motion. Its gyroscopic couplings act
-    // on low modes, which every reduced model contains.
-    let bearings = model.bearings.len().min((maps.meshes - maps.scalars) / 2);
-    of_connections.extend(maps.columns[maps.scalars..].iter().take(2 * bearings).cloned());
+    // The gyroscopic couplings of a changing speed act on low modes, which every reduced model contains.
     ports.columns = vec![of_connections, maps.columns[maps.meshes..].to_vec()];
     let recorded = |index: usize| selection.displacements.binary_search(&index).is_ok();
     let nodes = model.scene.shafts.iter().enumerate();

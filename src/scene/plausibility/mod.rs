@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use super::description::{self, SceneDescription};
 use super::number::short;
-use super::{BearingCoefficient, Body, Bow, Damping, EntryPath, Gear, Nonlinear, Scene, SceneError, Shaft};
+use super::{BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Nonlinear, Scene, SceneError, Shaft};
 use findings::Findings;
 use ranges::{
     ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, CLEARANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
@@ -124,7 +124,7 @@ fn check_shaft(
 
 /// Warns of a bow whose points end before the shaft does, if the straight extrapolation is large compared with the points.
 fn check_extrapolation(shaft: &Shaft, largest: f64, at: &EntryPath, found: &mut Findings) {
-    let Some(Bow::Points(spline)) = &shaft.bow else { return };
+    let Some(Bow::Curve(BowCurve::Points(spline))) = &shaft.bow else { return };
     let [first, last] = spline.range();
     for (end, measured) in [(0.0, first), (shaft.length(), last)] {
         let deflection = spline.at(end).0.norm();
