@@ -132,7 +132,7 @@ def test_a_run_that_is_complete_is_read(tmp_path, monkeypatch):
     again = system.simulate(**options, checkpoint=path)
     assert_same(again, first)
     assert again.accuracy == first.accuracy
-    assert again.errors == first.errors
+    assert again.errors() == first.errors()
 
 
 # --- killed processes -----------------------------------------------------------------------------

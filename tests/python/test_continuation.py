@@ -211,7 +211,7 @@ def test_the_pair_with_damping_in_separation_has_the_published_motion():
     assert x.std() == pytest.approx(0.0903348, abs=1e-6)
     # the damper acts always: |mu| = exp(-zeta T) with T = 2 pi / 0.5 of the natural frequency 1
     exact = np.exp(-ZETA * 2 * np.pi / 0.5)
-    multipliers = steady.multipliers_above(0.5)
+    multipliers = steady.multipliers(0.5)
     assert np.abs(np.abs(multipliers) - exact).min() < 1e-6
 
 

@@ -293,8 +293,8 @@ def test_rates_in_any_order_of_times_and_over_a_checkpoint(tmp_path: Path):
 def test_errors_of_rates():
     shafts = [gb.Shaft(name, length=0.4, outer_diameter=0.05) for name in ("input", "output")]
     run = train(shafts=shafts).simulate(0.02, 200.0, record=["gears", *RATES])
-    assert {"displacement", "velocity", "acceleration"} <= set(run.errors)
-    assert run.errors["acceleration"].total > run.errors["displacement"].total
+    assert {"displacement", "velocity", "acceleration"} <= set(run.errors())
+    assert run.errors()["acceleration"].total > run.errors()["displacement"].total
 
 
 def test_clear_errors():

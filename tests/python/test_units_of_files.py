@@ -113,9 +113,9 @@ def test_a_file_contains_the_metadata(tmp_path, suffix: str):
     made.save(tmp_path / f"run{suffix}")
     loaded = gb.Response.load(tmp_path / f"run{suffix}")
     assert loaded.speed == -123.25
-    assert loaded.errors == {"mesh_force": estimate}
-    assert loaded.errors.window == 0.125
-    assert loaded.errors.chaotic
+    assert loaded.errors() == {"mesh_force": estimate}
+    assert loaded.errors().window == 0.125
+    assert loaded.errors().chaotic
     assert loaded.request.description == made.request.description
     given = dict(loaded.request.options)
     for name, value in final.items():

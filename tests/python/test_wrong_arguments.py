@@ -353,6 +353,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "animate": {"path": "x.gif", "duration": 1.0, "fps": 1.0},
             "contact_shares": MESH,
             "energy_balance": {},
+            "errors": {},
             "measure": {"sensor": gb.Tacho("input")},
             "mesh": MESH,
             "orders": {"of": "g1"},
@@ -415,7 +416,13 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "Spectrum": (lambda: response().spectrum("g1"), {"plot": {}}),
     "SteadyState": (
         steady,
-        {"multipliers_above": {"magnitude": 0.5}, "plot": {}, "save": {"path": "x.npz"}},
+        {
+            "instability": {},
+            "is_stable": {},
+            "multipliers": {"magnitude": 0.5},
+            "plot": {},
+            "save": {"path": "x.npz"},
+        },
     ),
     "Sweep": (
         sweep,

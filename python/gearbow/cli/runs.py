@@ -150,20 +150,21 @@ def steady(given: argparse.Namespace) -> Answer:
         record=[item(system, text) for text in given.record],
         progress=shows(given),
     )
-    largest = float(abs(found.multipliers[0])) if found.multipliers.size else None
+    multipliers = found.multipliers()
+    largest = float(abs(multipliers[0])) if multipliers.size else None
     if given.out is not None:
         found.save(given.out)
     data = {
         "period": None if math.isinf(found.period) else found.period,
         "residual": found.residual,
         "method": found.method,
-        "stable": found.stable,
-        "instability": found.instability,
+        "stable": found.is_stable(),
+        "instability": found.instability(),
         "largest_multiplier": largest,
         **_signals(found.response),
         "file": None if given.out is None else str(given.out),
     }
-    state = "stable" if found.stable else f"unstable: {found.instability}"
+    state = "stable" if found.is_stable() else f"unstable: {found.instability()}"
     size = "below 0.9" if largest is None else f"{largest:.6g}"
     lines = [str(found), f"{state}; magnitude of the largest multiplier {size}"]
     return Answer("\n".join([*lines, *_lines(data), *_file_line(data)]), data)

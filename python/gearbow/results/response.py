@@ -94,7 +94,6 @@ class Response(RunFigures):
         response.request, response._errors = record.request, record.errors
         return response
 
-    @property
     def errors(self) -> Errors:
         """Estimated error of the run: contributions of elements, modes and integration.
 
@@ -105,7 +104,7 @@ class Response(RunFigures):
         and the error applies to RMS values and spectra. After chaotic contact it applies to
         neither; `Errors.chaotic` is then true.
 
-        The first access runs the system again over this time, with a much smaller tolerance, with
+        The first call runs the system again over this time, with a much smaller tolerance, with
         all modes, and with finer elements. It first checks the initial state, which all runs share,
         against the equations of the equilibrium and of the synchronous response. This takes several
         times as long as a run of this time.

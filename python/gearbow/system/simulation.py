@@ -78,7 +78,7 @@ class Simulation(LinearAnalyses):
             (RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean,
             over the first 0.1 s or the time that damping needs to forget). None is "engineering",
             if neither method, step nor rtol is given. `Response.accuracy` says what the level
-            promises for the run, and `Response.errors` estimates the error. "draft" and
+            promises for the run, and `Response.errors()` estimates the error. "draft" and
             "engineering" keep as many modes as the error allows (`Statistics.modes`).
         method : {"exponential", "rk45", "rk4", "etdrk4"}, optional
             "exponential" integrates the linear motion exactly and the mesh forces by Gauss

@@ -112,7 +112,7 @@ class SteadyAnalyses(Simulation):
         >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
         >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
         >>> steady = system.steady_state(100.0, record=[("rotor", 0.5)])
-        >>> steady.instability is None
+        >>> steady.instability() is None
         True
         """
         state, begin = beginning(initial, start)
