@@ -523,7 +523,7 @@ class Analysis:
 
 ANALYSES = {
     "static": Analysis(lambda s, speed: s.static(speed=speed), check_static),
-    "modes": Analysis(lambda s, speed: s.modes(speed, COUNT), check_modes, largest=1000),
+    "modes": Analysis(lambda s, speed: s.modes(speed, count=COUNT), check_modes, largest=1000),
     # the speeds of a diagram are not negative
     "campbell": Analysis(
         lambda s, speed: s.campbell(SHARES * speed, count=COUNT), check_campbell, (1,), 400

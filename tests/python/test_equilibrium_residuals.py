@@ -45,7 +45,7 @@ def test_each_bearing_carries_half_the_weight_at_every_speed():
     system = rotor()
     weight = 9.81 * (40.0 + STEEL.density * math.pi / 4 * 0.05**2 * 0.5)
     for speed in np.linspace(50.0, 1340.0, 130):
-        for static in (system.static(speed=speed), system.static("frozen", speed=-speed)):
+        for static in (system.static(speed=speed), system.static(geometry="frozen", speed=-speed)):
             for place in (0.0, 0.5):
                 force = static.bearing_force("r", place)
                 np.testing.assert_allclose(force, [0.0, -weight / 2], atol=1e-6 * weight)
@@ -309,7 +309,7 @@ def test_forces_balance_on_every_shaft_of_random_scenes():
         helical = any(gear.helix_angle for gear in system.gears)
         for omega in (speed, -speed):
             try:
-                static = system.static("frozen" if helical else "live", speed=omega)
+                static = system.static(omega, geometry="frozen" if helical else "live")
                 if helical:
                     assert system.static(speed=omega).residual <= TOLERANCE
             except (gb.SceneError, gb.ConvergenceError, gb.ContactError) as error:

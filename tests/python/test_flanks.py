@@ -42,7 +42,10 @@ def test_a_mirrored_train_has_the_mirrored_response(
     floor = 1e-8 * modes.frequencies_hz[-1]
     assert reflected.frequencies_hz == pytest.approx(modes.frequencies_hz, rel=1e-8, abs=floor)
     for geometry in ("live", "frozen"):
-        still, turned = one.static(geometry, speed=speed), other.static(geometry, speed=-speed)
+        still, turned = (
+            one.static(speed, geometry=geometry),
+            other.static(-speed, geometry=geometry),
+        )
         for gear in ("g0", "g1", "g2"):
             wanted = mirrored(still.displacement(gear))
             assert turned.displacement(gear) == pytest.approx(wanted, rel=1e-8, abs=1e-15)
@@ -104,7 +107,7 @@ def test_at_rest_the_torque_decides_which_flank_is_loaded(backlash: float | None
     system = replace(TRAIN, torque=torque, backlash=backlash, gravity=(0.0, 0.0)).system()
     forces = [abs(torque) / (0.0015 * 20 * np.cos(np.radians(20.0)))] * 2
     for geometry in ("live", "frozen"):
-        still = system.static(geometry)
+        still = system.static(geometry=geometry)
         found = [still.mesh(*pair).force for pair in (("g0", "g1"), ("g1", "g2"))]
         # gears with live geometry also move along the line of action, without a moment: round-off
         assert found == pytest.approx(forces, rel=1e-7)
@@ -168,7 +171,7 @@ def test_both_flanks_press_in_equilibrium_where_the_gears_come_closer(
     backlash: float, geometry: str
 ):
     system = replace(TIGHT, backlash=backlash).system()
-    static = system.static(geometry, speed=100.0)
+    static = system.static(100.0, geometry=geometry)
     run = system.simulate(
         0.25, 100.0, initial="rest", method="rk45", geometry=geometry, output_step=0.05
     )

@@ -339,10 +339,10 @@ def test_frozen_geometry_runs_where_the_base_circles_overlap():
         gravity=(9.81, 0.0),
     )
     with pytest.raises(gb.ContactError):
-        system.static("live")
+        system.static(geometry="live")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", gb.SceneWarning)
-        rest = system.static("frozen")
+        rest = system.static(geometry="frozen")
         run = system.simulate(1e-3, 100.0, geometry="frozen", initial="static")
     mesh, moving = rest.mesh("g1", "g2"), run.mesh("g1", "g2")
     apart = system_distance(rest)

@@ -167,7 +167,7 @@ def test_teeth_with_an_invalid_number(make, value):
 
 ARGUMENTS = {
     "modes speed": (lambda s, _, x: s.modes(x), "speed"),
-    "modes count": (lambda s, _, x: s.modes(0.0, x), "count"),
+    "modes count": (lambda s, _, x: s.modes(count=x), "count"),
     "campbell speeds": (lambda s, _, x: s.campbell([0.0, x]), "speeds"),
     "campbell count": (lambda s, _, x: s.campbell([0.0, 1.0], count=x), "count"),
     "campbell harmonics": (lambda s, _, x: s.campbell([0.0, 1.0], harmonics=x), "harmonics"),
@@ -263,8 +263,8 @@ def test_other_kinds_of_numbers_are_accepted(value, system):
         (lambda s: s.synchronous([math.nan]), r"^speeds\[0\]: must be finite, got nan"),
         (lambda s: s.campbell([]), "^speeds: must have at least 1"),
         (lambda s: s.critical_speed_map([]), "^stiffnesses: must have at least 1"),
-        (lambda s: s.modes(0.0, -1), "^count: must be at least 1, got -1"),
-        (lambda s: s.modes(0.0, 2.5), "^count: must be a whole number, got 2.5"),
+        (lambda s: s.modes(count=-1), "^count: must be at least 1, got -1"),
+        (lambda s: s.modes(count=2.5), "^count: must be a whole number, got 2.5"),
         (lambda s: s.modes(math.nan), "^speed: must be finite, got nan"),
         (lambda s: s.balance(["wheel"], 100.0, points=[]), "^points: must name at least one"),
         (lambda s: s.balance([], 100.0), "^planes: must"),

@@ -55,8 +55,9 @@ def test_each_mesh_has_its_own_force():
         assert mesh.centre_distance == pytest.approx(0.5 * scene.module * 75, rel=1e-4)
 
 
-def test_a_speed_in_place_of_the_geometry_is_explained():
-    # `modes` and `synchronous` take the speed first, `static` does not
+def test_the_speed_comes_first():
     system = gb.RotorSystem([gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=1)])
-    with pytest.raises(gb.SceneError, match=r"^geometry: must be .*, got 155.0; .* speed=\.\.\."):
-        system.static(155.0)
+    with pytest.raises(gb.SceneError, match=r"^speed: must be a number, got 'frozen'"):
+        system.static("frozen")  # type: ignore[arg-type]
+    with pytest.raises(gb.SceneError, match=r"^geometry: must be text, got 155.0"):
+        system.static(geometry=155.0)  # type: ignore[arg-type]

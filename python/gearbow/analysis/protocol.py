@@ -47,7 +47,7 @@ class System(Protocol):
     ) -> None:
         """Refuse runs whose records do not fit into memory together."""
 
-    def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
+    def static(self, speed: float = 0.0, *, geometry: str = "live") -> Static:
         """Find the static equilibrium."""
 
     def synchronous(self, speeds: Any, *, excitation: str = "both") -> Synchronous:

@@ -5,14 +5,13 @@ from typing import Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, shown, truth, whole
+from gearbow._convert import array, number, text, truth, whole
 from gearbow._core import mesh_geometry, require_memory
 from gearbow._lookup import one_of
 from gearbow.description.layout import layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
 from gearbow.description.speed_table import SpeedTable
-from gearbow.errors import SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
 from gearbow.results.matrices import Matrices, SparseMatrices
@@ -68,7 +67,7 @@ class LinearAnalyses(SystemFiles):
             return SparseMatrices.from_data(data, self.dofs)
         return Matrices(**self._model.matrices(number(speed, "speed")), dofs=self.dofs)
 
-    def modes(self, speed: float = 0.0, count: int | None = None) -> Modes:
+    def modes(self, speed: float = 0.0, *, count: int | None = None) -> Modes:
         """Find natural frequencies, damping, whirl and shapes at one speed.
 
         Parameters
@@ -104,19 +103,19 @@ class LinearAnalyses(SystemFiles):
         )
         return Modes.from_data(data, speed, self.dofs, parts)
 
-    def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
+    def static(self, speed: float = 0.0, *, geometry: str = "live") -> Static:
         """Find the equilibrium under torque, gravity and the non-linear meshes.
 
         Parameters
         ----------
-        geometry : {"live", "frozen"}
-            Whether the line of action follows the moving centres or is that at rest.
         speed : float
             Speed of the reference shaft [rad/s]. Its sign determines the drive flanks. A torque
             against the rotation presses the back flanks, with a negative mesh force. At speed 0
             the torques determine the drive flanks. Journal bearings have the film force of this
             speed and carry nothing at speed 0. Other forces that depend on the speed are not
             included.
+        geometry : {"live", "frozen"}
+            Whether the line of action follows the moving centres or is that at rest.
 
         Returns
         -------
@@ -134,11 +133,7 @@ class LinearAnalyses(SystemFiles):
             If the iteration does not converge: more than 1e-6 of the load of a shaft, support or
             housing remains unbalanced. The error names it.
         """
-        if not isinstance(geometry, str):
-            # `modes` and `synchronous` take the speed first.
-            given = f"got {shown(geometry)}; the speed is an argument with a name, speed=..."
-            raise SceneError(f"geometry: must be 'live' or 'frozen', {given}")
-        data = self._model.static(geometry, number(speed, "speed"))
+        data = self._model.static(text(geometry, "geometry"), number(speed, "speed"))
         return Static(data, self.coordinates, self.description.get("bearings", ()))
 
     def campbell(self, speeds: ArrayLike, *, count: int = 10, harmonics: int = 1) -> Campbell:
