@@ -354,7 +354,12 @@ class Part:
 
 def compute_branch(system: gb.RotorSystem, speed: float) -> gb.Continuation:
     return system.continuation(
-        "speed", speed, 1.01 * speed, step=1.0, max_points=2, record=["gears", "disks", "meshes"]
+        "speed",
+        speed,
+        1.01 * speed,
+        first_step=1.0,
+        max_points=2,
+        record=["gears", "disks", "meshes"],
     )
 
 

@@ -87,7 +87,7 @@ def test_a_branch_ends_at_the_bound_of_the_interval():
 
 def test_the_folds_of_duffings_equation():
     points = list(
-        branch(Duffing(), np.array([0.28, 0.0]), Settings(0.6, 1.4, step=0.05, largest=0.1))
+        branch(Duffing(), np.array([0.28, 0.0]), Settings(0.6, 1.4, first_step=0.05, largest=0.1))
     )
     folds = [point.value for point in points if point.kind == "fold"]
     # 15 odd harmonics give 1.269602 and 1.115700; the fixed steps have an error of 1e-6.
@@ -103,7 +103,7 @@ def test_the_folds_of_duffings_equation():
 
 def test_the_peak_of_duffings_equation():
     map_, points = Duffing(), []
-    for point in branch(map_, np.array([0.28, 0.0]), Settings(0.6, 1.4, step=0.05)):
+    for point in branch(map_, np.array([0.28, 0.0]), Settings(0.6, 1.4, first_step=0.05)):
         # The fold at 1.2696 lies beyond the peak of the first harmonic.
         points.append(point)
         if point.kind == "fold":
@@ -132,7 +132,9 @@ def test_a_point_of_a_whole_train_takes_few_periods(monkeypatch: pytest.MonkeyPa
         return correct(model, states=states, levels=levels, **options)
 
     monkeypatch.setattr(continuation, "corrected_states", counted)
-    found = system.continuation("bow", 1.0, 1.1, speed=speed, rtol=rtol, step=0.05, max_points=2)
+    found = system.continuation(
+        "bow", 1.0, 1.1, speed=speed, rtol=rtol, first_step=0.05, max_points=2
+    )
     assert found.values.size == 3
     assert found.stable.all()
     # A dense derivative takes 4 periods for each degree of freedom, of which there are over 200.
@@ -218,7 +220,7 @@ def test_the_pair_with_damping_in_separation_has_the_published_motion():
 def test_the_branch_of_the_pair_with_clearance_has_four_folds(tmp_path: Path):
     system = clearance(damping_in_separation=True)
     found = system.continuation(
-        "speed", speed(0.95), speed(0.4), record=["meshes"], rtol=1e-9, step=0.05
+        "speed", speed(0.95), speed(0.4), record=["meshes"], rtol=1e-9, first_step=0.05
     )
     assert not found.message
     ratios = found.folds / speed(1.0)

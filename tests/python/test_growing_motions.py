@@ -140,5 +140,7 @@ def test_a_branch_is_unstable_where_a_mode_grows():
     shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.04, elements=1, bow=bow)
     bearings = [gb.Bearing("rotor", x, **cross_coupled(1e7, 434838.0, 3.32)) for x in (0.0, 0.4)]
     system = gb.RotorSystem([shaft], bearings=bearings)
-    branch = system.continuation("bow", 1.0, 2.0, speed=100.0, step=1.0, record=[("rotor", 0.0)])
+    branch = system.continuation(
+        "bow", 1.0, 2.0, speed=100.0, first_step=1.0, record=[("rotor", 0.0)]
+    )
     assert not branch.stable.any()

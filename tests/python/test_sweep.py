@@ -521,7 +521,7 @@ calls = {
     "static": lambda: forever(small.static),
     "simulate_many": lambda: train.simulate_many([{}], 1e4, 100.0, **long),
     "continuation": lambda: forever(
-        lambda: train.continuation("torque", 1.0, 2.0, speed=100.0, step=1e-4, max_points=10_000)
+        lambda: train.continuation("torque", 1.0, 2.0, speed=100.0, first_step=1e-4, max_points=10_000)
     ),
     "modes": lambda: rotor(400).modes(),
 }

@@ -68,7 +68,7 @@ def sweep() -> gb.Sweep:
 
 @cache
 def branch() -> gb.Continuation:
-    return system().continuation("speed", 100.0, 100.5, max_points=3, step=0.5)
+    return system().continuation("speed", 100.0, 100.5, max_points=3, first_step=0.5)
 
 
 @cache
@@ -295,8 +295,8 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "campbell": {"speeds": [0.0, 100.0]},
             "continuation": {
                 "parameter": "speed",
-                "start": 100.0,
-                "stop": 100.5,
+                "begin": 100.0,
+                "end": 100.5,
                 "max_points": 1,
                 "max_period": 0.2,
             },

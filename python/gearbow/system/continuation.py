@@ -46,14 +46,14 @@ class ContinuationAnalyses(SteadyAnalyses):
     def continuation(
         self,
         parameter: str,
-        start: float,
-        stop: float,
+        begin: float,
+        end: float,
         *,
         speed: float | None = None,
         periods: int = 1,
         max_period: float = 10.0,
         rtol: float = 1e-9,
-        step: float = 0.02,
+        first_step: float = 0.02,
         max_points: int = 400,
         initial: str | SteadyState = "static",
         record: Iterable[Record] = ("gears", "meshes"),
@@ -67,9 +67,9 @@ class ContinuationAnalyses(SteadyAnalyses):
         parameter : {"speed", "torque", "bow", "backlash"}
             Speed of the reference shaft [rad/s], factor of all constant torques, factor of all
             bows, or backlash of all meshes that have one [m].
-        start, stop : float
-            Interval of the parameter. The branch begins at `start` and ends where it leaves the
-            interval, at `stop` or, after a fold, at `start`.
+        begin, end : float
+            Interval of the parameter. The branch starts at `begin` and stops where it leaves the
+            interval, at `end` or, after a fold, at `begin`.
         speed : float, optional
             Speed of the reference shaft [rad/s], if it is not the parameter.
         periods : int
@@ -78,7 +78,7 @@ class ContinuationAnalyses(SteadyAnalyses):
             Longest accepted common period [s].
         rtol : float
             Tolerance of the integration.
-        step : float
+        first_step : float
             First step along the branch, over the interval.
         max_points : int
             Largest number of points.
@@ -102,20 +102,20 @@ class ContinuationAnalyses(SteadyAnalyses):
         SceneError
             If an argument is invalid.
         ConvergenceError
-            If there is no steady state at the start.
+            If there is no steady state at `begin`.
         KeyboardInterrupt
             At Ctrl-C. The exception has the attribute `.branch`: the branch so far.
         """
-        _check(parameter, start, stop, speed)
-        start, stop = number(start, "start"), number(stop, "stop")
-        length, most = number(step, "step"), whole(max_points, "max_points")
+        _check(parameter, begin, end, speed)
+        begin, end = number(begin, "begin"), number(end, "end")
+        length, most = number(first_step, "first_step"), whole(max_points, "max_points")
         if not length > 0.0:
-            raise SceneError(f"step: must be positive, got {length}")
-        at = start if speed is None else number(speed, "speed")
+            raise SceneError(f"first_step: must be positive, got {length}")
+        at = begin if speed is None else number(speed, "speed")
         geometry, rtol = text(geometry, "geometry"), number(rtol, "rtol")
         periods = whole(periods, "periods")
         family = _Family(self, parameter, at)
-        first = family.system(start)
+        first = family.system(begin)
         longest = number(max_period, "max_period")
         common = periods * common_period(first._model, at, None, longest)
         wanted = requests(record)
@@ -130,8 +130,8 @@ class ContinuationAnalyses(SteadyAnalyses):
             _samples(self, common, at),
         )
         settings = Settings(
-            start,
-            stop,
+            begin,
+            end,
             length,
             most,
             tolerance=_RESIDUAL * rtol,
@@ -139,12 +139,12 @@ class ContinuationAnalyses(SteadyAnalyses):
         return _followed(motion, motion.unknowns(found), settings, progress)
 
 
-def _check(parameter: str, start: float, stop: float, speed: float | None) -> None:
+def _check(parameter: str, begin: float, end: float, speed: float | None) -> None:
     """Check what is followed."""
     one_of(parameter, UNITS, "parameter")
-    begin, end = number(start, "start"), number(stop, "stop")
-    if begin == end:
-        raise SceneError(f"stop: must differ from start, got {end}")
+    first, last = number(begin, "begin"), number(end, "end")
+    if first == last:
+        raise SceneError(f"end: must differ from begin, got {last}")
     if (parameter == "speed") == (speed is not None):
         raise SceneError('speed: give it for every parameter except "speed"')
 
@@ -168,7 +168,7 @@ def _followed(
         if not points:
             raise
         message = str(error)
-    ended = len(points) > 1 and points[-1].value in (settings.start, settings.stop)
+    ended = len(points) > 1 and points[-1].value in (settings.begin, settings.end)
     if not message and not ended:
         message = f"max_points: {settings.max_points} points reach {points[-1].value:.6g}"
     return motion.result(points, message)
