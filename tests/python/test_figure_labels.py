@@ -268,7 +268,7 @@ class TestSpeed:
 
     @pytest.mark.parametrize("count", [1, 3])
     def test_critical_speed_map(self, count: int):
-        found = scenes.v2().critical_speed_map([1e6, 1e7], excitation=2.0)
+        found = scenes.v2().critical_speed_map([1e6, 1e7], order=2.0)
         figure = found.plot(count)
         assert labels(figure) == [("stiffness of every bearing [N/m]", "critical speed [rad/s]")]
         assert figure.axes[0].get_title() == "ω = 2 Ω"

@@ -172,10 +172,7 @@ ARGUMENTS = {
     "campbell count": (lambda s, _, x: s.campbell([0.0, 1.0], count=x), "count"),
     "campbell harmonics": (lambda s, _, x: s.campbell([0.0, 1.0], harmonics=x), "harmonics"),
     "critical stiffness": (lambda s, _, x: s.critical_speed_map([x]), "stiffnesses"),
-    "critical excitation": (
-        lambda s, _, x: s.critical_speed_map([1e8], excitation=x),
-        "excitation",
-    ),
+    "critical order": (lambda s, _, x: s.critical_speed_map([1e8], order=x), "order"),
     "synchronous": (lambda s, _, x: s.synchronous([1.0, x]), "speeds"),
     "slow roll": (lambda s, _, x: s.synchronous([1.0]).subtract_slow_roll(x), "speed"),
     "operating": (

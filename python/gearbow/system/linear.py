@@ -169,7 +169,7 @@ class LinearAnalyses(SystemFiles):
         return Campbell.from_data(wanted, self._model.campbell(wanted, count, harmonics))
 
     def critical_speed_map(
-        self, stiffnesses: ArrayLike, *, excitation: float = 1.0, count: int | None = None
+        self, stiffnesses: ArrayLike, *, order: float = 1.0, count: int | None = None
     ) -> CriticalSpeedMap:
         """Find the undamped critical speeds against the bearing stiffness.
 
@@ -177,9 +177,9 @@ class LinearAnalyses(SystemFiles):
         ----------
         stiffnesses : array_like, shape (k,)
             Stiffnesses of every bearing along y and z [N/m]. Damping has no effect.
-        excitation : float
+        order : float
             Order of the excitation. At a critical speed, an undamped mode has the frequency
-            excitation·Ω. The order is 1 for unbalance of the reference shaft.
+            order·Ω. The order is 1 for unbalance of the reference shaft.
         count : int, optional
             Number of the lowest critical speeds at each stiffness; None is all. Time and memory
             then grow linearly with the number of elements.
@@ -193,7 +193,7 @@ class LinearAnalyses(SystemFiles):
         Raises
         ------
         SceneError
-            If the excitation is not positive, or a stiffness or the count is invalid.
+            If the order is not positive, or a stiffness or the count is invalid.
         ConvergenceError
             If a mode does not satisfy the equations of motion.
 
@@ -204,15 +204,15 @@ class LinearAnalyses(SystemFiles):
         All stiffnesses have the elements that the largest one needs.
         """
         wanted = array(stiffnesses, "stiffnesses")
-        excitation = number(excitation, "excitation")
+        order = number(order, "order")
         count = None if count is None else whole(count, "count")
         # The shortest list of critical speeds is empty; each speed is an object with its whirl.
         size = 500.0 * wanted.size * (1 + min(count or 2 * len(self.dofs), 2 * len(self.dofs)))
         what = f"the critical speeds at {wanted.size} stiffnesses"
         require_memory("stiffnesses", what, size, "give fewer stiffnesses, or a smaller count")
-        found = self._model.critical_speed_map(wanted, excitation, count)
+        found = self._model.critical_speed_map(wanted, order, count)
         actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
-        return CriticalSpeedMap.from_rows(wanted, excitation, found, actual)
+        return CriticalSpeedMap.from_rows(wanted, order, found, actual)
 
     def synchronous(self, speeds: ArrayLike, *, excitation: str = "both") -> Synchronous:
         """Find the linear response to bow and unbalance, without time stepping.
