@@ -206,7 +206,7 @@ def difference(run: gb.Response, exact: gb.Response) -> dict[str, float]:
         else:
             driver, driven = item[:2]
             kind = "mesh_force"
-            ours, theirs = (r.mesh(driver, str(driven)).force[:, None] for r in (run, exact))
+            ours, theirs = (r.mesh((driver, str(driven))).force[:, None] for r in (run, exact))
         if variation(theirs) > 0.0:
             error = root_mean_square(ours - theirs) / unit_of_errors(theirs)
             errors[kind] = max(errors.get(kind, 0.0), error)

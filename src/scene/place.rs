@@ -7,6 +7,9 @@ use super::description::{Base, Place, SceneDescription, Support};
 use super::shaft::Station;
 use super::{EntryPath, Node, SceneError, Shaft, nearest};
 
+/// Characters that separate the names of a mesh, "driver/driven", and the kind of a recorded item, "bearing:shaft".
+const SEPARATORS: [char; 2] = ['/', ':'];
+
 /// A name, with the list, index and field of its entry.
 struct NamePlace<'a> {
     list: &'static str,
@@ -37,6 +40,9 @@ impl<'a> Names<'a> {
             let field = |message: String| EntryPath::entry(place.list, place.index).field(&place.field).error(message);
             if place.name.is_empty() {
                 return Err(field("must not be empty".to_owned()));
+            }
+            if place.name.contains(SEPARATORS) {
+                return Err(field(format!("must not contain \"/\" or \":\", got \"{}\"", place.name)));
             }
             if let Some(NamePlace { list, index, field: part, name }) = used.get(place.name) {
                 let first = EntryPath::entry(list, *index);

@@ -142,7 +142,7 @@ def test_a_point_of_a_whole_train_takes_few_periods(monkeypatch: pytest.MonkeyPa
     assert periods < 15 * found.values.size
     last = found_at(system, found.values[-1], speed, rtol)
     for pair in (("g1", "g2"), ("g3", "g4")):
-        force = last.response.mesh(*pair).force
+        force = last.response.mesh(pair).force
         assert found.statistic("max", pair, "force")[-1] == pytest.approx(force.max(), rel=1e-7)
 
 
@@ -186,7 +186,7 @@ def first_phase() -> float:
     found = system.simulate(
         period, 100.0, initial="rest", times=np.arange(32) * period / 32, record=["meshes"]
     )
-    return float(np.angle(np.fft.rfft(found.mesh(*MESH).stiffness)[1]))
+    return float(np.angle(np.fft.rfft(found.mesh(MESH).stiffness)[1]))
 
 
 def speed(ratio: float) -> float:
@@ -198,7 +198,7 @@ def test_the_pair_with_clearance_has_the_published_motion():
     steady = clearance().steady_state(
         speed(0.5), rtol=1e-10, initial="static", record=["meshes"], output_step=1e-7
     )
-    x = steady.response.mesh(*MESH).deflection / HALF + 1
+    x = steady.response.mesh(MESH).deflection / HALF + 1
     # The damper acts in contact, and the flanks never pull: the value of an independent integration
     # with tolerance 1e-9. With a damper that pulls, the largest value is 1.2409336.
     assert x.max() == pytest.approx(1.24052582, abs=1e-7)
@@ -208,7 +208,7 @@ def test_the_pair_with_damping_in_separation_has_the_published_motion():
     steady = clearance(damping_in_separation=True).steady_state(
         speed(0.5), rtol=1e-10, initial="static", record=["meshes"], output_step=1e-7
     )
-    x = steady.response.mesh(*MESH).deflection / HALF + 1
+    x = steady.response.mesh(MESH).deflection / HALF + 1
     assert x.max() == pytest.approx(1.2423926, abs=1e-6)
     assert x.std() == pytest.approx(0.0903348, abs=1e-6)
     # the damper acts always: |mu| = exp(-zeta T) with T = 2 pi / 0.5 of the natural frequency 1
@@ -248,7 +248,7 @@ def test_the_branch_of_the_pair_with_clearance_has_four_folds(tmp_path: Path):
 def test_differences_do_not_limit_the_convergence_of_newtons_method():
     system, at, rtol = clearance(damping_in_separation=True), speed(0.9), 1e-10
     steady = system.steady_state(at, rtol=1e-8, record=["meshes"])
-    deflection = steady.response.mesh(*MESH).deflection
+    deflection = steady.response.mesh(MESH).deflection
     assert deflection.min() < 0.0 < deflection.max()
     motion = continuation._Motion(
         continuation._Family(system, "speed", at), ["meshes"], (rtol, "live"), (1, 1.0), 128
@@ -310,7 +310,7 @@ def test_beyond_a_flip_the_period_of_the_motion_doubles(ratio: float, doubles: b
         rtol=1e-8,
         record=["meshes"],
     )
-    x, next_x = (one.mesh(*MESH).deflection for one in (run, again))
+    x, next_x = (one.mesh(MESH).deflection for one in (run, again))
     size = np.ptp(x)
     assert np.abs(next_x - x).max() < 1e-6 * size
     difference = np.abs(x[count:] - x[:count]).max()
@@ -357,7 +357,7 @@ def test_a_branch_ends_where_the_bow_ends_the_contact_geometry():
 
 
 def one_run(system: gb.RotorSystem, **_: float) -> float:
-    return float(system.simulate(0.1, 50.0).mesh("input gear", "output gear").force.max())
+    return float(system.simulate(0.1, 50.0).mesh(("input gear", "output gear")).force.max())
 
 
 def test_a_branch_over_the_torque_keeps_what_it_reached():

@@ -42,7 +42,7 @@ def difference(first, second, rows=np.s_[:]):
     both = (first, second)
     pairs = {
         "displacement": [tuple(r.displacement(g)[rows] for g in ("g1", "g2")) for r in both],
-        "mesh_force": [(r.mesh("g1", "g2").force[rows, np.newaxis],) for r in both],
+        "mesh_force": [(r.mesh(("g1", "g2")).force[rows, np.newaxis],) for r in both],
     }
     return {
         kind: max(rms(a - b) / rms(b - b.mean(axis=0)) for a, b in zip(*signals, strict=True))

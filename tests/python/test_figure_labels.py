@@ -39,7 +39,7 @@ class TestResponse:
     def test_orbits(self):
         made = response(TIME)
         figure = made.plot("orbits", ["g2", ("output", 0.3)])
-        assert labels(figure) == [("v [µm]", "w [µm]")] * 2
+        assert labels(figure) == [("y [µm]", "z [µm]")] * 2
         assert [panel.get_title() for panel in figure.axes] == ["g2", "output at 0.3 m"]
         path, end = figure.axes[0].get_lines()
         np.testing.assert_allclose(path.get_xydata(), 1e6 * made.displacement("g2"))
@@ -106,7 +106,7 @@ class TestResponse:
             ("time [s]", "stiffness [N/µm]"),
         ]
         assert figure.axes[0].get_title(loc="left") == "g3 – g4"
-        mesh = made.mesh("g3", "g4")
+        mesh = made.mesh(("g3", "g4"))
         expected = (mesh.force, 1e6 * mesh.deflection, 1e-6 * mesh.stiffness)
         for panel, values in zip(figure.axes, expected, strict=True):
             np.testing.assert_allclose(panel.get_lines()[0].get_ydata(), values)
@@ -120,7 +120,7 @@ class TestResponse:
             ("", "line of centres [°]"),
             ("time [s]", "centre distance [mm]"),
         ]
-        mesh = made.mesh("g3", "g4")
+        mesh = made.mesh(("g3", "g4"))
         degrees = 180.0 / np.pi
         expected = (
             mesh.contact_ratio,
@@ -137,7 +137,7 @@ class TestResponse:
         assert labels(figure) == [("time [s]", f"force along {axis} [N]") for axis in "yz"]
         assert figure.axes[0].get_title(loc="left") == "output at 0.5 m"
         for component, panel in enumerate(figure.axes):
-            expected = np.column_stack([TIME, made.bearing_force("output", 0.5)[:, component]])
+            expected = np.column_stack([TIME, made.bearing_force(("output", 0.5))[:, component]])
             np.testing.assert_allclose(panel.get_lines()[0].get_xydata(), expected)
         assert len(made.plot("bearings").axes) == 4
 
@@ -215,9 +215,9 @@ class TestOrders:
         time = 1e-3 * np.arange(6000)
         content = {0.16: 5e-6, 0.4: 1e-6, 1.0: 3e-6}  # of output, middle, input
         made = of_series(time, sum(a * np.cos(100 * r * time) for r, a in content.items()))
-        figure = made.orders("g1", "w", shaft_harmonics=2, mesh_harmonics=0).plot(2)
+        figure = made.orders("g1", "z", shaft_harmonics=2, mesh_harmonics=0).plot(2)
         (panel,) = figure.axes
-        assert panel.get_xlabel() == "amplitude of g1 w [m]"
+        assert panel.get_xlabel() == "amplitude of g1 z [m]"
         assert [bar.get_width() for bar in panel.patches] == pytest.approx([5e-6, 3e-6])
         hertz = 100.0 / (2 * np.pi)
         assert [text.get_text() for text in panel.get_yticklabels()] == [
@@ -229,10 +229,10 @@ class TestOrders:
         speeds = 2 * np.pi * np.array([20.0, 40.0])
         time = 1e-3 * np.arange(500)
         runs = [of_series(time, 1e-6 * np.cos(s * time), s) for s in speeds]
-        figure = gb.waterfall(runs, "g1", "w").plot(60.0)
+        figure = gb.waterfall(runs, "g1", "z").plot(60.0)
         panel, bar = figure.axes
         assert labels(figure)[0] == ("frequency [Hz]", "speed of the reference shaft [rad/s]")
-        assert bar.get_ylabel() == "g1 w [m]"
+        assert bar.get_ylabel() == "g1 z [m]"
         assert panel.get_xlim() == (0.0, 60.0)
         # a cell reaches half of the distance of the speeds beyond its own, and the lines cross it;
         # at 10 and 50 revolutions per second the input shaft is at 10 Hz and 50 Hz, the middle one
@@ -425,7 +425,7 @@ def test_a_spectrum_names_only_orders_that_it_resolves():
         ("1× mesh c–d", 150.0),
         ("1× mesh c–d − 1× output", 148.0),
     )
-    figure = orders.spectrum(frequencies, amplitudes, "g1 v [m]", orders=found)
+    figure = orders.spectrum(frequencies, amplitudes, "g1 y [m]", orders=found)
     (panel,) = figure.axes
     assert {text.get_text() for text in panel.texts} == {"1× mesh\na–b", "1× mesh\nc–d"}
     assert panel.get_title(loc="right") == "orders closer than 2 Hz have no name"

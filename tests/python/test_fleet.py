@@ -138,7 +138,7 @@ def check_signals(answer: dict[str, Any], saved: gb.Response, system: gb.RotorSy
         extent = np.ptp(saved.displacement(name), axis=0)
         np.testing.assert_allclose(answer["points"][name]["peak_to_peak"], extent)
     for mesh in answer["meshes"]:
-        force = saved.mesh(*mesh.split("/")).force
+        force = saved.mesh(mesh).force
         assert answer["meshes"][mesh]["force"]["max"] == force.max()
 
 

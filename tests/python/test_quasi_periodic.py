@@ -112,7 +112,7 @@ def test_sharp_engagement_has_the_motion_of_the_hunting_tooth_period(backlash: f
     )
     # what is transient is at most ten times the tolerance, and that of the displacements less
     assert relative(found, exact) < 1e-4
-    assert relative(steady.response.mesh(*MESH).force, again.mesh(*MESH).force) < 1e-4
+    assert relative(steady.response.mesh(MESH).force, again.mesh(MESH).force) < 1e-4
 
 
 def test_a_long_period_begins_with_the_state_of_its_sections():

@@ -205,16 +205,16 @@ ARGUMENTS = {
     "orders shafts": (lambda _, r, x: r.orders("wheel", shaft_harmonics=x), "shaft_harmonics"),
     "orders meshes": (lambda _, r, x: r.orders("wheel", mesh_harmonics=x), "mesh_harmonics"),
     "orders sidebands": (lambda _, r, x: r.orders("wheel", sidebands=x), "sidebands"),
-    "orders of": (lambda _, r, x: r.orders(("rotor", x)), "of"),
-    "spectrum of": (lambda _, r, x: r.spectrum(("rotor", x)), "of"),
-    "displacement": (lambda _, r, x: r.displacement(("rotor", x)), "name"),
-    "bearing force": (lambda _, r, x: r.bearing_force("rotor", x), "position"),
+    "orders of": (lambda _, r, x: r.orders(("rotor", x)), "at"),
+    "spectrum of": (lambda _, r, x: r.spectrum(("rotor", x)), "at"),
+    "displacement": (lambda _, r, x: r.displacement(("rotor", x)), "at"),
+    "bearing force": (lambda _, r, x: r.bearing_force(("rotor", x)), "at"),
     "static displacement": (lambda s, _, x: s.static().displacement(("rotor", x)), "at"),
-    "static bearing": (lambda s, _, x: s.static().bearing_force("rotor", x), "position"),
+    "static bearing": (lambda s, _, x: s.static().bearing_force(("rotor", x)), "at"),
     "synchronous place": (lambda s, _, x: s.synchronous([1.0]).displacement(("rotor", x)), "at"),
     "synchronous bearing": (
-        lambda s, _, x: s.synchronous([1.0]).bearing_force("rotor", x),
-        "position",
+        lambda s, _, x: s.synchronous([1.0]).bearing_force(("rotor", x)),
+        "at",
     ),
     "modes table": (lambda s, _, x: s.modes().table(x), "count"),
     "modes plot": (lambda s, _, x: s.modes().plot(x), "number"),
@@ -223,7 +223,7 @@ ARGUMENTS = {
     "dictionary": (lambda s, _, x: gb.RotorSystem.from_dict({**s.description, "gravity": x}), ""),
 }
 #: A name in arguments that accept numbers and names.
-NAMES = ("record", "balance plane", "orders of", "spectrum of", "displacement")
+NAMES = ("record", "balance plane")
 
 
 @pytest.mark.parametrize("name", ARGUMENTS)

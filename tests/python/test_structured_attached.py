@@ -223,7 +223,7 @@ def test_a_reduced_run_has_the_signals_of_the_complete_one(name: str, speed: Any
     # Twice the error that the level permits: the estimate of the error has an uncertainty of a factor of two.
     for gear in ("g1", "g2"):
         assert error(found.displacement(gear), exact.displacement(gear)) < 2e-3
-    assert error(found.mesh("g1", "g2").force, exact.mesh("g1", "g2").force) < 2e-2
+    assert error(found.mesh(("g1", "g2")).force, exact.mesh(("g1", "g2")).force) < 2e-2
 
 
 def test_powers_of_links_and_loads_balance_the_energy():

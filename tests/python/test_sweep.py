@@ -53,7 +53,7 @@ def pair(torque: float, bow: float) -> gb.RotorSystem:
 def force(system: gb.RotorSystem, **_: object) -> dict[str, object]:
     """Return the mesh force of a short run, and its extremes."""
     run = system.simulate(2e-3, 100.0, output_step=1e-4, record=["meshes"], rtol=1e-6)
-    forces = run.mesh("g1", "g2").force
+    forces = run.mesh(("g1", "g2")).force
     return {"force": forces, "largest": forces.max(), "samples": forces.size}
 
 

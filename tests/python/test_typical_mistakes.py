@@ -178,7 +178,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
         "change the shaft of one gear",
     ),
     "driver and driven gear exchanged": (
-        lambda: run().mesh("wheel", "pinion"),
+        lambda: run().mesh(("wheel", "pinion")),
         "'pinion' drives 'wheel'",
         "'pinion' drives 'wheel'",
         "ask for ('pinion', 'wheel')",

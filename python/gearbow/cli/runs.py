@@ -182,12 +182,12 @@ def _signals(response: Response) -> dict[str, Any]:
         }
     meshes = {}
     for driver, driven in filter(is_pair, recorded):
-        mesh = response.mesh(driver, driven)
+        mesh = response.mesh((driver, driven))
         sizes = {"force": _size(mesh.force), "contact_ratio": _size(mesh.contact_ratio)}
         meshes[f"{driver}/{driven}"] = sizes
     bearings = {}
     for shaft, x in [one[1:] for one in recorded if isinstance(one, tuple) and len(one) == 3]:
-        force = np.linalg.norm(response.bearing_force(shaft, x), axis=1)
+        force = np.linalg.norm(response.bearing_force((shaft, x)), axis=1)
         bearings[place_label((shaft, x))] = {"force": _size(force)}
     return {"points": points, "meshes": meshes, "bearings": bearings}
 

@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import number
 from gearbow._core import film_coefficients
-from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze
+from gearbow.description.places import Places
 from gearbow.description.supports import Support, with_support
 from gearbow.errors import ChannelError
 
@@ -191,7 +191,7 @@ class JournalMotion(ReadOnly):
     >>> films = [gb.JournalBearing("rotor", x, viscosity=0.02, **size) for x in (0.0, 1.0)]
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> system = gb.RotorSystem([rotor], bearings=films, gravity=9.81)
-    >>> print(f"{system.static(speed=300.0).journal('rotor', 0.0).eccentricity_ratio:.3f}")
+    >>> print(f"{system.static(speed=300.0).journal(('rotor', 0.0)).eccentricity_ratio:.3f}")
     0.185
     """
 
@@ -203,7 +203,7 @@ class JournalMotion(ReadOnly):
     def of(
         cls,
         bearings: Iterable[Mapping[str, Plain]],
-        place: tuple[str, float],
+        at: tuple[str, float],
         displacement: Array,
         force: Array,
     ) -> "JournalMotion":
@@ -213,10 +213,10 @@ class JournalMotion(ReadOnly):
         ----------
         bearings : iterable of mapping
             Plain descriptions of the bearings.
-        place : tuple of (str, float)
+        at : tuple of (str, float)
             Shaft and position of the bearing [m].
         displacement : ndarray, shape (2,) or (k, 2)
-            Displacements v and w of the shaft relative to what the bearing stands on [m].
+            Displacements along y and z of the shaft relative to what the bearing stands on [m].
         force : ndarray, shape (2,) or (k, 2)
             Force of the shaft on the bearing [N].
 
@@ -231,10 +231,10 @@ class JournalMotion(ReadOnly):
             If no journal bearing stands there; the message lists them.
         """
         journals = [bearing for bearing in bearings if "viscosity" in bearing]
-        places = [(bearing["shaft"], float(bearing["position"])) for bearing in journals]
-        i = locate(places, *place)
+        known = Places("bearing", ([(each["shaft"], each["position"])] for each in journals))
+        i = known.find(at)
         if i is None:
-            raise ChannelError(f"no journal bearing at {place!r}; there are {places}")
+            raise ChannelError(f"no journal bearing at {at!r}; there are {known}")
         (y, z), (along_y, along_z) = np.moveaxis(displacement, -1, 0), np.moveaxis(force, -1, 0)
         return cls(
             force=force,

@@ -68,7 +68,7 @@ class RollingMotion(ReadOnly):
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> system = gb.RotorSystem([rotor], bearings=bearings, gravity=9.81)
     >>> response = system.simulate(0.01, 300.0, record=["bearings"])
-    >>> response.rolling("rotor", 0.0).force.shape == (response.time.size, 2)
+    >>> response.rolling(("rotor", 0.0)).force.shape == (response.time.size, 2)
     True
     """
 

@@ -175,24 +175,24 @@ class SteadyState(Shown):
         """
         return instability(self.multipliers())
 
-    def plot(self, kind: str = "orbits", names: Any = None, *, ax: Any = None) -> "Figure":
+    def plot(self, kind: str = "orbits", at: Any = None, *, ax: Any = None) -> "Figure":
         """Draw recorded signals over one period, as `Response.plot`.
 
         Parameters
         ----------
         kind : str
             Kind of the figure, for example "orbits" or "mesh".
-        names : str, tuple or sequence of them, optional
+        at : str, tuple or sequence of them, optional
             Places or meshes; None is all.
         ax : Axes or sequence of Axes, optional
-            One panel for each name, for a mesh three; None makes a new figure.
+            One panel for each place, for a mesh three; None makes a new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
             The figure. It is neither shown nor saved.
         """
-        return self.response.plot(kind, names, ax=ax)
+        return self.response.plot(kind, at, ax=ax)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything to a file without rounding, with the multipliers if they are known.

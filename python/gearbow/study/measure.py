@@ -117,7 +117,7 @@ def _signals(train: "RotorSystem", response: "Response") -> dict[tuple[str, str]
     names = [shaft.name for shaft in train.shafts]
     shafts = {gear.name: names.index(gear.shaft) for gear in train.gears}
     for mesh in train.meshes:
-        there = response.mesh(mesh.driver, mesh.driven)
+        there = response.mesh((mesh.driver, mesh.driven))
         name = f"{mesh.driver}/{mesh.driven}"
         for quantity in (
             "contact_ratio",

@@ -95,7 +95,7 @@ class RotorSystem(ContinuationAnalyses):
     >>> system.modes().names()[0]
     'rigid-body rotation'
     >>> response = system.simulate(0.1, speed=100.0)
-    >>> contact_ratio = response.mesh("g1", "g2").contact_ratio
+    >>> contact_ratio = response.mesh(("g1", "g2")).contact_ratio
     >>> print(f"{contact_ratio.max() - contact_ratio.min():.2f}")
     0.10
     """
