@@ -276,7 +276,7 @@ def test_other_kinds_of_numbers_are_accepted(value, system):
         (lambda s: s.simulate(1e-3, 1.0, geometry=None), "^geometry: must be text"),
         (lambda s: s.simulate(1e-3, 1.0, times=[[0.0, 1e-3]]), r"^times: must be one sequence"),
         (lambda s: s.simulate(1e-3, ([0.0, 1.0], [1.0])), "^speed: needs equal numbers"),
-        (lambda s: s.simulate(1e-3, 1.0).plot("orbits", []), "^names: must name at least one"),
+        (lambda s: s.simulate(1e-3, 1.0).plot("orbits", []), "^at: must name at least one"),
         (lambda s: s.replace(reference=1), "^reference: must be text"),
         (lambda s: s.replace(motion=["coupled"]), "^motion: must be text"),
         (lambda s: s.replace(shafts=None), "^shafts: must be a list"),
