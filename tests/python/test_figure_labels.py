@@ -165,13 +165,13 @@ class TestResponse:
             assert "earlier" not in panel.get_title(loc="right")
 
     def test_spectrum(self):
-        # v: 2 µm at 125 Hz, w: 5 µm at 250 Hz, both at spectral lines of the record
+        # y: 2 µm at 125 Hz, z: 5 µm at 250 Hz, both at spectral lines of the record
         motion = np.zeros((TIME.size, 4, 2))
         motion[:, 0, 0] = 2e-6 * np.cos(2 * np.pi * 125.0 * TIME)
         motion[:, 0, 1] = 5e-6 * np.cos(2 * np.pi * 250.0 * TIME)
         figure = response(TIME, displacement=motion).plot("spectrum", ["g1"])
         assert labels(figure) == [("frequency [Hz]", "g1 [µm]")]
-        for label, frequency, amplitude in (("v", 125.0, 2.0), ("w", 250.0, 5.0)):
+        for label, frequency, amplitude in (("y", 125.0, 2.0), ("z", 250.0, 5.0)):
             line = curves(figure.axes[0])[label]
             assert line[np.argmax(line[:, 1])] == pytest.approx([frequency, amplitude])
 

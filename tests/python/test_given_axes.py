@@ -266,7 +266,7 @@ def test_an_invalid_skip_time_is_an_error(skip_time, message):
 
 def test_bearings_of_a_figure_are_places():
     run = response(TIME)
-    with pytest.raises(gb.SceneError, match=r"^names\[0\]: must be \(shaft, position\), got 'g1'"):
+    with pytest.raises(gb.SceneError, match=r"^at\[0\]: must be \(shaft, position\), got 'g1'"):
         run.plot("bearings", ["g1"])
     run._data["bearings"] = []
     with pytest.raises(gb.GearbowError, match="no bearing was recorded"):
