@@ -111,8 +111,8 @@ pub fn critical_speeds(
 ) -> PyResult<Vec<(f64, String)>> {
     let count = count.unwrap_or(usize::MAX);
     let memory = analysis::memory_of_critical_speeds(model.model(), count);
-    let found = model
-        .run(py, memory, move |cached, interrupt| analysis::critical_speeds(cached, order, count, interrupt))?;
+    let found =
+        model.run(py, memory, move |cached, interrupt| analysis::critical_speeds(cached, order, count, interrupt))?;
     Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
 }
 
