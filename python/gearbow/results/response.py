@@ -217,11 +217,6 @@ class Response(ReadOnly):
         -------
         ndarray, shape (k,) or (n,)
             Angular velocity about x [rad/s].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such shaft, or the response has no kinematics.
         """
         return access.spin(self.to_record(), shaft, times)
 
@@ -367,11 +362,6 @@ class Response(ReadOnly):
         -------
         ndarray, shape (k, 2)
             Components along y and z [N].
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded; the message says what to record.
         """
         return access.bearing_force(self.to_record(), at)
 
@@ -449,11 +439,6 @@ class Response(ReadOnly):
         -------
         MeshResponse
             Force and deflection, and the geometry of the moving centres.
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded; the message says what to record.
         """
         return access.mesh(self.to_record(), at)
 
@@ -490,11 +475,6 @@ class Response(ReadOnly):
         -------
         ndarray, shape (k,)
             Energy [J].
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded; the message says what to record.
         """
         return access.energy(self.to_record())
 

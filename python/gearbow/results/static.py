@@ -197,11 +197,6 @@ class Static(ReadOnly):
         -------
         ndarray, shape (2,)
             Components along y and z [N].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing.
         """
         force: Array = self._data["bearing_force"][self._bearing(at)]
         return force

@@ -186,11 +186,6 @@ class Synchronous(ReadOnly):
         ndarray, shape (speeds, shafts, 2)
             Amplitudes along y and z [m]. The bow is subtracted from the amplitudes with the own
             shaft as the source, unless `excitation` is "unbalance".
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
         """
         indices = self.coordinates.lateral(at)
         elastic: ComplexArray = self.amplitudes[:, :, indices].copy()
