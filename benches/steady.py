@@ -61,7 +61,7 @@ def study() -> gb.RotorSystem:
 def signals(response: gb.Response) -> list[Any]:
     """Return the compared signals."""
     motion = [response.displacement(gear) for gear in GEARS]
-    return [*motion, *(response.mesh(*pair).force for pair in PAIRS)]
+    return [*motion, *(response.mesh(pair).force for pair in PAIRS)]
 
 
 def difference(found: gb.Response, exact: list[Any]) -> float:

@@ -193,9 +193,9 @@ def forces(response: gb.Response) -> Figure:
         drawing = Figure(figsize=(10.0, 7.5))
         panels = drawing.subplots(3, 1, sharex=True)
         for panel, pair in zip(panels, STAGES, strict=False):
-            panel.plot(time, 1e-3 * response.mesh(*pair).force[shown], lw=0.8)
+            panel.plot(time, 1e-3 * response.mesh(pair).force[shown], lw=0.8)
             panel.set(ylabel="force [kN]", title="mesh of " + " and ".join(pair))
-        force = np.hypot(*response.bearing_force("intermediate", 0.2)[shown].T)
+        force = np.hypot(*response.bearing_force(("intermediate", 0.2))[shown].T)
         panels[2].plot(time, 1e-3 * force, lw=0.8)
         panels[2].set(ylabel="force [kN]", title="bearing beside pinion 2", xlabel="time [ms]")
     return drawing
@@ -211,12 +211,12 @@ def spectra(responses: dict[str, gb.Response]) -> Figure:
             responses.items(), plotting.PALETTE, marks, strict=False
         ):
             options: dict[str, Any] = {"bearing_harmonics": 0, "skip_time": SKIPPED}
-            moved = response.orders(POINT, "w", **options)
+            moved = response.orders(POINT, "z", **options)
             felt = response.orders(gb.Accelerometer(POINT, angle=pi / 2.0), **options)
             style = {"color": colour, "label": name, "ls": "none", **mark}
             panels[0].semilogy(moved.frequencies_hz, 1e6 * np.abs(moved.amplitudes), **style)
             panels[1].semilogy(felt.frequencies_hz, np.abs(felt.amplitudes), **style)
-        panels[0].set(ylabel="displacement w [µm]", ylim=(1e-5, 10.0))
+        panels[0].set(ylabel="displacement z [µm]", ylim=(1e-5, 10.0))
         panels[1].set(ylabel="acceleration [m/s²]", ylim=(1e-5, 10.0))
         panels[1].set(xlabel="frequency [Hz]")
         panels[0].legend()

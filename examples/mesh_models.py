@@ -84,7 +84,7 @@ def opened(stiffness: gb.Stiffness) -> dict[str, gb.results.MeshResponse]:
         )
 
     def distance(sideways: float) -> float:
-        return pair(mesh(), sideways=sideways).static().mesh("pinion", "wheel").centre_distance
+        return pair(mesh(), sideways=sideways).static().mesh(("pinion", "wheel")).centre_distance
 
     pull = 1000.0 * OPENED / (distance(1000.0) - distance(0.0))
     systems = {
@@ -93,7 +93,7 @@ def opened(stiffness: gb.Stiffness) -> dict[str, gb.results.MeshResponse]:
         "moved +0.3 mm": pair(mesh(), sideways=pull),
     }
     return {
-        name: over_cycles(system)[0].mesh("pinion", "wheel") for name, system in systems.items()
+        name: over_cycles(system)[0].mesh(("pinion", "wheel")) for name, system in systems.items()
     }
 
 
@@ -128,7 +128,7 @@ def separation_figure(
     response = pair(mesh, torque=torque, motion="torsion").simulate(
         cycles * cycle, speed, initial="static", output_step=cycle / 200, record=["meshes"]
     )
-    found = response.mesh("pinion", "wheel")
+    found = response.mesh(("pinion", "wheel"))
     time = response.time / cycle
     with mpl.rc_context(plotting.STYLE):
         figure = Figure(figsize=(10.0, 6.0))

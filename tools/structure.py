@@ -15,7 +15,7 @@ FILE_LINES, FUNCTION_LINES, STRUCT_FIELDS = 600, 90, 15
 REASONS: dict[str, str] = {
     "python/gearbow/description/gears.py:Gear": "public parameters",
     "python/gearbow/tradeoff/trial.py:Trial": "public row of a table",
-    "python/gearbow/system/description.py:SystemDescription": "public parameters",
+    "python/gearbow/system/rotor_system.py:RotorSystem": "public parameters",
     "python/gearbow/description/rolling.py:RollingBearing": "public parameters",
     "src/scene/description/bearing.rs:Bearing": "entries of a scene",
     "src/scene/description/mod.rs:Gear": "entries of a scene",

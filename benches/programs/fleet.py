@@ -140,7 +140,7 @@ def modes(machine: Machine) -> Work:
 
     def prepare() -> Run[Any]:
         system = machine.fresh()
-        return lambda: system.modes(machine.speed, COUNT).eigenvalues
+        return lambda: system.modes(machine.speed, count=COUNT).eigenvalues
 
     pencil = machine.pencil(machine.speed)
     count = min(2 * COUNT + FURTHER, pencil.mass.shape[0])

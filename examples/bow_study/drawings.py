@@ -57,7 +57,7 @@ def turn(study: Study) -> Figure:
             for panel, gear in zip(orbits, study.gears, strict=True):
                 v, w = (_MICRO * found[gear, name] for name in ("v", "w"))
                 panel.plot(v, w, color=colours[bow], label=f"{bow:g}")
-                panel.set(title=gear, xlabel="v [µm]", ylabel="w [µm]")
+                panel.set(title=gear, xlabel="y [µm]", ylabel="z [µm]")
             for line, (label, (name, scale)) in zip(panels, rows.items(), strict=True):
                 for panel, pair in zip(line, study.pairs, strict=True):
                     values = scale * found[pair, name]

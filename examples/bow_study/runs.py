@@ -205,7 +205,7 @@ def measure(
         values[f"{gear.name} v"], values[f"{gear.name} w"] = response.displacement(gear.name).T
     shafts = {gear.name: gear.shaft for gear in system.gears}
     for mesh in system.meshes:
-        there = response.mesh(mesh.driver, mesh.driven)
+        there = response.mesh((mesh.driver, mesh.driven))
         # The angle between the line of centres and the line of action is π/2 minus the pressure
         # angle, in the direction of rotation of the driver.
         sign = np.sign(ratios[shafts[mesh.driver]])

@@ -7,7 +7,7 @@ use super::description::{Base, Place, SceneDescription, Support};
 use super::shaft::Station;
 use super::{EntryPath, Node, SceneError, Shaft, nearest};
 
-/// Characters that join names in texts that name a place, such as "driver/driven"; no name contains them.
+/// Characters that separate the names of a mesh, "driver/driven", and the kind of a recorded item, "bearing:shaft".
 const SEPARATORS: [char; 2] = ['/', ':'];
 
 /// A name, with the list, index and field of its entry.

@@ -87,7 +87,7 @@ def close(system: gb.RotorSystem, one: gb.Response, other: gb.Response) -> None:
     pairs = [
         (read(one, name), read(other, name)) for name in places(system) for read in motions(system)
     ]
-    forces = [(r.mesh(m.driver, m.driven).force for r in (one, other)) for m in system.meshes]
+    forces = [(r.mesh((m.driver, m.driven)).force for r in (one, other)) for m in system.meshes]
     # the smallest motions of a train carry the error of the largest ones
     scale = max(rms(values) for values, _ in pairs)
     for values, others in pairs:
@@ -272,9 +272,9 @@ def check_run(system: gb.RotorSystem, speed: float, run: gb.Response) -> None:
     static = system.static(speed=speed)
     for mesh in system.meshes:
         pair = (mesh.driver, mesh.driven)
-        mean = run.mesh(*pair).force[turn].mean()
+        mean = run.mesh(pair).force[turn].mean()
         # equal torques, and radii that the bow does not change: 1e-4 is reached
-        assert mean == pytest.approx(static.mesh(*pair).force, rel=1e-3)
+        assert mean == pytest.approx(static.mesh(pair).force, rel=1e-3)
 
 
 def compute_changing(system: gb.RotorSystem, speed: float) -> tuple[gb.Response, gb.Response]:
@@ -353,12 +353,17 @@ class Part:
         return self.run.twist(name)[: self.count]
 
     def mesh(self, driver: str, driven: str) -> Any:
-        return SimpleNamespace(force=self.run.mesh(driver, driven).force[: self.count])
+        return SimpleNamespace(force=self.run.mesh((driver, driven)).force[: self.count])
 
 
 def compute_branch(system: gb.RotorSystem, speed: float) -> gb.Continuation:
     return system.continuation(
-        "speed", speed, 1.01 * speed, step=1.0, max_points=2, record=["gears", "disks", "meshes"]
+        "speed",
+        speed,
+        1.01 * speed,
+        first_step=1.0,
+        max_points=2,
+        record=["gears", "disks", "meshes"],
     )
 
 
@@ -529,7 +534,7 @@ class Analysis:
 
 ANALYSES = {
     "static": Analysis(lambda s, speed: s.static(speed=speed), check_static),
-    "modes": Analysis(lambda s, speed: s.modes(speed, COUNT), check_modes, largest=1000),
+    "modes": Analysis(lambda s, speed: s.modes(speed, count=COUNT), check_modes, largest=1000),
     # the speeds of a diagram are not negative
     "campbell": Analysis(
         lambda s, speed: s.campbell(SHARES * speed, count=COUNT), check_campbell, (1,), 400

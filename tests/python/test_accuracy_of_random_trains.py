@@ -204,7 +204,7 @@ def difference(run: gb.Response, other: gb.Response) -> dict[str, float]:
         for name in other.recorded
         if isinstance(name, str)
     ] + [
-        ("mesh_force", run.mesh(*pair[:2]).force[:, None], other.mesh(*pair[:2]).force[:, None])
+        ("mesh_force", run.mesh(pair[:2]).force[:, None], other.mesh(pair[:2]).force[:, None])
         for pair in other.recorded
         if not isinstance(pair, str)
     ]

@@ -107,7 +107,7 @@ def test_static_displacements_are_those_of_springs_in_series():
     (bearing, _), (base, _) = BEARING, BASE
     assert static.axial("pedestal") == pytest.approx(THRUST / base, rel=1e-12)
     assert static.axial("disk") == pytest.approx(THRUST / base + THRUST / bearing, rel=1e-9)
-    assert static.axial_bearing_force("rotor", 0.0) == pytest.approx(THRUST, rel=1e-12)
+    assert static.axial_bearing_force(("rotor", 0.0)) == pytest.approx(THRUST, rel=1e-12)
 
 
 def test_two_masses_on_springs_in_series_have_two_axial_modes():
@@ -168,7 +168,7 @@ def test_every_method_gives_the_exact_motion_and_its_rates(method: str, damped: 
     relative = [run.axial("disk") - run.axial("pedestal")]
     relative.append(run.axial_velocity("disk") - run.axial_velocity("pedestal"))
     force = BEARING[0] * relative[0] + BEARING[1] * damped * relative[1]
-    np.testing.assert_allclose(run.axial_bearing_force("rotor", 0.0), force, rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(run.axial_bearing_force(("rotor", 0.0)), force, rtol=1e-9, atol=1e-6)
     # the quadrature of the powers within a step
     assert np.abs(run.energy_balance().residual).max() < 1e-6 * np.abs(run.energy).max()
 
@@ -323,9 +323,9 @@ def test_files_checkpoints_tables_and_sensors(tmp_path: Path):
         np.testing.assert_array_equal(back.axial_velocity(name), run.axial_velocity(name))
         np.testing.assert_array_equal(back.axial_acceleration(name), run.axial_acceleration(name))
     table = run.to_dataframe()
-    np.testing.assert_array_equal(table["sensor velocity_u [m/s]"], run.axial_velocity("sensor"))
+    np.testing.assert_array_equal(table["sensor velocity_x [m/s]"], run.axial_velocity("sensor"))
     assert run.to_xarray()["axial_acceleration"].attrs["units"] == "m/s²"
-    assert run.spectrum("sensor", "acceleration_u").unit == "m/s²"
+    assert run.spectrum("sensor", "acceleration_x").unit == "m/s²"
     sensor = gb.Accelerometer("sensor", axial=True)
     assert sensor.label == "accelerometer sensor, axial"
     np.testing.assert_array_equal(run.measure(sensor), run.axial_acceleration("sensor"))

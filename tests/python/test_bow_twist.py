@@ -41,7 +41,7 @@ def first_order(offset: str, torque: float, speed: float) -> complex:
     # Damping removes the initial transient in two revolutions.
     times = np.linspace(2 * period, 4 * period, 401)[:-1]
     run = system(offset, torque).simulate(4 * period, speed, initial="static", times=times)
-    return complex(2 * np.mean(run.mesh("ga", "gb").force * np.exp(-1j * speed * run.time)))
+    return complex(2 * np.mean(run.mesh(("ga", "gb")).force * np.exp(-1j * speed * run.time)))
 
 
 # Shafts, bearings and teeth that are not rigid change the amplitudes by less than 2 %.

@@ -43,17 +43,17 @@ def test_critical_speeds_of_nelson_and_mcvaugh():
         same_as_modes(system, intersection)
 
 
-@pytest.mark.parametrize("excitation", [1.0, 0.5, 4.0])
-def test_the_map_has_the_critical_speeds_of_the_diagram(excitation: float):
+@pytest.mark.parametrize("order", [1.0, 0.5, 4.0])
+def test_the_map_has_the_critical_speeds_of_the_diagram(order: float):
     # the diagram uses Newton's method on the modes; the map solves one Hermitian eigenproblem
     system = scenes.v2()
-    found = system.critical_speed_map([published.V2_BEARING_STIFFNESS], excitation=excitation)
+    found = system.critical_speed_map([published.V2_BEARING_STIFFNESS], order=order)
     for speed, whirl in list(zip(found.speeds[0], found.whirl[0], strict=True))[:6]:
         modes = system.modes(speed=speed)
-        apart = np.abs(2 * np.pi * modes.frequencies_hz / (excitation * speed) - 1.0)
+        apart = np.abs(2 * np.pi * modes.frequencies_hz / (order * speed) - 1.0)
         assert apart.min() < 1e-9  # see `same_as_modes`
         assert modes.whirl[int(apart.argmin())] == whirl
-    if excitation == 1.0:
+    if order == 1.0:
         criticals = [m.speed for m in system.campbell([0.0, 5e3, 1.1e4], count=8).criticals[:6]]
         assert found.speeds[0][:6] == pytest.approx(criticals, rel=1e-9)
 
@@ -260,9 +260,9 @@ def test_invalid_arguments_are_errors(given, message):
         scenes.v3().campbell(**given)
 
 
-def test_a_map_needs_a_positive_excitation():
-    with pytest.raises(gb.SceneError, match="excitation: must be positive, got 0"):
-        scenes.v3().critical_speed_map([1e6], excitation=0.0)
+def test_a_map_needs_a_positive_order():
+    with pytest.raises(gb.SceneError, match="order: must be positive, got 0"):
+        scenes.v3().critical_speed_map([1e6], order=0.0)
 
 
 def test_the_table_has_a_line_for_each_intersection():

@@ -158,7 +158,7 @@ def test_a_geared_train_that_runs_up_matches_the_independent_solution(how: dict[
             # as at constant speed
             assert np.abs(own(gear) - other(gear)).max() < 1e-6 * np.ptp(other(gear), axis=0).max()
     force = exact.mesh_force(0, True)
-    assert np.abs(found.mesh("g1", "g2").force - force).max() < 1e-6 * np.ptp(force)
+    assert np.abs(found.mesh(("g1", "g2")).force - force).max() < 1e-6 * np.ptp(force)
 
 
 def test_energy_is_accounted_for_while_the_speed_changes():
@@ -184,7 +184,7 @@ def test_teeth_that_turn_at_a_changing_speed(method: str):
     found = system.simulate(
         0.015, run, method=method, record=["meshes", "energy"], output_step=1e-5
     )
-    pairs = found.mesh("g1", "g2").pairs_in_contact
+    pairs = found.mesh(("g1", "g2")).pairs_in_contact
     # speed = number of contact ends per time / teeth per revolution; 25 teeth, counted over 5 ms
     late = found.time > 0.01
     arrivals = np.count_nonzero(np.diff(pairs[late]) > 0)
@@ -397,11 +397,11 @@ class TestContinuation:
         first = system.simulate(1.5e-3, run)
         second = system.simulate(1.5e-3, run, initial=first)
         assert second.final["state"].tobytes() == whole.final["state"].tobytes()
-        assert second.mesh("g1", "g2").force.min() > 0.0
-        assert whole.mesh("g1", "g2").force.min() > 0.0
+        assert second.mesh(("g1", "g2")).force.min() > 0.0
+        assert whole.mesh(("g1", "g2")).force.min() > 0.0
         # from rest to negative speed the back flanks are in contact from the start
         up = system.simulate(1e-3, gb.SpeedProfile.ramp(0.0, -100.0, 1e-3), output_step=1e-4)
-        assert up.mesh("g1", "g2").force.min() > 0.0
+        assert up.mesh(("g1", "g2")).force.min() > 0.0
 
     @pytest.mark.parametrize("method", ["rk45", "rk4"])
     def test_another_speed_continues_at_the_shaft_angles(self, method: str):

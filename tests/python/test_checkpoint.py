@@ -128,11 +128,11 @@ def test_a_run_that_is_complete_is_read(tmp_path, monkeypatch):
     path = tmp_path / "run.nc"
     first = system.simulate(**options, checkpoint=path)
     assert first.accuracy.startswith("engineering")
-    monkeypatch.setattr(system, "_run", None)  # no simulation runs
+    monkeypatch.setattr("gearbow.system.simulation._run", None)  # no simulation runs
     again = system.simulate(**options, checkpoint=path)
     assert_same(again, first)
     assert again.accuracy == first.accuracy
-    assert again.errors == first.errors
+    assert again.errors() == first.errors()
 
 
 # --- killed processes -----------------------------------------------------------------------------

@@ -75,7 +75,7 @@ def test_flanks_in_contact_from_the_start_cause_no_event(method: str):
     """Two gears at rest, flanks in contact, and a torque: the contact exists from the start."""
     drawn = Drawn(bows=(0j, 0j), unbalance=0j, backlash=2e-5, gravity=(0.0, 0.0), speed=0.0)
     run = drawn.run(times=np.array([0.0, 2e-5]), **METHODS[method])
-    assert run.mesh("g0", "g1").force[-1] > 0.0
+    assert run.mesh(("g0", "g1")).force[-1] > 0.0
     assert run.events == ()
 
 
@@ -102,7 +102,7 @@ def test_round_off_of_touching_flanks_does_not_delay_their_contact(seed: int):
         run = system.simulate(
             1e-3, drawn.speed, initial="rest", times=np.linspace(0.0, 1e-3, 21), **options
         )
-        forces = np.stack([run.mesh(*pair).force for pair in (("g0", "g1"), ("g1", "g2"))])
+        forces = np.stack([run.mesh(pair).force for pair in (("g0", "g1"), ("g1", "g2"))])
         found.append(([(e.driver, e.kind) for e in run.events if e.kind in CONTACT], forces))
     (wanted, exact), *others = found
     assert len(wanted) >= 5

@@ -61,7 +61,7 @@ def tight() -> gb.Response:
 
 
 def test_the_contact_agrees_with_the_force_and_the_stiffness(rattling):
-    mesh = rattling.mesh(*MESH)
+    mesh = rattling.mesh(MESH)
     assert {"separation", "contact", "back contact"} <= kinds(rattling)
     apart = mesh.contact == gb.results.Contact.NONE
     assert apart.any()
@@ -74,7 +74,7 @@ def test_the_contact_agrees_with_the_force_and_the_stiffness(rattling):
 
 
 def test_both_flanks_have_twice_the_stiffness(tight):
-    mesh = tight.mesh(*MESH)
+    mesh = tight.mesh(MESH)
     assert "tight" in kinds(tight)
     both = mesh.contact == gb.results.Contact.BOTH
     assert both.any()
@@ -91,16 +91,16 @@ def test_the_contact_before_the_first_event_follows_from_the_backlash(geometry):
         system = system.replace(shafts=[replace(system.shafts[0], bow=bow), system.shafts[1]])
         found = system.simulate(
             2e-5, SPEED, output_step=1e-6, record=["meshes"], geometry=geometry
-        ).mesh(*MESH)
+        ).mesh(MESH)
         flanks = {0: 0, 1: 1, 2: 1, 3: 2}
         expected = np.array([flanks[state] for state in found.contact.tolist()]) * 2e8
         np.testing.assert_allclose(found.stiffness, expected)
 
 
 def test_shares_are_exact_times_between_events(rattling):
-    shares = rattling.contact_shares(*MESH)
+    shares = rattling.contact_shares(MESH)
     assert sum((shares.drive, shares.back, shares.both, shares.none)) == pytest.approx(1.0)
-    samples = np.bincount(rattling.mesh(*MESH).contact, minlength=4) / rattling.time.size
+    samples = np.bincount(rattling.mesh(MESH).contact, minlength=4) / rattling.time.size
     given = (shares.none, shares.drive, shares.back, shares.both)
     # The share from samples is wrong by at most one sample for each change of the contact.
     error = len(rattling.events) / rattling.time.size
@@ -108,28 +108,28 @@ def test_shares_are_exact_times_between_events(rattling):
     assert shares.lost == shares.back + shares.none > 0.05
     changes = [event for event in rattling.events if event.kind in ("separation", "back contact")]
     begin = changes[-1].time - rattling.time[0]
-    late = rattling.contact_shares(*MESH, skip_time=begin)
+    late = rattling.contact_shares(MESH, skip_time=begin)
     assert late != shares
     with pytest.raises(gb.SceneError, match=r"^skip_time: "):
-        rattling.contact_shares(*MESH, skip_time=1.0)
+        rattling.contact_shares(MESH, skip_time=1.0)
 
 
 def test_a_mesh_without_backlash_never_loses_contact():
     response = run(pair(3.5e-4, None), turns=1.0)
-    assert response.mesh(*MESH).force.min() < 0.0
-    assert set(response.mesh(*MESH).contact) == {gb.results.Contact.DRIVE}
-    assert response.contact_shares(*MESH) == gb.results.ContactShares(1.0, 0.0, 0.0, 0.0)
+    assert response.mesh(MESH).force.min() < 0.0
+    assert set(response.mesh(MESH).contact) == {gb.results.Contact.DRIVE}
+    assert response.contact_shares(MESH) == gb.results.ContactShares(1.0, 0.0, 0.0, 0.0)
 
 
 def test_a_file_and_a_lower_rate_keep_the_contact(rattling, tmp_path: Path):
     rattling.save(tmp_path / "run.npz")
     loaded = gb.Response.load(tmp_path / "run.npz")
-    np.testing.assert_array_equal(loaded.mesh(*MESH).contact, rattling.mesh(*MESH).contact)
+    np.testing.assert_array_equal(loaded.mesh(MESH).contact, rattling.mesh(MESH).contact)
     slow = rattling.resample(0.25 / np.diff(rattling.time).max())
     at = np.interp(slow.time, rattling.time, np.arange(rattling.time.size))
     exact = np.isclose(at, np.rint(at), atol=1e-6)
-    same = rattling.mesh(*MESH).contact[np.rint(at[exact]).astype(int)]
-    np.testing.assert_array_equal(slow.mesh(*MESH).contact[exact], same)
+    same = rattling.mesh(MESH).contact[np.rint(at[exact]).astype(int)]
+    np.testing.assert_array_equal(slow.mesh(MESH).contact[exact], same)
 
 
 @pytest.mark.parametrize(

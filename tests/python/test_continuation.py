@@ -87,7 +87,7 @@ def test_a_branch_ends_at_the_bound_of_the_interval():
 
 def test_the_folds_of_duffings_equation():
     points = list(
-        branch(Duffing(), np.array([0.28, 0.0]), Settings(0.6, 1.4, step=0.05, largest=0.1))
+        branch(Duffing(), np.array([0.28, 0.0]), Settings(0.6, 1.4, first_step=0.05, largest=0.1))
     )
     folds = [point.value for point in points if point.kind == "fold"]
     # 15 odd harmonics give 1.269602 and 1.115700; the fixed steps have an error of 1e-6.
@@ -103,7 +103,7 @@ def test_the_folds_of_duffings_equation():
 
 def test_the_peak_of_duffings_equation():
     map_, points = Duffing(), []
-    for point in branch(map_, np.array([0.28, 0.0]), Settings(0.6, 1.4, step=0.05)):
+    for point in branch(map_, np.array([0.28, 0.0]), Settings(0.6, 1.4, first_step=0.05)):
         # The fold at 1.2696 lies beyond the peak of the first harmonic.
         points.append(point)
         if point.kind == "fold":
@@ -132,7 +132,9 @@ def test_a_point_of_a_whole_train_takes_few_periods(monkeypatch: pytest.MonkeyPa
         return correct(model, states=states, levels=levels, **options)
 
     monkeypatch.setattr(continuation, "corrected_states", counted)
-    found = system.continuation("bow", 1.0, 1.1, speed=speed, rtol=rtol, step=0.05, max_points=2)
+    found = system.continuation(
+        "bow", 1.0, 1.1, speed=speed, rtol=rtol, first_step=0.05, max_points=2
+    )
     assert found.values.size == 3
     assert found.stable.all()
     # A dense derivative takes 4 periods for each degree of freedom, of which there are over 200.
@@ -140,7 +142,7 @@ def test_a_point_of_a_whole_train_takes_few_periods(monkeypatch: pytest.MonkeyPa
     assert periods < 15 * found.values.size
     last = found_at(system, found.values[-1], speed, rtol)
     for pair in (("g1", "g2"), ("g3", "g4")):
-        force = last.response.mesh(*pair).force
+        force = last.response.mesh(pair).force
         assert found.statistic("max", pair, "force")[-1] == pytest.approx(force.max(), rel=1e-7)
 
 
@@ -184,7 +186,7 @@ def first_phase() -> float:
     found = system.simulate(
         period, 100.0, initial="rest", times=np.arange(32) * period / 32, record=["meshes"]
     )
-    return float(np.angle(np.fft.rfft(found.mesh(*MESH).stiffness)[1]))
+    return float(np.angle(np.fft.rfft(found.mesh(MESH).stiffness)[1]))
 
 
 def speed(ratio: float) -> float:
@@ -196,7 +198,7 @@ def test_the_pair_with_clearance_has_the_published_motion():
     steady = clearance().steady_state(
         speed(0.5), rtol=1e-10, initial="static", record=["meshes"], output_step=1e-7
     )
-    x = steady.response.mesh(*MESH).deflection / HALF + 1
+    x = steady.response.mesh(MESH).deflection / HALF + 1
     # The damper acts in contact, and the flanks never pull: the value of an independent integration
     # with tolerance 1e-9. With a damper that pulls, the largest value is 1.2409336.
     assert x.max() == pytest.approx(1.24052582, abs=1e-7)
@@ -206,19 +208,19 @@ def test_the_pair_with_damping_in_separation_has_the_published_motion():
     steady = clearance(damping_in_separation=True).steady_state(
         speed(0.5), rtol=1e-10, initial="static", record=["meshes"], output_step=1e-7
     )
-    x = steady.response.mesh(*MESH).deflection / HALF + 1
+    x = steady.response.mesh(MESH).deflection / HALF + 1
     assert x.max() == pytest.approx(1.2423926, abs=1e-6)
     assert x.std() == pytest.approx(0.0903348, abs=1e-6)
     # the damper acts always: |mu| = exp(-zeta T) with T = 2 pi / 0.5 of the natural frequency 1
     exact = np.exp(-ZETA * 2 * np.pi / 0.5)
-    multipliers = steady.multipliers_above(0.5)
+    multipliers = steady.multipliers(0.5)
     assert np.abs(np.abs(multipliers) - exact).min() < 1e-6
 
 
 def test_the_branch_of_the_pair_with_clearance_has_four_folds(tmp_path: Path):
     system = clearance(damping_in_separation=True)
     found = system.continuation(
-        "speed", speed(0.95), speed(0.4), record=["meshes"], rtol=1e-9, step=0.05
+        "speed", speed(0.95), speed(0.4), record=["meshes"], rtol=1e-9, first_step=0.05
     )
     assert not found.message
     ratios = found.folds / speed(1.0)
@@ -246,7 +248,7 @@ def test_the_branch_of_the_pair_with_clearance_has_four_folds(tmp_path: Path):
 def test_differences_do_not_limit_the_convergence_of_newtons_method():
     system, at, rtol = clearance(damping_in_separation=True), speed(0.9), 1e-10
     steady = system.steady_state(at, rtol=1e-8, record=["meshes"])
-    deflection = steady.response.mesh(*MESH).deflection
+    deflection = steady.response.mesh(MESH).deflection
     assert deflection.min() < 0.0 < deflection.max()
     motion = continuation._Motion(
         continuation._Family(system, "speed", at), ["meshes"], (rtol, "live"), (1, 1.0), 128
@@ -308,7 +310,7 @@ def test_beyond_a_flip_the_period_of_the_motion_doubles(ratio: float, doubles: b
         rtol=1e-8,
         record=["meshes"],
     )
-    x, next_x = (one.mesh(*MESH).deflection for one in (run, again))
+    x, next_x = (one.mesh(MESH).deflection for one in (run, again))
     size = np.ptp(x)
     assert np.abs(next_x - x).max() < 1e-6 * size
     difference = np.abs(x[count:] - x[:count]).max()
@@ -355,7 +357,7 @@ def test_a_branch_ends_where_the_bow_ends_the_contact_geometry():
 
 
 def one_run(system: gb.RotorSystem, **_: float) -> float:
-    return float(system.simulate(0.1, 50.0).mesh("input gear", "output gear").force.max())
+    return float(system.simulate(0.1, 50.0).mesh(("input gear", "output gear")).force.max())
 
 
 def test_a_branch_over_the_torque_keeps_what_it_reached():

@@ -139,9 +139,9 @@ def test_the_offset_loads_the_bearings_as_a_spring_between_two_levers():
     static = system.static()
     # The hubs stand on bearings, so the whole offset stretches the coupling.
     force = 4e6 * (-1e-4 + 2e-4j)
-    found = static.bearing_force("a", HALF)
+    found = static.bearing_force(("a", HALF))
     np.testing.assert_allclose(found, [-force.real, -force.imag], rtol=1e-3)
-    np.testing.assert_allclose(static.bearing_force("b", 0.0), -found, rtol=1e-3)
+    np.testing.assert_allclose(static.bearing_force(("b", 0.0)), -found, rtol=1e-3)
 
 
 def test_statics_and_synchronous_response_are_those_of_the_independent_assembly():
@@ -216,7 +216,7 @@ def test_a_coupling_connects_speed_ratios_torques_and_loaded_flanks():
     np.testing.assert_array_equal(system.speed_ratios, [-2.0, -2.0, 1.0])
     static = system.static(speed=-100.0)
     radius = 3e-3 * 25 / 2 * np.cos(np.radians(20.0))
-    np.testing.assert_allclose(abs(static.mesh("g", "h").force), 40.0 / radius, rtol=1e-9)
+    np.testing.assert_allclose(abs(static.mesh(("g", "h")).force), 40.0 / radius, rtol=1e-9)
     twist = static.twist(("b", 0.0)) - static.twist(("a", 0.2))
     np.testing.assert_allclose(twist, 40.0 / 1e5, rtol=1e-9)
     assert system.modes().names()[0] == "rigid-body rotation"

@@ -108,7 +108,7 @@ def test_a_gear_pair_with_clearance(method: str, in_separation: bool):
         cycles * cycle, speed, initial="static", times=times, method=method, rtol=1e-9,
         record=["meshes"],
     )  # fmt: skip
-    x = 1.0 + run.mesh(*MESH).deflection / UNIT
+    x = 1.0 + run.mesh(MESH).deflection / UNIT
     assert {"contact", "separation"} <= {event.kind for event in run.events}
     # With damping in contact alone, contact ends at zero force. Damping until x = 1, where a flank pulls, gives 1.2409335.
     known = (1.2423926, 0.0903348) if in_separation else (1.2405258, 0.0910232)
@@ -135,7 +135,7 @@ def test_separated_gears_approach_as_a_damped_mass(method: str):
     y[:n], y[n:] = -1e-4 * np.repeat(share, 2), rate * np.repeat(share, 2)
     times = np.linspace(0.0, 2e-4, 21)
     state = begin(system, 0.0, y, **options)
-    mesh = system.simulate(2e-4, 0.0, initial=state, times=times, **options).mesh(*MESH)
+    mesh = system.simulate(2e-4, 0.0, initial=state, times=times, **options).mesh(MESH)
     tau, a = mass / damping, TORQUE / LAW.base_radius_a / mass
     c, decay = rate - a * tau, np.exp(-times / tau)
     deflection = -1e-4 + a * tau * times + c * tau * (1 - decay)
@@ -166,7 +166,7 @@ def test_the_film_dissipates_what_the_energy_loses(method: str, geometry: str):
         # a contact change is a kink of the force; the quadrature of the powers has the accuracy of the method
         assert np.abs(balance.residual).max() < 1e-5 * scale
         assert np.all(np.diff(balance.damping) <= 1e-9 * scale)
-        runs[in_separation] = run.mesh(*MESH)
+        runs[in_separation] = run.mesh(MESH)
         kinds = {event.kind for event in run.events}
         assert {"contact", "separation", "back contact"} <= kinds
     separated = runs[True].stiffness == 0.0
@@ -183,7 +183,7 @@ def test_without_backlash_or_without_damping_it_changes_nothing(mesh: dict[str, 
         runs.append(
             scene.package().simulate(1e-3, 400.0, method="rk45", rtol=1e-9, output_step=1e-6)
         )
-    first, second = (run.mesh(*MESH).force for run in runs)
+    first, second = (run.mesh(MESH).force for run in runs)
     assert np.ptp(second) > 0.0
     if mesh["backlash"] is None:
         assert np.array_equal(first, second)

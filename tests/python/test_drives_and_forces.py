@@ -251,13 +251,13 @@ def test_a_drive_loads_the_flanks_of_a_train():
     )
     static = system.static(speed=100.0)
     radius = 3e-3 * 25 / 2 * np.cos(np.radians(20.0))
-    np.testing.assert_allclose(static.mesh("g", "h").force, 80.0 / radius, rtol=1e-9)
+    np.testing.assert_allclose(static.mesh(("g", "h")).force, 80.0 / radius, rtol=1e-9)
     np.testing.assert_allclose(static.twist(("a", 0.0)), -80.0 / 1e5, rtol=1e-9)
     runs = [
         system.simulate(0.01, 100.0, method=m, rtol=1e-8, record=["meshes", "energy"])
         for m in ("exponential", "rk45")
     ]
-    first, second = (run.mesh("g", "h").force for run in runs)
+    first, second = (run.mesh(("g", "h")).force for run in runs)
     np.testing.assert_allclose(first, second, rtol=1e-4)
     assert "rigid-body rotation" not in system.modes().names()
 

@@ -225,7 +225,7 @@ def test_four_cubic_elements_beat_sixteen_of_degree_one_on_the_mesh_force():
         found = train(elements, degree).simulate(
             0.03, 100.0, record=["meshes"], output_step=2.5e-5, rtol=1e-6
         )
-        return np.column_stack([found.mesh(*pair).force for pair in PAIRS])
+        return np.column_stack([found.mesh(pair).force for pair in PAIRS])
 
     reference = force(4, 5)
 

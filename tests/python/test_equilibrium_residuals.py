@@ -45,9 +45,9 @@ def test_each_bearing_carries_half_the_weight_at_every_speed():
     system = rotor()
     weight = 9.81 * (40.0 + STEEL.density * math.pi / 4 * 0.05**2 * 0.5)
     for speed in np.linspace(50.0, 1340.0, 130):
-        for static in (system.static(speed=speed), system.static("frozen", speed=-speed)):
+        for static in (system.static(speed=speed), system.static(geometry="frozen", speed=-speed)):
             for place in (0.0, 0.5):
-                force = static.bearing_force("r", place)
+                force = static.bearing_force(("r", place))
                 np.testing.assert_allclose(force, [0.0, -weight / 2], atol=1e-6 * weight)
             assert static.residual <= 1e-9, speed
 
@@ -235,8 +235,8 @@ def balances(system: gb.RotorSystem, static: gb.results.Static) -> dict[str, Bal
     for body in (*system.disks, *system.gears):
         found[body.shaft].add(body.position, body.mass * gravity)
     for one in system.bearings:
-        lateral = static.bearing_force(one.shaft, one.position)
-        axial = static.axial_bearing_force(one.shaft, one.position)
+        lateral = static.bearing_force((one.shaft, one.position))
+        axial = static.axial_bearing_force((one.shaft, one.position))
         found[one.shaft].add(one.position, [-axial, *(-lateral)])
     return found
 
@@ -249,7 +249,7 @@ def add_teeth(
     ratio = 1.0
     for mesh in system.meshes:
         a, b = gears[mesh.driver], gears[mesh.driven]
-        state = static.mesh(mesh.driver, mesh.driven)
+        state = static.mesh((mesh.driver, mesh.driven))
         helix = abs(a.helix_angle)
         transverse = math.atan(math.tan(a.pressure_angle) / math.cos(helix))
         base = math.asin(math.sin(helix) * math.cos(a.pressure_angle))
@@ -309,14 +309,14 @@ def test_forces_balance_on_every_shaft_of_random_scenes():
         helical = any(gear.helix_angle for gear in system.gears)
         for omega in (speed, -speed):
             try:
-                static = system.static("frozen" if helical else "live", speed=omega)
+                static = system.static(omega, geometry="frozen" if helical else "live")
                 if helical:
                     assert system.static(speed=omega).residual <= TOLERANCE
             except (gb.SceneError, gb.ConvergenceError, gb.ContactError) as error:
                 refused[next(text for text in EXPECTED if text in str(error))] += 1
                 continue
             assert static.residual <= TOLERANCE, (seed, omega)
-            meshes = [(mesh, static.mesh(mesh.driver, mesh.driven)) for mesh in system.meshes]
+            meshes = [(mesh, static.mesh((mesh.driver, mesh.driven))) for mesh in system.meshes]
             if any(state.stiffness > mesh.stiffness for mesh, state in meshes):
                 continue  # Both flanks are pressed, and the result has the difference of their forces.
             found = balances(system, static)

@@ -40,7 +40,7 @@ def distance(found: gb.Response, exact: gb.Response) -> float:
             (found.twist(gear), exact.twist(gear)),
         ):
             worst = max(worst, float(np.abs(a - b).max() / np.abs(b).max()))
-    a, b = (run.mesh(first, second).force for run in (found, exact))
+    a, b = (run.mesh((first, second)).force for run in (found, exact))
     return max(worst, float(np.abs(a - b).max() / np.abs(b).max()))
 
 

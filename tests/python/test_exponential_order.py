@@ -34,7 +34,7 @@ def with_mesh(scene: Toothed, **mesh: Any) -> Toothed:
 
 def distance(found: gb.Response, exact: gb.Response) -> float:
     """Return the largest difference of motion or force, relative to the range of each."""
-    series = [(run.twist("ga"), run.mesh("ga", "gb").force) for run in (found, exact)]
+    series = [(run.twist("ga"), run.mesh(("ga", "gb")).force) for run in (found, exact)]
     if np.ptp(exact.displacement("ga")) > 0:
         series = [
             (*pair, *run.displacement("ga").T, *run.displacement("gb").T)

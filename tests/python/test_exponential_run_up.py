@@ -48,7 +48,7 @@ def difference(found: gb.Response, exact: gb.Response) -> tuple[float, float]:
 
     gears, pair = ("g0", "g1"), ("g0", "g1")
     displacement = max(error(found.displacement(g), exact.displacement(g)) for g in gears)
-    return displacement, error(found.mesh(*pair).force, exact.mesh(*pair).force)
+    return displacement, error(found.mesh(pair).force, exact.mesh(pair).force)
 
 
 def compare(

@@ -266,7 +266,7 @@ def test_two_threads_give_the_same_bits(name: str):
     alone = run(name, 5e-3, output_step=1e-5)
     for found in (first, second):
         same_end(found, alone)
-        assert np.array_equal(found.mesh("ga", "gb").force, alone.mesh("ga", "gb").force)
+        assert np.array_equal(found.mesh(("ga", "gb")).force, alone.mesh(("ga", "gb")).force)
 
 
 @pytest.mark.parametrize("name", ["smooth, live", "sharp, frozen"])

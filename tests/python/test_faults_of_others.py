@@ -114,8 +114,8 @@ def test_the_same_motion_whichever_shaft_is_the_reference(reference: str):
     for name in ("g1", "g2", "g3", "g4"):
         u = a.displacement(name)
         assert np.abs(b.displacement(name) - u).max() < 1e-9 * np.abs(u).max()  # round-off
-    force = a.mesh("g1", "g2").force
-    assert np.abs(b.mesh("g1", "g2").force - force).max() < 1e-8 * np.abs(force).max()
+    force = a.mesh(("g1", "g2")).force
+    assert np.abs(b.mesh(("g1", "g2")).force - force).max() < 1e-8 * np.abs(force).max()
 
 
 def test_ratios_follow_meshes_whatever_their_order():
@@ -158,7 +158,7 @@ def test_static_is_where_a_damped_run_comes_to_rest(geometry: str):
         # is at rest is an equilibrium of the integrator for every tolerance
         assert np.abs(response.displacement(name)[-1] - u).max() < 1e-5 * np.abs(u).max()
     for pair in DEMO.meshes:
-        mesh, at_rest = response.mesh(*pair), still.mesh(*pair)
+        mesh, at_rest = response.mesh(pair), still.mesh(pair)
         assert mesh.force[-1] == pytest.approx(float(at_rest.force), rel=1e-5)
         assert mesh.deflection[-1] == pytest.approx(float(at_rest.deflection), rel=1e-5)
     # the twist of the middle shaft between its gears; the rigid-body rotation is arbitrary
@@ -171,18 +171,18 @@ def test_tooth_forces_of_the_equilibrium_follow_from_the_torque():
     still = replace(DEMO, bows={}).package().static()
     r = 3e-3 / 2 * np.cos(np.radians(20))  # base radius for each tooth
     # driver's torque over its base radius; the middle shaft transmits it
-    assert still.mesh("g1", "g2").force == pytest.approx(250 / (25 * r), rel=1e-9)
-    assert still.mesh("g3", "g4").force == pytest.approx(250 / (25 * r) * 2, rel=1e-9)
+    assert still.mesh(("g1", "g2")).force == pytest.approx(250 / (25 * r), rel=1e-9)
+    assert still.mesh(("g3", "g4")).force == pytest.approx(250 / (25 * r) * 2, rel=1e-9)
     for pair in DEMO.meshes:
-        mesh = still.mesh(*pair)
+        mesh = still.mesh(pair)
         assert mesh.force == pytest.approx(2e8 * mesh.deflection, rel=1e-12)
     total = sum(
-        np.asarray(still.bearing_force(s, x))
+        np.asarray(still.bearing_force((s, x)))
         for s in ("input", "middle", "output")
         for x in (0.0, 0.5)
     )
     # only internal forces: the bearing forces sum to zero
-    assert np.abs(total).max() < 1e-8 * still.mesh("g1", "g2").force
+    assert np.abs(total).max() < 1e-8 * still.mesh(("g1", "g2")).force
 
 
 @pytest.mark.parametrize("motion", ["torsion", "coupled"])
@@ -229,14 +229,14 @@ def test_sign_of_mesh_force_in_time_and_in_bearings():
             )
         )
         # the driven gear stands to the right and turns clockwise: the driver pushes it up and away
-        assert np.sign(r.mesh("g1", "g2").force[0]) == np.sign(torque)
+        assert np.sign(r.mesh(("g1", "g2")).force[0]) == np.sign(torque)
         assert np.sign(r.displacement("g2")[0]).tolist() == [np.sign(torque)] * 2
         assert np.sign(r.displacement("g1")[0]).tolist() == [-np.sign(torque)] * 2
         n = np.array([np.sin(np.radians(20)), np.cos(np.radians(20))])
-        carried = sum(r.bearing_force("output", x)[0] for x in (0.0, 0.5))
+        carried = sum(r.bearing_force(("output", x))[0] for x in (0.0, 0.5))
         # the shaft presses on its bearings with the tooth force; the line of action has rotated by
         # 1e-4 rad
-        force = r.mesh("g1", "g2").force[0]
+        force = r.mesh(("g1", "g2")).force[0]
         assert carried == pytest.approx(force * n, rel=1e-3)
 
 
@@ -262,7 +262,7 @@ def assert_same_bits(first: gb.Response, second: gb.Response, rows: slice = slic
         assert np.array_equal(first.displacement(name)[rows], second.displacement(name))
         assert np.array_equal(first.twist(name)[rows], second.twist(name))
     for pair in DEMO.meshes:
-        a, b = first.mesh(*pair), second.mesh(*pair)
+        a, b = first.mesh(pair), second.mesh(pair)
         for part in ("force", "deflection", "contact_ratio", "pressure_angle"):
             assert np.array_equal(getattr(a, part)[rows], getattr(b, part)), part
 

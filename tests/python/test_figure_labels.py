@@ -39,7 +39,7 @@ class TestResponse:
     def test_orbits(self):
         made = response(TIME)
         figure = made.plot("orbits", ["g2", ("output", 0.3)])
-        assert labels(figure) == [("v [µm]", "w [µm]")] * 2
+        assert labels(figure) == [("y [µm]", "z [µm]")] * 2
         assert [panel.get_title() for panel in figure.axes] == ["g2", "output at 0.3 m"]
         path, end = figure.axes[0].get_lines()
         np.testing.assert_allclose(path.get_xydata(), 1e6 * made.displacement("g2"))
@@ -106,7 +106,7 @@ class TestResponse:
             ("time [s]", "stiffness [N/µm]"),
         ]
         assert figure.axes[0].get_title(loc="left") == "g3 – g4"
-        mesh = made.mesh("g3", "g4")
+        mesh = made.mesh(("g3", "g4"))
         expected = (mesh.force, 1e6 * mesh.deflection, 1e-6 * mesh.stiffness)
         for panel, values in zip(figure.axes, expected, strict=True):
             np.testing.assert_allclose(panel.get_lines()[0].get_ydata(), values)
@@ -120,7 +120,7 @@ class TestResponse:
             ("", "line of centres [°]"),
             ("time [s]", "centre distance [mm]"),
         ]
-        mesh = made.mesh("g3", "g4")
+        mesh = made.mesh(("g3", "g4"))
         degrees = 180.0 / np.pi
         expected = (
             mesh.contact_ratio,
@@ -137,7 +137,7 @@ class TestResponse:
         assert labels(figure) == [("time [s]", f"force along {axis} [N]") for axis in "yz"]
         assert figure.axes[0].get_title(loc="left") == "output at 0.5 m"
         for component, panel in enumerate(figure.axes):
-            expected = np.column_stack([TIME, made.bearing_force("output", 0.5)[:, component]])
+            expected = np.column_stack([TIME, made.bearing_force(("output", 0.5))[:, component]])
             np.testing.assert_allclose(panel.get_lines()[0].get_xydata(), expected)
         assert len(made.plot("bearings").axes) == 4
 
@@ -165,13 +165,13 @@ class TestResponse:
             assert "earlier" not in panel.get_title(loc="right")
 
     def test_spectrum(self):
-        # v: 2 µm at 125 Hz, w: 5 µm at 250 Hz, both at spectral lines of the record
+        # y: 2 µm at 125 Hz, z: 5 µm at 250 Hz, both at spectral lines of the record
         motion = np.zeros((TIME.size, 4, 2))
         motion[:, 0, 0] = 2e-6 * np.cos(2 * np.pi * 125.0 * TIME)
         motion[:, 0, 1] = 5e-6 * np.cos(2 * np.pi * 250.0 * TIME)
         figure = response(TIME, displacement=motion).plot("spectrum", ["g1"])
         assert labels(figure) == [("frequency [Hz]", "g1 [µm]")]
-        for label, frequency, amplitude in (("v", 125.0, 2.0), ("w", 250.0, 5.0)):
+        for label, frequency, amplitude in (("y", 125.0, 2.0), ("z", 250.0, 5.0)):
             line = curves(figure.axes[0])[label]
             assert line[np.argmax(line[:, 1])] == pytest.approx([frequency, amplitude])
 
@@ -215,9 +215,9 @@ class TestOrders:
         time = 1e-3 * np.arange(6000)
         content = {0.16: 5e-6, 0.4: 1e-6, 1.0: 3e-6}  # of output, middle, input
         made = of_series(time, sum(a * np.cos(100 * r * time) for r, a in content.items()))
-        figure = made.orders("g1", "w", shaft_harmonics=2, mesh_harmonics=0).plot(2)
+        figure = made.orders("g1", "z", shaft_harmonics=2, mesh_harmonics=0).plot(2)
         (panel,) = figure.axes
-        assert panel.get_xlabel() == "amplitude of g1 w [m]"
+        assert panel.get_xlabel() == "amplitude of g1 z [m]"
         assert [bar.get_width() for bar in panel.patches] == pytest.approx([5e-6, 3e-6])
         hertz = 100.0 / (2 * np.pi)
         assert [text.get_text() for text in panel.get_yticklabels()] == [
@@ -229,10 +229,10 @@ class TestOrders:
         speeds = 2 * np.pi * np.array([20.0, 40.0])
         time = 1e-3 * np.arange(500)
         runs = [of_series(time, 1e-6 * np.cos(s * time), s) for s in speeds]
-        figure = gb.waterfall(runs, "g1", "w").plot(60.0)
+        figure = gb.waterfall(runs, "g1", "z").plot(60.0)
         panel, bar = figure.axes
         assert labels(figure)[0] == ("frequency [Hz]", "speed of the reference shaft [rad/s]")
-        assert bar.get_ylabel() == "g1 w [m]"
+        assert bar.get_ylabel() == "g1 z [m]"
         assert panel.get_xlim() == (0.0, 60.0)
         # a cell reaches half of the distance of the speeds beyond its own, and the lines cross it;
         # at 10 and 50 revolutions per second the input shaft is at 10 Hz and 50 Hz, the middle one
@@ -268,7 +268,7 @@ class TestSpeed:
 
     @pytest.mark.parametrize("count", [1, 3])
     def test_critical_speed_map(self, count: int):
-        found = scenes.v2().critical_speed_map([1e6, 1e7], excitation=2.0)
+        found = scenes.v2().critical_speed_map([1e6, 1e7], order=2.0)
         figure = found.plot(count)
         assert labels(figure) == [("stiffness of every bearing [N/m]", "critical speed [rad/s]")]
         assert figure.axes[0].get_title() == "ω = 2 Ω"
@@ -425,7 +425,7 @@ def test_a_spectrum_names_only_orders_that_it_resolves():
         ("1× mesh c–d", 150.0),
         ("1× mesh c–d − 1× output", 148.0),
     )
-    figure = orders.spectrum(frequencies, amplitudes, "g1 v [m]", orders=found)
+    figure = orders.spectrum(frequencies, amplitudes, "g1 y [m]", orders=found)
     (panel,) = figure.axes
     assert {text.get_text() for text in panel.texts} == {"1× mesh\na–b", "1× mesh\nc–d"}
     assert panel.get_title(loc="right") == "orders closer than 2 Hz have no name"

@@ -42,14 +42,17 @@ def test_a_mirrored_train_has_the_mirrored_response(
     floor = 1e-8 * modes.frequencies_hz[-1]
     assert reflected.frequencies_hz == pytest.approx(modes.frequencies_hz, rel=1e-8, abs=floor)
     for geometry in ("live", "frozen"):
-        still, turned = one.static(geometry, speed=speed), other.static(geometry, speed=-speed)
+        still, turned = (
+            one.static(speed, geometry=geometry),
+            other.static(-speed, geometry=geometry),
+        )
         for gear in ("g0", "g1", "g2"):
             wanted = mirrored(still.displacement(gear))
             assert turned.displacement(gear) == pytest.approx(wanted, rel=1e-8, abs=1e-15)
         for pair in (("g0", "g1"), ("g1", "g2")):
-            assert turned.mesh(*pair).force == pytest.approx(still.mesh(*pair).force, rel=1e-8)
-            assert turned.mesh(*pair).deflection == pytest.approx(
-                still.mesh(*pair).deflection, rel=1e-8
+            assert turned.mesh(pair).force == pytest.approx(still.mesh(pair).force, rel=1e-8)
+            assert turned.mesh(pair).deflection == pytest.approx(
+                still.mesh(pair).deflection, rel=1e-8
             )
     response, image_response = one.synchronous([speed]), other.synchronous([-speed])
     sizes = [np.abs(r.displacement("g1")) for r in (response, image_response)]
@@ -104,16 +107,16 @@ def test_at_rest_the_torque_decides_which_flank_is_loaded(backlash: float | None
     system = replace(TRAIN, torque=torque, backlash=backlash, gravity=(0.0, 0.0)).system()
     forces = [abs(torque) / (0.0015 * 20 * np.cos(np.radians(20.0)))] * 2
     for geometry in ("live", "frozen"):
-        still = system.static(geometry)
-        found = [still.mesh(*pair).force for pair in (("g0", "g1"), ("g1", "g2"))]
+        still = system.static(geometry=geometry)
+        found = [still.mesh(pair).force for pair in (("g0", "g1"), ("g1", "g2"))]
         # gears with live geometry also move along the line of action, without a moment: round-off
         assert found == pytest.approx(forces, rel=1e-7)
     turning = system.static(speed=np.sign(torque))
     assert np.array_equal(turning.state, system.static().state)
     start = system.simulate(1e-5, 0.0, initial="static", times=[0.0])
-    assert start.mesh("g0", "g1").force[0] == pytest.approx(forces[0], rel=1e-7)
+    assert start.mesh(("g0", "g1")).force[0] == pytest.approx(forces[0], rel=1e-7)
     # with the opposite rotation the same torque loads the back flank
-    braked = system.static(speed=-np.sign(torque)).mesh("g0", "g1").force
+    braked = system.static(speed=-np.sign(torque)).mesh(("g0", "g1")).force
     assert braked == pytest.approx(-forces[0], rel=1e-7)
 
 
@@ -168,19 +171,19 @@ def test_both_flanks_press_in_equilibrium_where_the_gears_come_closer(
     backlash: float, geometry: str
 ):
     system = replace(TIGHT, backlash=backlash).system()
-    static = system.static(geometry, speed=100.0)
+    static = system.static(100.0, geometry=geometry)
     run = system.simulate(
         0.25, 100.0, initial="rest", method="rk45", geometry=geometry, output_step=0.05
     )
     for pair in (("g0", "g1"), ("g1", "g2")):
-        still, last = static.mesh(*pair), run.mesh(*pair)
+        still, last = static.mesh(pair), run.mesh(pair)
         assert still.stiffness == last.stiffness[-1] == 2e8
         # The slowest mode decays to below 1e-4 of its beginning.
         assert still.force == pytest.approx(last.force[-1], rel=1e-4)
         assert still.deflection == pytest.approx(last.deflection[-1], rel=1e-4)
     assert static.displacement("g1") == pytest.approx(run.displacement("g1")[-1], rel=1e-4)
     # The difference of both flank forces transmits the torque.
-    torque = static.mesh("g0", "g1").force * 0.0015 * 20 * np.cos(np.radians(20.0))
+    torque = static.mesh(("g0", "g1")).force * 0.0015 * 20 * np.cos(np.radians(20.0))
     assert torque == pytest.approx(60.0, rel=1e-9)
 
 
@@ -190,4 +193,4 @@ def test_a_run_from_an_equilibrium_on_both_flanks_stays_there(method: str):
         0.01, 100.0, initial="static", method=method, geometry="live", rtol=1e-8
     )
     assert run.events == ()
-    assert np.ptp(run.mesh("g0", "g1").force) < 1e-9 * run.mesh("g0", "g1").force[0]
+    assert np.ptp(run.mesh(("g0", "g1")).force) < 1e-9 * run.mesh(("g0", "g1")).force[0]

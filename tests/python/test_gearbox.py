@@ -58,18 +58,18 @@ def test_mesh_forces_are_those_of_the_torque(example, system, static):
     ):
         normal = tangential / (cos(radians(20.0)) * cos(radians(helix)))
         # Live geometry: the centres move by 0.1 mm or less, which changes the lever arm by less than 1e-3.
-        assert static.mesh(*pair).force == pytest.approx(normal, rel=1e-3)
+        assert static.mesh(pair).force == pytest.approx(normal, rel=1e-3)
 
 
 def test_locating_bearings_carry_the_thrusts(example, system, static):
     first, second = (forces[2] for forces in forces_by_hand(example, system))
     found = [
-        static.axial_bearing_force(*place)
+        static.axial_bearing_force(place)
         for place in (("input", 0.28), ("intermediate", 0.02), ("output", 0.03))
     ]
     # The coupling takes 12 N of the first one, 0.5 % of it, because the shaft yields to the thrust.
     np.testing.assert_allclose(found, (first, second - first, -second), rtol=0.01)
-    total = sum(found) + static.axial_bearing_force("motor", 0.05)
+    total = sum(found) + static.axial_bearing_force(("motor", 0.05))
     assert abs(total) < 1e-3 * first
 
 
@@ -83,14 +83,14 @@ def test_bearings_of_the_intermediate_shaft_carry_a_beam(example, system, static
     left = (np.array([[r1, -r2], [t1, t2]]) @ (1.0 - share)) + [tilt, 0.0]
     # The weight of 130 N is missing along z; 10 N are for the lever arms of the moving centres.
     for x, by_hand in ((0.02, left), (0.20, right)):
-        y, z = static.bearing_force("intermediate", x) - by_hand
+        y, z = static.bearing_force(("intermediate", x)) - by_hand
         assert abs(y) < 10.0
         assert -100.0 < z < -30.0
 
 
 def test_journals_carry_their_load_on_a_film(static):
     for x in (0.03, 0.21):
-        film = static.journal("output", x)
+        film = static.journal(("output", x))
         assert 0.5 < film.eccentricity_ratio < 0.8
 
 

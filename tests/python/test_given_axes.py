@@ -42,8 +42,8 @@ def results() -> dict:
         "map": jeffcott().critical_speed_map([1e6, 1e7]),
         "synchronous": system.synchronous([10.0, 20.0]),
         "spectrum": run.spectrum("g1"),
-        "orders": series.orders("g1", "w", shaft_harmonics=1, mesh_harmonics=0),
-        "waterfall": gb.waterfall(runs, "g1", "w"),
+        "orders": series.orders("g1", "z", shaft_harmonics=1, mesh_harmonics=0),
+        "waterfall": gb.waterfall(runs, "g1", "z"),
         "energy": run.energy_balance(),
         "tradeoff": STUDY,
         "steady": system.steady_state(100.0, geometry="frozen"),
@@ -223,7 +223,7 @@ def test_a_spectrum_names_the_orders_at_its_peaks():
     # shafts at 1, 0.4 and 0.16 times 100 rad/s, mesh g1/g2 at 20 times
     values = 1e-5 * np.cos(100.0 * time) + 1e-6 * np.cos(2000.0 * time)
     values += 3e-7 * np.cos(1900.0 * time)
-    figure = of_series(time, values).spectrum("g1", "w").plot()
+    figure = of_series(time, values).spectrum("g1", "z").plot()
     (panel,) = figure.axes
     assert {text.get_text() for text in panel.texts} == {
         "1× input",
@@ -267,7 +267,7 @@ def test_an_invalid_skip_time_is_an_error(skip_time, message):
 
 def test_bearings_of_a_figure_are_places():
     run = response(TIME)
-    with pytest.raises(gb.SceneError, match=r"^names\[0\]: must be \(shaft, position\), got 'g1'"):
+    with pytest.raises(gb.SceneError, match=r"^at\[0\]: must be \(shaft, position\), got 'g1'"):
         run.plot("bearings", ["g1"])
     run._data["bearings"] = []
     with pytest.raises(gb.GearbowError, match="no bearing was recorded"):

@@ -56,7 +56,7 @@ def places(response: gb.Response, names: Any) -> bytes:
 
 def bits(response: gb.Response) -> bytes:
     """Return the bits of all displacements, of the mesh force, and of the final state."""
-    return places(response, ["g1", "g2"]) + response.mesh("g1", "g2").force.tobytes()
+    return places(response, ["g1", "g2"]) + response.mesh(("g1", "g2")).force.tobytes()
 
 
 def steady(system: gb.RotorSystem) -> bytes:

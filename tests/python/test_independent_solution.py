@@ -79,7 +79,7 @@ def agree(scene: Geared, speed: float, live: bool, runs: dict[str, dict[str, obj
             error = ranged(found.twist(name), exact.twist(name))
             assert error < TOLERANCE, f"twist of {name}, {where}: {error:.2e}"
         for i, pair in enumerate(scene.meshes):
-            mesh, force = found.mesh(*pair), exact.mesh_force(i, live)
+            mesh, force = found.mesh(pair), exact.mesh_force(i, live)
             error = ranged(mesh.force, force)
             assert error < TOLERANCE, f"force of {pair}, {where}: {error:.2e}"
             error = ranged(mesh.contact_ratio, exact.contact_ratio(i))

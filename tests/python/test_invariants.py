@@ -139,7 +139,7 @@ def test_energy_is_constant_with_live_geometry_only():
     system = large.package()
     assert drift(system, method="rk45", rtol=1e-11) < 1e-8
     response = system.simulate(5e-3, 0.0, initial="rest", method="rk45", output_step=1e-4)
-    assert np.ptp(response.mesh("g1", "g2").pressure_angle) > np.radians(1)
+    assert np.ptp(response.mesh(("g1", "g2")).pressure_angle) > np.radians(1)
 
 
 def spun(scene: Geared, angle: float) -> Geared:
@@ -194,7 +194,7 @@ def test_rotated_scene_has_the_rotated_motion(how: dict[str, str]):
         twist = first.twist(name)
         assert np.abs(second.twist(name) - twist).max() < 1e-9 * np.abs(twist).max()
     for pair in UNEQUAL.meshes:
-        a, b = first.mesh(*pair), second.mesh(*pair)
+        a, b = first.mesh(pair), second.mesh(pair)
         assert np.abs(b.force - a.force).max() < 1e-8 * np.abs(a.force).max()
         assert b.contact_ratio == pytest.approx(a.contact_ratio, rel=1e-9)
 
@@ -224,7 +224,7 @@ def test_mirrored_scene_with_opposite_spin_has_the_mirrored_motion(how: dict[str
         twist = first.twist(name)
         assert np.abs(second.twist(name) + twist).max() < 1e-9 * np.abs(twist).max()
     for pair in UNEQUAL.meshes:
-        a, b = first.mesh(*pair), second.mesh(*pair)
+        a, b = first.mesh(pair), second.mesh(pair)
         # the driver drives in both: the same tooth force, of the same sign
         assert np.mean(a.force) > 0
         assert np.abs(b.force - a.force).max() < 1e-8 * np.abs(a.force).max()

@@ -148,7 +148,7 @@ def test_a_finite_film_tends_to_the_short_one():
 
 def test_the_equilibrium_of_a_train_balances_every_bearing():
     static = pair().static(speed=150.0)
-    total = sum(static.bearing_force(s, x) for s in PAIR.shafts for x in (0.0, PAIR.length))
+    total = sum(static.bearing_force((s, x)) for s in PAIR.shafts for x in (0.0, PAIR.length))
     train_ = train().reference()
     # the mesh force is internal: the bearings carry the weight
     unit = np.zeros(train_.size)
@@ -159,8 +159,8 @@ def test_the_equilibrium_of_a_train_balances_every_bearing():
     for shaft, spin in zip(PAIR.shafts, (150.0, -75.0), strict=True):
         for x in (0.0, PAIR.length):
             force = film.short(OIL, static.displacement((shaft, x)), np.zeros(2), spin)
-            np.testing.assert_allclose(static.bearing_force(shaft, x), force, rtol=1e-9)
-            motion = static.journal(shaft, x)
+            np.testing.assert_allclose(static.bearing_force((shaft, x)), force, rtol=1e-9)
+            motion = static.journal((shaft, x))
             assert 0.0 < motion.eccentricity_ratio < 1.0
             assert motion.attitude_angle * spin > 0.0
 
@@ -257,7 +257,7 @@ def routh(ratio: float) -> tuple[float, float]:
 def test_oil_whirl_begins_at_the_published_threshold(sag: float):
     system = rigid(0.01, sag)
     speed = threshold(system, 100.0, 4000.0)
-    ratio = float(system.static(speed=speed).journal("s", 0.0).eccentricity_ratio)
+    ratio = float(system.static(speed=speed).journal(("s", 0.0)).eccentricity_ratio)
     equal, square = routh(ratio)
     # a flexible shaft lowers the threshold by the factor 1/√(1 + k sag/c)
     expected = math.sqrt(equal / square / (1 + equal * sag / OIL.clearance))
@@ -348,7 +348,7 @@ def test_every_method_follows_the_independent_solution(
         error = np.abs(run.displacement(gear) - exact).max()
         assert error < tolerance * np.ptp(exact)
     exact = judged.mesh_force(0, live=True)
-    assert np.abs(run.mesh("g1", "g2").force - exact).max() < tolerance * np.ptp(exact)
+    assert np.abs(run.mesh(("g1", "g2")).force - exact).max() < tolerance * np.ptp(exact)
     i = judged.train.dof("output", 0.0, elements.V)
     force = np.array(
         [
@@ -357,8 +357,8 @@ def test_every_method_follows_the_independent_solution(
         ]
     )
     # the force magnifies errors of the displacement near the bearing
-    assert np.abs(run.bearing_force("output", 0.0) - force).max() < 1e-5 * np.abs(force).max()
-    place = run.journal("output", 0.0)
+    assert np.abs(run.bearing_force(("output", 0.0)) - force).max() < 1e-5 * np.abs(force).max()
+    place = run.journal(("output", 0.0))
     np.testing.assert_allclose(
         place.eccentricity_ratio,
         np.linalg.norm(judged.q[:, i : i + 2], axis=1) / THIN.clearance,
@@ -439,12 +439,12 @@ def test_a_journal_on_a_support_has_the_film_of_its_relative_motion():
     bearings = [replace(b, support=support) if b.shaft == "input" else b for b in ground.bearings]
     system = ground.replace(bearings=bearings)
     assert gb.RotorSystem.from_dict(system.description).description == system.description
-    state, expected = (s.static(speed=SPEED).journal("input", 0.0) for s in (system, ground))
+    state, expected = (s.static(speed=SPEED).journal(("input", 0.0)) for s in (system, ground))
     assert state.eccentricity_ratio == pytest.approx(expected.eccentricity_ratio, rel=1e-2)
     weight = 5.0 * 9.81
     supported = system.static(speed=SPEED)
     moved = supported.displacement(("input", 0.0))
-    relative = moved - (supported.bearing_force("input", 0.0) - [0.0, weight]) / 2e7
+    relative = moved - (supported.bearing_force(("input", 0.0)) - [0.0, weight]) / 2e7
     assert np.hypot(*relative) / THIN.clearance == pytest.approx(state.eccentricity_ratio, rel=1e-9)
     runs = [
         system.simulate(
@@ -458,11 +458,11 @@ def test_a_journal_on_a_support_has_the_film_of_its_relative_motion():
     for run in runs:
         balance = run.energy_balance()
         assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
-        force, film = run.bearing_force("input", 0.0), run.bearing_displacement("input", 0.0)
+        force, film = run.bearing_force(("input", 0.0)), run.bearing_displacement(("input", 0.0))
         np.testing.assert_allclose(film[0], relative, atol=1e-6 * THIN.clearance)
         assert force.shape == film.shape
         ratio = np.hypot(*film.T) / THIN.clearance
-        np.testing.assert_array_equal(run.journal("input", 0.0).eccentricity_ratio, ratio)
+        np.testing.assert_array_equal(run.journal(("input", 0.0)).eccentricity_ratio, ratio)
 
 
 def test_a_journal_on_a_stiff_support_moves_as_one_on_the_ground():
@@ -502,9 +502,9 @@ def test_a_continued_run_equals_the_whole_run_and_survives_a_file(tmp_path: Any)
     second = system.simulate(0.002, SPEED, initial=first, **options)
     np.testing.assert_array_equal(whole.final["state"], second.final["state"])
     whole.save(tmp_path / "run.npz")
-    again = gb.Response.load(tmp_path / "run.npz").journal("input", 0.0)
+    again = gb.Response.load(tmp_path / "run.npz").journal(("input", 0.0))
     np.testing.assert_array_equal(
-        again.eccentricity_ratio, whole.journal("input", 0.0).eccentricity_ratio
+        again.eccentricity_ratio, whole.journal(("input", 0.0)).eccentricity_ratio
     )
 
 
@@ -609,7 +609,7 @@ def test_the_estimate_of_a_reduced_run_on_oil_films(modes: int):
         return float(np.sqrt(((found - wanted) ** 2).sum() / variation))
 
     gears = [gear.name for gear in system.gears]
-    forces = [each.mesh(*gears).force for each in (run, exact)]
+    forces = [each.mesh(gears).force for each in (run, exact)]
     true = [
         max(error(run.displacement(name), exact.displacement(name)) for name in gears),
         error(*forces),

@@ -90,7 +90,7 @@ def law(teeth: tuple[int, int], module: float, distance: float | None = None) ->
     ("teeth", "module", "ratio"), [((25, 50), 3e-3, 1.68316), ((62, 62), 2e-3, 1.7897799)]
 )
 def test_contact_ratio_at_rest(teeth: tuple[int, int], module: float, ratio: float):
-    mesh = stiff_pair(teeth=teeth, module=module).static().mesh("ga", "gb")
+    mesh = stiff_pair(teeth=teeth, module=module).static().mesh(("ga", "gb"))
     digits = 1e-5 if module == 3e-3 else 1e-7
     assert float(mesh.contact_ratio) == pytest.approx(ratio, abs=digits / 2)
     own = law(teeth, module)
@@ -105,7 +105,7 @@ def test_contact_ratio_at_rest(teeth: tuple[int, int], module: float, ratio: flo
 @pytest.mark.parametrize("factor", [0.99, 1.01])
 def test_mounted_centre_distance_sets_the_pressure_angle(factor: float):
     distance = factor * 0.1125
-    mesh = stiff_pair(centre_distance=distance).static().mesh("ga", "gb")
+    mesh = stiff_pair(centre_distance=distance).static().mesh(("ga", "gb"))
     own = law((25, 50), 3e-3, distance)
     assert float(mesh.pressure_angle) == pytest.approx(own.angle_at_rest, rel=1e-12)
     assert float(mesh.contact_ratio) == pytest.approx(own.contact_ratio(distance), rel=1e-12)
@@ -113,7 +113,7 @@ def test_mounted_centre_distance_sets_the_pressure_angle(factor: float):
 
 def test_derivatives_by_centre_distance():
     # loads of both signs move the centres to both sides of the mean
-    low, high = (stiff_pair(torque=t, bearing=2e8).static().mesh("ga", "gb") for t in (10, 1000))
+    low, high = (stiff_pair(torque=t, bearing=2e8).static().mesh(("ga", "gb")) for t in (10, 1000))
     rise = float(high.centre_distance - low.centre_distance)
     assert rise > 2e-5
     middle = float(high.centre_distance + low.centre_distance) / 2
@@ -132,7 +132,7 @@ def test_derivatives_by_centre_distance():
 def test_separation_under_load(angle: float, torque: float):
     bearing = 5e7
     still = stiff_pair(torque=torque, bearing=bearing, angle=angle).static(speed=1.0)
-    mesh = still.mesh("ga", "gb")
+    mesh = still.mesh(("ga", "gb"))
     base = closed_forms.full_depth_gear(25, 3e-3)["base"]
     force = torque / base  # counter-clockwise rotation; negative: the gear brakes
     # the tooth force follows from the driver's torque alone: round-off of a Newton iteration
@@ -206,7 +206,7 @@ def one_turn(bowed: str, speed: float = 20.0, points: int = 720) -> gb.results.M
     response = system.simulate(
         period, speed, times=np.arange(points) * period / points, initial="synchronous"
     )
-    return response.mesh("ga", "gb")
+    return response.mesh(("ga", "gb"))
 
 
 @pytest.mark.parametrize("bowed", ["a", "b"])
@@ -243,7 +243,7 @@ def test_a_bow_at_a_fixed_phase_shifts_the_geometry_to_first_order(
 ):
     angle = 0.5
     system = stiff_pair({bowed: gb.Bow.half_sine(AMPLITUDE, phase=phase)}, angle=angle)
-    mesh = system.simulate(1e-4, 0.0, initial="synchronous", times=[0.0]).mesh("ga", "gb")
+    mesh = system.simulate(1e-4, 0.0, initial="synchronous", times=[0.0]).mesh(("ga", "gb"))
     opened = sense * AMPLITUDE * np.cos(phase - angle)
     # the next term is (b sin)^2 / 2C: 2e-7 m
     assert float(mesh.centre_distance[0]) - 0.1125 == pytest.approx(opened, abs=4e-7)
@@ -258,7 +258,7 @@ def test_share_of_tooth_pairs_is_the_contact_ratio():
     system = stiff_pair({})
     period = 2 * np.pi / 25 / 50.0
     times = np.arange(3500) * period / 500 + 1e-7
-    mesh = system.simulate(7 * period, 50.0, times=times).mesh("ga", "gb")
+    mesh = system.simulate(7 * period, 50.0, times=times).mesh(("ga", "gb"))
     assert set(np.unique(mesh.pairs_in_contact)) == {1, 2}
     # one sample in 500 at each of two edges
     assert np.mean(mesh.pairs_in_contact) == pytest.approx(1.68316, abs=4e-3)
@@ -272,7 +272,7 @@ def test_reported_geometry_is_that_of_the_reported_centres():
     for geometry in ("live", "frozen"):
         r = system.simulate(3e-3, 120.0, geometry=geometry, output_step=5e-5, method="rk4")
         for i, (driver, driven) in enumerate(scene.meshes):
-            mesh, own = r.mesh(driver, driven), scene.law(i)
+            mesh, own = r.mesh((driver, driven)), scene.law(i)
             u_a, u_b = r.displacement(driver), r.displacement(driven)
             centres = np.array([own.centres(a, b) for a, b in zip(u_a, u_b, strict=True)])
             assert np.ptp(centres[:, 0]) > 1e-5
@@ -339,12 +339,12 @@ def test_frozen_geometry_runs_where_the_base_circles_overlap():
         gravity=(9.81, 0.0),
     )
     with pytest.raises(gb.ContactError):
-        system.static("live")
+        system.static(geometry="live")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", gb.SceneWarning)
-        rest = system.static("frozen")
+        rest = system.static(geometry="frozen")
         run = system.simulate(1e-3, 100.0, geometry="frozen", initial="static")
-    mesh, moving = rest.mesh("g1", "g2"), run.mesh("g1", "g2")
+    mesh, moving = rest.mesh(("g1", "g2")), run.mesh(("g1", "g2"))
     apart = system_distance(rest)
     assert mesh.centre_distance == pytest.approx(apart, rel=1e-12)
     assert moving.centre_distance[0] == pytest.approx(apart, rel=1e-12)

@@ -80,7 +80,7 @@ def test_the_error_says_how_to_install_a_missing_library(tmp_path, extra, missin
 def test_a_checkpoint_without_its_library_is_refused_before_the_run(tmp_path, monkeypatch, missing):
     monkeypatch.setitem(sys.modules, missing, None)
     system, options = short()
-    monkeypatch.setattr(system, "_run", None)  # no simulation runs
+    monkeypatch.setattr("gearbow.system.simulation._run", None)  # no simulation runs
     with pytest.raises(gb.MissingExtraError, match=r'pip install "gearbow\[netcdf\]"'):
         system.simulate(**options, checkpoint=tmp_path / "run.nc")
     assert names(tmp_path) == []

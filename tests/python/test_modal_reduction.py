@@ -81,7 +81,7 @@ def errors(found: gb.Response, exact: gb.Response) -> np.ndarray:
     return np.array(
         [
             max(error(found.displacement(gear), exact.displacement(gear)) for gear in GEARS),
-            max(error(found.mesh(*pair).force, exact.mesh(*pair).force) for pair in PAIRS),
+            max(error(found.mesh(pair).force, exact.mesh(pair).force) for pair in PAIRS),
         ]
     )
 

@@ -14,10 +14,10 @@ SPEED = 100.0
 
 
 def made(duration=1.0, step=1e-4, start=0.0, **content):
-    """Return a response whose g1 v is a sum of orders, {name of the order: complex amplitude}."""
+    """Return a response whose g1 y is a sum of orders, {name of the order: complex amplitude}."""
     rows = round(duration / step)
     response = recorded(rows=rows)
-    response.time = start + step * np.arange(rows)
+    response._data["time"] = start + step * np.arange(rows)
     response.speed = SPEED
     response.kinematics = Kinematics.of(train())
     motion = np.zeros((rows, 3, 2))
@@ -36,7 +36,7 @@ def test_least_squares_recover_amplitude_and_phase_of_every_order():
         "1× mesh g1–g2 − 1× output": (24.5, -4e-8 + 0j),
         "3× mesh g1–g2 + 1× input": (76.0, 5e-9j),
     }
-    found = made(1.37, start=0.21, **content).orders("g1", "v")
+    found = made(1.37, start=0.21, **content).orders("g1", "y")
     names = {name: j for j, order in enumerate(found.orders) for name in order.names}
     for name, (value, amplitude) in content.items():
         assert found.orders[names[name]].value == pytest.approx(value)
@@ -50,8 +50,8 @@ def test_least_squares_recover_amplitude_and_phase_of_every_order():
 
 
 def test_the_residual_of_the_fit_is_the_part_outside_all_orders():
-    with pytest.warns(gb.AccuracyWarning, match=r"^orders: 100 % of the RMS of g1 v is not at"):
-        found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "v")
+    with pytest.warns(gb.AccuracyWarning, match=r"^orders: 100 % of the RMS of g1 y is not at"):
+        found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "y")
     assert found.rest_share == pytest.approx(1.0, abs=0.01)
     assert "rest 7.1e-07 m RMS (99.9 % of the motion)" in found.table()
     # The RMS of a sine; the fit absorbs a small part of it.
@@ -66,7 +66,7 @@ def test_the_default_contains_significant_higher_harmonics():
         "9× mesh": (225.0, 1e-9 + 0j),
         "31× mesh": (775.0, 1e-7 + 0j),
     }
-    found = made(1.0, **content).orders("g1", "v")
+    found = made(1.0, **content).orders("g1", "y")
     # The lines outside the fit disturb it by 2e-5.
     assert found.amplitude("7× mesh g1–g2") == pytest.approx(3e-6, rel=1e-4)
     assert found.amplitude("7× mesh g1–g2 + 1× input") == pytest.approx(1e-6, rel=1e-4)
@@ -79,24 +79,24 @@ def test_the_default_contains_significant_higher_harmonics():
         1e-7 / np.sqrt(1e-12 + 9e-12 + 1e-12 + 1e-14), rel=0.01
     )
     fixed = made(1.0, **content)
-    with pytest.warns(gb.AccuracyWarning, match=r"of the RMS of g1 v is not at these orders"):
-        assert max(o.value for o in fixed.orders("g1", "v", mesh_harmonics=3).orders) == 76.0
+    with pytest.warns(gb.AccuracyWarning, match=r"of the RMS of g1 y is not at these orders"):
+        assert max(o.value for o in fixed.orders("g1", "y", mesh_harmonics=3).orders) == 76.0
 
 
 def test_the_default_takes_only_what_the_record_resolves_and_separates():
     # 0.25 s separate orders with a distance of 0.126.
     response = made(0.25, 1e-4, a=(25.0, 1e-6 + 0j), b=(125.0, 1e-6 + 0j))
-    found = response.orders("g1", "v")
+    found = response.orders("g1", "y")
     assert found.amplitude("5× mesh g1–g2") == pytest.approx(1e-6)
     assert found.rest < 1e-12
     # A step of 0.4 ms resolves orders below 78.5: the fourth harmonic appears as another order.
     coarse = made(1.0, 4e-4, a=(25.0, 1e-6 + 0j), b=(100.0, 1e-6 + 0j))
     with pytest.warns(gb.AccuracyWarning, match="is not at these orders"):
-        assert max(order.value for order in coarse.orders("g1", "v").orders) == 76.0
+        assert max(order.value for order in coarse.orders("g1", "y").orders) == 76.0
 
 
 def test_a_signal_at_rest_has_no_rest():
-    found = made(1.0, a=(0.0, 1e-6 + 0j)).orders("g1", "v")
+    found = made(1.0, a=(0.0, 1e-6 + 0j)).orders("g1", "y")
     assert found.rest_share <= 1.0
     assert max(order.value for order in found.orders) == 76.0
 
@@ -114,7 +114,7 @@ def test_coinciding_orders_are_one_order_with_all_names():
 def test_a_table_lists_the_largest_first():
     table = made(a=(1.0, 3e-6), b=(25.0, 5e-6)).orders("g1").table(2).splitlines()
     assert len(table) == 4
-    assert table[0].startswith("g1 v: mean 7e-06 m")
+    assert table[0].startswith("g1 y: mean 7e-06 m")
     assert table[2].endswith("1× mesh g1–g2")
     assert table[3].endswith("1× input = 2× output")
 
@@ -165,8 +165,8 @@ def test_a_flat_top_window_gives_the_amplitude_between_lines():
 @pytest.mark.parametrize(
     ("of", "quantity", "label", "unit"),
     [
-        ("g1", None, "g1 v", "m"),
-        (("input", 0.1), "w", "input at 0.1 m w", "m"),
+        ("g1", None, "g1 y", "m"),
+        (("input", 0.1), "z", "input at 0.1 m z", "m"),
         ("g2", "twist", "g2 twist", "rad"),
         (("g1", "g2"), None, "g1/g2 force", "N"),
         (("g1", "g2"), "contact_ratio", "g1/g2 contact ratio", "1"),
@@ -183,8 +183,8 @@ def test_every_channel_has_a_spectrum(of, quantity, label, unit):
 
 def test_the_error_names_the_invalid_argument():
     response = recorded(rows=64)
-    with pytest.raises(gb.ChannelError, match=r"has v, w, twist, u, velocity_v, .*, got 'x'"):
-        response.spectrum("g1", "x")
+    with pytest.raises(gb.ChannelError, match=r"has y, z, twist, x, velocity_y, .*, got 'v'"):
+        response.spectrum("g1", "v")
     with pytest.raises(gb.ChannelError, match="was not recorded"):
         response.spectrum("g7")
     with pytest.raises(gb.SceneError, match="window: must be one of"):
@@ -197,7 +197,7 @@ def test_the_bow_appears_at_the_order_of_its_shaft(tmp_path):
     system = train()
     turn = 2 * np.pi / (0.5 * SPEED)
     response = system.simulate(3 * turn, SPEED, output_step=turn / 1000, record=["g1", "meshes"])
-    found = response.orders("g1", "v")
+    found = response.orders("g1", "y")
     linear = abs(system.synchronous([SPEED]).displacement("g1")[0, 0, 0])
     # The moving line of action causes a second-order deviation from the linear motion.
     assert found.amplitude("1× input") == pytest.approx(linear, rel=1e-2)
@@ -206,7 +206,7 @@ def test_the_bow_appears_at_the_order_of_its_shaft(tmp_path):
     response.save(tmp_path / "run.npz")
     again = gb.Response.load(tmp_path / "run.npz")
     assert again.kinematics == response.kinematics
-    np.testing.assert_array_equal(again.orders("g1", "v").amplitudes, found.amplitudes)
+    np.testing.assert_array_equal(again.orders("g1", "y").amplitudes, found.amplitudes)
     assert len(found.plot(5).axes[0].get_yticks()) == 5
 
 
@@ -239,7 +239,7 @@ def test_the_order_of_a_force_is_among_the_orders(tmp_path):
     assert names["2.5× force at g2"] == pytest.approx(1.25)
     assert names["2× force at g1"] == names["2× input"]
     response = system.simulate(1.0, SPEED, record=["g2"], output_step=1e-3)
-    found = response.orders("g2", "v", skip_time=0.4, mesh_harmonics=1)
+    found = response.orders("g2", "y", skip_time=0.4, mesh_harmonics=1)
     # The force turns backwards with its shaft: its phasors along y and z are 50 and 50i.
     matrices, frequency = system.matrices(SPEED), 1.25 * SPEED
     rate = matrices.damping + SPEED * matrices.gyroscopic

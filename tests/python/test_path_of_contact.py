@@ -67,7 +67,7 @@ def test_a_contact_ratio_below_one_warns(model: str):
     with pytest.warns(gb.SceneWarning, match=message):
         system = pair(centre_distance=0.115, stiffness=MODELS[model])
     assert system.modes(count=2).frequencies_hz[1] > 10.0
-    found = system.simulate(0.02, 60.0, output_step=1e-5).mesh("pinion", "wheel")
+    found = system.simulate(0.02, 60.0, output_step=1e-5).mesh(("pinion", "wheel"))
     assert found.stiffness.min() >= 0.0
     assert set(found.pairs_in_contact) == {0, 1}
 
@@ -98,7 +98,7 @@ def test_there_is_no_contact_beyond_a_base_circle(
     start = f'meshes[0]: involute interference: the tips of "wheel" reach {beyond} mm beyond the '
     assert texts[0].startswith(start)
     assert texts[1].startswith(f"gears[0]: {teeth[0]} teeth with a profile_shift of 0 are undercut")
-    mesh = system.static().mesh("pinion", "wheel")
+    mesh = system.static().mesh(("pinion", "wheel"))
     law = Toothed(teeth=teeth).law()
     assert law.contact_ratio(law.centre_distance) == pytest.approx(ratio, abs=5e-4)
     # the load increases the centre distance by micrometres
@@ -111,7 +111,7 @@ def test_there_is_no_contact_beyond_a_base_circle(
 
 def test_the_stiffness_of_iso_6336_uses_the_limited_path():
     with pytest.warns(gb.SceneWarning):
-        found = pair((12, 60)).static().mesh("pinion", "wheel").stiffness
+        found = pair((12, 60)).static().mesh(("pinion", "wheel")).stiffness
     single = 0.8 / (0.04723 + 0.15551 / 12 + 0.25791 / 60) * 1e9 * 0.03
     law = Toothed(teeth=(12, 60)).law()
     ratio = law.contact_ratio(law.centre_distance)
@@ -124,7 +124,7 @@ def test_tooth_pairs_use_the_limited_path(model: str):
         system = pair((12, 60), stiffness=MODELS[model])
     period = 2 * np.pi / 12 / 50.0
     times = (np.arange(2000) + 0.5) * period / 500 + 0.01
-    mesh = system.simulate(times[-1], 50.0, times=times).mesh("pinion", "wheel")
+    mesh = system.simulate(times[-1], 50.0, times=times).mesh(("pinion", "wheel"))
     # one sample in 500 at each of two edges
     assert mesh.pairs_in_contact.mean() == pytest.approx(1.4053, abs=4e-3)
     assert mesh.contact_ratio == pytest.approx(1.4053, abs=1e-4)
@@ -146,7 +146,7 @@ def test_events_of_a_path_of_contact_that_becomes_shorter():
     run = system.simulate(
         1.5 * turn, speed, output_step=turn / 4000, initial="synchronous", record=["meshes"]
     )
-    mesh, law = run.mesh("pinion", "wheel"), Toothed(teeth=(20, 40)).law()
+    mesh, law = run.mesh(("pinion", "wheel")), Toothed(teeth=(20, 40)).law()
     ratio = np.array([law.contact_ratio(distance) for distance in mesh.centre_distance])
     # same formula: round-off
     assert mesh.contact_ratio == pytest.approx(ratio, rel=1e-11)

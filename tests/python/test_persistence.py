@@ -160,4 +160,4 @@ def test_a_steady_state_goes_through_pickle():
     for found in (pickle.loads(pickle.dumps(steady)), copy.deepcopy(steady)):
         assert_same(found.response, steady.response)
         assert (found.period, found.method) == (steady.period, steady.method)
-        np.testing.assert_array_equal(found.multipliers, steady.multipliers)
+        np.testing.assert_array_equal(found.multipliers(), steady.multipliers())

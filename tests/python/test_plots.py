@@ -37,7 +37,7 @@ def test_every_kind_of_figure_has_labelled_axes(kind, tmp_path):
 
 def test_an_orbit_is_the_displacement_in_micrometres():
     response = recorded()
-    figure = response.plot("orbits", names=["g2"])
+    figure = response.plot("orbits", at=["g2"])
     (panel,) = figure.axes
     np.testing.assert_allclose(
         panel.get_lines()[0].get_xdata(), 1e6 * response.displacement("g2")[:, 0]
@@ -60,7 +60,7 @@ def test_labels_are_names_or_positions():
 def test_the_geometry_of_a_mesh_is_drawn_in_degrees():
     response = recorded()
     contact, pressure, centres, distance = response.plot("geometry").axes
-    mesh = response.mesh("g1", "g2")
+    mesh = response.mesh(("g1", "g2"))
     np.testing.assert_array_equal(drawn(contact)[0], mesh.contact_ratio)
     np.testing.assert_allclose(drawn(pressure)[0], np.degrees(mesh.pressure_angle))
     np.testing.assert_allclose(drawn(centres)[0], np.degrees(mesh.centre_line_angle))
@@ -69,11 +69,11 @@ def test_the_geometry_of_a_mesh_is_drawn_in_degrees():
 
 def test_the_spectrum_of_a_sine_has_its_frequency_and_amplitude():
     response = recorded(rows=2000)
-    response.time = 1e-3 * np.arange(2000)
+    response._data["time"] = 1e-3 * np.arange(2000)
     motion = np.zeros((2000, 3, 2))
     motion[:, 0, 0] = 5e-6 + 3e-6 * np.sin(2 * np.pi * 50.0 * response.time)
     response._data["displacement"] = motion
-    (panel,) = response.plot("spectrum", names=["g1"]).axes
+    (panel,) = response.plot("spectrum", at=["g1"]).axes
     line = panel.get_lines()[0]
     frequency, amplitude = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
     assert frequency[np.argmax(amplitude)] == pytest.approx(50.0)
@@ -82,7 +82,7 @@ def test_the_spectrum_of_a_sine_has_its_frequency_and_amplitude():
 
 def test_a_spectrum_needs_equally_spaced_times():
     response = recorded()
-    response.time = np.array([0.0, 0.1, 0.3, 0.4, 0.5])
+    response._data["time"] = np.array([0.0, 0.1, 0.3, 0.4, 0.5])
     with pytest.raises(gb.GearbowError, match="equally spaced"):
         response.plot("spectrum")
 

@@ -154,7 +154,7 @@ def test_published_gears_have_their_centre_distance_and_contact_ratio(
     tips = [r + teeth.module * (1.0 + x) for r, x in zip(teeth.radii, teeth.shifts, strict=True)]
     # Tip radii that are given are never shortened. The clearance of these gears needs no shortening.
     system = pair(**given, tips=tuple(tips) if full_depth else (None, None))
-    mesh = system.static().mesh("ga", "gb")
+    mesh = system.static().mesh(("ga", "gb"))
     # Half a unit of the last published digit.
     if distance is not None:
         assert float(mesh.centre_distance) == pytest.approx(distance, abs=5e-7)
@@ -414,7 +414,7 @@ def test_the_contact_of_shifted_gears_follows_from_the_backlash(
     )
     found = system.simulate(
         1e-5, 100.0, output_step=1e-6, record=["meshes"], geometry=geometry
-    ).mesh("ga", "gb")
+    ).mesh(("ga", "gb"))
     assert found.contact[0] == state
     assert found.stiffness[0] == pytest.approx(4e8 if state == gb.results.Contact.BOTH else 2e8)
 
@@ -428,7 +428,7 @@ def test_stiffness_models_use_the_path_at_the_centres_without_play():
     flexibility = 0.04723 + 0.15551 / za + 0.25791 / zb - 0.00635 * xa - 0.11654 * xa / za
     flexibility += -0.00193 * xb - 0.24188 * xb / zb + 0.00529 * xa**2 + 0.00182 * xb**2
     expected = 0.8 / flexibility * 1e9 * 0.03 * (0.75 * ratio + 0.25)
-    stiffness = pair(**SPUR).static().mesh("ga", "gb").stiffness
+    stiffness = pair(**SPUR).static().mesh(("ga", "gb")).stiffness
     assert float(stiffness) == pytest.approx(expected, rel=1e-12)
     # The mean number of pairs over one mesh cycle is the contact ratio.
     square = pair(**SPUR, stiffness=gb.Stiffness.square(pair=2e8, engagement="sharp"), torque=1.0)
@@ -437,4 +437,4 @@ def test_stiffness_models_use_the_path_at_the_centres_without_play():
         cycle, 1.0, times=(np.arange(1000) + 0.5) * cycle / 1000, initial="static"
     )
     # One sample in 1000 at each of two edges.
-    assert run.mesh("ga", "gb").pairs_in_contact.mean() == pytest.approx(ratio, abs=2e-3)
+    assert run.mesh(("ga", "gb")).pairs_in_contact.mean() == pytest.approx(ratio, abs=2e-3)

@@ -112,7 +112,7 @@ def test_sharp_engagement_has_the_motion_of_the_hunting_tooth_period(backlash: f
     )
     # what is transient is at most ten times the tolerance, and that of the displacements less
     assert relative(found, exact) < 1e-4
-    assert relative(steady.response.mesh(*MESH).force, again.mesh(*MESH).force) < 1e-4
+    assert relative(steady.response.mesh(MESH).force, again.mesh(MESH).force) < 1e-4
 
 
 def test_a_long_period_begins_with_the_state_of_its_sections():
@@ -134,7 +134,7 @@ def test_nonlinear_bearings_equal_running_in(system: gb.RotorSystem, speed: floa
     options: dict[str, Any] = {"rtol": 1e-7, "record": [MIDDLE]}
     steady = system.steady_state(speed, **options)
     assert steady.method == "quasi-periodic"
-    assert steady.stable
+    assert steady.is_stable()
     end = 2.0
     times = end + np.linspace(0.0, 0.05, 200)
     rest = times[-1] + 1e-9 - steady.response.final["time"]
@@ -148,7 +148,7 @@ def test_nonlinear_bearings_equal_running_in(system: gb.RotorSystem, speed: floa
 def test_an_unstable_motion_is_found_and_known_as_such():
     steady = rotor(film, one=np.pi / 2).steady_state(900.0, rtol=1e-6, record=[MIDDLE])
     assert steady.method == "quasi-periodic"
-    assert steady.instability == "Neimark-Sacker"
+    assert steady.instability() == "Neimark-Sacker"
 
 
 @pytest.mark.parametrize("geometry", ["live", "frozen"])

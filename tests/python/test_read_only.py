@@ -45,7 +45,7 @@ def results():
         "balance": bowed.balance(["disk"], 50.0),
         "response": response,
         "unsorted": system.simulate(1e-3, 10.0, times=[1e-3, 0.0]),
-        "mesh": response.mesh("g1", "g2"),
+        "mesh": response.mesh(("g1", "g2")),
         "energy": response.energy_balance(),
         "spectrum": response.spectrum("g1"),
     }

@@ -117,7 +117,7 @@ def objects() -> dict[str, object]:
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5))[0],
         pair.static(speed=100.0),
         response,
-        response.mesh("gear 0", "gear 1"),
+        response.mesh(("gear 0", "gear 1")),
         response.energy_balance(),
         response.spectrum("gear 0"),
         response.orders("gear 0"),

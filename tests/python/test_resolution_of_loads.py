@@ -107,7 +107,7 @@ def test_engineering_resolves_a_torque_in_a_train(kind: str):
     run = system.simulate(DURATION, SPEED, record=record, **RUN)
     exact = fine.simulate(DURATION, SPEED, record=record, rtol=1e-7, **RUN)
     # the promise of "engineering" for mesh forces and displacements
-    force, wanted = (each.mesh("g1", "g2").force[:, None] for each in (run, exact))
+    force, wanted = (each.mesh(("g1", "g2")).force[:, None] for each in (run, exact))
     assert error(force, wanted) < 1e-2
     for name in ("g1", "g2"):
         assert error(run.displacement(name), exact.displacement(name)) < 1e-3

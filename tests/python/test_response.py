@@ -121,9 +121,9 @@ def test_array_shapes_and_mesh_geometry():
     assert response.time.shape == (rows,)
     assert response.displacement("g1").shape == (rows, 2)
     assert response.twist("g2").shape == (rows,)
-    assert response.bearing_force("input", 0.5).shape == (rows, 2)
+    assert response.bearing_force(("input", 0.5)).shape == (rows, 2)
     assert response.energy.shape == (rows,)
-    mesh = response.mesh("g1", "g2")
+    mesh = response.mesh(("g1", "g2"))
     for field in FIELDS:
         assert getattr(mesh, field).shape == (rows,)
     rest = 0.5 * 3e-3 * (25 + 50)
@@ -154,8 +154,8 @@ def test_a_place_is_found_by_name_and_by_position():
     [
         (lambda r: r.displacement("wheel"), "record=['wheel', ...]"),
         (lambda r: r.twist(("input", 0.2)), "record=[('input', 0.2), ...]"),
-        (lambda r: r.bearing_force("input", 0.5), "record=[('bearing', 'input', 0.5), ...]"),
-        (lambda r: r.mesh("g1", "g3"), "record=[('g1', 'g3'), ...]"),
+        (lambda r: r.bearing_force(("input", 0.5)), "record=[('bearing', 'input', 0.5), ...]"),
+        (lambda r: r.mesh(("g1", "g3")), "record=[('g1', 'g3'), ...]"),
         (lambda r: r.energy, "record=['energy', ...]"),
         (lambda r: r.energy_balance(), "record=['energy', ...]"),
     ],
@@ -171,9 +171,18 @@ def test_the_error_says_how_to_record_a_missing_quantity(ask, record):
     assert isinstance(caught.value, gb.GearbowError)
 
 
-def test_the_error_for_a_swapped_pair_names_the_driver():
-    with pytest.raises(gb.ChannelError, match="'g1' drives 'g2'"):
-        recorded().mesh("g2", "g1")
+def test_a_mesh_has_its_gears_in_either_order():
+    response = recorded()
+    force = response.mesh(("g1", "g2")).force
+    for at in (("g2", "g1"), "g1/g2", "g2/g1", ["g1", "g2"]):
+        np.testing.assert_array_equal(response.mesh(at).force, force)
+        assert response.spectrum(at).label == "g1/g2 force"
+    with pytest.raises(gb.SceneError, match=r'^at: must be \(driver, driven\) or "driver/driven"'):
+        response.mesh("g1")
+    with pytest.raises(gb.SceneError, match=r"^at: must be \(shaft, position\), got 'g1'"):
+        response.bearing_force("g1")  # type: ignore[arg-type]
+    with pytest.raises(gb.SceneError, match=r"^at: must be a name or \(shaft, position\)"):
+        response.displacement(("g1", "g2"))  # type: ignore[arg-type]
 
 
 def test_a_recorded_quantity_can_be_requested_again():
@@ -206,7 +215,7 @@ class TestTimes:
             response.energy_balance().drive, ordered.energy_balance().drive[rows]
         )
         np.testing.assert_array_equal(
-            response.mesh("g1", "g2").force, ordered.mesh("g1", "g2").force[rows]
+            response.mesh(("g1", "g2")).force, ordered.mesh(("g1", "g2")).force[rows]
         )
         assert np.unique(ordered.displacement("g1"), axis=0).shape[0] == 4
 
@@ -369,13 +378,13 @@ def test_tables_have_units_in_their_columns():
     table = response.to_dataframe()
     assert table.index.name == "time [s]"
     assert table.shape == (5, 3 * 3 + len(FIELDS) + 2 + 1 + len(TERMS))
-    np.testing.assert_array_equal(table["g2 w [m]"], response.displacement("g2")[:, 1])
+    np.testing.assert_array_equal(table["g2 z [m]"], response.displacement("g2")[:, 1])
     np.testing.assert_array_equal(table["input@0.1 twist [rad]"], response.twist(("input", 0.1)))
     np.testing.assert_array_equal(
-        table["g1/g2 pressure_angle [rad]"], response.mesh("g1", "g2").pressure_angle
+        table["g1/g2 pressure_angle [rad]"], response.mesh(("g1", "g2")).pressure_angle
     )
     np.testing.assert_array_equal(
-        table["input@0 force_z [N]"], response.bearing_force("input", 0.0)[:, 1]
+        table["input@0 force_z [N]"], response.bearing_force(("input", 0.0))[:, 1]
     )
     np.testing.assert_array_equal(table["energy [J]"], response.energy)
     balance = response.energy_balance()
@@ -461,18 +470,21 @@ def test_mode_names_tell_where_they_move():
 
 def test_static_answers_by_name():
     static = train().static()
-    mesh = static.mesh("g1", "g2")
+    mesh = static.mesh(("g1", "g2"))
     force = 250.0 / (0.5 * 3e-3 * 25 * np.cos(np.radians(20.0)))
     assert mesh.force == pytest.approx(force, rel=1e-6)
     assert static.displacement("g1").shape == (2,)
     assert np.hypot(*static.displacement("g1")) > 1e-6
     assert isinstance(static.twist("g1"), float)
-    total = sum(static.bearing_force("input", x) for x in (0.0, 0.5))
+    total = sum(static.bearing_force(("input", x)) for x in (0.0, 0.5))
     assert np.hypot(*total) == pytest.approx(force, rel=1e-6)
-    with pytest.raises(gb.ChannelError, match="no mesh of 'g2'"):
-        static.mesh("g2", "g1")
-    with pytest.raises(gb.ChannelError, match="no bearing at"):
-        static.bearing_force("input", 0.1)
+    assert static.mesh("g2/g1").force == mesh.force
+    with pytest.raises(
+        gb.ChannelError, match=r"no mesh of 'g1' with 'g3'; there are \('g1', 'g2'\)"
+    ):
+        static.mesh(("g1", "g3"))
+    with pytest.raises(gb.ChannelError, match=r"no bearing at .*; there are \('input', 0.0\), "):
+        static.bearing_force(("input", 0.1))
 
 
 def test_an_error_in_the_last_progress_report_keeps_the_results():

@@ -41,7 +41,7 @@ def everything() -> dict[str, Any]:
     study = bowed.tradeoff(2e-3, 100.0, signals=[("rotor", 0.5)], tolerances=[1e-3], repeats=1)
     return {
         **results(),
-        "mesh state": system.static().mesh("g1", "g2"),
+        "mesh state": system.static().mesh(("g1", "g2")),
         "line": campbell.lines[0],
         "intersection": bowed.campbell([0.0, 900.0], count=2).criticals[0],
         "peak": response.peaks(("rotor", 0.5))[0],
@@ -52,8 +52,10 @@ def everything() -> dict[str, Any]:
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),
         "rolling coefficients": balls.coefficients(100.0),
-        "rolling motion": rolling.simulate(1e-3, 100.0, record=["bearings"]).rolling("rotor", 0.0),
-        "journal motion": floating.static(speed=100.0).journal("rotor", 0.0),
+        "rolling motion": rolling.simulate(1e-3, 100.0, record=["bearings"]).rolling(
+            ("rotor", 0.0)
+        ),
+        "journal motion": floating.static(speed=100.0).journal(("rotor", 0.0)),
         "tradeoff": study,
         "trial": study.trials[0],
         "recommendation": study.recommend(1.0),

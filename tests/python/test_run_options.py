@@ -133,7 +133,7 @@ def test_overlapping_base_circles_end_a_run_with_mesh_and_time():
     done = caught.value.response
     assert 0 < done.time[-1] < 5e-3
     # the motion is valid until just before the overlap
-    closing = done.mesh("g1", "g2").centre_distance
+    closing = done.mesh(("g1", "g2")).centre_distance
     apart = scene.law(0).sum_of_radii
     assert np.isfinite(done.displacement("g1")).all()
     assert apart < closing[-1] < apart + 1e-3

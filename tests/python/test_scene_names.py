@@ -50,6 +50,10 @@ def scene_with(key: str, index: int, **changes) -> dict:
             lambda: pair(torques=[gb.Torque("whel", 1.0)]),
             r'^torques\[0\].at: .* called "whel"; did you mean "wheel"\?',
         ),
+        (
+            lambda: pair(disks=[gb.Disk("a/b", "input", 0.25, 1.0, 1e-3, 2e-3)]),
+            r'^disks\[0\].name: must not contain "/" or ":", got "a/b"',
+        ),
         (lambda: pair(reference="imput"), r'^reference: .*; did you mean "input"\?'),
         (lambda: pair(motion="couple"), r'^motion: .*; did you mean "coupled"\?'),
         (

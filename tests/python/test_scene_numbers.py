@@ -185,15 +185,12 @@ def test_teeth_with_an_invalid_number(make, value):
 
 ARGUMENTS = {
     "modes speed": (lambda s, _, x: s.modes(x), "speed"),
-    "modes count": (lambda s, _, x: s.modes(0.0, x), "count"),
+    "modes count": (lambda s, _, x: s.modes(count=x), "count"),
     "campbell speeds": (lambda s, _, x: s.campbell([0.0, x]), "speeds"),
     "campbell count": (lambda s, _, x: s.campbell([0.0, 1.0], count=x), "count"),
     "campbell harmonics": (lambda s, _, x: s.campbell([0.0, 1.0], harmonics=x), "harmonics"),
     "critical stiffness": (lambda s, _, x: s.critical_speed_map([x]), "stiffnesses"),
-    "critical excitation": (
-        lambda s, _, x: s.critical_speed_map([1e8], excitation=x),
-        "excitation",
-    ),
+    "critical order": (lambda s, _, x: s.critical_speed_map([1e8], order=x), "order"),
     "synchronous": (lambda s, _, x: s.synchronous([1.0, x]), "speeds"),
     "slow roll": (lambda s, _, x: s.synchronous([1.0]).subtract_slow_roll(x), "speed"),
     "operating": (
@@ -226,16 +223,16 @@ ARGUMENTS = {
     "orders shafts": (lambda _, r, x: r.orders("wheel", shaft_harmonics=x), "shaft_harmonics"),
     "orders meshes": (lambda _, r, x: r.orders("wheel", mesh_harmonics=x), "mesh_harmonics"),
     "orders sidebands": (lambda _, r, x: r.orders("wheel", sidebands=x), "sidebands"),
-    "orders of": (lambda _, r, x: r.orders(("rotor", x)), "of"),
-    "spectrum of": (lambda _, r, x: r.spectrum(("rotor", x)), "of"),
-    "displacement": (lambda _, r, x: r.displacement(("rotor", x)), "name"),
-    "bearing force": (lambda _, r, x: r.bearing_force("rotor", x), "position"),
+    "orders of": (lambda _, r, x: r.orders(("rotor", x)), "at"),
+    "spectrum of": (lambda _, r, x: r.spectrum(("rotor", x)), "at"),
+    "displacement": (lambda _, r, x: r.displacement(("rotor", x)), "at"),
+    "bearing force": (lambda _, r, x: r.bearing_force(("rotor", x)), "at"),
     "static displacement": (lambda s, _, x: s.static().displacement(("rotor", x)), "at"),
-    "static bearing": (lambda s, _, x: s.static().bearing_force("rotor", x), "position"),
+    "static bearing": (lambda s, _, x: s.static().bearing_force(("rotor", x)), "at"),
     "synchronous place": (lambda s, _, x: s.synchronous([1.0]).displacement(("rotor", x)), "at"),
     "synchronous bearing": (
-        lambda s, _, x: s.synchronous([1.0]).bearing_force("rotor", x),
-        "position",
+        lambda s, _, x: s.synchronous([1.0]).bearing_force(("rotor", x)),
+        "at",
     ),
     "modes table": (lambda s, _, x: s.modes().table(x), "count"),
     "modes plot": (lambda s, _, x: s.modes().plot(x), "number"),
@@ -244,7 +241,7 @@ ARGUMENTS = {
     "dictionary": (lambda s, _, x: gb.RotorSystem.from_dict({**s.description, "gravity": x}), ""),
 }
 #: A name in arguments that accept numbers and names.
-NAMES = ("record", "balance plane", "orders of", "spectrum of", "displacement")
+NAMES = ("record", "balance plane")
 
 
 @pytest.mark.parametrize("name", ARGUMENTS)
@@ -281,8 +278,8 @@ def test_other_kinds_of_numbers_are_accepted(value, system):
         (lambda s: s.synchronous([math.nan]), r"^speeds\[0\]: must be finite, got nan"),
         (lambda s: s.campbell([]), "^speeds: must have at least 1"),
         (lambda s: s.critical_speed_map([]), "^stiffnesses: must have at least 1"),
-        (lambda s: s.modes(0.0, -1), "^count: must be at least 1, got -1"),
-        (lambda s: s.modes(0.0, 2.5), "^count: must be a whole number, got 2.5"),
+        (lambda s: s.modes(count=-1), "^count: must be at least 1, got -1"),
+        (lambda s: s.modes(count=2.5), "^count: must be a whole number, got 2.5"),
         (lambda s: s.modes(math.nan), "^speed: must be finite, got nan"),
         (lambda s: s.balance(["wheel"], 100.0, points=[]), "^points: must name at least one"),
         (lambda s: s.balance([], 100.0), "^planes: must"),
@@ -297,7 +294,7 @@ def test_other_kinds_of_numbers_are_accepted(value, system):
         (lambda s: s.simulate(1e-3, 1.0, geometry=None), "^geometry: must be text"),
         (lambda s: s.simulate(1e-3, 1.0, times=[[0.0, 1e-3]]), r"^times: must be one sequence"),
         (lambda s: s.simulate(1e-3, ([0.0, 1.0], [1.0])), "^speed: needs equal numbers"),
-        (lambda s: s.simulate(1e-3, 1.0).plot("orbits", []), "^names: must name at least one"),
+        (lambda s: s.simulate(1e-3, 1.0).plot("orbits", []), "^at: must name at least one"),
         (lambda s: s.replace(reference=1), "^reference: must be text"),
         (lambda s: s.replace(motion=["coupled"]), "^motion: must be text"),
         (lambda s: s.replace(shafts=None), "^shafts: must be a list"),

@@ -54,7 +54,7 @@ def test_a_probe_on_a_support_measures_the_relative_motion():
     )
     for angle, axis in ((0.0, 0), (np.pi / 2, 1)):
         probe = gb.Probe("output", 0.4, angle=angle, support="foot")
-        relative = run.bearing_displacement("output", 0.4)[:, axis]
+        relative = run.bearing_displacement(("output", 0.4))[:, axis]
         assert run.measure(probe) == pytest.approx(relative, abs=1e-12 * np.abs(relative).max())
 
 
@@ -232,7 +232,7 @@ def test_sensors_in_spectra_orders_and_tables():
     spectrum = run.spectrum(probe)
     assert (spectrum.label, spectrum.unit) == ("probe rotor at 0.5 m, 45°", "m")
     amplitude = run.orders(probe).amplitude("1× rotor")
-    assert amplitude == pytest.approx(run.orders(MIDDLE, "v").amplitude("1× rotor"), rel=1e-9)
+    assert amplitude == pytest.approx(run.orders(MIDDLE, "y").amplitude("1× rotor"), rel=1e-9)
     rate = run.orders(sensor).amplitude("1× rotor")
     assert rate == pytest.approx(120.0**2 * amplitude, rel=1e-9)
     table = run.to_dataframe(sensors=[probe, sensor])
@@ -270,7 +270,7 @@ def test_clear_errors():
             gb.ChannelError,
             r"twist rate of .* was not recorded.*\['velocity'",
         ),
-        (lambda: run.spectrum(gb.Probe(*MIDDLE), "v"), gb.ChannelError, r"^quantity: a sensor"),
+        (lambda: run.spectrum(gb.Probe(*MIDDLE), "y"), gb.ChannelError, r"^quantity: a sensor"),
         (lambda: run.resample(2000.0), gb.GearbowError, r"^rate: .* at most .* 1000 Hz, got 2000"),
         (lambda: run.resample(-1.0), gb.GearbowError, r"^rate: must be positive"),
         (lambda: run.resample(100.0), gb.GearbowError, r"shorter than the filter"),

@@ -36,12 +36,12 @@ class TestRecords:
                 np.testing.assert_array_equal(made.twist(name), data["twist"][:, point])
         for bearing, place in enumerate((("input", 0.0), ("output", 0.5))):
             np.testing.assert_array_equal(
-                made.bearing_force(*place), data["bearing_force"][:, bearing]
+                made.bearing_force(place), data["bearing_force"][:, bearing]
             )
         for mesh, pair in enumerate((("g1", "g2"), ("g3", "g4"))):
             for quantity in MESH_UNITS:
                 np.testing.assert_array_equal(
-                    getattr(made.mesh(*pair), quantity), data["mesh"][quantity][:, mesh]
+                    getattr(made.mesh(pair), quantity), data["mesh"][quantity][:, mesh]
                 )
         np.testing.assert_array_equal(made.speeds, np.full(6, -30.0))
 
@@ -60,32 +60,44 @@ class TestRecords:
     @pytest.mark.parametrize(
         ("of", "quantity", "unit", "find"),
         [
-            ("g2", "v", "m", lambda r: r.displacement("g2")[:, 0]),
-            ("g2", "w", "m", lambda r: r.displacement("g2")[:, 1]),
+            ("g2", "y", "m", lambda r: r.displacement("g2")[:, 0]),
+            ("g2", "z", "m", lambda r: r.displacement("g2")[:, 1]),
             ("g2", "twist", "rad", lambda r: r.twist("g2")),
-            (("output", 0.3), "w", "m", lambda r: r.displacement(("output", 0.3))[:, 1]),
-            (("bearing", "output", 0.5), "y", "N", lambda r: r.bearing_force("output", 0.5)[:, 0]),
-            (("bearing", "output", 0.5), "z", "N", lambda r: r.bearing_force("output", 0.5)[:, 1]),
+            (("output", 0.3), "z", "m", lambda r: r.displacement(("output", 0.3))[:, 1]),
+            (
+                ("bearing", "output", 0.5),
+                "y",
+                "N",
+                lambda r: r.bearing_force(("output", 0.5))[:, 0],
+            ),
+            (
+                ("bearing", "output", 0.5),
+                "z",
+                "N",
+                lambda r: r.bearing_force(("output", 0.5))[:, 1],
+            ),
             ("energy", None, "J", lambda r: r.energy),
         ],
     )
     def test_a_channel_has_its_values_and_its_unit(self, of, quantity, unit, find):
         made = response(0.1 * np.arange(6))
-        found = channel(made, of, quantity)
+        found = channel(made.to_record(), of, quantity)
         assert found.unit == unit
         np.testing.assert_array_equal(found.values, find(made))
 
     def test_channels_of_a_mesh(self):
         made = response(0.1 * np.arange(6))
         for quantity, unit in MESH_UNITS.items():
-            found = channel(made, ("g3", "g4"), quantity)
+            found = channel(made.to_record(), ("g3", "g4"), quantity)
             assert found.unit == unit
             assert found.label == f"g3/g4 {quantity.replace('_', ' ')}"
             np.testing.assert_array_equal(found.values, made._data["mesh"][quantity][:, 1])
         # without a quantity: the force of a mesh, and the first component of the others
-        assert channel(made, ("g3", "g4")).label == "g3/g4 force"
-        assert channel(made, "g3").label == "g3 v"
-        assert channel(made, ("bearing", "input", 0.0)).label == "bearing input at 0 m y"
+        assert channel(made.to_record(), ("g3", "g4")).label == "g3/g4 force"
+        assert channel(made.to_record(), "g3").label == "g3 y"
+        assert (
+            channel(made.to_record(), ("bearing", "input", 0.0)).label == "bearing input at 0 m y"
+        )
 
 
 class TestSpectrum:
@@ -129,14 +141,14 @@ class TestSpectrum:
     def test_the_window_reaches_the_spectrum_of_a_response(self, window: str):
         time = 1e-3 * np.arange(200)
         made = of_series(time, 2e-6 * np.cos(2 * np.pi * 50.0 * time))
-        found = made.spectrum("g1", "w", window=window)
+        found = made.spectrum("g1", "z", window=window)
         direct = amplitudes(time, made.displacement("g1")[:, 1], window)
         np.testing.assert_array_equal(found.frequencies_hz, direct[0])
         np.testing.assert_array_equal(found.amplitudes, direct[1])
         ratio = found.amplitudes[10] / found.amplitudes[9]  # line 10 is 50 Hz
         a = [*COSINES[window], 0.0]
         assert ratio == pytest.approx(a[1] / (2 * a[0]), abs=1e-9)
-        assert np.abs(made.spectrum("g1", "v", window=window).amplitudes).max() == 0.0
+        assert np.abs(made.spectrum("g1", "y", window=window).amplitudes).max() == 0.0
 
     def test_the_default_window_is_hann(self):
         time = 1e-3 * np.arange(200)
@@ -145,8 +157,8 @@ class TestSpectrum:
         direct = amplitudes(time, made.displacement("g1")[:, 1])[1]
         for found in (
             direct,
-            made.spectrum("g1", "w").amplitudes,
-            gb.waterfall([made], "g1", "w").amplitudes[0],
+            made.spectrum("g1", "z").amplitudes,
+            gb.waterfall([made], "g1", "z").amplitudes[0],
         ):
             np.testing.assert_array_equal(found, expected)
 
@@ -165,7 +177,7 @@ class TestSpectrum:
         time = 1e-3 * np.arange(100)
         time[50] += 1e-6
         with pytest.raises(gb.GearbowError, match="equally spaced"):
-            of_series(time, np.cos(time)).spectrum("g1", "w")
+            of_series(time, np.cos(time)).spectrum("g1", "z")
 
 
 class TestOrders:
@@ -177,13 +189,13 @@ class TestOrders:
         steady = 2e-6 * np.cos(SPEED * time - 0.7)
         made = of_series(time, steady + np.where(time < 3.5, 1e-6, 0.0))
         asked = {"shaft_harmonics": 1, "mesh_harmonics": 0}
-        found = made.orders("g1", "w", skip_time=0.501, **asked)
+        found = made.orders("g1", "z", skip_time=0.501, **asked)
         assert found.rest < 1e-15
         assert abs(found.mean) < 1e-15
         assert found.amplitude("1× input") == pytest.approx(2e-6, rel=1e-9)
         # the fit is wrong if it includes a part of the transient
-        assert made.orders("g1", "w", skip_time=0.4, **asked).rest > 1e-7
-        assert made.orders("g1", "w", **asked).rest > 3e-7
+        assert made.orders("g1", "z", skip_time=0.4, **asked).rest > 1e-7
+        assert made.orders("g1", "z", **asked).rest > 3e-7
 
     @pytest.mark.parametrize("speed", [SPEED, -SPEED])
     def test_amplitude_phase_mean_and_residual(self, speed: float):
@@ -192,7 +204,7 @@ class TestOrders:
         turn = np.exp(1j * abs(speed) * time)
         stray = 1e-8 * np.cos(3.33 * SPEED * time)
         made = of_series(time, 5e-6 + np.real(amplitude * turn) + stray, speed)
-        found = made.orders("g1", "w", shaft_harmonics=2, mesh_harmonics=0)
+        found = made.orders("g1", "z", shaft_harmonics=2, mesh_harmonics=0)
         names = [order.names[0] for order in found.orders]
         assert np.all(found.frequencies_hz > 0.0)
         at = names.index("1× input")
@@ -207,12 +219,12 @@ class TestOrders:
     def test_the_numbers_of_harmonics_and_sidebands(self):
         time = 5e-4 * np.arange(12000)
         made = of_series(time, np.cos(SPEED * time))
-        found = made.orders("g1", "w", shaft_harmonics=1, mesh_harmonics=2, sidebands=0)
+        found = made.orders("g1", "z", shaft_harmonics=1, mesh_harmonics=2, sidebands=0)
         assert {name for order in found.orders for name in order.names} == {
             "1× input", "1× middle", "1× output",
             "1× mesh g1–g2", "2× mesh g1–g2", "1× mesh g3–g4", "2× mesh g3–g4",
         }  # fmt: skip
-        found = made.orders("g1", "w", shaft_harmonics=3, mesh_harmonics=0, sidebands=0)
+        found = made.orders("g1", "z", shaft_harmonics=3, mesh_harmonics=0, sidebands=0)
         assert {name for order in found.orders for name in order.names} == {
             f"{n}× {shaft}" for n in (1, 2, 3) for shaft in ("input", "middle", "output")
         }
@@ -220,7 +232,7 @@ class TestOrders:
     def test_the_default_orders(self):
         # four harmonics of each shaft, three of each mesh, one sideband of each of its shafts
         time = 5e-4 * np.arange(24000)
-        found = of_series(time, np.cos(SPEED * time)).orders("g1", "w")
+        found = of_series(time, np.cos(SPEED * time)).orders("g1", "z")
         names = {name for order in found.orders for name in order.names}
         expected = {f"{n}× {shaft}" for n in range(1, 5) for shaft in ("input", "middle", "output")}
         for pair, shafts in (("g1–g2", ("input", "middle")), ("g3–g4", ("middle", "output"))):
@@ -237,19 +249,19 @@ class TestOrders:
             time = np.linspace(0.0, 0.05 * count, count)
             made = of_series(time, np.cos(5.0 * time), speed=5.0)
             with pytest.raises(gb.GearbowError) as caught:
-                made.orders("g1", "w", **asked)
+                made.orders("g1", "z", **asked)
             assert ("need more than 7 times" in str(caught.value)) == (count == 7)
 
     @pytest.mark.parametrize("name", ["shaft_harmonics", "mesh_harmonics", "sidebands"])
     def test_a_negative_number_is_refused(self, name: str):
         time = 1e-3 * np.arange(100)
         with pytest.raises(gb.SceneError, match=f"{name}: must be at least 0, got -1"):
-            of_series(time, time).orders("g1", "w", **{name: -1})
+            of_series(time, time).orders("g1", "z", **{name: -1})
 
     def test_a_table_has_the_values_in_its_columns(self):
         time = 1e-3 * np.arange(6000)
         made = of_series(time, 3.0 * np.sin(SPEED * time) + 2.0 * np.sin(0.4 * SPEED * time))
-        table = made.orders("g1", "w", shaft_harmonics=1, mesh_harmonics=0).table()
+        table = made.orders("g1", "z", shaft_harmonics=1, mesh_harmonics=0).table()
         assert table.splitlines()[1].split()[:3] == ["order", "[Hz]", "[m]"]
         first, second = (line.split()[:3] for line in table.splitlines()[2:4])
         assert [float(x) for x in first] == pytest.approx([1.0, SPEED / (2 * np.pi), 3.0], rel=1e-3)
@@ -264,14 +276,14 @@ class TestOrders:
         for step in (1.01 * limit, 1.9 * limit):
             time = step * np.arange(400)
             with pytest.raises(gb.GearbowError, match="needs an output_step below"):
-                of_series(time, np.cos(SPEED * time)).orders("g1", "w", **asked)
+                of_series(time, np.cos(SPEED * time)).orders("g1", "z", **asked)
         time = 0.99 * limit * np.arange(400)
-        found = of_series(time, np.cos(SPEED * time)).orders("g1", "w", **asked)
+        found = of_series(time, np.cos(SPEED * time)).orders("g1", "z", **asked)
         assert found.amplitude("1× input") == pytest.approx(1.0, rel=1e-9)
         # the largest step is decisive
         time = np.concatenate([1e-3 * np.arange(4000), [4.0 + 1.1 * limit]])
         with pytest.raises(gb.GearbowError, match="needs an output_step below"):
-            of_series(time, np.cos(SPEED * time)).orders("g1", "w", **asked)
+            of_series(time, np.cos(SPEED * time)).orders("g1", "z", **asked)
 
     def test_the_record_must_be_long_enough(self):
         # the closest orders are 0 and 0.16: the limit is half a period of their difference
@@ -279,9 +291,9 @@ class TestOrders:
         asked = {"shaft_harmonics": 1, "mesh_harmonics": 0}
         time = 3.0 + np.linspace(0.0, 0.49 * period, 500)
         with pytest.raises(gb.GearbowError, match="need a record of"):
-            of_series(time, np.cos(SPEED * time)).orders("g1", "w", **asked)
+            of_series(time, np.cos(SPEED * time)).orders("g1", "z", **asked)
         time = np.linspace(0.0, 0.51 * period, 500)
-        found = of_series(time, np.cos(SPEED * time)).orders("g1", "w", **asked)
+        found = of_series(time, np.cos(SPEED * time)).orders("g1", "z", **asked)
         assert found.amplitude("1× input") == pytest.approx(1.0, rel=1e-6)
 
 
@@ -350,7 +362,7 @@ class TestWaterfall:
         time = 1e-3 * np.arange(500)
         lines = {2 * np.pi * 70.0: 3e-6, -2 * np.pi * 20.0: 1e-6, 2 * np.pi * 40.0: 2e-6}
         runs = [of_series(time, a * np.cos(s * time), s) for s, a in lines.items()]
-        found = gb.waterfall(runs, "g1", "w", window=window)
+        found = gb.waterfall(runs, "g1", "z", window=window)
         np.testing.assert_allclose(found.speeds, 2 * np.pi * np.array([20.0, 40.0, 70.0]))
         np.testing.assert_allclose(found.frequencies_hz, 2.0 * np.arange(1, 251))
         expected = np.zeros((3, 250))
@@ -360,7 +372,7 @@ class TestWaterfall:
                 for neighbour in (line - n, line + n):
                     expected[row, neighbour - 1] = a * part / (2 * COSINES[window][0])
         np.testing.assert_allclose(found.amplitudes, expected, atol=1e-14)
-        assert (found.label, found.unit) == ("g1 w", "m")
+        assert (found.label, found.unit) == ("g1 z", "m")
         assert found.kinematics == KINEMATICS
 
     def test_runs_with_different_spectral_lines_are_refused(self):

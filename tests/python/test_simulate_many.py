@@ -29,7 +29,7 @@ def test_many_runs_have_the_bits_of_single_runs():
         fresh = gb.RotorSystem.from_dict(base.replace(**variation).description)
         alone = fresh.simulate(2e-3, 100.0, **options)
         assert run.displacement("g1").tobytes() == alone.displacement("g1").tobytes()
-        assert run.mesh("g1", "g2").force.tobytes() == alone.mesh("g1", "g2").force.tobytes()
+        assert run.mesh(("g1", "g2")).force.tobytes() == alone.mesh(("g1", "g2")).force.tobytes()
     assert base.simulate_many([], 2e-3, 100.0) == []
 
 
@@ -89,7 +89,7 @@ def long_runs(
 
 
 def bits(runs: list[gb.Response]) -> list[bytes]:
-    return [run.mesh("g1", "g2").force.tobytes() for run in runs]
+    return [run.mesh(("g1", "g2")).force.tobytes() for run in runs]
 
 
 def test_variations_share_a_number_of_modes_in_any_order_and_with_any_number_of_workers():
@@ -106,7 +106,7 @@ def test_variations_share_a_number_of_modes_in_any_order_and_with_any_number_of_
     assert bits(long_runs(pair(100.0, 1e-4), variations[::-1])) == bits(runs)[::-1]
     for variation, run in zip(variations, runs, strict=True):
         alone = base.replace(**variation).simulate(0.35, 100.0, output_step=2e-4, record=["meshes"])
-        force, exact = run.mesh("g1", "g2").force, alone.mesh("g1", "g2").force
+        force, exact = run.mesh(("g1", "g2")).force, alone.mesh(("g1", "g2")).force
         # Both have at most the permitted error.
         assert np.sqrt(np.mean((force - exact) ** 2)) < 2e-2 * np.std(exact)
 

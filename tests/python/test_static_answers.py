@@ -23,7 +23,7 @@ def test_bearing_forces_follow_the_law_of_the_lever():
     shaft = scenes.DENSITY * np.pi / 4 * 0.05**2 * 2.0
     for x, share in ((0.0, 0.75), (2.0, 0.25)):
         expected = (share * mass + shaft / 2) * gravity
-        assert static.bearing_force("s", x) == pytest.approx(expected, rel=1e-9)
+        assert static.bearing_force(("s", x)) == pytest.approx(expected, rel=1e-9)
         assert static.displacement(("s", x)) == pytest.approx(expected / stiffness, rel=1e-9)
 
 
@@ -46,7 +46,7 @@ def test_each_mesh_has_its_own_force():
     static = scene.package().static()
     radius = 0.5 * scene.module * 25 * np.cos(scene.pressure_angle)  # base radius of both drivers
     for pair, torque in ((("g1", "g2"), 1.0), (("g3", "g4"), 2.0)):
-        mesh = static.mesh(*pair)
+        mesh = static.mesh(pair)
         # the line of action moves with the centres, by 1e-5 at this torque
         assert mesh.force == pytest.approx(torque / radius, rel=1e-4)
         assert mesh.deflection == pytest.approx(torque / radius / scene.mesh_stiffness, rel=1e-4)
@@ -55,8 +55,9 @@ def test_each_mesh_has_its_own_force():
         assert mesh.centre_distance == pytest.approx(0.5 * scene.module * 75, rel=1e-4)
 
 
-def test_a_speed_in_place_of_the_geometry_is_explained():
-    # `modes` and `synchronous` take the speed first, `static` does not
+def test_the_speed_comes_first():
     system = gb.RotorSystem([gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=1)])
-    with pytest.raises(gb.SceneError, match=r"^geometry: must be .*, got 155.0; .* speed=\.\.\."):
-        system.static(155.0)
+    with pytest.raises(gb.SceneError, match=r"^speed: must be a number, got 'frozen'"):
+        system.static("frozen")  # type: ignore[arg-type]
+    with pytest.raises(gb.SceneError, match=r"^geometry: must be text, got 155.0"):
+        system.static(geometry=155.0)  # type: ignore[arg-type]

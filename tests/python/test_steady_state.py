@@ -32,7 +32,7 @@ def train(**options: Any) -> gb.RotorSystem:
 
 def signals(response: gb.Response) -> list[np.ndarray]:
     motion = [response.displacement(gear) for gear in GEARS]
-    return [*motion, *(response.mesh(*pair).force for pair in PAIRS)]
+    return [*motion, *(response.mesh(pair).force for pair in PAIRS)]
 
 
 def difference(found: gb.Response, exact: gb.Response) -> float:
@@ -144,7 +144,7 @@ def test_forces_of_unrelated_frequencies_have_the_response_of_each():
     rotor, middle = gb.RotorSystem(shafts=[shaft], bearings=bearings), ("rotor", 0.5)
     options: dict[str, Any] = {"record": [middle], "rtol": 1e-10, "output_step": 1e-3}
     both = rotor.replace(forces=forces).steady_state(100.0, **options)
-    assert both.stable
+    assert both.is_stable()
     matrices, time = rotor.matrices(100.0), both.response.time
     exact = np.zeros(time.size, complex)
     for order in (1, np.pi):
@@ -176,7 +176,7 @@ def test_loads_over_time_have_no_frequency_that_is_known():
 def test_orders_over_one_period_are_exact():
     system = train()
     steady = system.steady_state(100.0, geometry="frozen", rtol=1e-10)
-    found = steady.response.orders("g1", "v", mesh_harmonics=0, shaft_harmonics=1)
+    found = steady.response.orders("g1", "y", mesh_harmonics=0, shaft_harmonics=1)
     exact = system.synchronous([100.0])
     amplitude = np.abs(exact.displacement("g1")[0, 0, 0])
     at = next(i for i, order in enumerate(found.orders) if order.names[0] == "1× input")
@@ -189,13 +189,13 @@ def test_meissner_multipliers_are_those_of_the_closed_form(tongue: int, off: flo
     speed = boundaries()[tongue] * (1 + off)
     steady = MEISSNER.package().steady_state(speed, rtol=1e-10, initial="rest")
     exact = np.linalg.eigvals(monodromy(speed))
-    found = steady.multipliers_above(0.5)
+    found = steady.multipliers(0.5)
     for value in exact:
         assert np.abs(found - value).min() < 1e-6
-    assert steady.stable == (criterion(speed) < 2)
-    if not steady.stable:
+    assert steady.is_stable() == (criterion(speed) < 2)
+    if not steady.is_stable():
         largest = exact[np.abs(exact).argmax()]
-        assert steady.instability == ("fold" if largest.real > 0 else "flip")
+        assert steady.instability() == ("fold" if largest.real > 0 else "flip")
 
 
 @pytest.mark.parametrize("excess", [-0.1, 0.1])
@@ -207,12 +207,13 @@ def test_mathieu_threshold_from_the_multipliers(excess: float):
     omega = np.sqrt(mean / scene.effective_mass)
     steady = scene.package().steady_state(2 * omega / scene.teeth[0], rtol=1e-10, initial="rest")
     # (h/4 - zeta) omega over half a period; the next terms are of order h^2
-    real = steady.multipliers[np.abs(steady.multipliers.imag) < 1e-6]
+    found = steady.multipliers()
+    real = found[np.abs(found.imag) < 1e-6]
     flips = real[real.real < 0.0]
     assert np.log(np.abs(flips[0])) == pytest.approx(
         (h / 4 - zeta) * np.pi, abs=2 * zeta**2 * np.pi
     )
-    assert (steady.instability == "flip") == (excess > 0)
+    assert (steady.instability() == "flip") == (excess > 0)
 
 
 def test_the_kind_of_an_instability_follows_from_its_multiplier():
@@ -234,11 +235,11 @@ def test_files_keep_the_motion_and_the_multipliers(tmp_path: Path):
     path = tmp_path / "steady.npz"
     steady.save(path)
     before = gb.SteadyState.load(path)
-    again = before.multipliers
-    np.testing.assert_allclose(again, steady.multipliers, atol=1e-6)
+    again = before.multipliers()
+    np.testing.assert_allclose(again, steady.multipliers(), atol=1e-6)
     steady.save(path)
     loaded = gb.SteadyState.load(path)
-    np.testing.assert_array_equal(loaded.multipliers, steady.multipliers)
+    np.testing.assert_array_equal(loaded.multipliers(), steady.multipliers())
     np.testing.assert_array_equal(
         loaded.response.displacement("g1"), steady.response.displacement("g1")
     )

@@ -55,7 +55,7 @@ def cycle(system: gb.RotorSystem, rows: int = 200, **options) -> gb.results.Mesh
     """Simulate one quasi-static mesh cycle."""
     duration = 2.0 * math.pi / 25.0
     times = np.linspace(0.0, duration, rows, endpoint=False)
-    return system.simulate(duration, 1.0, times=times, **options).mesh("g1", "g2")
+    return system.simulate(duration, 1.0, times=times, **options).mesh(("g1", "g2"))
 
 
 class TestDescription:
@@ -311,6 +311,6 @@ class TestValues:
         kinds = {event.kind for event in response.events}
         assert {"separation", "contact"} <= kinds
         assert all((e.driver, e.driven) == ("g1", "g2") for e in response.events)
-        assert response.mesh("g1", "g2").pairs_in_contact.min() == 0.0
+        assert response.mesh(("g1", "g2")).pairs_in_contact.min() == 0.0
         times = [event.time for event in response.events]
         assert times == sorted(times)

@@ -292,7 +292,7 @@ def dense_equilibrium(system: gb.RotorSystem) -> np.ndarray:
 @scenes(10)
 def test_the_equilibrium_is_that_of_dense_matrices(scene: Drawn):
     system = replace(scene, backlash=None).system()
-    found = system.static("frozen").state
+    found = system.static(geometry="frozen").state
     wanted = dense_equilibrium(system)
     assert np.abs(found - wanted).max() <= tolerance(system) * np.abs(wanted).max()
 
@@ -314,7 +314,7 @@ def test_bearings_that_are_soft_in_one_direction():
     )
     system = scene.system()
     assert_lowest_modes(system, 0.0, count=3)
-    found, wanted = system.static("frozen").state, dense_equilibrium(system)
+    found, wanted = system.static(geometry="frozen").state, dense_equilibrium(system)
     assert np.abs(found - wanted).max() <= tolerance(system) * np.abs(wanted).max()
 
 

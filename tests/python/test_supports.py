@@ -178,7 +178,7 @@ def test_every_method_gives_the_exact_motion(make: Any, options: dict[str, Any])
     relative = reference.node("s", LENGTH) - base
     force = q @ relative.T @ STIFFNESS.T + v @ relative.T @ DAMPING.T
     scale = 1e-6 * np.abs(force).max()
-    np.testing.assert_allclose(run.bearing_force("s", LENGTH), force, rtol=0.0, atol=scale)
+    np.testing.assert_allclose(run.bearing_force(("s", LENGTH)), force, rtol=0.0, atol=scale)
     # the quadrature of the powers within a step
     assert np.abs(run.energy_balance().residual).max() < 1e-6 * run.energy.max()
 

@@ -53,7 +53,7 @@ def pair(torque: float, bow: float) -> gb.RotorSystem:
 def force(system: gb.RotorSystem, **_: object) -> dict[str, object]:
     """Return the mesh force of a short run, and its extremes."""
     run = system.simulate(2e-3, 100.0, output_step=1e-4, record=["meshes"], rtol=1e-6)
-    forces = run.mesh("g1", "g2").force
+    forces = run.mesh(("g1", "g2")).force
     return {"force": forces, "largest": forces.max(), "samples": forces.size}
 
 
@@ -521,7 +521,7 @@ calls = {
     "static": lambda: forever(small.static),
     "simulate_many": lambda: train.simulate_many([{}], 1e4, 100.0, **long),
     "continuation": lambda: forever(
-        lambda: train.continuation("torque", 1.0, 2.0, speed=100.0, step=1e-4, max_points=10_000)
+        lambda: train.continuation("torque", 1.0, 2.0, speed=100.0, first_step=1e-4, max_points=10_000)
     ),
     "modes": lambda: rotor(400).modes(),
 }

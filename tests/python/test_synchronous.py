@@ -79,9 +79,9 @@ def test_a_simulation_converges_to_the_synchronous_response(speed: float):
         scale = np.abs(found.displacement(gear)).max()
         assert response.displacement(gear) == pytest.approx(expected, abs=1e-6 * scale)
     for shaft, position in (("input", 0.0), ("output", 0.5)):
-        amplitude = found.bearing_force(shaft, position)[0]
+        amplitude = found.bearing_force((shaft, position))[0]
         expected = np.real(np.einsum("ts,sd->td", turns, amplitude))
-        assert response.bearing_force(shaft, position) == pytest.approx(
+        assert response.bearing_force((shaft, position)) == pytest.approx(
             expected, abs=1e-6 * np.abs(amplitude).max()
         )
 
@@ -160,8 +160,8 @@ def test_slow_roll_subtraction_removes_the_bow():
     (peak,) = less.peaks("disk")
     at = system.synchronous([peak.speed]).subtract_slow_roll(5.0)
     assert at.orbit("disk")[0, 0] == pytest.approx(peak.amplitude, rel=1e-9)
-    assert less.bearing_force("s", 0.0) == pytest.approx(
-        system.synchronous(speeds).bearing_force("s", 0.0), rel=1e-15
+    assert less.bearing_force(("s", 0.0)) == pytest.approx(
+        system.synchronous(speeds).bearing_force(("s", 0.0)), rel=1e-15
     )
 
 
@@ -175,7 +175,7 @@ def test_peaks_of_a_train_name_their_shaft():
     with pytest.raises(gb.GearbowError, match="no shaft is called 'other'"):
         found.peaks("g1", source="other")
     with pytest.raises(gb.ChannelError, match="no bearing at"):
-        found.bearing_force("input", 0.1)
+        found.bearing_force(("input", 0.1))
 
 
 class TestBackwards:

@@ -48,7 +48,7 @@ def test_the_force_on_each_bearing_follows_from_its_motion():
             for source, ratio in enumerate(scene.ratios[:2]):
                 velocity = 1j * ratio * SPEEDS[:, np.newaxis] * motion[:, source]
                 expected = motion[:, source] @ scene.bearing_stiffness.T + 2e4 * velocity
-                force = found.bearing_force(shaft, x)[:, source]
+                force = found.bearing_force((shaft, x))[:, source]
                 scale = np.abs(expected).max()
                 # the same product with displacements of the same solution: round-off
                 assert np.abs(force - expected).max() < 1e-7 * scale

@@ -46,7 +46,7 @@ def test_hammering_never_gains_energy(method: str, setting: float):
     assert np.max(energy) < energy[0] * (1 + 1e-12)
     assert energy[-1] > energy[0] * (1 - 4e-5)
     # the impacts on both flanks remain equally strong
-    force = found.mesh("ga", "gb").force
+    force = found.mesh(("ga", "gb")).force
     assert force[-200:].max() == pytest.approx(-force[-200:].min(), rel=0.05)
 
 
@@ -81,7 +81,7 @@ def test_switching_stiffness_does_work(run: dict[str, Any]):
     found = thrown(
         scene, speed, (1.0, 0.0), duration, output_step=None, times=[*between, *switches], **run
     )
-    energy, mesh = found.energy, found.mesh("ga", "gb")
+    energy, mesh = found.energy, found.mesh(("ga", "gb"))
     m = len(between)
     steps = np.diff(mesh.stiffness[:m])
     assert np.abs(steps) == pytest.approx(pair, rel=1e-9)
@@ -118,9 +118,9 @@ def rolling(options: dict[str, Any], given: Toothed = ROLLING, **mesh: Any) -> n
         output_step=1e-5,
         **options,
     )
-    pairs = found.mesh("ga", "gb").pairs_in_contact
+    pairs = found.mesh(("ga", "gb")).pairs_in_contact
     assert np.abs(np.diff(pairs)).sum() >= 3  # tooth pairs enter and leave contact
-    assert np.ptp(found.mesh("ga", "gb").pressure_angle) > 1e-5
+    assert np.ptp(found.mesh(("ga", "gb")).pressure_angle) > 1e-5
     vibrating = found.energy_balance().meshes.max()
     return (found.energy - found.energy[0]) / vibrating
 
@@ -252,7 +252,7 @@ def test_centres_that_close_by_more_than_the_backlash_press_both_flanks(geometry
         output_step=1e-5,
     )
     balance = run.energy_balance()
-    assert run.mesh("ga", "gb").stiffness.max() == 2 * K
+    assert run.mesh(("ga", "gb")).stiffness.max() == 2 * K
     assert np.abs(balance.residual).max() < 1e-6 * np.abs(np.diff(balance.total)).sum()
 
 
@@ -271,7 +271,7 @@ def test_force_of_a_tight_mesh_is_the_difference_of_its_flanks(closing: float):
         y = np.zeros(2 * len(system.dofs))
         y[:2] = turn
         mesh = system.simulate(0.0, 0.0, initial=begin(system, 0.0, y), times=[0.0]).mesh(
-            "ga", "gb"
+            ("ga", "gb")
         )
         rolled = turn * law.base_radius_a
         drive, back = max(rolled + tight, 0.0), max(-rolled + tight - backlash, 0.0)
@@ -317,7 +317,7 @@ def test_a_tight_mesh_is_integrated_stably(method: str, rtol: float):
         record=["meshes"],
         output_step=1e-5,
     )
-    force = run.mesh("ga", "gb").force
+    force = run.mesh(("ga", "gb")).force
     # free and undamped: Runge-Kutta may dissipate energy within its tolerance and never gains any;
     # collocation conserves energy, but a thousand kinks at random places within steps change the
     # force to 0.95 to 1.03, at every tolerance

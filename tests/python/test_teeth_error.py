@@ -44,7 +44,7 @@ def test_harmonic_error_against_the_linear_response(given: dict[str, Any], speed
             response = m * omega**2 * amplitude / (K - m * omega**2 + 1j * c * omega)
             turning = response * np.exp(1j * (omega * found.time + phase))
             expected, rate = expected + turning.real, rate + (1j * omega * turning).real
-    mesh = found.mesh("ga", "gb")
+    mesh = found.mesh(("ga", "gb"))
     scale = np.ptp(expected)
     # rtol is 1e-10 of the whole motion, which is larger than the vibration
     assert mesh.deflection == pytest.approx(expected, abs=1e-6 * scale)
@@ -57,7 +57,7 @@ def test_a_table_is_interpolated_by_a_cubic():
     forces = []
     for error in ({"table": table.tolist()}, {"tooth": HARMONICS["tooth"]}):
         scene = Toothed(mesh={"stiffness": K, "damping_ratio": ZETA, "error": error}, torque=60.0)
-        forces.append(settled(scene).mesh("ga", "gb").force)
+        forces.append(settled(scene).mesh(("ga", "gb")).force)
     # a cubic through 16 points a period of the second harmonic
     assert forces[0] == pytest.approx(forces[1], abs=2e-4 * np.ptp(forces[1]))
 
@@ -71,7 +71,7 @@ def test_runout_moves_the_centres(out: tuple[complex, complex]):
     scene = Toothed(mesh={"stiffness": K, "damping_ratio": 0.3}, gear={"runout": out}, torque=60.0)
     times = np.linspace(0.02, 4 * np.pi / speed, 100)
     found = scene.package().simulate(times[-1], speed, times=times, initial="static", rtol=1e-7)
-    mesh, law = found.mesh("ga", "gb"), scene.law()
+    mesh, law = found.mesh(("ga", "gb")), scene.law()
     twist = (found.twist("ga"), found.twist("gb"))
     angles = (speed * times, -speed / 2 * times)
     e_a, e_b = (o * np.exp(1j * (a + t)) for o, a, t in zip(out, angles, twist, strict=True))
@@ -112,7 +112,7 @@ def test_load_shared_by_relieved_pairs(shape: str, exponent: int, torque: float)
     law = scene.law()
     period = 2 * np.pi / (speed * scene.teeth[0])
     times = 0.05 + np.linspace(0.0, period, 73)
-    found = scene.package().simulate(times[-1], speed, times=times, rtol=1e-7).mesh("ga", "gb")
+    found = scene.package().simulate(times[-1], speed, times=times, rtol=1e-7).mesh(("ga", "gb"))
     low, high = TeethLaw(law).path(law.centre_distance)
     load = torque / law.base_radius_a
     expected, touching = [], []

@@ -70,7 +70,7 @@ def test_square_stiffness_against_matrix_exponentials(
         at = system.dofs.index((shaft, scene.position, "twist"))
         scale = np.ptp(motion[:, at])
         assert found.twist(gear) == pytest.approx(motion[:, at], abs=1e-9 * scale)
-    mesh = found.mesh("ga", "gb")
+    mesh = found.mesh(("ga", "gb"))
     assert mesh.force == pytest.approx(force, abs=1e-9 * np.ptp(force))
     carrying = set(np.round(mesh.stiffness / PAIR, 9))
     assert carrying == {np.floor(contact_ratio), np.ceil(contact_ratio)}
@@ -241,4 +241,4 @@ def test_teeth_against_the_gradient_of_their_energy(method: str, name: str, bowe
         at = system.dofs.index((shaft, scene.position, "twist"))
         scale = np.ptp(motion[:, at])
         assert found.twist(gear) == pytest.approx(motion[:, at], abs=tolerance * scale)
-    assert found.mesh("ga", "gb").force == pytest.approx(force, abs=tolerance * np.ptp(force))
+    assert found.mesh(("ga", "gb")).force == pytest.approx(force, abs=tolerance * np.ptp(force))

@@ -37,7 +37,9 @@ def over_cycles(scene: Toothed, count: int = CYCLES, **options: Any) -> gb.Respo
 @pytest.mark.parametrize("contact_ratio", RATIOS)
 def test_mean_number_of_pairs_is_the_contact_ratio(contact_ratio: float, method: str):
     square = {"model": "square", "mean": MEAN, "engagement": "sharp"}
-    mesh = over_cycles(with_ratio(contact_ratio, stiffness=square), method=method).mesh("ga", "gb")
+    mesh = over_cycles(with_ratio(contact_ratio, stiffness=square), method=method).mesh(
+        ("ga", "gb")
+    )
     assert mesh.contact_ratio == pytest.approx(contact_ratio, abs=1e-12)
     # the ratios are whole numbers of 1/1000 of a cycle, so that the count is exact
     assert np.mean(mesh.pairs_in_contact) == pytest.approx(contact_ratio, abs=1e-6)
@@ -52,7 +54,7 @@ def test_mean_number_of_pairs_is_the_contact_ratio(contact_ratio: float, method:
 @pytest.mark.parametrize("contact_ratio", RATIOS)
 def test_smooth_engagement_keeps_the_mean_and_never_jumps(contact_ratio: float, width: float):
     square = {"model": "square", "mean": MEAN, "engagement": width, "phase": "prescribed"}
-    mesh = over_cycles(with_ratio(contact_ratio, stiffness=square), count=1).mesh("ga", "gb")
+    mesh = over_cycles(with_ratio(contact_ratio, stiffness=square), count=1).mesh(("ga", "gb"))
     # error of the mean of a periodic curve with two derivatives: (1/1000)^3 times the jump of its
     # third, 60/width^3
     assert np.mean(mesh.stiffness) == pytest.approx(MEAN, rel=1e-6)
@@ -65,7 +67,7 @@ def test_smooth_engagement_keeps_the_mean_and_never_jumps(contact_ratio: float, 
 def test_mean_of_a_parabolic_pair():
     scene = {"model": "parabolic", "mean": MEAN, "end_ratio": 0.5}
     sharp = over_cycles(with_ratio(1.6, stiffness={**scene, "engagement": "sharp"})).mesh(
-        "ga", "gb"
+        ("ga", "gb")
     )
     # midpoint rule, with jumps between two samples
     assert np.mean(sharp.stiffness) == pytest.approx(MEAN, rel=1e-6)
@@ -77,7 +79,7 @@ def test_mean_of_a_parabolic_pair():
     smooth = over_cycles(
         with_ratio(1.6, stiffness={**scene, "engagement": 0.1, "phase": "prescribed"})
     )
-    assert np.mean(smooth.mesh("ga", "gb").stiffness) == pytest.approx(MEAN, rel=1e-6)
+    assert np.mean(smooth.mesh(("ga", "gb")).stiffness) == pytest.approx(MEAN, rel=1e-6)
 
 
 @pytest.mark.parametrize("opened", [0.0, 3e-4, 8e-4, -2e-4])
@@ -87,7 +89,7 @@ def test_share_of_time_of_each_number_of_pairs_follows_the_centre_distance(opene
     opened_scene = replace(
         scene, mesh={**scene.mesh, "centre_distance": law.centre_distance + opened}
     )
-    mesh = over_cycles(opened_scene).mesh("ga", "gb")
+    mesh = over_cycles(opened_scene).mesh(("ga", "gb"))
     ratio = law.contact_ratio(law.centre_distance + opened)
     assert mesh.contact_ratio == pytest.approx(ratio, abs=1e-12)
     assert 1 < ratio < 2
@@ -113,7 +115,7 @@ def test_a_larger_centre_distance_widens_the_clearance_of_both_flanks(opened: fl
         y = np.zeros(2 * len(system.dofs))
         y[:2] = sign * turn  # both ends of the shaft of the driver
         found = system.simulate(0.0, 0.0, initial=begin(system, 0.0, y), times=[0.0]).mesh(
-            "ga", "gb"
+            ("ga", "gb")
         )
         assert found.centre_distance == pytest.approx(law.centre_distance + opened, rel=1e-14)
         assert np.sign(found.force) == [sign]
@@ -125,7 +127,7 @@ def test_a_larger_centre_distance_widens_the_clearance_of_both_flanks(opened: fl
 
 def test_iso_6336_is_the_default_stiffness():
     scene = Toothed(teeth=(25, 50), face_width=0.03)
-    mesh = over_cycles(scene, count=1).mesh("ga", "gb")
+    mesh = over_cycles(scene, count=1).mesh(("ga", "gb"))
     # q' 0.0586086, c' 13.65 and c_gamma 20.64 N/(mm um), times 30 mm, each with four digits
     assert mesh.stiffness == pytest.approx(20.64e9 * 0.03, rel=3e-4)
     assert 0.8 / 0.0586086 == pytest.approx(13.65, abs=5e-3)
@@ -154,7 +156,7 @@ def test_potential_energy_against_an_independent_quadrature(
     stiffness = {"model": "potential_energy", "engagement": "sharp", "bore_radii": bores}
     scene = Toothed(teeth=teeth, module=module, face_width=width, mesh={"stiffness": stiffness})
     law = scene.law()
-    mesh = over_cycles(scene, count=1).mesh("ga", "gb")
+    mesh = over_cycles(scene, count=1).mesh(("ga", "gb"))
     tangent = law.centre_distance * np.sin(law.angle_at_rest)
     low = tangent - np.sqrt(law.tip_radius_b**2 - law.base_radius_b**2)
     high = np.sqrt(law.tip_radius_a**2 - law.base_radius_a**2)
@@ -181,7 +183,7 @@ def test_pairs_that_share_the_gear_bodies(
     stiffness["foundation"] = "shared"
     scene = Toothed(teeth=teeth, module=module, face_width=width, mesh={"stiffness": stiffness})
     law = scene.law()
-    mesh = over_cycles(scene, count=1).mesh("ga", "gb")
+    mesh = over_cycles(scene, count=1).mesh(("ga", "gb"))
     tangent = law.centre_distance * np.sin(law.angle_at_rest)
     low, high = TeethLaw(law).path(law.centre_distance)
     period = 2 * np.pi / (SPEED * teeth[0])
@@ -208,7 +210,7 @@ def test_pairs_that_share_the_gear_bodies(
         )  # interpolation error of the tables
     assert counts == {1, 2}
     # linear analyses use the mean stiffness; jumps lie between two samples
-    mean = float(scene.package().static().mesh("ga", "gb").stiffness)
+    mean = float(scene.package().static().mesh(("ga", "gb")).stiffness)
     assert mesh.stiffness.mean() == pytest.approx(mean, rel=2 / PER_CYCLE)
 
 
@@ -219,7 +221,7 @@ def test_the_standard_stiffness_lies_between_shared_and_separate_gear_bodies():
     for foundation in ("separate", "shared"):
         model = {"model": "potential_energy", "bore_radii": (0.025, 0.025), "engagement": "sharp"}
         teeth = replace(scene, mesh={"stiffness": model | {"foundation": foundation}})
-        mesh = over_cycles(teeth, count=1).mesh("ga", "gb")
+        mesh = over_cycles(teeth, count=1).mesh(("ga", "gb"))
         found[foundation] = mesh.stiffness[mesh.pairs_in_contact == 2].max() / 0.03e9
     assert found["separate"] == pytest.approx(21.5, abs=0.1)
     assert found["shared"] == pytest.approx(13.4, abs=0.1)
@@ -255,7 +257,7 @@ def test_potential_energy_has_the_published_shape():
     bores = (0.025, 0.025)
     stiffness = {"model": "potential_energy", "engagement": "sharp", "bore_radii": bores}
     scene = Toothed(teeth=(50, 50), face_width=0.02, mesh={"stiffness": stiffness})
-    mesh = over_cycles(scene, count=1).mesh("ga", "gb")
+    mesh = over_cycles(scene, count=1).mesh(("ga", "gb"))
     single = mesh.stiffness[mesh.pairs_in_contact == 1]
     double = mesh.stiffness[mesh.pairs_in_contact == 2]
     # steel pairs: 10 to 20 N/(mm um) each, softest at the ends of the path, where two pairs share

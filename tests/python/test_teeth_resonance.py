@@ -42,7 +42,7 @@ def sweep(system: gb.RotorSystem, speeds: Iterable[float]) -> np.ndarray:
         begin = 0.0 if isinstance(last, str) else last.final["time"]
         times = begin + (120 + np.arange(400) / 40) * cycle
         last = system.simulate(130 * cycle, speed, initial=last, times=times, record=["meshes"])
-        deflection = last.mesh("ga", "gb").deflection
+        deflection = last.mesh(("ga", "gb")).deflection
         found.append((np.std(deflection), np.min(deflection)))
     return np.array(found)
 

@@ -36,7 +36,7 @@ def test_force_law_of_both_flanks(sigma: float):
     system = replace(SCENE, torque=0.0).package()
     for deflection in np.linspace(-3 * BACKLASH, 2 * BACKLASH, 51) + 1e-9:
         state = at_deflection(system, sigma * deflection, speed=sigma)
-        found = system.simulate(0.0, sigma, initial=state, times=[0.0]).mesh(*MESH)
+        found = system.simulate(0.0, sigma, initial=state, times=[0.0]).mesh(MESH)
         expected = K * max(deflection, 0.0) - K * max(-deflection - BACKLASH, 0.0)
         # the force of the drive flank is positive, that of the back flank negative
         assert found.force[0] == pytest.approx(expected, abs=1e-12 * K * BACKLASH)
@@ -51,14 +51,14 @@ def test_force_law_of_both_flanks(sigma: float):
 def test_static_equilibrium_on_either_flank(torque: float, coupled: bool):
     scene = replace(SCENE, torque=torque, coupled=coupled)
     system = scene.package()
-    mesh = system.static(speed=300.0).mesh(*MESH)
+    mesh = system.static(speed=300.0).mesh(MESH)
     assert mesh.force == pytest.approx(torque / LAW.base_radius_a, rel=1e-9)
     if not coupled:
         lost = 0.0 if torque > 0 else -BACKLASH
         assert mesh.deflection == pytest.approx(torque / LAW.base_radius_a / K + lost, rel=1e-9)
     # a run stays at this equilibrium, rotating or not; at rest the drive flank is in contact
     for speed, force in ((0.0, abs(torque)), (300.0, torque)):
-        still = system.simulate(2e-3, speed, initial="static").mesh(*MESH)
+        still = system.simulate(2e-3, speed, initial="static").mesh(MESH)
         assert still.force == pytest.approx(force / LAW.base_radius_a, rel=1e-7)
         assert not system.simulate(2e-3, speed, initial="static").events
 
@@ -68,7 +68,7 @@ def test_from_rest_the_flanks_meet_at_once(method: str):
     found = (
         SCENE.package()
         .simulate(1e-3, 100.0, initial="rest", method=method, output_step=1e-6)
-        .mesh(*MESH)
+        .mesh(MESH)
     )
     # an undamped spring under a sudden load deflects to twice its static deflection
     assert np.max(found.deflection) == pytest.approx(2 * STATIC, rel=0.05)
@@ -88,7 +88,7 @@ def test_no_flank_ever_pulls(amplitude: float, method: str, setting: float | Non
         options["rtol" if method == "rk45" else "step"] = setting
     state = at_deflection(system, STATIC * (1 + amplitude), **options)
     found = system.simulate(5e-3, 0.0, initial=state, output_step=1e-6, **options)
-    mesh = found.mesh(*MESH)
+    mesh = found.mesh(MESH)
     load = TORQUE / LAW.base_radius_a
     drive, back = mesh.deflection > 0, mesh.deflection < -BACKLASH
     # a separation shorter than a quarter of a step is not detected; the default step of rk4 is 1 /
@@ -127,7 +127,7 @@ def test_bounce_against_the_closed_form():
     into = np.abs(t) - leaves
     flying = -speed * into + STATIC * omega**2 * into**2 / 2
     expected = np.where(into < 0, STATIC + amplitude * np.cos(omega * t), flying)
-    mesh = found.mesh(*MESH)
+    mesh = found.mesh(MESH)
     # six contact changes, each located to 1e-12 of a step of three radians
     assert mesh.deflection == pytest.approx(expected, abs=2e-10 * amplitude)
     assert mesh.force == pytest.approx(K * np.maximum(expected, 0.0), abs=1e-8 * K * amplitude)
@@ -153,7 +153,7 @@ def test_a_damped_flank_separates_at_zero_force():
     options = {"rtol": 1e-10}
     state = at_deflection(system, 6 * STATIC, **options)
     found = system.simulate(2e-3, 0.0, initial=state, output_step=1e-7, **options)
-    mesh = found.mesh(*MESH)
+    mesh = found.mesh(MESH)
     parted = np.flatnonzero((mesh.force[1:] == 0) & (mesh.force[:-1] > 0))
     assert parted.size
     load = TORQUE / LAW.base_radius_a
@@ -189,8 +189,8 @@ def test_a_run_in_two_parts_is_bitwise_equal(stiffness: dict[str, Any], method: 
     rest = times[times > 1.37e-3]
     second = system.simulate(4e-3 - 1.37e-3, 400.0, initial=first, times=rest, **run)
     for name in ("force", "deflection", "stiffness", "pairs_in_contact"):
-        one = getattr(whole.mesh(*MESH), name)
-        two = np.concatenate([getattr(part.mesh(*MESH), name) for part in (first, second)])
+        one = getattr(whole.mesh(MESH), name)
+        two = np.concatenate([getattr(part.mesh(MESH), name) for part in (first, second)])
         assert np.array_equal(one, two), name
     assert np.array_equal(whole.energy, np.concatenate([first.energy, second.energy]))
     flanks = [e for e in whole.events if e.kind in ("contact", "back contact", "separation")]
@@ -213,7 +213,7 @@ def test_a_run_without_separation_is_equal_with_and_without_backlash(coupled: bo
         found = scene.package().simulate(
             2e-3, 300.0, initial="static", method="rk4", output_step=1e-5
         )
-        runs.append(found.mesh(*MESH).force)
+        runs.append(found.mesh(MESH).force)
         assert found.statistics.events == 0
     # round-off of sums in a different order
     assert runs[0] == pytest.approx(runs[1], rel=1e-12)
@@ -273,7 +273,7 @@ def test_varying_stiffness_without_separation_gives_the_motion_without_backlash(
     assert not separable.events
     tolerance = 1e-4 if stages == 1 else 1e-6
     for found, wanted in (
-        (separable.mesh(*MESH).force, coupled.mesh(*MESH).force),
+        (separable.mesh(MESH).force, coupled.mesh(MESH).force),
         (separable.displacement("ga"), coupled.displacement("ga")),
         (separable.twist("gb"), coupled.twist("gb")),
     ):

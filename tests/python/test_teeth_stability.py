@@ -67,7 +67,7 @@ def log_amplitude(scene: Toothed, speed: float, cycles: int) -> np.ndarray:
         record=["meshes"],
         **options,
     )
-    deflection = found.mesh("ga", "gb").deflection.reshape(cycles, 40)
+    deflection = found.mesh(("ga", "gb")).deflection.reshape(cycles, 40)
     return np.log(np.abs(deflection).max(axis=1) / (1e-5 * scene.law().base_radius_a))
 
 

@@ -103,7 +103,7 @@ def test_a_recommended_setting_has_its_error_against_an_independent_program(want
     assert best.error <= wanted
     response = best.system.simulate(END, SPEED, initial="rest", times=times, **best.options)
     assert apart(response.displacement("g1"), motion.displacement("g1")) < 1.3 * wanted
-    assert apart(response.mesh(*FORCE).force, motion.mesh_force(0, live=True)) < 1.3 * wanted
+    assert apart(response.mesh(FORCE).force, motion.mesh_force(0, live=True)) < 1.3 * wanted
     cheaper = [t for t in found.trials if t.seconds < best.trial.seconds]
     assert all(trial.bound > wanted for trial in cheaper)
 
@@ -113,7 +113,7 @@ def test_the_error_of_a_simplification_is_that_of_a_direct_comparison(study):
     times = np.arange(0.0, END, system.default_output_step(END, SPEED))
     how = {"method": "rk45", "rtol": 1e-11, "initial": "rest", "times": times}
     exact = system.simulate(END, SPEED, **how)
-    mean = system.static().mesh(*FORCE).stiffness
+    mean = system.static().mesh(FORCE).stiffness
     coarse = [replace(shaft, elements=1) for shaft in system.shafts]
     level = [replace(mesh, stiffness=mean) for mesh in system.meshes]
     others = {
@@ -127,7 +127,7 @@ def test_the_error_of_a_simplification_is_that_of_a_direct_comparison(study):
         *_, tight = (trial for trial in study.trials if trial.model == model)
         error = apart(response.displacement("g1"), exact.displacement("g1"))
         assert tight.errors["the displacement of g1"] == pytest.approx(error, rel=1e-2)
-        error = apart(response.mesh(*FORCE).force, exact.mesh(*FORCE).force)
+        error = apart(response.mesh(FORCE).force, exact.mesh(FORCE).force)
         assert tight.errors["the force of g1/g2"] == pytest.approx(error, rel=1e-2)
         assert tight.integration_error <= study.floor
         assert tight.model_error == tight.error > 1e-3
@@ -167,7 +167,7 @@ def test_errors_count_from_elements_of_a_higher_degree():
     given |= {"method": "exponential", "rtol": 1e-9, "times": times}
     coarse = system.simulate(END, SPEED, **given)
     fine = system.replace(shafts=shafts).simulate(END, SPEED, **given)
-    error = apart(coarse.mesh(*FORCE).force, fine.mesh(*FORCE).force)
+    error = apart(coarse.mesh(FORCE).force, fine.mesh(FORCE).force)
     assert errors["the force of g1/g2"] == pytest.approx(error, rel=0.05)
     for trial in found.trials:
         assert trial.error <= 1.001 * (trial.integration_error + trial.model_error)
@@ -411,7 +411,7 @@ def test_a_level_keeps_its_integration_error(word):
     # both systems have the same elements, so that only the error of the integration remains; the
     # level leaves most of its error to the elements
     moved = apart(response.displacement("g1"), motion.displacement("g1"))
-    forced = apart(response.mesh(*FORCE).force, motion.mesh_force(0, live=True))
+    forced = apart(response.mesh(FORCE).force, motion.mesh_force(0, live=True))
     assert moved < level.displacement / 10
     assert forced < level.mesh_force / 4
     same = SCENE.package().simulate(

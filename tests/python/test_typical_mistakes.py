@@ -178,11 +178,11 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
         '"pinion" and "wheel" sit on the same shaft, "input"',
         "change the shaft of one gear",
     ),
-    "driver and driven gear exchanged": (
-        lambda: run().mesh("wheel", "pinion"),
-        "'pinion' drives 'wheel'",
-        "'pinion' drives 'wheel'",
-        "ask for ('pinion', 'wheel')",
+    "a mesh by one gear": (
+        lambda: run().mesh("wheel"),
+        "at: ",
+        "'wheel'",
+        'must be (driver, driven) or "driver/driven"',
     ),
     "gears of different modules": (
         lambda: with_wheel(module=4e-3),

@@ -68,7 +68,7 @@ def sweep() -> gb.Sweep:
 
 @cache
 def branch() -> gb.Continuation:
-    return system().continuation("speed", 100.0, 100.5, max_points=3, step=0.5)
+    return system().continuation("speed", 100.0, 100.5, max_points=3, first_step=0.5)
 
 
 @cache
@@ -158,7 +158,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         lambda responses=None, **given: gb.waterfall(
             [response()] if responses is None else responses, **given
         ),
-        {"of": "g1"},
+        {"at": "g1"},
     ),
     "Material": (
         in_shaft("material", make=gb.Material),
@@ -289,8 +289,8 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Sweep.load": (gb.Sweep.load, {"path": "x.sweep"}),
     "Response.from_record": (gb.Response.from_record, {"record": None}),
 }
-BEARING = {"shaft": "input", "position": 0.0}
-MESH = {"driver": "g1", "driven": "g2"}
+BEARING = {"at": ("input", 0.0)}
+MESH = {"at": ("g1", "g2")}
 #: A value of each class, and valid required arguments of its methods.
 METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "RotorSystem": (
@@ -300,8 +300,8 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "campbell": {"speeds": [0.0, 100.0]},
             "continuation": {
                 "parameter": "speed",
-                "start": 100.0,
-                "stop": 100.5,
+                "begin": 100.0,
+                "end": 100.5,
                 "max_points": 1,
                 "max_period": 0.2,
             },
@@ -332,7 +332,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         response,
         {
             **{
-                name: {"name": "g1"}
+                name: {"at": "g1"}
                 for name in (
                     "acceleration",
                     "axial",
@@ -358,13 +358,14 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "animate": {"path": "x.gif", "duration": 1.0, "fps": 1.0},
             "contact_shares": MESH,
             "energy_balance": {},
+            "errors": {},
             "measure": {"sensor": gb.Tacho("input")},
             "mesh": MESH,
-            "orders": {"of": "g1"},
+            "orders": {"at": "g1"},
             "plot": {},
             "resample": {"rate": 3000.0},
             "save": {"path": "x.npz"},
-            "spectrum": {"of": "g1"},
+            "spectrum": {"at": "g1"},
             "spin": {"shaft": "input"},
             "to_dataframe": {},
             "to_record": {},
@@ -374,7 +375,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "Static": (
         lambda: system().static(),
         {
-            **{name: {"name": "g1"} for name in ("axial", "displacement", "twist")},
+            **{name: {"at": "g1"} for name in ("axial", "displacement", "twist")},
             **dict.fromkeys(("axial_bearing_force", "bearing_force", "journal"), BEARING),
             "mesh": MESH,
         },
@@ -383,10 +384,10 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         lambda: system().synchronous([0.0, 50.0, 100.0]),
         {
             "bearing_force": BEARING,
-            "bode": {"names": ["g1"]},
-            **{name: {"name": "g1"} for name in ("displacement", "elastic", "orbit", "peaks")},
-            **{name: {"name": "g1"} for name in ("phase", "twist")},
-            "plot": {"names": ["g1"]},
+            "bode": {"at": ["g1"]},
+            **{name: {"at": "g1"} for name in ("displacement", "elastic", "orbit", "peaks")},
+            **{name: {"at": "g1"} for name in ("phase", "twist")},
+            "plot": {"at": ["g1"]},
             "subtract_slow_roll": {"speed": 50.0},
         },
     ),
@@ -397,10 +398,10 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "Continuation": (
         branch,
         {
-            "amplitude": {"of": "g1"},
+            "amplitude": {"at": "g1"},
             "plot": {},
             "save": {"path": "x.npz"},
-            "statistic": {"name": "mean", "of": "g1"},
+            "statistic": {"name": "mean", "at": "g1"},
             "to_dataframe": {},
         },
     ),
@@ -420,7 +421,13 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "Spectrum": (lambda: response().spectrum("g1"), {"plot": {}}),
     "SteadyState": (
         steady,
-        {"multipliers_above": {"magnitude": 0.5}, "plot": {}, "save": {"path": "x.npz"}},
+        {
+            "instability": {},
+            "is_stable": {},
+            "multipliers": {"magnitude": 0.5},
+            "plot": {},
+            "save": {"path": "x.npz"},
+        },
     ),
     "Sweep": (
         sweep,

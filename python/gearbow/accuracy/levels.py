@@ -85,7 +85,7 @@ class Level:
         if model.choice is not None and LEVELS[model.choice[0]].mesh_force <= self.mesh_force:
             finer = [name for name in LEVELS if LEVELS[name].mesh_force < self.mesh_force]
             more = f"resolution={finer[0]!r} to RotorSystem, or " if finer else ""
-            advice = "compare `response.errors`, which often is below it"
+            advice = "compare `response.errors()`, which often is below it"
             return f"{advice}, or give {more}the shafts elements"
         return (
             f"leave out the numbers of elements, and give resolution={self.name!r} to RotorSystem"

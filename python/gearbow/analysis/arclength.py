@@ -61,9 +61,9 @@ class Map(Protocol):
 class Settings:
     """Settings of a branch."""
 
-    start: float
-    stop: float
-    step: float = 0.02
+    begin: float
+    end: float
+    first_step: float = 0.02
     max_points: int = 400
     tolerance: float = 1e-8
     floor: float = 1e-300
@@ -73,7 +73,7 @@ class Settings:
     @property
     def span(self) -> float:
         """Length of the interval."""
-        return abs(self.stop - self.start)
+        return abs(self.end - self.begin)
 
 
 def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]:
@@ -81,8 +81,8 @@ def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]
     follower = _Follower(map_, settings)
     last = follower.first(state)
     yield last
-    step = settings.step
-    low, high = sorted((settings.start, settings.stop))
+    step = settings.first_step
+    low, high = sorted((settings.begin, settings.end))
     for _ in range(settings.max_points):
         found, step = follower.advance(last, step)
         ends = not low <= found.value <= high
@@ -109,8 +109,8 @@ class _Follower:
         """Correct the first point at the start of the interval."""
         self.scale = self.size(state)
         forward = np.zeros(state.size + 1)
-        forward[-1] = np.sign(self.settings.stop - self.settings.start)
-        value = self.settings.start
+        forward[-1] = np.sign(self.settings.end - self.settings.begin)
+        value = self.settings.begin
         image = self.map.images(state[None], value, adapt=True)[0]
         derivative = LowRank.identity(self.slope(state, value, image))
         guess = BranchPoint(state, value, self.scale, derivative)

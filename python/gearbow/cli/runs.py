@@ -150,20 +150,21 @@ def steady(given: argparse.Namespace) -> Answer:
         record=[item(system, text) for text in given.record],
         progress=shows(given),
     )
-    largest = float(abs(found.multipliers[0])) if found.multipliers.size else None
+    multipliers = found.multipliers()
+    largest = float(abs(multipliers[0])) if multipliers.size else None
     if given.out is not None:
         found.save(given.out)
     data = {
         "period": None if math.isinf(found.period) else found.period,
         "residual": found.residual,
         "method": found.method,
-        "stable": found.stable,
-        "instability": found.instability,
+        "stable": found.is_stable(),
+        "instability": found.instability(),
         "largest_multiplier": largest,
         **_signals(found.response),
         "file": None if given.out is None else str(given.out),
     }
-    state = "stable" if found.stable else f"unstable: {found.instability}"
+    state = "stable" if found.is_stable() else f"unstable: {found.instability()}"
     size = "below 0.9" if largest is None else f"{largest:.6g}"
     lines = [str(found), f"{state}; magnitude of the largest multiplier {size}"]
     return Answer("\n".join([*lines, *_lines(data), *_file_line(data)]), data)
@@ -181,12 +182,12 @@ def _signals(response: Response) -> dict[str, Any]:
         }
     meshes = {}
     for driver, driven in filter(is_pair, recorded):
-        mesh = response.mesh(driver, driven)
+        mesh = response.mesh((driver, driven))
         sizes = {"force": _size(mesh.force), "contact_ratio": _size(mesh.contact_ratio)}
         meshes[f"{driver}/{driven}"] = sizes
     bearings = {}
     for shaft, x in [one[1:] for one in recorded if isinstance(one, tuple) and len(one) == 3]:
-        force = np.linalg.norm(response.bearing_force(shaft, x), axis=1)
+        force = np.linalg.norm(response.bearing_force((shaft, x)), axis=1)
         bearings[place_label((shaft, x))] = {"force": _size(force)}
     return {"points": points, "meshes": meshes, "bearings": bearings}
 

@@ -1,6 +1,6 @@
 """Coordinates of a system: its degrees of freedom, and the positions of gears and disks."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -11,15 +11,11 @@ from gearbow._lookup import nearest, nodal
 from gearbow._shown import Shown
 from gearbow._types import At, Dof
 from gearbow.description.gears import Disk, Gear
-from gearbow.description.places import place
+from gearbow.description.places import Places, place
 from gearbow.description.supports import Housing
 from gearbow.errors import GearbowError, SceneError
 
 __all__ = ["Coordinates"]
-
-#: Positions with a smaller difference, relative to the length of the shaft, are equal. The core
-#: uses the same value.
-_SAME_POSITION = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,15 +107,25 @@ class Coordinates(Shown):
         return {dof: index for index, dof in enumerate(self.dofs)}
 
     @cached_property
-    def _positions(self) -> dict[str, list[float]]:
-        """Positions of the nodes of each shaft, support and housing [m]."""
-        found: dict[str, dict[float, None]] = {}
+    def _nodes(self) -> Places:
+        """Nodes with the names of what is there."""
+        names: dict[tuple[str, float], list[str]] = {}
         for name, x, _ in nodal(self.dofs):
-            found.setdefault(name, {})[x] = None
-        return {name: list(positions) for name, positions in found.items()}
+            names.setdefault((name, x), [])
+        nodes = Places("place", ([node] for node in names))
+        for name, at in self.bodies.items():
+            index = nodes.find(at)
+            if index is not None:
+                names[nodes.known[index][0]].append(name)
+        return Places("place", ([node, *own] for node, own in names.items()))
 
     def _node(self, at: At) -> tuple[str, float]:
         """Find the shaft and the exact position of a node."""
+        nodes = self._nodes
+        index = nodes.find(at)
+        if index is not None:
+            node: tuple[str, float] = nodes.known[index][0]
+            return node
         at = place(at)
         if isinstance(at, str):
             if at in self.points:
@@ -127,21 +133,22 @@ class Coordinates(Shown):
                     f'at: "{at}" is a point of a housing, which only displacements accept; name '
                     f'the housing "{self.points[at][0]}"'
                 )
-            if at not in self.bodies:
-                similar = nearest(at, [*self.bodies, *self.points])
-                raise SceneError(f'at: no gear, disk, support or housing is called "{at}"{similar}')
-            shaft, position = self.bodies[at]
-        else:
-            shaft, position = at
-        positions = self._positions.get(shaft)
+            known = [*self.bodies, *self.points]
+            raise SceneError(
+                f'at: no gear, disk, support or housing is called "{at}"{_similar(at, known)}'
+            )
+        shaft, position = at
+        positions = nodes.positions(shaft)
         if not positions:
-            names = dict.fromkeys(name for name, _, _ in self.dofs)
-            raise SceneError(f'at: no shaft is called "{shaft}"{nearest(shaft, names)}')
-        tolerance = _SAME_POSITION * positions[-1]
-        for x in positions:
-            if abs(x - position) <= tolerance:
-                return shaft, x
+            shafts = dict.fromkeys(name for name, _, _ in self.dofs)
+            raise SceneError(f'at: no shaft is called "{shaft}"{_similar(shaft, shafts)}')
         near = min(positions, key=lambda x: abs(x - position))
         raise SceneError(
             f'at: shaft "{shaft}" has no node at {position} m; the nearest is at {near} m'
         )
+
+
+def _similar(name: str, known: Iterable[str]) -> str:
+    """Suggest the most similar name, or list the known ones."""
+    listed = list(known)
+    return nearest(name, listed) or f"; there are {', '.join(listed) or 'none'}"

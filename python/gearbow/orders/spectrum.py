@@ -12,7 +12,7 @@ from gearbow._types import Array, Record
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
-from gearbow.recording.recording import Recording
+from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Spectrum(ReadOnly):
     >>> middle = ("rotor", 0.5)
     >>> response = system.simulate(0.5, 100.0, record=[middle], output_step=1e-3)
     >>> response.spectrum(middle)
-    Spectrum(rotor at 0.5 m v [m]; 250 frequencies)
+    Spectrum(rotor at 0.5 m y [m]; 250 frequencies)
     """
 
     frequencies_hz: Array
@@ -120,23 +120,23 @@ def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array,
 
 
 def spectrum(
-    recording: Recording,
-    of: Record | SignalSensor,
+    run: RunRecord,
+    at: Record | SignalSensor,
     quantity: str | None = None,
     *,
     window: str = "hann",
 ) -> Spectrum:
     """Find the amplitude spectrum of a recorded signal."""
-    signal = channel(recording, of, quantity)
-    frequencies, amplitude = amplitudes(recording.time, signal.values, window)
-    named = order_frequencies(recording)
+    signal = channel(run, at, quantity)
+    frequencies, amplitude = amplitudes(run.time, signal.values, window)
+    named = order_frequencies(run)
     return Spectrum(frequencies, amplitude, signal.label, signal.unit, named)
 
 
-def order_frequencies(recording: Recording) -> tuple[tuple[str, float], ...]:
+def order_frequencies(run: RunRecord) -> tuple[tuple[str, float], ...]:
     """List the orders of a train with their frequencies."""
-    if recording.kinematics is None or isinstance(recording.speed, SpeedProfile):
+    if run.kinematics is None or isinstance(run.speed, SpeedProfile):
         return ()
-    turns = abs(recording.speed) / (2.0 * np.pi)
-    found = recording.kinematics.orders(mesh_harmonics=_NAMED_HARMONICS)
+    turns = abs(run.speed) / (2.0 * np.pi)
+    found = run.kinematics.orders(mesh_harmonics=_NAMED_HARMONICS)
     return tuple((each.names[0], each.value * turns) for each in found)

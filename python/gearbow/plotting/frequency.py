@@ -26,7 +26,7 @@ __all__ = ["bode", "critical_speed_map", "synchronous"]
 def critical_speed_map(
     stiffnesses: Array,
     lines: Mapping[str, Array],
-    excitation: float,
+    order: float,
     *,
     actual: Sequence[float] = (),
     speed_unit: str = "rad/s",
@@ -48,7 +48,7 @@ def critical_speed_map(
         if actual:
             _span(panel, min(actual), max(actual), "stiffness of the system")
         panel.set(xlabel="stiffness of every bearing [N/m]")
-        panel.set(ylabel=f"critical speed [{speed_unit}]", title=f"ω = {excitation:g} Ω")
+        panel.set(ylabel=f"critical speed [{speed_unit}]", title=f"ω = {order:g} Ω")
         legend(figure, panel, ax=ax)
     return figure
 

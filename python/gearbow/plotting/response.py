@@ -60,7 +60,7 @@ def orbits(
             name = late if skipped else "orbit"
             panel.plot(v[skipped:], w[skipped:], color=PALETTE[0], label=name)
             panel.plot(v[-1:], w[-1:], "o", color=PALETTE[1], label="end")
-            panel.set(title=label, xlabel="v [µm]", ylabel="w [µm]")
+            panel.set(title=label, xlabel="y [µm]", ylabel="z [µm]")
         equal_ranges(axes)
         entries = axes[0].get_legend_handles_labels()
         place_legend(figure, axes[0], entries, ax=ax, outside=True)
@@ -178,7 +178,7 @@ def spectrum(
     with panels(len(spectra), 3.8, columns=1, sharex=True, ax=ax) as (figure, axes):
         highest = 0.0
         for panel, (label, (frequency, amplitude)) in zip(axes, spectra.items(), strict=True):
-            _lines(panel, frequency, MICRO * amplitude, ("v", "w"))
+            _lines(panel, frequency, MICRO * amplitude, ("y", "z"))
             panel.set_yscale("log")
             panel.set(ylabel=f"{label} [µm]")
             highest = max(highest, spectrum_limits(panel, frequency, MICRO * amplitude))

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
+from gearbow.description.places import Places
 from gearbow.errors import ChannelError
 
 __all__ = ["BearingMotion", "journal_motion"]
@@ -40,14 +40,14 @@ class BearingMotion(ReadOnly):
     >>> films = [gb.JournalBearing("rotor", x, viscosity=0.02, **size) for x in (0.0, 1.0)]
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     >>> system = gb.RotorSystem([rotor], bearings=films, gravity=9.81)
-    >>> print(f"{system.static(speed=300.0).journal('rotor', 0.0).eccentricity_ratio:.3f}")
+    >>> print(f"{system.static(speed=300.0).journal(('rotor', 0.0)).eccentricity_ratio:.3f}")
     0.185
     >>> size = {"elements": 9, "element_diameter": 0.0127, "pitch_diameter": 0.065}
     >>> bearings = [
     ...     gb.RollingBearing("rotor", x, **size, clearance=1e-5, damping=100.0) for x in (0.0, 1.0)
     ... ]
     >>> run = system.replace(bearings=bearings).simulate(0.01, 300.0, record=["bearings"])
-    >>> run.rolling("rotor", 0.0).loaded_elements.shape == run.time.shape
+    >>> run.rolling(("rotor", 0.0)).loaded_elements.shape == run.time.shape
     True
     """
 
@@ -60,16 +60,16 @@ class BearingMotion(ReadOnly):
 
 def journal_motion(
     bearings: Iterable[Mapping[str, Plain]],
-    place: tuple[str, float],
+    at: tuple[str, float],
     displacement: Array,
     force: Array,
 ) -> BearingMotion:
     """Find the motion of a journal from the displacement of the shaft relative to its bearing."""
     journals = [bearing for bearing in bearings if "viscosity" in bearing]
-    places = [(bearing["shaft"], float(bearing["position"])) for bearing in journals]
-    i = locate(places, *place)
+    known = Places("bearing", ([(each["shaft"], each["position"])] for each in journals))
+    i = known.find(at)
     if i is None:
-        raise ChannelError(f"no journal bearing at {place!r}; there are {places}")
+        raise ChannelError(f"no journal bearing at {at!r}; there are {known}")
     (y, z), (along_y, along_z) = np.moveaxis(displacement, -1, 0), np.moveaxis(force, -1, 0)
     return BearingMotion(
         force=force,

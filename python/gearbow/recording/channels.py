@@ -11,11 +11,11 @@ _CONNECTION = connection_channels()
 
 #: Recorded rates of a node, by the name of their array: the quantities along its axes.
 RATES = {
-    "velocity": ("velocity_v", "velocity_w"),
+    "velocity": ("velocity_y", "velocity_z"),
     "twist_rate": ("twist_rate",),
-    "acceleration": ("acceleration_v", "acceleration_w"),
-    "axial_velocity": ("velocity_u",),
-    "axial_acceleration": ("acceleration_u",),
+    "acceleration": ("acceleration_y", "acceleration_z"),
+    "axial_velocity": ("velocity_x",),
+    "axial_acceleration": ("acceleration_x",),
 }
 #: Units of recorded rates.
 RATE_UNITS = {
@@ -26,7 +26,7 @@ RATE_UNITS = {
     "axial_acceleration": "m/s²",
 }
 #: Quantities of a node.
-POINT = {"v": "m", "w": "m", "twist": "rad", "u": "m"} | {
+POINT = {"y": "m", "z": "m", "twist": "rad", "x": "m"} | {
     quantity: RATE_UNITS[array] for array, quantities in RATES.items() for quantity in quantities
 }
 #: Quantities of a mesh: the fields of `MeshResponse`.

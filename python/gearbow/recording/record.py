@@ -2,20 +2,22 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearbow._convert import shown
 from gearbow._read_only import ReadOnly
 from gearbow._shown import Shown, short, to_html
-from gearbow._types import Array, RunData
+from gearbow._types import Array, Record, RunData
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
+from gearbow.errors import ChannelError, SceneError
 from gearbow.recording.errors import Errors
 from gearbow.recording.request import RunRequest
 
-__all__ = ["Event", "MeshResponse", "RunRecord", "Statistics"]
+__all__ = ["Event", "MeshResponse", "Recorded", "RunRecord", "Statistics", "recorded_run"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +30,49 @@ class RunRecord(Shown):
     accuracy: str | None = None
     request: RunRequest | None = None
     errors: Errors | None = None
+
+    @property
+    def time(self) -> Array:
+        """Recorded times [s]."""
+        return self.data["time"]
+
+    @property
+    def recorded(self) -> list[Record]:
+        """Recorded items, in the form of the argument `record` of `simulate`."""
+        items: list[Record] = []
+        for shaft, position, names in self.data["points"]:
+            items.extend(names or [(shaft, position)])
+        items.extend((driver, driven) for driver, driven in self.data["meshes"])
+        items.extend(("bearing", shaft, position) for shaft, position in self.data["bearings"])
+        items += [name for name in ("velocity", "acceleration") if name in self.data]
+        return [*items, "energy"] if self.data["energy"] is not None else items
+
+    def missing(self, what: str, record: Record) -> ChannelError:
+        """Make the error for something that was not recorded; it lists what was."""
+        recorded = ", ".join(repr(item) for item in self.recorded) or "nothing"
+        return ChannelError(
+            f"{what} was not recorded; give record=[{record!r}, ...] to simulate "
+            f"(recorded: {recorded})"
+        )
+
+    def to_record(self) -> "RunRecord":
+        """Give the record, as a response does."""
+        return self
+
+
+class Recorded(Protocol):
+    """A recorded run, for example a `gearbow.Response`."""
+
+    def to_record(self) -> RunRecord:
+        """Give the recorded run as plain data."""
+
+
+def recorded_run(given: object, path: str) -> RunRecord:
+    """Give the data of a response."""
+    if isinstance(given, type) or not hasattr(given, "to_record"):
+        raise SceneError(f"{path}: must be a Response, got {shown(given)}")
+    found: RunRecord = given.to_record()
+    return found
 
 
 class Event(NamedTuple):
@@ -110,7 +155,7 @@ class MeshResponse(ReadOnly):
     >>> bearings = [gb.Bearing(name, x, stiffness=1e8) for name, x in places]
     >>> torques = [gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")]
     >>> system = gb.RotorSystem(shafts, [pinion, wheel], [mesh], bearings, torques)
-    >>> mesh = system.simulate(1e-3, 100.0).mesh("pinion", "wheel")
+    >>> mesh = system.simulate(1e-3, 100.0).mesh(("pinion", "wheel"))
     >>> print(f"{mesh.force.mean():.0f} N")
     7095 N
     """

@@ -99,12 +99,12 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
     along = data.get("axial")
     for i, (shaft, position, names) in enumerate(data["points"]):
         for name in names or [f"{shaft}@{position:g}"]:
-            columns[f"{name} v [m]"] = data["displacement"][:, i, 0]
-            columns[f"{name} w [m]"] = data["displacement"][:, i, 1]
+            columns[f"{name} y [m]"] = data["displacement"][:, i, 0]
+            columns[f"{name} z [m]"] = data["displacement"][:, i, 1]
             columns[f"{name} twist [rad]"] = data["twist"][:, i]
             columns |= _rate_columns(data, i, name)
             if along is not None:
-                columns[f"{name} u [m]"] = along[:, i]
+                columns[f"{name} x [m]"] = along[:, i]
     for i, pair in enumerate(data["meshes"]):
         for field, values in data["mesh"].items():
             columns[f"{'/'.join(pair)} {field} [{MESH[field]}]"] = values[:, i]

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, complex_number, number, text, truth
 from gearbow._types import Array
 from gearbow.errors import SceneError
-from gearbow.recording.recording import Recording
-from gearbow.sensors.sensor import SignalSensor, check_recording, degrees_text
+from gearbow.recording.access import Quantity, angle, motion
+from gearbow.recording.record import Recorded, recorded_run
+from gearbow.sensors.sensor import SignalSensor, degrees_text
 from gearbow.units.convert import is_quantity, magnitude
 
 __all__ = ["Probe", "RunOut"]
@@ -92,12 +93,12 @@ class Probe(SignalSensor):
         axial = ", axial" if self.axial else ""
         return f"probe {self.shaft} at {self.position:g} m, {degrees_text(self.angle)}{axial}"
 
-    def measure(self, recording: Recording) -> Array:
+    def measure(self, recording: Recorded) -> Array:
         """Measure a recorded motion.
 
         Parameters
         ----------
-        recording : Recording
+        recording : Response
             The recorded run.
 
         Returns
@@ -113,18 +114,18 @@ class Probe(SignalSensor):
         SceneError
             If the function of the run-out gives no finite numbers.
         """
-        check_recording(recording)
+        run = recorded_run(recording, "recording")
         place = (self.shaft, self.position)
-        displacement = recording.axial if self.axial else recording.displacement
-        motion = displacement(place)
+        quantity: Quantity = "axial" if self.axial else "displacement"
+        moved = motion(run, quantity, place)
         if self.support is not None:
-            motion = motion - displacement(self.support)
+            moved = moved - motion(run, quantity, self.support)
         direction = np.array([np.cos(self.angle), np.sin(self.angle)])
-        towards: Array = motion if self.axial else motion @ direction
+        towards: Array = moved if self.axial else moved @ direction
         if self.runout is None:
             return towards
         return towards + self._runout(
-            self.angle - recording.angle(self.shaft) - recording.twist(place)
+            self.angle - angle(run, self.shaft) - motion(run, "twist", place)
         )
 
     def _runout(self, angles: Array) -> Array:

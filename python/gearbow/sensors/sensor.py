@@ -4,20 +4,18 @@ import math
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from gearbow._convert import shown
 from gearbow._shown import Shown
 from gearbow._types import Array
-from gearbow.errors import SceneError
-from gearbow.recording.recording import Recording
+from gearbow.recording.record import Recorded
 
-__all__ = ["Sensor", "SignalSensor", "check_recording", "degrees_text"]
+__all__ = ["Sensor", "SignalSensor", "degrees_text"]
 
 
 class Sensor(Shown, ABC):
     """A sensor, which measures a recorded motion."""
 
     @abstractmethod
-    def measure(self, recording: Recording) -> Array:
+    def measure(self, recording: Recorded) -> Array:
         """Measure a recorded motion."""
 
 
@@ -31,12 +29,6 @@ class SignalSensor(Sensor):
     @abstractmethod
     def label(self) -> str:
         """Name of the signal in tables and figures."""
-
-
-def check_recording(recording: object) -> None:
-    """Check that a sensor can measure this value."""
-    if not isinstance(recording, Recording):
-        raise SceneError(f"recording: must be a Response, got {shown(recording)}")
 
 
 def degrees_text(angle: float) -> str:

@@ -11,13 +11,12 @@ from typing import Any
 
 from gearbow._core import has_constant_coefficients, initial_state, steady_state, user_order
 from gearbow._types import Array
-from gearbow.analysis.protocol import variant
+from gearbow.analysis.protocol import System, variant
 from gearbow.description.couplings import Force
 from gearbow.description.gears import Mesh
 from gearbow.description.shafts import Shaft
 from gearbow.description.teeth import TransmissionError
 from gearbow.description.time_series import TimeSeries
-from gearbow.system.simulation import Simulation
 
 __all__ = ["Superposition", "recorded_duration"]
 
@@ -31,11 +30,11 @@ _FIXED = {"initial": "static", "modes": None, "reduction": None}
 class Superposition:
     """The sources of a system at a constant speed."""
 
-    system: Simulation
+    system: System
     speed: float
 
     @classmethod
-    def of(cls, system: Simulation, speed: float, geometry: str) -> "Superposition | None":
+    def of(cls, system: System, speed: float, geometry: str) -> "Superposition | None":
         """Give the superposition if the motions of the sources of a system superpose."""
         values: list[Any] = [torque.value for torque in system.torques]
         values += [force.value for force in system.forces]
@@ -122,7 +121,7 @@ class Superposition:
         return _turn(order, self.speed)
 
 
-def recorded_duration(system: Simulation, speed: float) -> float:
+def recorded_duration(system: System, speed: float) -> float:
     """Give the duration of the record without a period: ten turns of the slowest shaft."""
     return _RECORDED * _turn(float(min(abs(system.speed_ratios))), speed)
 

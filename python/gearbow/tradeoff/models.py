@@ -88,7 +88,7 @@ def _with_mean_stiffness(system: S) -> S | None:
     meshes = []
     for mesh in system.meshes:
         if mesh in varying:
-            mean = static.mesh(mesh.driver, mesh.driven).stiffness
+            mean = static.mesh((mesh.driver, mesh.driven)).stiffness
             mesh = replace(mesh, tip_relief=None, stiffness=mean)  # noqa: PLW2901
         meshes.append(mesh)
     return variant(system, meshes=meshes)

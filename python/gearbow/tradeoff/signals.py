@@ -31,7 +31,7 @@ class Signal:
     def values(self, response: Response) -> Array:
         """Return the signal of a response."""
         if self.is_force:
-            return response.mesh(*self.of).force[:, np.newaxis]
+            return response.mesh(self.of).force[:, np.newaxis]
         return response.displacement(self.of)
 
     def __str__(self) -> str:

@@ -266,7 +266,7 @@ class Balance:
         return np.array([g, -b])
 
     def _mesh(self, mesh: gb.Mesh, speed: float) -> None:
-        state = self.motion.mesh(mesh.driver, mesh.driven)
+        state = self.motion.mesh((mesh.driver, mesh.driven))
         force, alpha, gamma = (
             self._taken(getattr(state, name))
             for name in ("force", "pressure_angle", "centre_line_angle")
@@ -304,9 +304,9 @@ class Balance:
     def _bearings(self) -> None:
         for bearing in self.system.bearings:
             place = (bearing.shaft, bearing.position)
-            force = self._taken(self.motion.bearing_force(*place))
+            force = self._taken(self.motion.bearing_force(place))
             axial = (
-                self._taken(self.motion.axial_bearing_force(*place))
+                self._taken(self.motion.axial_bearing_force(place))
                 if bearing.axial_stiffness
                 else 0.0
             )
