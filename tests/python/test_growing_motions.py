@@ -156,7 +156,7 @@ def test_a_multiplier_far_below_the_largest_is_found():
     with pytest.raises(gb.ConvergenceError, match="lost in the round-off of the largest one"):
         _ = varying.steady_state(
             speed, geometry="frozen", modes=8, rtol=1e-3, record=["gears"]
-        ).multipliers
+        ).multipliers()
 
 
 def test_a_large_rotor_without_damping_has_multipliers():
@@ -170,7 +170,7 @@ def test_a_large_rotor_without_damping_has_multipliers():
     exact = np.exp(system.modes(150.0, count=6).eigenvalues * steady.period)
     growing = exact[np.abs(exact) > 1.0 + 1e-6]
     assert growing.size
-    assert not steady.stable
+    assert not steady.is_stable()
     for value in growing:
         assert np.abs(steady.multipliers() - value).min() < 1e-6 * abs(value)
 
