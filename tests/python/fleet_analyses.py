@@ -64,7 +64,7 @@ def varied(system: gb.RotorSystem, share: float) -> dict[str, Any]:
 
 def quantity(system: gb.RotorSystem) -> str:
     """Quantity of a place that every run of the system has."""
-    return "w" if lateral(system) else "twist"
+    return "z" if lateral(system) else "twist"
 
 
 def turn(system: gb.RotorSystem, speed: float) -> float:
@@ -352,8 +352,8 @@ class Part:
     def twist(self, name: str) -> Any:
         return self.run.twist(name)[: self.count]
 
-    def mesh(self, driver: str, driven: str) -> Any:
-        return SimpleNamespace(force=self.run.mesh((driver, driven)).force[: self.count])
+    def mesh(self, at: tuple[str, str]) -> Any:
+        return SimpleNamespace(force=self.run.mesh(at).force[: self.count])
 
 
 def compute_branch(system: gb.RotorSystem, speed: float) -> gb.Continuation:
