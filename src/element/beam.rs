@@ -12,12 +12,10 @@
 //! for Ω > 0 is u ~ e^{iωt} with ω > 0.
 
 use std::f64::consts::PI;
-use std::sync::LazyLock;
 
 use nalgebra::{Matrix2, Matrix4, Vector4};
 
 use super::{Bending, Rod};
-use crate::numerics::gauss;
 use crate::scene::{Element, Material};
 
 /// Matrices of one shaft element. Rows and columns of bending are (u₁, φ₁, u₂, φ₂), those of torsion
@@ -84,8 +82,14 @@ pub fn deflection(element: &Element, material: &Material, shear: bool, ends: Vec
     displacement(xi, l, section.phi).dot(&ends) + bent + sheared
 }
 
-/// The four-point Gauss rule. It is exact for the products of shape functions, whose degree is at most six.
-static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(4));
+/// Nodes in [0, 1] and weights of the four-point Gauss rule. It is exact for the products of shape functions, whose
+/// degree is at most six.
+const GAUSS: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
 
 /// Section properties of an element.
 #[derive(Clone, Copy, Debug)]
@@ -186,7 +190,7 @@ pub(super) fn rotation(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
 
 /// ∫NᵀN dx over an element of length `l`, m, for the shape functions N(ξ) = `shape`.
 fn integral(l: f64, shape: impl Fn(f64) -> Vector4<f64>) -> Matrix4<f64> {
-    RULE.iter().fold(Matrix4::zeros(), |sum, &(xi, weight)| {
+    GAUSS.iter().fold(Matrix4::zeros(), |sum, &(xi, weight)| {
         let shape = shape(xi);
         sum + shape * shape.transpose() * (weight * l)
     })

@@ -1,7 +1,6 @@
 //! Stages of a step, and the polynomials of the loads through them.
 
 use super::phi::{Block, COUNT};
-use crate::numerics::gauss;
 
 /// Largest number of stages.
 pub const MAX_STAGES: usize = 4;
@@ -44,7 +43,19 @@ impl QuadratureRule {
 
     /// Gauss nodes for one to four stages s: collocation of order 2s.
     pub fn gauss(stages: usize) -> Self {
-        let nodes: Vec<f64> = gauss(stages).into_iter().map(|(node, _)| node).collect();
+        let nodes: Vec<f64> = match stages {
+            1 => vec![0.0],
+            2 => symmetric(&[(1.0_f64 / 3.0).sqrt()]),
+            3 => {
+                let outer = 0.6_f64.sqrt();
+                vec![-outer, 0.0, outer]
+            }
+            _ => {
+                let root = (1.2_f64).sqrt();
+                symmetric(&[((3.0 + 2.0 * root) / 7.0).sqrt(), ((3.0 - 2.0 * root) / 7.0).sqrt()])
+            }
+        };
+        let nodes: Vec<f64> = nodes.into_iter().map(|x| (1.0 + x) / 2.0).collect();
         let lagrange: Vec<Vec<f64>> = (0..nodes.len()).map(|j| through(&nodes, j)).collect();
         let defect = scaled(product_of_roots(nodes.iter().copied()), 1.0);
         let points: Vec<f64> = [&[0.0], &nodes[..], &[1.0]].concat();
@@ -111,6 +122,10 @@ fn at_ends(lagrange: &[Vec<f64>]) -> [Vec<f64>; 2] {
 
 fn product(a: &Block, b: &Block) -> Block {
     std::array::from_fn(|r| std::array::from_fn(|c| a[r][0] * b[0][c] + a[r][1] * b[1][c]))
+}
+
+fn symmetric(positive: &[f64]) -> Vec<f64> {
+    positive.iter().map(|x| -x).chain(positive.iter().rev().copied()).collect()
 }
 
 /// The Lagrange polynomial of point j.

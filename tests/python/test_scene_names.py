@@ -52,7 +52,7 @@ def scene_with(key: str, index: int, **changes) -> dict:
         ),
         (
             lambda: pair(disks=[gb.Disk("a/b", "input", 0.25, 1.0, 1e-3, 2e-3)]),
-            r'^disks\[0\].name: must not contain "/" or ":", got "a/b"',
+            r'^disks\[0\].name: must not contain "/", got "a/b"',
         ),
         (lambda: pair(reference="imput"), r'^reference: .*; did you mean "input"\?'),
         (lambda: pair(motion="couple"), r'^motion: .*; did you mean "coupled"\?'),

@@ -580,8 +580,9 @@ def test_a_value_of_another_kind_is_refused(case: str):
     assert message in str(caught.value)
 
 
-def test_a_place_that_is_none_is_not_recorded():
-    with pytest.raises(gb.ChannelError, match=r"the motion of \('input', 'a', 'b'\) was not"):
+def test_a_place_that_is_none_is_refused():
+    message = r"^at: must be a name or \(shaft, position\), got \('input', 'a', 'b'\)"
+    with pytest.raises(gb.SceneError, match=message):
         run(record=["pinion"]).displacement(("input", "a", "b"))  # type: ignore[arg-type]
 
 
