@@ -23,7 +23,7 @@ const STIFFENING: &str = "stiffness = { speeds = [0.0, 100.0, 120.0, 1e4], value
     [[1e8, 2e7], [-2e7, 8e7]], [[3e8, 6e7], [-6e7, 2.4e8]], [[3e8, 6e7], [-6e7, 2.4e8]]] }, \
     damping = { speeds = [0.0, 1e4], values = [500.0, 2e4] }";
 /// Rolling elements with a clearance, whose force grows with the power 3/2 of the deflection.
-const ROLLING: &str = "balls = 8, ball_diameter = 0.01, pitch_diameter = 0.06, clearance = 2e-6, hertz_stiffness = 1e10, \
+const ROLLING: &str = "elements = 8, element_diameter = 0.01, pitch_diameter = 0.06, clearance = 2e-6, hertz_stiffness = 1e10, \
     damping = 500.0";
 /// The oil film of a journal bearing.
 const JOURNAL: &str = "diameter = 0.05, length = 0.02, clearance = 5e-5, viscosity = 0.02";

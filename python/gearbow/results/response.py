@@ -585,8 +585,8 @@ class Response(ReadOnly):
             A gear or disk, (shaft, position [m]), (driver, driven) in either order or
             "driver/driven", ("bearing", shaft, position [m]), "energy", or a sensor.
         quantity : str, optional
-            "y", "z", "x" or "twist" of a place, with "velocity_", "acceleration_" before the
-            direction or "_rate" after "twist"; "y", "z" or "x" of the force on a bearing; a number
+            "y", "z", "x" or "twist" of a place, also as ``velocity_y``, ``acceleration_y`` or
+            ``twist_rate``; "y", "z" or "x" of the force on a bearing; a number
             field of `MeshResponse`. None is "y" or the mesh force.
         window : {"hann", "flat top", "none"}
             Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
