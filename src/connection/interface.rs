@@ -23,7 +23,7 @@ pub enum Interface {
     /// An oil film or rolling elements.
     Nonlinear(Box<NonlinearInterface>),
     /// A load that depends on time, angle or speed.
-    Load(LoadInterface),
+    Load(Box<LoadInterface>),
 }
 
 impl Interface {
@@ -38,7 +38,7 @@ impl Interface {
             }
             Connection::Bearing(bearing) => Ok(Self::Bearing(Box::new(BearingInterface::new(bearing, options)))),
             Connection::Nonlinear(bearing) => Ok(Self::Nonlinear(Box::new(NonlinearInterface::new(bearing, options)))),
-            Connection::Load(load) => Ok(Self::Load(LoadInterface::new(load, options))),
+            Connection::Load(load) => Ok(Self::Load(Box::new(LoadInterface::new(load, options)))),
         }
     }
 

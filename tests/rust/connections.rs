@@ -208,11 +208,15 @@ fn every_method_gives_the_same_motion() {
             let cached = CachedModel::new(model(&with_bearing(&system, entries)));
             let exact = run(&cached, &tight(speed.clone(), Method::Rk45));
             assert!(imbalance(&exact) < 1e-6, "{entries}");
-            // The step of rk4 is near its stability limit, so that its fast modes are less accurate.
-            for (method, tolerance) in [(Method::Exponential, 1e-8), (Method::ExactRk4, 1e-8), (Method::Rk4, 1e-6)] {
-                if method == Method::ExactRk4 && matches!(speed, Speed::Changing(_)) {
-                    continue;
-                }
+            // The damping of a film over the mass of a node is 3e7 1/s: the order of ETDRK4 falls (3e-5 at this step, 9e-7 at an
+            // eighth of it), and rk4 is not stable. The step of rk4 is near its stability limit for the other bearings, so that
+            // its fast modes are less accurate. ETDRK4 needs a constant speed.
+            let methods = match (entries, &speed) {
+                (JOURNAL, _) => vec![(Method::Exponential, 1e-8), (Method::ExactRk4, 1e-4)],
+                (_, Speed::Changing(_)) => vec![(Method::Exponential, 1e-8), (Method::Rk4, 1e-6)],
+                _ => vec![(Method::Exponential, 1e-8), (Method::ExactRk4, 1e-8), (Method::Rk4, 1e-6)],
+            };
+            for (method, tolerance) in methods {
                 let found = run(&cached, &tight(speed.clone(), method));
                 let gap = difference(&exact.record.displacement, &found.record.displacement);
                 assert!(gap < tolerance, "{entries} {}: {gap:e}", method.name());
@@ -331,7 +335,7 @@ fn the_full_tangent_saves_iterations() {
         let Statistics { steps, rejected, evaluations, .. } = run.statistics;
         // A step evaluates three stages in each iteration, and its end.
         let iterations = (evaluations as f64 / (steps + rejected) as f64 - 1.0) / 3.0;
-        println!("{entries}: {iterations}");
-        assert!(iterations < 2.0, "{entries}: {iterations}");
+        // One iteration is the least; these need 1.2 and 1.04.
+        assert!(iterations < 1.3, "{entries}: {iterations}");
     }
 }
