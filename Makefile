@@ -58,14 +58,14 @@ test-python: $(VENV)/.dev
 
 # New random cases in each call; `make test` always takes the same cases.
 random: $(VENV)/.dev
-	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py tests/python/test_random_run_up.py \
-		tests/python/test_structured_solver.py tests/python/test_accuracy_of_random_trains.py \
-		tests/python/test_equilibrium_residuals.py tests/python/test_examples.py
-	$(BIN)/python -m pytest tests/python/test_fleet.py -m slow
+	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/runs/test_random_scenes.py tests/python/runs/test_random_run_up.py \
+		tests/python/linear/test_structured_solver.py tests/python/runs/test_accuracy_of_random_trains.py \
+		tests/python/bearings/test_equilibrium_residuals.py tests/python/package/test_examples.py
+	$(BIN)/python -m pytest tests/python/package/test_fleet.py -m slow
 
 fuzz: $(VENV)/.dev
 	GEARBOW_CASES=350 $(CARGO_TEST) --test rust fuzz::
-	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/test_fuzz.py tests/python/test_random_run_up.py -k "every"
+	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/scene/test_fuzz.py tests/python/runs/test_random_run_up.py -k "every"
 
 # Takes up to five hours on two cores and needs cargo-mutants. Parts that another design replaces are left out.
 mutants: $(VENV)/.mutants

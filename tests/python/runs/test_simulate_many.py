@@ -113,7 +113,7 @@ def test_variations_share_a_number_of_modes_in_any_order_and_with_any_number_of_
 
 def train() -> gb.RotorSystem:
     """Return the train of the bow study, with bows of a twentieth of the radius."""
-    path = Path(__file__).parents[2] / "examples" / "machines" / "double_stage_train.toml"
+    path = Path(__file__).parents[3] / "examples" / "machines" / "double_stage_train.toml"
     return gb.RotorSystem.load(path)
 
 

@@ -14,7 +14,7 @@ from test_random_scenes import Drawn, scenes
 
 pytestmark = pytest.mark.implausible
 
-ROTORS = sorted((Path(__file__).parents[2] / "examples/rotors").glob("*.toml"))
+ROTORS = sorted((Path(__file__).parents[3] / "examples/rotors").glob("*.toml"))
 
 
 def tolerance(system: gb.RotorSystem, speed: float = 0.0) -> float:

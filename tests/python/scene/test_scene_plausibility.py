@@ -17,7 +17,7 @@ import gearbow as gb
 from reference import scenes
 
 MILLIMETRE = 1e-3
-ROTORS = sorted((Path(__file__).parents[2] / "examples" / "rotors").glob("*.toml"))
+ROTORS = sorted((Path(__file__).parents[3] / "examples" / "rotors").glob("*.toml"))
 
 
 def train(**options: Any) -> gb.RotorSystem:

@@ -18,7 +18,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-ROSS = Path(__file__).parents[2] / "examples" / "ross_files"
+ROSS = Path(__file__).parents[3] / "examples" / "ross_files"
 needs_files = pytest.mark.skipif(not ROSS.is_dir(), reason="the examples are not installed")
 
 

@@ -159,7 +159,7 @@ RUNS["rattling"][0].package().simulate(**asked("rattling"), checkpoint=sys.argv[
 @pytest.mark.parametrize(("name", "writing"), [("run.npz", 3), ("run.nc", 2)])
 def test_a_process_that_is_killed_while_writing_leaves_the_previous_file(tmp_path, name, writing):
     path = tmp_path / name
-    folder = Path(__file__).parent
+    folder = Path(__file__).parents[1]
     command = [sys.executable, "-c", KILLED, path, str(writing)]
     ended = subprocess.run(command, cwd=folder, check=False)
     assert ended.returncode == -signal.SIGKILL

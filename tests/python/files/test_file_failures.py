@@ -29,7 +29,7 @@ def python(script: str, *given: object) -> subprocess.CompletedProcess[str]:
     """Run a script in a separate process that can import these tests."""
     return subprocess.run(
         [sys.executable, "-c", script, *map(str, given)],
-        cwd=Path(__file__).parent,
+        cwd=Path(__file__).parents[1],
         check=False,
         capture_output=True,
         text=True,
@@ -288,7 +288,7 @@ def test_a_second_process_is_refused_until_the_first_has_ended(tmp_path, suffix)
     path = tmp_path / f"run{suffix}"
     system, options = RUNS["smooth"][0].package(), asked("smooth")
     command = [sys.executable, "-c", OWNER, path]
-    with subprocess.Popen(command, cwd=Path(__file__).parent, stdout=subprocess.PIPE) as owner:
+    with subprocess.Popen(command, cwd=Path(__file__).parents[1], stdout=subprocess.PIPE) as owner:
         assert owner.stdout is not None
         try:
             while float(owner.stdout.readline()) == 0.0:
@@ -477,7 +477,7 @@ def test_a_link_to_stdout_does_not_replace_the_redirected_file(tmp_path):
     with out.open("wb") as file:
         subprocess.run(
             [sys.executable, "-c", STDOUT, str(link)],
-            cwd=Path(__file__).parent,
+            cwd=Path(__file__).parents[1],
             check=True,
             stdout=file,
         )

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 # Last, because both folders have a module `fleet`.
-sys.path.append(str(Path(__file__).parents[2] / "benches"))
+sys.path.append(str(Path(__file__).parents[3] / "benches"))
 
 from programs.analyses import ANALYSES, SUBJECTS
 from programs.fleet import LINEAR, Machine
@@ -19,7 +19,7 @@ from programs.search import check, reference
 from programs.timing import once
 from summary import ANALYSES as SUMMARISED, SCENES as SUMMARISED_SCENES, fastest
 
-BENCHES = Path(__file__).parents[2] / "benches"
+BENCHES = Path(__file__).parents[3] / "benches"
 
 
 @pytest.mark.parametrize("name", ["modes", "synchronous", "static"])

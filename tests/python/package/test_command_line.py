@@ -380,5 +380,5 @@ def test_the_program_and_the_module_are_the_same(scene: str):
     given = ["check", scene]
     ended = subprocess.run([*COMMAND, *given], capture_output=True, text=True, check=True)
     assert "valid, no warnings" in ended.stdout
-    project = (Path(__file__).parents[2] / "pyproject.toml").read_text()
+    project = (Path(__file__).parents[3] / "pyproject.toml").read_text()
     assert '[project.scripts]\ngearbow = "gearbow.cli.main:main"\n' in project

@@ -20,7 +20,7 @@ import gearbow as gb
 from gearbow import _core
 from gearbow.sweeps import store
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "bow_study"
+EXAMPLE = Path(__file__).parents[3] / "examples" / "bow_study"
 if not EXAMPLE.is_dir():
     pytest.skip("the examples are not installed", allow_module_level=True)
 pytest.importorskip("matplotlib")

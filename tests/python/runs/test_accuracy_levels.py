@@ -9,7 +9,7 @@ import pytest
 
 from gearbow.accuracy.levels import LEVELS
 
-sys.path.append(str(Path(__file__).parents[2] / "benches"))
+sys.path.append(str(Path(__file__).parents[3] / "benches"))
 
 from accuracy.measure import AGREEMENT, STORED, Measured, measure, refined, table
 from accuracy.scenes import SCENES

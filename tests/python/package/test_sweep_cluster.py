@@ -113,7 +113,7 @@ if __name__ == "__main__":
 def test_a_killed_process_of_a_cluster_does_not_lose_points(tmp_path, program):
     script = tmp_path / "cluster.py"  # the workers import the functions of the main module
     script.write_text(program, encoding="utf-8")
-    here = str(Path(__file__).parent)
+    here = str(Path(__file__).parents[1])
     path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))
     ended = subprocess.run(
         [sys.executable, script, tmp_path],

@@ -11,7 +11,7 @@ import pytest
 
 import gearbow as gb
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SITE = ROOT / "docs" / "site"
 GALLERY = sorted((ROOT / "examples" / "gallery").glob("*.py"))
 

@@ -89,7 +89,7 @@ def same(one: gb.Sweep, other: gb.Sweep) -> None:
 def python(script: str, *arguments: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", script, *map(str, arguments)],
-        cwd=Path(__file__).parent,
+        cwd=Path(__file__).parents[1],
         capture_output=True,
         text=True,
         check=False,
@@ -402,7 +402,7 @@ def test_a_terminated_sweep_leaves_no_worker_processes(tmp_path):
     script, folder = tmp_path / "script.py", tmp_path / "workers"
     script.write_text(TERMINATED, encoding="utf-8")
     folder.mkdir()
-    here = str(Path(__file__).parent)
+    here = str(Path(__file__).parents[1])
     path = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))
     with subprocess.Popen(
         [sys.executable, script, folder], env={**os.environ, "PYTHONPATH": path}

@@ -15,7 +15,7 @@ from gearbow.results.steady import instability
 from reference.teeth import Toothed
 from test_teeth_stability import MEISSNER, boundaries, criterion, monodromy
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 GEARS = ("g1", "g2", "g3", "g4")
 PAIRS = (("g1", "g2"), ("g3", "g4"))
 

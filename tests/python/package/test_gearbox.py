@@ -12,7 +12,7 @@ import pytest
 
 import gearbow as gb
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "examples" / "gearbox.py"
 
 pytestmark = pytest.mark.skipif(not EXAMPLE.is_file(), reason="the examples are not installed")

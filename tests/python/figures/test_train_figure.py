@@ -119,7 +119,7 @@ def chain(count: int = 6) -> gb.RotorSystem:
 @cache
 def gearbox() -> gb.RotorSystem:
     """Return the gearbox of docs/gearbox.md."""
-    example = Path(__file__).parents[2] / "examples" / "gearbox.py"
+    example = Path(__file__).parents[3] / "examples" / "gearbox.py"
     if not example.is_file():
         pytest.skip("the examples are not installed")
     return runpy.run_path(str(example), run_name="gearbox")["gearbox"]()
