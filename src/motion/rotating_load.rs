@@ -86,8 +86,9 @@ impl RotatingLoad {
         [real, imaginary]
     }
 
-    /// The phasor of the load: e^{iϑ}, and times Ω_s² − iΩ̇_s for an unbalance at a changing speed. `reference` is the
-    /// reference shaft at this instant if the speed changes.
+    /// The phasor of the load: e^{iϑ} with the angle ϑ of the shaft, rad. At a changing speed, an unbalance has the phasor
+    /// (Ω_s² − iΩ̇_s) e^{iϑ} with the speed Ω_s, rad/s, of the shaft. `reference` is the rotation of the reference shaft at this
+    /// instant if the speed changes.
     #[inline]
     pub fn phasor(&self, elapsed: f64, reference: Option<&RotationState>) -> Complex64 {
         let angle = reference.map_or(self.spin * elapsed, |shaft| self.ratio * shaft.angle);

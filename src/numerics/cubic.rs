@@ -61,8 +61,8 @@ impl<T: Value> Cubic<T> {
 /// Where a point lies among the knots of a piecewise cubic.
 #[derive(Clone, Copy, Debug)]
 pub enum Place<T> {
-    /// Before the first knot.
-    Before,
+    /// Before the first knot, which it contains.
+    Before(Knot<T>),
     /// Between two knots, or at the first one.
     Within {
         /// The polynomial between the two knots.
@@ -72,8 +72,8 @@ pub enum Place<T> {
         /// Their distance.
         width: f64,
     },
-    /// At the last knot or behind it.
-    Behind,
+    /// At the last knot, which it contains, or behind it.
+    Behind(Knot<T>),
 }
 
 /// A function y(x) with a continuous derivative, cubic between knots.
@@ -92,9 +92,9 @@ impl<T: Value> PiecewiseCubic<T> {
         Self { x, knots }
     }
 
-    /// The first and the last knot, with their positions.
-    pub fn ends(&self) -> [(f64, Knot<T>); 2] {
-        [0, self.x.len() - 1].map(|end| (self.x[end], self.knots[end]))
+    /// Positions of the first and of the last knot.
+    pub fn range(&self) -> [f64; 2] {
+        [self.x[0], self.x[self.x.len() - 1]]
     }
 
     /// The polynomial at `x`. At a knot, it begins there.
@@ -102,10 +102,10 @@ impl<T: Value> PiecewiseCubic<T> {
     pub fn at(&self, x: f64) -> Place<T> {
         let above = self.x.partition_point(|knot| *knot <= x);
         if above == 0 {
-            return Place::Before;
+            return Place::Before(self.knots[0]);
         }
         if above == self.x.len() {
-            return Place::Behind;
+            return Place::Behind(self.knots[above - 1]);
         }
         let begin = self.x[above - 1];
         let width = self.x[above] - begin;
@@ -237,8 +237,8 @@ mod tests {
     fn value(curve: &PiecewiseCubic<f64>, x: f64) -> f64 {
         match curve.at(x) {
             Place::Within { cubic, fraction, .. } => cubic.value(fraction),
-            Place::Before => f64::NEG_INFINITY,
-            Place::Behind => f64::INFINITY,
+            Place::Before(_) => f64::NEG_INFINITY,
+            Place::Behind(_) => f64::INFINITY,
         }
     }
 
@@ -270,7 +270,7 @@ mod tests {
             before = next;
         }
         assert!(x.iter().zip(&y).take(3).all(|(x, y)| value(&curve, *x) == *y));
-        assert!(matches!(curve.at(5.0), Place::Behind) && matches!(curve.at(-0.1), Place::Before));
+        assert!(matches!(curve.at(5.0), Place::Behind(_)) && matches!(curve.at(-0.1), Place::Before(_)));
     }
 
     #[test]

@@ -159,17 +159,16 @@ impl Spline {
 
     /// First and last point, m.
     pub fn range(&self) -> [f64; 2] {
-        self.0.ends().map(|(x, _)| x)
+        self.0.range()
     }
 
     /// Deflection, m, and slope at `x`, m.
     pub fn at(&self, x: f64) -> (Complex64, Complex64) {
-        let [first, last] = self.0.ends();
-        let line = |(end, knot): (f64, Knot<Complex64>)| (knot.value + knot.slope * (x - end), knot.slope);
+        let line = |end: f64, knot: Knot<Complex64>| (knot.value + knot.slope * (x - end), knot.slope);
         match self.0.at(x) {
-            Place::Before => line(first),
+            Place::Before(knot) => line(self.range()[0], knot),
             Place::Within { cubic, fraction, width } => (cubic.value(fraction), cubic.slope(fraction) / width),
-            Place::Behind => line(last),
+            Place::Behind(knot) => line(self.range()[1], knot),
         }
     }
 
@@ -177,7 +176,7 @@ impl Spline {
     pub fn curvature(&self, x: f64) -> Complex64 {
         match self.0.at(x) {
             Place::Within { cubic, fraction, width } => cubic.curvature(fraction) / (width * width),
-            Place::Before | Place::Behind => Complex64::ZERO,
+            Place::Before(_) | Place::Behind(_) => Complex64::ZERO,
         }
     }
 }

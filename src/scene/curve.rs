@@ -26,11 +26,9 @@ impl Curve {
     /// The value and its derivative.
     #[inline]
     pub fn at(&self, x: f64) -> [f64; 2] {
-        let [first, last] = self.0.ends();
         match self.0.at(x) {
-            Place::Before => [first.1.value, 0.0],
+            Place::Before(end) | Place::Behind(end) => [end.value, 0.0],
             Place::Within { cubic, fraction, width } => [cubic.value(fraction), cubic.slope(fraction) / width],
-            Place::Behind => [last.1.value, 0.0],
         }
     }
 
@@ -54,7 +52,7 @@ impl Curve {
 
     /// First and last x.
     pub fn range(&self) -> [f64; 2] {
-        self.0.ends().map(|(x, _)| x)
+        self.0.range()
     }
 
     /// Largest |y| of the points.

@@ -132,18 +132,16 @@ impl SpeedTable {
 
     /// The coefficient and its derivative at a speed that is not negative. At a knot the coefficient is the given value.
     fn at(&self, speed: f64) -> [Matrix2; 2] {
-        let [first, last] = self.curve.ends();
         let [value, slope] = match self.curve.at(speed) {
             Place::Within { cubic, fraction, width } => [cubic.value(fraction), cubic.slope(fraction) / width],
-            Place::Behind if speed == last.0 => [last.1.value, last.1.slope],
-            Place::Behind => [last.1.value, nalgebra::Matrix2::zeros()],
-            Place::Before => [first.1.value, nalgebra::Matrix2::zeros()],
+            Place::Behind(end) if speed == self.curve.range()[1] => [end.value, end.slope],
+            Place::Before(end) | Place::Behind(end) => [end.value, nalgebra::Matrix2::zeros()],
         };
         [value.into(), slope.into()]
     }
 
     fn excludes(&self, speed: f64) -> Option<[f64; 2]> {
-        let [first, last] = self.curve.ends().map(|(speed, _)| speed);
+        let [first, last] = self.curve.range();
         let slack = ROUND_OFF * last;
         let inside = speed >= first - slack && speed <= last + slack;
         (!self.holds && !inside).then_some([first, last])

@@ -50,12 +50,12 @@ def plot(
     settled: Any = {"skipped": skipped, "transient": skip_time is not None, "ax": ax}
     if kind in _MESH_FIELDS:
         chosen = {}
-        for pair in _pairs(run, at):
+        for pair in _connections("mesh", "meshes", run.data["meshes"], at):
             mesh, names = access.mesh(run, pair), access.mesh_names(run, pair)
             chosen[names] = tuple(getattr(mesh, name)[cut] for name in _MESH_FIELDS[kind])
         return getattr(figures, kind)(time, chosen, **settled)  # type: ignore[no-any-return]
     if kind == "bearings":
-        bearings = _bearings(run, at)
+        bearings = _connections("bearing", "bearings", run.data["bearings"], at)
         forces = {place_label(one): access.bearing_force(run, one)[cut] for one in bearings}
         return figures.bearings(time, forces, **settled)
     places_of = _chosen(run, at)
@@ -108,19 +108,9 @@ def _chosen(run: RunRecord, given: Any) -> list[At]:
     return chosen
 
 
-def _bearings(run: RunRecord, given: Any) -> list[tuple[str, float]]:
-    """Choose the bearings of a figure."""
-    recorded = [(shaft, position) for shaft, position in run.data["bearings"]]
-    found = recorded if given is None else list(places(given, kind="bearing"))
+def _connections(kind: str, group: str, recorded: Any, given: Any) -> list[tuple[Any, Any]]:
+    """Choose the bearings or the meshes of a figure."""
+    found = [tuple(each) for each in recorded] if given is None else list(places(given, kind=kind))
     if not found:
-        raise GearbowError("no bearing was recorded; give record=['bearings'] to simulate")
-    return found
-
-
-def _pairs(run: RunRecord, given: Any) -> list[tuple[str, str]]:
-    """Choose the meshes of a figure."""
-    recorded = [(driver, driven) for driver, driven in run.data["meshes"]]
-    found = recorded if given is None else list(places(given, kind="mesh"))
-    if not found:
-        raise GearbowError("no mesh was recorded; give record=['meshes'] to simulate")
+        raise GearbowError(f"no {kind} was recorded; give record=['{group}'] to simulate")
     return found

@@ -102,8 +102,8 @@ def steady_state(
         If an argument is invalid, or the excitation has no common period up to `max_period`
         and contains a load over time.
     ConvergenceError
-        If the iteration does not converge, or the motion is none of its frequencies. The
-        message gives the residual.
+        If the iteration does not converge, or the motion contains frequencies that are no
+        combinations of those of the excitation. The message gives the residual.
     StabilityError, ContactError
         As for `simulate`.
 
