@@ -33,19 +33,19 @@ pub(super) struct ContactMonitor {
 }
 
 impl ContactMonitor {
-    /// Allocates the candidates of a number of meshes.
-    pub fn new(rule: &QuadratureRule, meshes: usize) -> Self {
+    /// Allocates the candidates of a number of connections.
+    pub fn new(rule: &QuadratureRule, connections: usize) -> Self {
         let weights = std::array::from_fn(|point| rule.through((point as f64 - 1.0) / INTERVALS as f64));
         // Each of the two flanks has at most one candidate at the end of an interval and one minimum in it.
-        Self { weights, candidates: Vec::with_capacity(meshes * 2 * 2 * INTERVALS) }
+        Self { weights, candidates: Vec::with_capacity(connections * 2 * 2 * INTERVALS) }
     }
 
-    /// Finds the candidates of the last step for all meshes whose flank contact is not `unchanged`. The current contact
+    /// Finds the candidates of the last step for all connections whose flank contact is not `unchanged`. The current contact
     /// modes hold from the fraction `since` of the step on.
     pub fn search(&mut self, stepper: &Stepper<'_>, unchanged: &[bool], since: f64) {
         self.candidates.clear();
-        for (mesh, _) in unchanged.iter().enumerate().filter(|(_, unchanged)| !**unchanged) {
-            for margins in stepper.margins(mesh) {
+        for (connection, _) in unchanged.iter().enumerate().filter(|(_, unchanged)| !**unchanged) {
+            for margins in stepper.margins(connection) {
                 self.follow(&stepper.context.cache.rule, &margins, since);
             }
         }

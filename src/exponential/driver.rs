@@ -29,7 +29,7 @@ pub fn run(
     let mut driver = Driver::new(stepper, control, state);
     let outcome = driver.run((&mut *stepper, &mut *output), state, end, observer, statistics);
     if let Some(energies) = output.energies() {
-        energies.evaluate(stepper.nonlinear_loads(), true, &mut |energies| observer.shaft_energies(energies));
+        energies.evaluate(stepper.loads(), true, &mut |energies| observer.shaft_energies(energies));
     }
     state.method = MethodState::Exponential(driver.own);
     outcome.map_err(|halt| Halted { halt, elapsed: state.elapsed })
@@ -91,7 +91,7 @@ impl Driver {
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         self.start((&mut *stepper, &mut *output), state, observer, statistics)?;
-        let switches = stepper.nonlinear_loads().motion.switching().is_some();
+        let switches = stepper.loads().motion.switching().is_some();
         let mut checks = 0;
         while state.elapsed < end || observer.next().is_some() {
             // A run does not stop between two changes at one unit, because their count is not part of the state.
@@ -140,20 +140,20 @@ impl Driver {
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         let mut evaluations = Statistics::new();
-        if stepper.nonlinear_loads().motion.switching().is_some() {
+        if stepper.loads().motion.switching().is_some() {
             stepper.evaluate_begin(state.elapsed, &state.y, &mut evaluations)?;
             if state.contact_modes.is_empty() {
                 let interface_state = &stepper.begin.interface_state;
-                let nonlinear_loads = stepper.nonlinear_loads();
-                nonlinear_loads.contact_modes(state.elapsed, interface_state, &[], &mut state.contact_modes)?;
+                let loads = stepper.loads();
+                loads.contact_modes(state.elapsed, interface_state, &[], &mut state.contact_modes)?;
             }
-            stepper.context.nonlinear_loads.motion.set_contact_modes(&state.contact_modes);
+            stepper.context.loads.motion.set_contact_modes(&state.contact_modes);
         }
         stepper.evaluate_begin(state.elapsed, &state.y, &mut evaluations)?;
         self.size = stepper.size(&state.y, &stepper.begin);
         statistics.begin(evaluations.evaluations);
-        let nonlinear_loads = stepper.nonlinear_loads();
-        let mut read = |q: &mut [f64], v: &mut [f64]| output.read(nonlinear_loads, state.elapsed, &state.y, q, v);
+        let loads = stepper.loads();
+        let mut read = |q: &mut [f64], v: &mut [f64]| output.read(loads, state.elapsed, &state.y, q, v);
         observer.switched(state.elapsed, &mut read, &state.contact_modes);
         Ok(())
     }
@@ -245,10 +245,10 @@ impl Driver {
         state: &State,
     ) -> Result<Option<ContactChange>, Halt> {
         let end = state.elapsed + self.time_grid.step(level);
-        if !self.locator.is_possible(stepper) && !stepper.nonlinear_loads().motion.leaves_piece(end) {
+        if !self.locator.is_possible(stepper) && !stepper.loads().motion.leaves_piece(end) {
             return Ok(None);
         }
-        if stepper.nonlinear_loads().motion.motion_changes_contact_modes() {
+        if stepper.loads().motion.motion_changes_contact_modes() {
             stepper.stages.refresh(&stepper.context, level);
         }
         self.locator.locate(&completed(stepper, level, state), &mut self.sampler, self.own.pending_change)
@@ -289,15 +289,15 @@ impl Driver {
         change: ContactChange,
         observer: &mut impl Observer,
     ) {
-        let nonlinear_loads = stepper.nonlinear_loads();
+        let loads = stepper.loads();
         // Angles of shafts within a piece of a variable speed follow from that piece only.
-        if let (Some(_), Some(energies)) = (nonlinear_loads.motion.piece_at(state.elapsed), output.energies()) {
-            energies.evaluate(nonlinear_loads, true, &mut |energies| observer.shaft_energies(energies));
+        if let (Some(_), Some(energies)) = (loads.motion.piece_at(state.elapsed), output.energies()) {
+            energies.evaluate(loads, true, &mut |energies| observer.shaft_energies(energies));
         }
         let sampler = &mut self.sampler;
         let mut read = |q: &mut [f64], v: &mut [f64]| {
             let z = sampler.state_at(stepper, level, &state.y, change.at - state.elapsed);
-            output.read(nonlinear_loads, change.at, z, q, v);
+            output.read(loads, change.at, z, q, v);
         };
         observer.switched(change.at, &mut read, &self.locator.new_contact_modes);
     }

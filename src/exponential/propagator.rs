@@ -10,7 +10,7 @@
 use num_complex::Complex64;
 use pulp::Arch;
 
-use super::interface_maps::{InterfaceMaps, LinearizedContact, gram};
+use super::interface_maps::{InterfaceMaps, LinearizedDirection, gram};
 use super::packed::{Aligned, Columns, Panel, Rows, aligned};
 use super::phi::{Block, COUNT, factorial, phi_of_pair};
 use super::quadrature::QuadratureRule;
@@ -33,7 +33,8 @@ pub struct StepPropagator {
     pub transition: Transition,
     /// h ψ_j b of stage j and load k, at j·loads + k.
     pub columns: Columns,
-    /// Gram matrix of h ∫₀¹ e^{Ah(1−τ)} π(τ) dτ b over the mesh loads: a load defect d π(τ) causes the error norm √(dᵀ G d).
+    /// Gram matrix of h ∫₀¹ e^{Ah(1−τ)} π(τ) dτ b over the loads that depend on the motion: a load defect
+    /// d π(τ) causes the error norm √(dᵀ G d).
     pub gram: Panel,
 }
 
@@ -50,9 +51,9 @@ impl StepPropagator {
             columns.extend(maps.columns.iter().map(|load| apply(&psi, load)));
         }
         let chi = integrals(&rule.defect, &whole, 1.0, step);
-        let defect = maps.columns[..maps.meshes].iter().map(|load| maps.with_mesh_energy(apply(&chi, load)));
+        let defect = maps.columns[..maps.coupled_loads].iter().map(|load| maps.with_mesh_energy(apply(&chi, load)));
         let defect: Vec<f64> = defect.flatten().collect();
-        Self { transition, columns: Columns::new(&columns, &maps.parts), gram: gram(&defect, maps.meshes) }
+        Self { transition, columns: Columns::new(&columns, &maps.parts), gram: gram(&defect, maps.coupled_loads) }
     }
 
     /// `out = e^{Ah} z + Σ_j h ψ_j b p_j`. `p` holds the loads stage after stage.
@@ -156,7 +157,7 @@ impl StageResponse {
         let mut own = vec![0.0; felt * size];
         for (unit, own) in (0..felt).zip(own.chunks_exact_mut(size.max(1))) {
             for node in 0..stages {
-                for (direction, LinearizedContact { scalars, gradient, .. }) in maps.tangents.iter().enumerate() {
+                for (direction, LinearizedDirection { scalars, gradient, .. }) in maps.tangents.iter().enumerate() {
                     let column = |scalar: usize| along[(node * loads + scalar) * felt + unit];
                     own[node * directions + direction] =
                         scalars.clone().zip(gradient).map(|(k, g)| column(k) * g).sum();

@@ -44,21 +44,28 @@ impl SmallLu {
         &mut self.slopes
     }
 
-    /// Subtracts slopes times the `response` of their scalar to all loads from the rows from `row` on. Of every `loads`
-    /// loads, the first `meshes` are unknowns.
-    pub fn add(&mut self, row: usize, meshes: usize, loads: usize, response: impl Fn(usize) -> f64) {
-        for k in 0..meshes {
-            self.add_row(row + k, self.slopes[k], meshes, loads, &response);
+    /// Subtracts slopes times the `response` of their scalar to all loads from the rows from `row` on. of every `load_count`
+    /// loads, the first `coupled` are unknowns.
+    pub fn add(&mut self, row: usize, coupled: usize, load_count: usize, response: impl Fn(usize) -> f64) {
+        for k in 0..coupled {
+            self.add_row(row + k, self.slopes[k], coupled, load_count, &response);
         }
     }
 
     /// Subtracts `slope` times a response from one row.
-    pub fn add_row(&mut self, row: usize, slope: f64, meshes: usize, loads: usize, response: impl Fn(usize) -> f64) {
+    pub fn add_row(
+        &mut self,
+        row: usize,
+        slope: f64,
+        coupled: usize,
+        load_count: usize,
+        response: impl Fn(usize) -> f64,
+    ) {
         if slope != 0.0 {
             let line = &mut self.matrix[row * self.size..(row + 1) * self.size];
-            for (node, unknowns) in line.chunks_exact_mut(meshes).enumerate() {
+            for (node, unknowns) in line.chunks_exact_mut(coupled).enumerate() {
                 for (k, entry) in unknowns.iter_mut().enumerate() {
-                    *entry -= slope * response(node * loads + k);
+                    *entry -= slope * response(node * load_count + k);
                 }
             }
         }

@@ -4,13 +4,13 @@
 //! Other loads are found by an iteration that contracts like h²Δk/m, and by Newton's method where it contracts slowly.
 
 use super::cache::PropagatorCache;
-use super::contact_tangent::ContactTangentSolver;
 use super::context::StepContext;
-use super::nonlinear_loads::NonlinearLoads;
+use super::loads::Loads;
 use super::panel_kernel;
 use super::small_lu::SmallLu;
 use super::stages::Stages;
 use super::step_point::StepPoint;
+use super::tangent_solver::TangentSolver;
 use crate::integrate::{Halt, Statistics, StepHistory};
 use crate::mesh::Contact;
 
@@ -34,7 +34,7 @@ pub(super) struct LoadSolver {
     affine: bool,
     small_lu: SmallLu,
     /// Solver for the effect of the contact stiffness and damping.
-    tangent_solver: ContactTangentSolver,
+    tangent_solver: TangentSolver,
     /// Factor by which an iteration reduces the residual; infinite if unknown.
     contraction: f64,
     /// Ratio of the last two step lengths, and the weights that extrapolate the loads for it.
@@ -45,21 +45,21 @@ pub(super) struct LoadSolver {
 
 impl LoadSolver {
     /// Allocates the solver.
-    pub fn new(nonlinear_loads: &NonlinearLoads<'_>, cache: &PropagatorCache) -> Self {
+    pub fn new(loads: &Loads<'_>, cache: &PropagatorCache) -> Self {
         let stages = cache.rule.stages();
         Self {
-            affine: nonlinear_loads.is_affine(),
-            small_lu: SmallLu::new(stages * nonlinear_loads.mesh_load_count()),
-            tangent_solver: ContactTangentSolver::new(nonlinear_loads, &cache.maps.tangents, stages),
+            affine: loads.is_affine(),
+            small_lu: SmallLu::new(stages * loads.coupled_load_count()),
+            tangent_solver: TangentSolver::new(loads, &cache.maps.tangents, stages),
             contraction: f64::INFINITY,
             extrapolation: (0.0, vec![0.0; stages * (stages + 1)]),
-            contacts: vec![Contact::default(); nonlinear_loads.mesh_count()],
+            contacts: vec![Contact::default(); loads.connection_count()],
         }
     }
 
     /// Whether a step starts from a prediction, which uses the previous step.
     fn predicts(&self, context: &StepContext<'_>) -> bool {
-        !self.affine && !context.cache.rule.explicit && context.nonlinear_loads.mesh_load_count() > 0
+        !self.affine && !context.cache.rule.explicit && context.loads.coupled_load_count() > 0
     }
 
     /// Stores what the prediction of the next step needs.
@@ -84,12 +84,12 @@ impl LoadSolver {
         if !self.predicts(context) {
             return;
         }
-        let nonlinear_loads = &context.nonlinear_loads;
+        let loads = &context.loads;
         let tangent = self.tangent_solver.residual_tangent.len();
         // The history of a run with another number of stages has other lengths.
         if !history.has_lengths([stages.loads.len(), stages.interface_states.len(), tangent]) {
-            let (loads, len) = (nonlinear_loads.load_count(), nonlinear_loads.interface_len());
-            stages.loads.chunks_exact_mut(loads).for_each(|load| load.copy_from_slice(&begin.load));
+            let (load_count, len) = (loads.load_count(), loads.interface_len());
+            stages.loads.chunks_exact_mut(load_count).for_each(|load| load.copy_from_slice(&begin.load));
             let states = stages.interface_states.chunks_exact_mut(len);
             states.for_each(|state| state.copy_from_slice(&begin.interface_state));
             self.contraction = f64::INFINITY;
@@ -137,8 +137,8 @@ impl LoadSolver {
         (level, elapsed): (usize, f64),
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
-        let nonlinear_loads = &context.nonlinear_loads;
-        let (meshes, loads) = (nonlinear_loads.mesh_load_count(), nonlinear_loads.load_count());
+        let loads = &context.loads;
+        let (coupled, load_count) = (loads.coupled_load_count(), loads.load_count());
         stages.interface_states.copy_from_slice(&stages.homogeneous_response);
         stages.evaluate_all(context, level, elapsed, statistics)?;
         let (stage_response, count) = (context.cache.stage_response(level), context.stages());
@@ -146,14 +146,14 @@ impl LoadSolver {
         self.tangent_solver.set_stages(context, (level, elapsed), stages);
         stages.loads.copy_from_slice(&stages.residual);
         self.small_lu.begin();
-        for (stage, residual) in stages.residual.chunks_exact(loads).enumerate() {
-            for (k, own) in residual[..meshes].iter().enumerate() {
-                let row = stage * meshes + k;
+        for (stage, residual) in stages.residual.chunks_exact(load_count).enumerate() {
+            for (k, own) in residual[..coupled].iter().enumerate() {
+                let row = stage * coupled + k;
                 let slope = -self.tangent_solver.next_tangent()[row];
                 let response = stage_response.response_of(stage, k);
-                self.small_lu.add_row(row, slope, meshes, loads, &response);
+                self.small_lu.add_row(row, slope, coupled, load_count, &response);
                 // Prescribed loads also move the scalars.
-                let prescribed = (0..count).flat_map(|stage| stage * loads + meshes..(stage + 1) * loads);
+                let prescribed = (0..count).flat_map(|stage| stage * load_count + coupled..(stage + 1) * load_count);
                 let others = prescribed.map(|column| response(column) * stages.residual[column]);
                 self.small_lu.right[row] = own + slope * others.sum::<f64>();
             }
@@ -161,9 +161,9 @@ impl LoadSolver {
         if !self.small_lu.solve() {
             return Ok(false);
         }
-        let solved = self.small_lu.right.chunks_exact(meshes.max(1));
-        for (loads, solved) in stages.loads.chunks_exact_mut(loads).zip(solved) {
-            loads[..meshes].copy_from_slice(solved);
+        let solved = self.small_lu.right.chunks_exact(coupled.max(1));
+        for (loads, solved) in stages.loads.chunks_exact_mut(load_count).zip(solved) {
+            loads[..coupled].copy_from_slice(solved);
         }
         stages.mark_stale();
         Ok(true)
@@ -265,15 +265,15 @@ impl LoadSolver {
         (level, elapsed): (usize, f64),
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        let nonlinear_loads = &context.nonlinear_loads;
-        let (meshes, loads) = (nonlinear_loads.mesh_load_count(), nonlinear_loads.load_count());
-        let (len, sources) = (nonlinear_loads.interface_len(), nonlinear_loads.source_count());
+        let loads = &context.loads;
+        let (coupled, load_count) = (loads.coupled_load_count(), loads.load_count());
+        let (len, sources) = (loads.interface_len(), loads.source_count());
         let (stage_response, step) = (context.cache.stage_response(level), context.step(level));
         self.small_lu.begin();
         for (i, node) in context.cache.rule.nodes.iter().enumerate() {
             let phasors = &stages.phasors[i * sources..(i + 1) * sources];
             let u = &mut stages.interface_states[i * len..(i + 1) * len];
-            let load = &stages.residual[i * loads..(i + 1) * loads];
+            let load = &stages.residual[i * load_count..(i + 1) * load_count];
             let time = elapsed + node * step;
             for k in 0..len {
                 // A relative increment, but at least a nanometre or a nanoradian.
@@ -281,37 +281,37 @@ impl LoadSolver {
                 let original = u[k];
                 u[k] += increment;
                 let moved = u[k] - original;
-                let slopes = self.small_lu.slopes(loads);
-                let outcome = nonlinear_loads.load(time, phasors, u, slopes, &mut self.contacts);
+                let slopes = self.small_lu.slopes(load_count);
+                let outcome = loads.load(time, phasors, u, slopes, &mut self.contacts);
                 u[k] = original;
                 outcome?;
                 for (slope, load) in slopes.iter_mut().zip(load) {
                     *slope = (*slope - load) / moved;
                 }
-                self.small_lu.add(i * meshes, meshes, loads, stage_response.response_of(i, k));
+                self.small_lu.add(i * coupled, coupled, load_count, stage_response.response_of(i, k));
             }
             statistics.evaluations += len as u64;
         }
         Ok(())
     }
 
-    /// Solves (1 − P′H) Δp = P − p for the mesh loads and adds Δp, which is left in `residual`. Prescribed loads take
+    /// Solves (1 − P′H) Δp = P − p for the loads that depend on the motion and adds Δp, which is left in `residual`. Prescribed loads take
     /// their values. Returns whether the matrix is regular.
     fn newton_step(&mut self, context: &StepContext<'_>, stages: &mut Stages) -> bool {
-        let nonlinear_loads = &context.nonlinear_loads;
-        let (meshes, loads) = (nonlinear_loads.mesh_load_count(), nonlinear_loads.load_count());
-        let of_stages = stages.loads.chunks_exact_mut(loads).zip(stages.residual.chunks_exact(loads));
+        let loads = &context.loads;
+        let (coupled, load_count) = (loads.coupled_load_count(), loads.load_count());
+        let of_stages = stages.loads.chunks_exact_mut(load_count).zip(stages.residual.chunks_exact(load_count));
         for (i, (load, evaluated)) in of_stages.enumerate() {
-            for k in 0..meshes {
-                self.small_lu.right[i * meshes + k] = evaluated[k] - load[k];
+            for k in 0..coupled {
+                self.small_lu.right[i * coupled + k] = evaluated[k] - load[k];
             }
-            load[meshes..].copy_from_slice(&evaluated[meshes..]);
+            load[coupled..].copy_from_slice(&evaluated[coupled..]);
         }
         if !self.small_lu.solve() {
             return false;
         }
-        let solved = self.small_lu.right.chunks_exact(meshes.max(1));
-        let of_stages = stages.loads.chunks_exact_mut(loads).zip(stages.residual.chunks_exact_mut(loads));
+        let solved = self.small_lu.right.chunks_exact(coupled.max(1));
+        let of_stages = stages.loads.chunks_exact_mut(load_count).zip(stages.residual.chunks_exact_mut(load_count));
         for ((load, change), solved) in of_stages.zip(solved) {
             for ((load, change), solved) in load.iter_mut().zip(change).zip(solved) {
                 *load += solved;
@@ -324,10 +324,10 @@ impl LoadSolver {
 
 /// Energy norm that the residual adds to a state over a step; infinite if it is not finite.
 fn residual_norm(context: &StepContext<'_>, stages: &Stages, step: f64) -> f64 {
-    let (meshes, loads) = (context.nonlinear_loads.mesh_load_count(), context.nonlinear_loads.load_count());
+    let (coupled, load_count) = (context.loads.coupled_load_count(), context.loads.load_count());
     let mut largest: f64 = 0.0;
-    for residual in stages.residual.chunks_exact(loads) {
-        let square = panel_kernel::quadratic_form(context.arch, &context.cache.gram, &residual[..meshes]);
+    for residual in stages.residual.chunks_exact(load_count) {
+        let square = panel_kernel::quadratic_form(context.arch, &context.cache.gram, &residual[..coupled]);
         if !square.is_finite() {
             return f64::INFINITY;
         }
@@ -338,10 +338,10 @@ fn residual_norm(context: &StepContext<'_>, stages: &Stages, step: f64) -> f64 {
 
 /// Energy norm that the stage loads add to a state over a step.
 fn load_norm(context: &StepContext<'_>, stages: &Stages, step: f64) -> f64 {
-    let (meshes, loads) = (context.nonlinear_loads.mesh_load_count(), context.nonlinear_loads.load_count());
-    let stages = stages.loads.chunks_exact(loads);
+    let (coupled, load_count) = (context.loads.coupled_load_count(), context.loads.load_count());
+    let stages = stages.loads.chunks_exact(load_count);
     step * stages
-        .map(|loads| panel_kernel::quadratic_form(context.arch, &context.cache.gram, &loads[..meshes]))
+        .map(|loads| panel_kernel::quadratic_form(context.arch, &context.cache.gram, &loads[..coupled]))
         .fold(0.0, f64::max)
         .sqrt()
 }

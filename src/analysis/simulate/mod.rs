@@ -235,16 +235,11 @@ impl Run<'_> {
             let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;
             return Ok(Ended { state, condition, reduction, outcome });
         }
-        let ModalSetup { linear, nonlinear_loads, maps, output } = setup;
-        let mut state = in_modal_coordinates(cached, &linear, &nonlinear_loads, start);
-        let mut system = InModes::new(nonlinear_loads, &linear, maps, output);
+        let ModalSetup { linear, loads, maps, output } = setup;
+        let mut state = in_modal_coordinates(cached, &linear, &loads, start);
+        let mut system = InModes::new(loads, &linear, maps, output);
         let outcome = self.runge_kutta(&mut system, &mut state, observer, statistics)?;
-        Ok(Ended {
-            state: in_physical_coordinates(state, &linear, system.nonlinear_loads()),
-            condition,
-            reduction,
-            outcome,
-        })
+        Ok(Ended { state: in_physical_coordinates(state, &linear, system.loads()), condition, reduction, outcome })
     }
 
     /// Integrates with a Runge–Kutta method.

@@ -115,12 +115,12 @@ fn with_map_of<T>(
         let complete = cached.at_speed(options.fastest())?.projected(options.fastest())?;
         run.complete(motion, &start, plan, Some(&complete))?
     };
-    let grid = countable_grid(cached, several, (&setup.linear, &setup.nonlinear_loads), end)?;
+    let grid = countable_grid(cached, several, (&setup.linear, &setup.loads), end)?;
     let steps = (period / grid.longest).ceil().max(1.0);
     let time_grid = TimeGrid { longest: period / steps, ..grid };
-    let spins = setup.nonlinear_loads.spins();
+    let spins = setup.loads.spins();
     let cache = propagators(cached, options, (&setup.linear, setup.maps.clone()), time_grid, spins);
-    let stepper = Stepper::new(setup.nonlinear_loads.clone(), cache);
+    let stepper = Stepper::new(setup.loads.clone(), cache);
     let levels = vec![0; steps as usize].into();
     let mut map = PeriodMap {
         cached,
@@ -181,25 +181,25 @@ impl PeriodMap<'_> {
 
     /// The initial state of the options.
     pub fn initial(&self) -> Vec<f64> {
-        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.nonlinear_loads, &self.start).y
+        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.loads, &self.start).y
     }
 
     /// The state z of displacements and velocities at the beginning of a period.
     pub fn modal(&self, y: &[f64]) -> Vec<f64> {
         let state = State { y: y.to_vec(), elapsed: self.start.state.elapsed, ..State::new(Vec::new()) };
         let start = Start { state, resumes: false, ..self.start.clone() };
-        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.nonlinear_loads, &start).y
+        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.loads, &start).y
     }
 
     /// Displacements and velocities of a state z at the beginning of a period.
     pub fn physical(&self, z: Vec<f64>) -> Vec<f64> {
         let state = State { elapsed: self.start.state.elapsed, ..State::new(z) };
-        in_physical_coordinates(state, &self.setup.linear, &self.setup.nonlinear_loads).y
+        in_physical_coordinates(state, &self.setup.linear, &self.setup.loads).y
     }
 
     /// Whether the map is affine in z: all loads are, and no flank changes its contact.
     pub fn is_affine(&self) -> bool {
-        let loads = &self.setup.nonlinear_loads;
+        let loads = &self.setup.loads;
         loads.is_affine() && !loads.motion.flanks_can_separate() && !loads.motion.motion_changes_contact_modes()
     }
 
@@ -323,7 +323,7 @@ impl PeriodMap<'_> {
         let (end, duration) = (self.end(begin, count), self.period * count as f64);
         let times: Vec<f64> =
             (0..samples).map(|sample| origin + begin + duration * sample as f64 / samples as f64).collect();
-        let motion = self.setup.nonlinear_loads.motion.clone();
+        let motion = self.setup.loads.motion.clone();
         let during = (begin, tolerance(self.options, &motion));
         let mut stepper = self.stepper.clone();
         stepper.levels = Some(vec![0; self.steps as usize]);
@@ -343,7 +343,7 @@ impl PeriodMap<'_> {
         self.runs += count as usize;
         self.levels = stepper.levels.take().unwrap_or_default().into();
         let last = state.y.clone();
-        let state = in_physical_coordinates(state, &self.setup.linear, &self.setup.nonlinear_loads);
+        let state = in_physical_coordinates(state, &self.setup.linear, &self.setup.loads);
         let response = Response {
             record,
             recorder_state,
