@@ -6,8 +6,9 @@
 //! the new contact mode acts from the change on through a jump of the loads.
 
 use super::contact_monitor::{CandidateEvent, ContactMonitor};
+use super::context::StepInstant;
 use super::jump::POINTS;
-use super::step::Stepper;
+use super::step::{DefectScratch, Stepper};
 use super::substep::SubstepSampler;
 use super::trajectory::CompletedStep;
 use crate::integrate::{FirstOrderSystem as _, Halt, State, Statistics};
@@ -75,9 +76,13 @@ impl ExponentialEventLocator {
         }
     }
 
-    /// Scratch for [`Stepper::defect_at`]: an interface state and two vectors of loads.
-    pub fn scratch(&mut self) -> (&mut [f64], [&mut [f64]; 2]) {
-        (&mut self.interface_state, [&mut self.loads, &mut self.jumps[0]])
+    /// Scratch for [`Stepper::defect_at`].
+    pub fn scratch(&mut self) -> DefectScratch<'_> {
+        DefectScratch {
+            interface_state: &mut self.interface_state,
+            loads: &mut self.loads,
+            interpolated: &mut self.jumps[0],
+        }
     }
 
     /// Whether a contact change is possible within the last step: not if flank contact is unchanged and tooth pairs
@@ -326,7 +331,7 @@ impl ExponentialEventLocator {
     /// Measures the difference between the motion and the polynomial at a fraction of the step.
     fn measure_error(&mut self, step: &CompletedStep<'_, '_>, sampler: &mut SubstepSampler, part: f64) {
         let z = step.state_at(sampler, part * step.length());
-        let at = (part, step.time(part));
+        let at = StepInstant { part, elapsed: step.time(part) };
         step.stepper.interpolation_error(at, z, &mut self.interface_state, &mut self.interpolation_error);
     }
 
@@ -364,7 +369,7 @@ impl ExponentialEventLocator {
         let delay = change.at - unit_time;
         let z = sampler.state_at(stepper, level, &state.y, within);
         stepper.end_state.copy_from_slice(z);
-        let (z, at) = (&stepper.end_state, (within / step, unit_time));
+        let (z, at) = (&stepper.end_state, StepInstant { part: within / step, elapsed: unit_time });
         stepper.interpolation_error(at, z, &mut self.interface_state, &mut self.interpolation_error);
         let part = |point: usize| (within + delay * point as f64 / (POINTS - 1) as f64) / step;
         for (point, jump) in self.jumps.iter_mut().enumerate() {

@@ -10,6 +10,24 @@ use super::loads::Loads;
 use super::packed::{Aligned, Rows, aligned};
 use super::{kernel, panel_kernel};
 
+/// A step that is taken: its level, and the elapsed times of its beginning and its end, s. The end may differ from the sum of
+/// beginning and length by round-off.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepSpan {
+    pub level: usize,
+    pub begin: f64,
+    pub end: f64,
+}
+
+/// An instant within a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepInstant {
+    /// Fraction of the step.
+    pub part: f64,
+    /// Elapsed time, s.
+    pub elapsed: f64,
+}
+
 /// What a step reads and never changes.
 #[derive(Clone, Debug)]
 pub(super) struct StepContext<'m> {

@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::contact_change::{ContactChange, ExponentialEventLocator};
+use super::context::{StepInstant, StepSpan};
 use super::level_control::{DOUBLING_FRACTION, LevelControl, level_for_error};
 use super::output::OutputMap;
 use super::step::Stepper;
@@ -19,7 +20,8 @@ use crate::integrate::{
 /// # Errors
 /// [`Halted`]. `state` is then the last valid one.
 pub fn run(
-    (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+    stepper: &mut Stepper<'_>,
+    output: &mut OutputMap,
     control: LevelControl,
     state: &mut State,
     end: f64,
@@ -27,7 +29,7 @@ pub fn run(
     statistics: &mut Statistics,
 ) -> Result<(), Halted> {
     let mut driver = Driver::new(stepper, control, state);
-    let outcome = driver.run((&mut *stepper, &mut *output), state, end, observer, statistics);
+    let outcome = driver.run(stepper, output, state, end, observer, statistics);
     if let Some(energies) = output.energies() {
         energies.evaluate(stepper.loads(), true, &mut |energies| observer.shaft_energies(energies));
     }
@@ -84,13 +86,14 @@ impl Driver {
 
     fn run(
         &mut self,
-        (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+        stepper: &mut Stepper<'_>,
+        output: &mut OutputMap,
         state: &mut State,
         end: f64,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        self.start((&mut *stepper, &mut *output), state, observer, statistics)?;
+        self.start(stepper, output, state, observer, statistics)?;
         let switches = stepper.loads().motion.switching().is_some();
         let mut checks = 0;
         while state.elapsed < end || observer.next().is_some() {
@@ -134,7 +137,8 @@ impl Driver {
     /// Evaluates the initial state and adopts its contact modes.
     fn start(
         &mut self,
-        (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+        stepper: &mut Stepper<'_>,
+        output: &mut OutputMap,
         state: &mut State,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
@@ -227,10 +231,10 @@ impl Driver {
     ) -> Result<Outcome, Halt> {
         let solve_tolerance = self.control.solve_tolerance(self.size, stepper.context.cache.linear.includes_meshes);
         let history = &self.own.history;
-        let at = (level, state.elapsed);
-        stepper.solver.guess(&stepper.context, at, &stepper.begin, history, &mut stepper.stages);
         let end = self.time(state.count + self.time_grid.units(level));
-        match stepper.step(level, (state.elapsed, end), &state.y, solve_tolerance, statistics) {
+        let span = StepSpan { level, begin: state.elapsed, end };
+        stepper.solver.guess(&stepper.context, span, &stepper.begin, history, &mut stepper.stages);
+        match stepper.step(span, &state.y, solve_tolerance, statistics) {
             // The iteration may move the gear centres closer together than the motion does.
             Err(Halt::Overlap { .. } | Halt::Touch(_)) if level < self.time_grid.finest => Ok(Outcome::Unsolved),
             outcome => outcome,
@@ -272,9 +276,8 @@ impl Driver {
         }
         let within = self.time_grid.time(units);
         let z = self.sampler.state_at(stepper, level, &state.y, within);
-        let at = (within / self.time_grid.step(level), state.elapsed + within);
-        let (interface_state, loads) = self.locator.scratch();
-        let defect = stepper.defect_at(at, z, interface_state, loads)?;
+        let at = StepInstant { part: within / self.time_grid.step(level), elapsed: state.elapsed + within };
+        let defect = stepper.defect_at(at, z, self.locator.scratch())?;
         statistics.evaluations += 1;
         Ok(within * defect > rtol * self.size.max(floor))
     }

@@ -37,7 +37,8 @@ impl ErrorEstimator {
         &mut self,
         context: &StepContext<'_>,
         level: usize,
-        [begin_point, end_point]: [&StepPoint; 2],
+        begin_point: &StepPoint,
+        end_point: &StepPoint,
         stages: &Stages,
     ) -> f64 {
         if self.defect.is_empty() {

@@ -14,7 +14,7 @@ use super::changing_speed::{ChangingSpeedLoads, LoadCounts, SpeedChange};
 use super::interface_maps::{InterfaceMaps, LinearizedDirection};
 use super::prescribed::{Prescribed, prescribed_loads};
 use super::rotating_source::{add_rotated, interface_amplitudes, synchronous_amplitudes};
-use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
+use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions, Tangent};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, ContactMode, Overlap};
 use crate::modal::ModalStateSpace;
@@ -66,7 +66,7 @@ impl<'m> Loads<'m> {
             kinds.iter().flat_map(|rate| entries.iter().map(|entry| linear.row(entry, *rate))).collect();
         let connection_columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
         let tangents = LinearizedDirection::all(&interfaces, linear.includes_meshes);
-        let (prescribed, prescribed_columns) = prescribed_loads(&motion, linear, (&interfaces, &entries), &reference);
+        let (prescribed, prescribed_columns) = prescribed_loads(&motion, linear, &interfaces, &entries, &reference);
         let amplitudes = synchronous_amplitudes(linear, motion.sources(), synchronous);
         let interface_amplitudes = interface_amplitudes(motion.sources(), kinds, &entries, &amplitudes);
         let mut loads = Self {
@@ -237,14 +237,15 @@ impl<'m> Loads<'m> {
         elapsed: f64,
         u: &[f64],
         contacts: &[Contact],
-        [stiffness, damping]: [&mut [f64]; 2],
+        Tangent { stiffness, damping }: Tangent<'_>,
     ) {
         let mut from = 0;
         for ((interface, scalars, rates), contact) in self.each(u).zip(contacts) {
             let to = from + interface.direction_count().pow(2);
             let instant = self.motion.instant(interface.mesh(), interface.turning(), elapsed);
             let damping = damping.get_mut(from..to).unwrap_or_default();
-            interface.residual_tangent(&instant, (scalars, rates), contact, [&mut stiffness[from..to], damping]);
+            let tangent = Tangent { stiffness: &mut stiffness[from..to], damping };
+            interface.residual_tangent(&instant, scalars, rates, contact, tangent);
             from = to;
         }
     }

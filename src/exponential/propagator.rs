@@ -12,7 +12,7 @@ use pulp::Arch;
 
 use super::interface_maps::{InterfaceMaps, LinearizedDirection, gram};
 use super::packed::{Aligned, Columns, Panel, Rows, aligned};
-use super::phi::{Block, COUNT, factorial, phi_of_pair};
+use super::phi::{Block, PHI_COUNT, factorial, phi_of_pair};
 use super::quadrature::QuadratureRule;
 use super::{kernel, panel_kernel};
 use crate::modal::ModePair;
@@ -176,12 +176,12 @@ impl StageResponse {
 }
 
 /// `step` ∫₀¹ e^{z(1−τ)} l(cτ) dτ = Σ a_m c^m m! φ_{m+1} of a polynomial l, for every mode pair, from its φ-functions.
-fn integrals(polynomial: &[f64], phi: &[[Block; COUNT]], c: f64, step: f64) -> Vec<Block> {
-    let mut factors = [0.0; COUNT - 1];
+fn integrals(polynomial: &[f64], phi: &[[Block; PHI_COUNT]], c: f64, step: f64) -> Vec<Block> {
+    let mut factors = [0.0; PHI_COUNT - 1];
     for (m, (factor, coefficient)) in factors.iter_mut().zip(polynomial).enumerate() {
         *factor = step * coefficient * c.powi(m as i32) * factorial(m);
     }
-    let sum = |phi: &[Block; COUNT]| {
+    let sum = |phi: &[Block; PHI_COUNT]| {
         let mut sum = [[0.0; 2]; 2];
         for (factor, phi) in factors.iter().zip(&phi[1..]) {
             for (sum, entry) in sum.as_flattened_mut().iter_mut().zip(phi.as_flattened()) {

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::context::{SourcePhasors, StepContext};
+use super::context::{SourcePhasors, StepContext, StepSpan};
 use super::loads::Loads;
 use super::{kernel, panel_kernel};
 use crate::integrate::{Halt, Statistics};
@@ -103,11 +103,11 @@ impl Stages {
     }
 
     /// Evaluates the loads of stage `i` into `residual`.
-    fn evaluate(&mut self, context: &StepContext<'_>, level: usize, elapsed: f64, i: usize) -> Result<(), Halt> {
+    fn evaluate(&mut self, context: &StepContext<'_>, span: StepSpan, i: usize) -> Result<(), Halt> {
         let loads = &context.loads;
         let (load_count, len) = (loads.load_count(), loads.interface_len());
         let (connections, sources) = (loads.connection_count(), loads.source_count());
-        let time = elapsed + context.cache.rule.nodes[i] * context.step(level);
+        let time = span.begin + context.cache.rule.nodes[i] * context.step(span.level);
         let (u, load) =
             (&self.interface_states[i * len..(i + 1) * len], &mut self.residual[i * load_count..(i + 1) * load_count]);
         let phasors = &self.phasors[i * sources..(i + 1) * sources];
@@ -118,13 +118,12 @@ impl Stages {
     pub fn evaluate_all(
         &mut self,
         context: &StepContext<'_>,
-        level: usize,
-        elapsed: f64,
+        span: StepSpan,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         let stages = context.stages();
         for i in 0..stages {
-            self.evaluate(context, level, elapsed, i)?;
+            self.evaluate(context, span, i)?;
         }
         statistics.evaluations += stages as u64;
         Ok(())
@@ -134,14 +133,13 @@ impl Stages {
     pub fn evaluate_in_sequence(
         &mut self,
         context: &StepContext<'_>,
-        level: usize,
-        elapsed: f64,
+        span: StepSpan,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         let (stages, load_count) = (context.stages(), context.loads.load_count());
         for i in 0..stages {
-            self.respond(context, level, i);
-            self.evaluate(context, level, elapsed, i)?;
+            self.respond(context, span.level, i);
+            self.evaluate(context, span, i)?;
             let of_stage = i * load_count..(i + 1) * load_count;
             self.loads[of_stage.clone()].swap_with_slice(&mut self.residual[of_stage]);
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::cache::PropagatorCache;
-use super::context::{SourcePhasors, StepContext};
+use super::context::{SourcePhasors, StepContext, StepInstant, StepSpan};
 use super::estimate::ErrorEstimator;
 use super::jump::JumpSeries;
 use super::loads::Loads;
@@ -15,6 +15,13 @@ use super::time_grid::TimeGrid;
 use super::{Outcome, kernel};
 use crate::integrate::{Halt, Statistics};
 use crate::mesh::Contact;
+
+/// Scratch for the load defect at an instant.
+pub(super) struct DefectScratch<'a> {
+    pub interface_state: &'a mut [f64],
+    pub loads: &'a mut [f64],
+    pub interpolated: &'a mut [f64],
+}
 
 /// The method and the last step that it took.
 #[derive(Clone, Debug)]
@@ -117,15 +124,14 @@ impl<'m> Stepper<'m> {
         std::mem::swap(&mut self.begin, &mut self.end);
     }
 
-    /// Takes a step of a level from `z` at `elapsed` to `end`, which may differ from their sum by round-off.
+    /// Takes a step from the state `z`.
     /// [`Self::end_state`] is the new state. `tolerance` limits the energy norm of the remaining load residual.
     ///
     /// # Errors
     /// [`Halt`] where the loads are not defined.
     pub(super) fn step(
         &mut self,
-        level: usize,
-        (elapsed, end): (f64, f64),
+        span: StepSpan,
         z: &[f64],
         tolerance: f64,
         statistics: &mut Statistics,
@@ -133,21 +139,21 @@ impl<'m> Stepper<'m> {
         self.steps += 1;
         self.stages.mark_current();
         if self.context.loads.load_count() > 0 {
-            self.phasors.update(&self.context.loads, elapsed);
-            self.stages.prepare(&self.context, level, &self.phasors, z);
-            if !self.solver.solve(&self.context, &mut self.stages, (level, elapsed), tolerance, statistics)? {
+            self.phasors.update(&self.context.loads, span.begin);
+            self.stages.prepare(&self.context, span.level, &self.phasors, z);
+            if !self.solver.solve(&self.context, &mut self.stages, span, tolerance, statistics)? {
                 return Ok(Outcome::Unsolved);
             }
         }
-        let propagator = self.context.cache.propagator(level);
+        let propagator = self.context.cache.propagator(span.level);
         propagator.advance(self.context.arch, &self.stages.loads, z, &mut self.end_state);
-        self.evaluate_end(end, statistics)?;
+        self.evaluate_end(span.end, statistics)?;
         Ok(Outcome::Solved)
     }
 
     /// Energy norm of the error of the last step.
     pub(super) fn error(&mut self, level: usize) -> f64 {
-        self.estimator.estimate(&self.context, level, [&self.begin, &self.end], &self.stages)
+        self.estimator.estimate(&self.context, level, &self.begin, &self.end, &self.stages)
     }
 
     /// Longest step at an instant, s; infinite at a constant speed, for which the time grid gives it.
@@ -214,17 +220,11 @@ impl<'m> Stepper<'m> {
         }
     }
 
-    /// Difference between the interface state of the motion `z` at the fraction `part` of the last step and the
-    /// interpolated one, which is left in `interpolated`.
-    pub(super) fn interpolation_error(
-        &self,
-        (part, elapsed): (f64, f64),
-        z: &[f64],
-        interpolated: &mut [f64],
-        error: &mut [f64],
-    ) {
-        self.interpolate(part, interpolated);
-        self.context.observe_at(elapsed, z, error);
+    /// Difference between the interface state of the motion `z` at an instant of the last step and the interpolated
+    /// one, which is left in `interpolated`.
+    pub(super) fn interpolation_error(&self, at: StepInstant, z: &[f64], interpolated: &mut [f64], error: &mut [f64]) {
+        self.interpolate(at.part, interpolated);
+        self.context.observe_at(at.elapsed, z, error);
         for (error, polynomial) in error.iter_mut().zip(interpolated) {
             *error -= *polynomial;
         }
@@ -251,18 +251,13 @@ impl<'m> Stepper<'m> {
         loads.load(elapsed, &self.phasors.values, interface_state, out, &mut self.contacts)
     }
 
-    /// Energy norm of the rate of the state under the load defect at the fraction `part` of the last step, whose motion
-    /// there is `z`. The other slices are scratch: an interface state, the loads, and the interpolated loads.
-    pub(super) fn defect_at(
-        &mut self,
-        (part, elapsed): (f64, f64),
-        z: &[f64],
-        interface_state: &mut [f64],
-        [loads, interpolated]: [&mut [f64]; 2],
-    ) -> Result<f64, Halt> {
-        self.context.observe_at(elapsed, z, interface_state);
-        self.evaluate_at(elapsed, interface_state, loads)?;
-        self.interpolate_loads(part, interpolated);
+    /// Energy norm of the rate of the state under the load defect at an instant of the last step, where its motion is
+    /// `z`.
+    pub(super) fn defect_at(&mut self, at: StepInstant, z: &[f64], scratch: DefectScratch<'_>) -> Result<f64, Halt> {
+        let DefectScratch { interface_state, loads, interpolated } = scratch;
+        self.context.observe_at(at.elapsed, z, interface_state);
+        self.evaluate_at(at.elapsed, interface_state, loads)?;
+        self.interpolate_loads(at.part, interpolated);
         Ok(self.estimator.defect_of(&self.context, loads, interpolated))
     }
 }

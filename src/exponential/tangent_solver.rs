@@ -14,14 +14,24 @@
 
 use pulp::Arch;
 
-use super::context::StepContext;
+use super::context::{StepContext, StepSpan};
 use super::interface_maps::LinearizedDirection;
 use super::loads::Loads;
 use super::packed::Panel;
 use super::panel_kernel;
 use super::small_lu::SmallLu;
 use super::stages::Stages;
+use crate::connection::Tangent;
 use crate::mesh::Contact;
+
+/// Interface state and contacts at one stage.
+pub(super) struct StageContacts<'a> {
+    /// Elapsed time, s.
+    pub elapsed: f64,
+    pub interface_state: &'a [f64],
+    /// Contacts of all connections.
+    pub contacts: &'a [Contact],
+}
 
 /// The linear system of all stages and directions. One unknown is the force of one direction at one stage.
 #[derive(Clone, Debug)]
@@ -58,7 +68,7 @@ impl TangentSolver {
             own.zip(gradient).for_each(|(at, g)| column[at] = -g);
         }
         let kinds = if loads.has_rates() { 2 } else { 1 };
-        let entries = entries(loads, [kinds, stages, directions]);
+        let entries = entries(loads, kinds, stages, directions);
         Self {
             residual_tangent: vec![f64::NAN; entries.len()],
             next_tangent: vec![0.0; entries.len()],
@@ -72,32 +82,33 @@ impl TangentSolver {
         }
     }
 
-    /// Takes K and C of all stages from contacts and interface states. `at` gives them for each stage, with the elapsed
-    /// time.
-    pub fn set_contacts<'a>(
-        &mut self,
-        context: &StepContext<'_>,
-        at: impl Fn(usize) -> (f64, &'a [f64], &'a [Contact]),
-    ) {
+    /// Takes K and C of all stages from contacts and interface states, which `at` gives for each stage.
+    pub fn set_contacts<'a>(&mut self, context: &StepContext<'_>, at: impl Fn(usize) -> StageContacts<'a>) {
         let stages = context.stages();
         let loads = &context.loads;
         let len = loads.tangent_len();
         let (stiffness, damping) = self.next_tangent.split_at_mut(stages * len);
         for stage in 0..stages {
-            let (elapsed, state, contacts) = at(stage);
+            let StageContacts { elapsed, interface_state, contacts } = at(stage);
             let own = stage * len..(stage + 1) * len;
             let damping = damping.get_mut(own.clone()).unwrap_or_default();
-            loads.residual_tangent(elapsed, state, contacts, [&mut stiffness[own], damping]);
+            loads.residual_tangent(
+                elapsed,
+                interface_state,
+                contacts,
+                Tangent { stiffness: &mut stiffness[own], damping },
+            );
         }
     }
 
-    /// Takes K and C from the last evaluation of the stages of a step from `elapsed` on.
-    pub fn set_stages(&mut self, context: &StepContext<'_>, (level, elapsed): (usize, f64), stages: &Stages) {
+    /// Takes K and C from the last evaluation of the stages of a step.
+    pub fn set_stages(&mut self, context: &StepContext<'_>, span: StepSpan, stages: &Stages) {
         let (len, count) = (context.loads.interface_len(), context.loads.connection_count());
-        let (step, nodes) = (context.step(level), &context.cache.rule.nodes);
-        self.set_contacts(context, |stage| {
-            let state = &stages.interface_states[stage * len..(stage + 1) * len];
-            (elapsed + nodes[stage] * step, state, &stages.contacts[stage * count..(stage + 1) * count])
+        let (step, nodes) = (context.step(span.level), &context.cache.rule.nodes);
+        self.set_contacts(context, |stage| StageContacts {
+            elapsed: span.begin + nodes[stage] * step,
+            interface_state: &stages.interface_states[stage * len..(stage + 1) * len],
+            contacts: &stages.contacts[stage * count..(stage + 1) * count],
         });
     }
 
@@ -166,12 +177,12 @@ impl TangentSolver {
         true
     }
 
-    /// Corrects the stage loads of a step from `elapsed` on for the motion that their last change, the residual, causes at
+    /// Corrects the stage loads of a step for the motion that their last change, the residual, causes at
     /// the connections. Returns whether the correction exists.
-    pub fn correct(&mut self, context: &StepContext<'_>, (level, elapsed): (usize, f64), stages: &mut Stages) -> bool {
-        let stage_response = context.cache.stage_response(level);
-        self.set_stages(context, (level, elapsed), stages);
-        if !self.factorize(level, &stage_response.own) || self.idle {
+    pub fn correct(&mut self, context: &StepContext<'_>, span: StepSpan, stages: &mut Stages) -> bool {
+        let stage_response = context.cache.stage_response(span.level);
+        self.set_stages(context, span, stages);
+        if !self.factorize(span.level, &stage_response.own) || self.idle {
             return self.solvable;
         }
         self.deflection_change.fill(0.0);
@@ -187,7 +198,7 @@ impl TangentSolver {
 }
 
 /// The force and the change that every entry of K, and then of C, relates.
-fn entries(loads: &Loads<'_>, [kinds, stages, directions]: [usize; 3]) -> Vec<[usize; 2]> {
+fn entries(loads: &Loads<'_>, kinds: usize, stages: usize, directions: usize) -> Vec<[usize; 2]> {
     let mut entries = Vec::with_capacity(kinds * stages * loads.tangent_len());
     for at in (0..kinds * stages).map(|at| at * directions) {
         for block in loads.direction_ranges() {

@@ -361,7 +361,7 @@ fn integrate(
     let control = LevelControl::Adaptive { rtol: 1e-9, floor: 1e-12 };
     let mut statistics = Statistics::new();
     for end in ends {
-        run((&mut stepper, &mut output), control.clone(), &mut state, *end, edges, &mut statistics).unwrap();
+        run(&mut stepper, &mut output, control.clone(), &mut state, *end, edges, &mut statistics).unwrap();
     }
     state
 }

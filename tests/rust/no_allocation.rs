@@ -265,8 +265,9 @@ fn exponential(
         let end = state.elapsed + f64::from(steps) * longest;
         let mut onlooker = Onlooker { end, next: state.elapsed, seen: 0.0 };
         let info = measure(|| {
-            let method = (&mut stepper, &mut output);
-            exponential::run(method, control.clone(), &mut state, end, &mut onlooker, &mut statistics).unwrap();
+            let control = control.clone();
+            exponential::run(&mut stepper, &mut output, control, &mut state, end, &mut onlooker, &mut statistics)
+                .unwrap();
         });
         (info, statistics)
     };

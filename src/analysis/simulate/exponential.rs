@@ -58,15 +58,15 @@ pub(super) fn run(
         );
         return Err(SceneError::new("method", message).into());
     }
-    let time_grid = countable_grid(cached, options, (&linear, &loads), end)?;
-    let propagators = propagators(cached, options, (&linear, maps), time_grid, loads.spins());
+    let time_grid = countable_grid(cached, options, &linear, &loads, end)?;
+    let propagators = propagators(cached, options, &linear, maps, time_grid, loads.spins());
     let mut state = in_modal_coordinates(cached, &linear, &loads, start);
     let mut stepper = Stepper::new(loads, propagators);
     let control = match options.step {
         None if !options.is_explicit() => LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor },
         _ => LevelControl::Fixed,
     };
-    let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, observer, statistics);
+    let outcome = integrate(&mut stepper, &mut output, control, &mut state, end, observer, statistics);
     Ok((in_physical_coordinates(state, &linear, stepper.loads()), outcome))
 }
 
@@ -74,7 +74,8 @@ pub(super) fn run(
 pub(super) fn propagators(
     cached: &CachedModel,
     options: &Options,
-    (linear, maps): (&Arc<ModalStateSpace>, InterfaceMaps),
+    linear: &Arc<ModalStateSpace>,
+    maps: InterfaceMaps,
     time_grid: TimeGrid,
     spins: Vec<f64>,
 ) -> Arc<PropagatorCache> {
@@ -92,7 +93,8 @@ pub(super) fn propagators(
 pub(super) fn countable_grid(
     cached: &CachedModel,
     options: &Options,
-    (linear, loads): (&ModalStateSpace, &Loads<'_>),
+    linear: &ModalStateSpace,
+    loads: &Loads<'_>,
     end: f64,
 ) -> Result<TimeGrid, AnalysisError> {
     let time_grid = time_grid(cached, options, linear, loads)?;

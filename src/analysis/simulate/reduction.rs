@@ -211,7 +211,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
             return Ok(None);
         }
         // A run that cannot be counted ends before its pilot.
-        countable_grid(run.cached, run.options, (&unreduced.linear, &unreduced.loads), run.end)?;
+        countable_grid(run.cached, run.options, &unreduced.linear, &unreduced.loads, run.end)?;
         Ok(Some(Self {
             run,
             start,
