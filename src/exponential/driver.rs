@@ -391,7 +391,7 @@ impl Driver {
         let LevelControl::Adaptive { rtol, force_error: Some(permitted), .. } = self.control else {
             return size;
         };
-        let meshes = &stepper.nonlinear_loads().motion.model().meshes;
+        let meshes = &stepper.loads().motion.model().meshes;
         let forces = self.own.force_ranges.iter().zip(&end.contacts).zip(meshes);
         let limits = forces.map(|((range, contact), mesh)| {
             permitted / rtol * unit_of_errors(range.with(contact.force)) / mesh.stiffness.sqrt()
