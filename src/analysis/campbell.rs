@@ -29,7 +29,7 @@ pub use threshold::Threshold;
 /// Largest number of times that a step is halved.
 const MAX_HALVINGS: u32 = 10;
 /// Largest number of times that a step is halved before the lowest modes are computed.
-const MAX_FOLLOWED_HALVINGS: u32 = 4;
+const MAX_FOLLOWED_HALVINGS: i32 = 4;
 /// Fraction of the first step at which modes with equal eigenvalues at the first speed are distinguished.
 const START_OFFSET: f64 = 1e-3;
 /// Smallest |yᴴy'|² between a mode and its intersection with a line.
@@ -139,7 +139,7 @@ pub fn campbell(
         thresholds: Vec::new(),
     };
     for speed in speeds {
-        tracker.advance_to(*speed, 0)?;
+        tracker.advance_to(*speed)?;
         diagram.eigenvalues.push(tracker.modes.iter().map(|mode| mode.eigenvalue).collect());
         diagram.whirl.push(tracker.modes.iter().map(|mode| mode.whirl).collect());
     }
@@ -270,15 +270,20 @@ impl<'a> Tracker<'a> {
 
     /// Tracks the modes to `speed`: each by Newton's method, in smaller steps where that is not clear, or else among the
     /// lowest modes.
-    fn advance_to(&mut self, speed: f64, halved: u32) -> Result<(), AnalysisError> {
-        let from = self.speed.filter(|_| self.has_band_newton() && speed > 0.0);
-        if let Some(from) = from {
-            if let Some(states) = self.followed(speed)? {
-                return self.adopt(from, speed, &states, (0..self.modes.len()).collect());
-            }
-            if halved < MAX_FOLLOWED_HALVINGS {
-                self.advance_to(f64::midpoint(from, speed), halved + 1)?;
-                return self.advance_to(speed, halved + 1);
+    fn advance_to(&mut self, speed: f64) -> Result<(), AnalysisError> {
+        let mut halved = 0;
+        while self.can_follow() && speed > 0.0 && halved <= MAX_FOLLOWED_HALVINGS {
+            let target = self.speed.map_or(speed, |from| speed - (speed - from) * (1.0 - 0.5_f64.powi(halved)));
+            match self.followed(target)? {
+                Some(states) => {
+                    self.adopt(target, &states, (0..self.modes.len()).collect())?;
+                    if target == speed {
+                        return Ok(());
+                    }
+                    halved -= 1;
+                }
+                None if self.speed.is_none() => break,
+                None => halved += 1,
             }
         }
         let states = self.at(speed)?;
@@ -307,6 +312,14 @@ impl<'a> Tracker<'a> {
         Ok((assignment.clear && is_same).then_some(states))
     }
 
+    /// Whether Newton's method can follow the tracked modes: no two are equal, as in identical shafts.
+    fn can_follow(&self) -> bool {
+        let is_equal = |(index, mode): (usize, &State)| {
+            self.modes[..index].iter().any(|other| equal(other.eigenvalue, mode.eigenvalue))
+        };
+        self.has_band_newton() && !self.modes.iter().enumerate().any(is_equal)
+    }
+
     /// Whether Newton's method with band matrices finds a mode: they contain all damping but that of modes.
     fn has_band_newton(&self) -> bool {
         self.cached.model.scene.modal_damping == 0.0 && self.is_partial()
@@ -326,27 +339,21 @@ impl<'a> Tracker<'a> {
                 self.advance(middle, between, halved + 1)?;
                 return self.advance(speed, states, halved + 1);
             }
-            return self.adopt(from, speed, &states, assignment.states);
         }
-        self.take(speed, &states, assignment.states);
-        Ok(())
+        self.adopt(speed, &states, assignment.states)
     }
 
-    /// Takes the states with these indices at `speed` for the tracked modes, which are those at the speed `from`, and finds
-    /// what lies between.
-    fn adopt(&mut self, from: f64, speed: f64, states: &[State], indices: Vec<usize>) -> Result<(), AnalysisError> {
-        for (mode, index) in indices.iter().enumerate() {
-            let before = self.modes[mode].clone();
-            let ends = [(from, &before), (speed, &states[*index])];
-            self.add_intersections(mode, ends)?;
-            self.add_threshold(mode, ends)?;
+    /// Takes the states with these indices at `speed` for the tracked modes, and finds what lies between the current speed and
+    /// this one.
+    fn adopt(&mut self, speed: f64, states: &[State], indices: Vec<usize>) -> Result<(), AnalysisError> {
+        if let Some(from) = self.speed {
+            for (mode, index) in indices.iter().enumerate() {
+                let before = self.modes[mode].clone();
+                let ends = [(from, &before), (speed, &states[*index])];
+                self.add_intersections(mode, ends)?;
+                self.add_threshold(mode, ends)?;
+            }
         }
-        self.take(speed, states, indices);
-        Ok(())
-    }
-
-    /// Takes the states with these indices at `speed` for the tracked modes.
-    fn take(&mut self, speed: f64, states: &[State], indices: Vec<usize>) {
         for (mode, index) in self.modes.iter_mut().zip(indices) {
             let state = &states[index];
             let distinct = states.iter().filter(|other| equal(other.eigenvalue, state.eigenvalue)).count() == 1;
@@ -356,6 +363,7 @@ impl<'a> Tracker<'a> {
             }
         }
         self.speed = Some(speed);
+        Ok(())
     }
 
     fn assign(&self, states: &[State]) -> Assignment {
