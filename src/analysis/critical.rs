@@ -12,7 +12,7 @@ pub use map::{CriticalPoint, critical_speed_map};
 
 /// Speed for the equilibrium of rolling bearings, rad/s, where no table has another lowest one: their stiffness depends on the
 /// direction of rotation only, which decides on the loaded flanks.
-const SLOW: f64 = 1.0;
+const EQUILIBRIUM_SPEED: f64 = 1.0;
 
 /// An undamped critical speed.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +45,7 @@ pub fn critical_speeds(
             "the damping of an oil film is too large for undamped critical speeds; use campbell() or synchronous()";
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
-    let lowest = cached.model.lowest_speed().unwrap_or(SLOW);
+    let lowest = cached.model.lowest_speed().unwrap_or(EQUILIBRIUM_SPEED);
     let at_speed = cached.with_operating_points_of(lowest)?;
     let cached = &*at_speed;
     if !cached.model.bearings.is_empty() {

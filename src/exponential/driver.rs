@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::contact_change::{ContactChange, ExponentialEventLocator};
+use super::context::{StepInstant, StepSpan};
 use super::level_control::{DOUBLING_FRACTION, LevelControl, level_for_error};
 use super::output::OutputMap;
 use super::step::Stepper;
@@ -19,7 +20,8 @@ use crate::integrate::{
 /// # Errors
 /// [`Halted`]. `state` is then the last valid one.
 pub fn run(
-    (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+    stepper: &mut Stepper<'_>,
+    output: &mut OutputMap,
     control: LevelControl,
     state: &mut State,
     end: f64,
@@ -27,9 +29,9 @@ pub fn run(
     statistics: &mut Statistics,
 ) -> Result<(), Halted> {
     let mut driver = Driver::new(stepper, control, state);
-    let outcome = driver.run((&mut *stepper, &mut *output), state, end, observer, statistics);
+    let outcome = driver.run(stepper, output, state, end, observer, statistics);
     if let Some(energies) = output.energies() {
-        energies.evaluate(stepper.nonlinear_loads(), true, &mut |energies| observer.shaft_energies(energies));
+        energies.evaluate(stepper.loads(), true, &mut |energies| observer.shaft_energies(energies));
     }
     state.method = MethodState::Exponential(driver.own);
     outcome.map_err(|halt| Halted { halt, elapsed: state.elapsed })
@@ -84,14 +86,15 @@ impl Driver {
 
     fn run(
         &mut self,
-        (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+        stepper: &mut Stepper<'_>,
+        output: &mut OutputMap,
         state: &mut State,
         end: f64,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        self.start((&mut *stepper, &mut *output), state, observer, statistics)?;
-        let switches = stepper.nonlinear_loads().motion.switching().is_some();
+        self.start(stepper, output, state, observer, statistics)?;
+        let switches = stepper.loads().motion.switching().is_some();
         let mut checks = 0;
         while state.elapsed < end || observer.next().is_some() {
             // A run does not stop between two changes at one unit, because their count is not part of the state.
@@ -134,26 +137,27 @@ impl Driver {
     /// Evaluates the initial state and adopts its contact modes.
     fn start(
         &mut self,
-        (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+        stepper: &mut Stepper<'_>,
+        output: &mut OutputMap,
         state: &mut State,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         let mut evaluations = Statistics::new();
-        if stepper.nonlinear_loads().motion.switching().is_some() {
+        if stepper.loads().motion.switching().is_some() {
             stepper.evaluate_begin(state.elapsed, &state.y, &mut evaluations)?;
             if state.contact_modes.is_empty() {
                 let interface_state = &stepper.begin.interface_state;
-                let nonlinear_loads = stepper.nonlinear_loads();
-                nonlinear_loads.contact_modes(state.elapsed, interface_state, &[], &mut state.contact_modes)?;
+                let loads = stepper.loads();
+                loads.contact_modes(state.elapsed, interface_state, &[], &mut state.contact_modes)?;
             }
-            stepper.context.nonlinear_loads.motion.set_contact_modes(&state.contact_modes);
+            stepper.context.loads.motion.set_contact_modes(&state.contact_modes);
         }
         stepper.evaluate_begin(state.elapsed, &state.y, &mut evaluations)?;
         self.size = stepper.size(&state.y, &stepper.begin);
         statistics.begin(evaluations.evaluations);
-        let nonlinear_loads = stepper.nonlinear_loads();
-        let mut read = |q: &mut [f64], v: &mut [f64]| output.read(nonlinear_loads, state.elapsed, &state.y, q, v);
+        let loads = stepper.loads();
+        let mut read = |q: &mut [f64], v: &mut [f64]| output.read(loads, state.elapsed, &state.y, q, v);
         observer.switched(state.elapsed, &mut read, &state.contact_modes);
         Ok(())
     }
@@ -227,10 +231,10 @@ impl Driver {
     ) -> Result<Outcome, Halt> {
         let solve_tolerance = self.control.solve_tolerance(self.size, stepper.context.cache.linear.includes_meshes);
         let history = &self.own.history;
-        let at = (level, state.elapsed);
-        stepper.solver.guess(&stepper.context, at, &stepper.begin, history, &mut stepper.stages);
         let end = self.time(state.count + self.time_grid.units(level));
-        match stepper.step(level, (state.elapsed, end), &state.y, solve_tolerance, statistics) {
+        let span = StepSpan { level, begin: state.elapsed, end };
+        stepper.solver.guess(&stepper.context, span, &stepper.begin, history, &mut stepper.stages);
+        match stepper.step(span, &state.y, solve_tolerance, statistics) {
             // The iteration may move the gear centres closer together than the motion does.
             Err(Halt::Overlap { .. } | Halt::Touch(_)) if level < self.time_grid.finest => Ok(Outcome::Unsolved),
             outcome => outcome,
@@ -245,10 +249,10 @@ impl Driver {
         state: &State,
     ) -> Result<Option<ContactChange>, Halt> {
         let end = state.elapsed + self.time_grid.step(level);
-        if !self.locator.is_possible(stepper) && !stepper.nonlinear_loads().motion.leaves_piece(end) {
+        if !self.locator.is_possible(stepper) && !stepper.loads().motion.leaves_piece(end) {
             return Ok(None);
         }
-        if stepper.nonlinear_loads().motion.motion_changes_contact_modes() {
+        if stepper.loads().motion.motion_changes_contact_modes() {
             stepper.stages.refresh(&stepper.context, level);
         }
         self.locator.locate(&completed(stepper, level, state), &mut self.sampler, self.own.pending_change)
@@ -272,9 +276,8 @@ impl Driver {
         }
         let within = self.time_grid.time(units);
         let z = self.sampler.state_at(stepper, level, &state.y, within);
-        let at = (within / self.time_grid.step(level), state.elapsed + within);
-        let (interface_state, loads) = self.locator.scratch();
-        let defect = stepper.defect_at(at, z, interface_state, loads)?;
+        let at = StepInstant { part: within / self.time_grid.step(level), elapsed: state.elapsed + within };
+        let defect = stepper.defect_at(at, z, self.locator.scratch())?;
         statistics.evaluations += 1;
         Ok(within * defect > rtol * self.size.max(floor))
     }
@@ -289,15 +292,15 @@ impl Driver {
         change: ContactChange,
         observer: &mut impl Observer,
     ) {
-        let nonlinear_loads = stepper.nonlinear_loads();
+        let loads = stepper.loads();
         // Angles of shafts within a piece of a variable speed follow from that piece only.
-        if let (Some(_), Some(energies)) = (nonlinear_loads.motion.piece_at(state.elapsed), output.energies()) {
-            energies.evaluate(nonlinear_loads, true, &mut |energies| observer.shaft_energies(energies));
+        if let (Some(_), Some(energies)) = (loads.motion.piece_at(state.elapsed), output.energies()) {
+            energies.evaluate(loads, true, &mut |energies| observer.shaft_energies(energies));
         }
         let sampler = &mut self.sampler;
         let mut read = |q: &mut [f64], v: &mut [f64]| {
             let z = sampler.state_at(stepper, level, &state.y, change.at - state.elapsed);
-            output.read(nonlinear_loads, change.at, z, q, v);
+            output.read(loads, change.at, z, q, v);
         };
         observer.switched(change.at, &mut read, &self.locator.new_contact_modes);
     }

@@ -23,5 +23,5 @@ pub use halt::Halt;
 pub use interpolate::{Span, Trajectory, at_each};
 pub use state::{ExponentialState, MethodState, State, StepHistory};
 pub use statistics::{Statistics, StepLimit};
-pub use step::RungeKutta;
+pub use step::{RungeKutta, StepInterval};
 pub use system::{FirstOrderSystem, Observer};

@@ -9,7 +9,7 @@ use crate::model::{Model, RodChain, ShaftModel};
 
 /// Step of a mesh force, relative to the static force, that its teeth excite. A pair of teeth that engages without
 /// transition has the fraction 1/ε of the mean stiffness, with contact ratios ε of 1.4 to 1.8.
-const STEP: f64 = 0.6;
+const ENGAGEMENT_STEP: f64 = 0.6;
 /// Largest number of coordinates of a model of which all modes are examined, to choose elements and to estimate the error of
 /// given ones. A larger one is examined in a Krylov space of its loads. The highest modes in this space depend on round-off: with
 /// 400 for both, a change of lengths by 1e-14 changed the chosen number of coordinates of six machines, by up to 73 %. The chosen
@@ -146,7 +146,7 @@ fn add_mesh(
     let load = model.constant_load.as_slice();
     let static_deflection: f64 =
         elastic.iter().zip(&deflections).map(|((w, shape), value)| value * dot(load, shape) / (w * w)).sum();
-    let step = STEP * mesh.stiffness * static_deflection;
+    let step = ENGAGEMENT_STEP * mesh.stiffness * static_deflection;
     signals.push(Signal { steady: 0.0, displacement: false });
     for (((w, _), value), squares) in elastic.iter().zip(&deflections).zip(squares.iter_mut()) {
         squares.push((value / w).powi(4));

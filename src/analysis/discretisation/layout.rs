@@ -13,9 +13,8 @@ const TONE_ERROR: f64 = 1e-2;
 const TONE_LENGTHS: i32 = 10;
 /// Smallest distance between the end of an equal part and a station, in lengths of a part. The highest natural frequency is
 /// inversely proportional to the length of the shortest element, and the round-off error of the low modes grows with its
-/// square. The second number is a margin for round-off: lengths and positions are round numbers, and distances of exactly 0.1
-/// are common.
-const SHORTEST: f64 = 0.1 - 1e-6;
+/// square. Lengths and positions are round numbers, so that distances of exactly 0.1 are common: round-off must not decide.
+const MIN_STATION_DISTANCE: f64 = 0.1 - 1e-6;
 
 /// A segment of a shaft: a uniform cross-section, with nodes at given positions.
 #[derive(Clone, Debug)]
@@ -191,7 +190,10 @@ impl Segment {
             let nearest = (station / part).round();
             let distance = (station / part - nearest).abs();
             // The ends of the segment are places that the scene gives.
-            nearest == 0.0 || nearest == count as f64 || distance * part <= 1e-9 * self.length || distance >= SHORTEST
+            nearest == 0.0
+                || nearest == count as f64
+                || distance * part <= 1e-9 * self.length
+                || distance >= MIN_STATION_DISTANCE
         })
     }
 

@@ -78,7 +78,7 @@ impl Pilot {
         }
         let [begin, end] = self.span;
         let plan = RecordPlan { energy: false, velocity: false, acceleration: false, ..plan.clone() };
-        let (motion, origin) = (setup.nonlinear_loads.motion.clone(), self.start.rotation.origin);
+        let (motion, origin) = (setup.loads.motion.clone(), self.start.rotation.origin);
         let mut pilot = RunObserver {
             recorder: Recorder::new(motion, &plan, &self.times, origin, (begin, 0.0)),
             watch: &mut |_| observer.continues(run.options.start - origin),
