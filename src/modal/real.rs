@@ -100,8 +100,7 @@ impl RealModes {
         elastic_form: impl Fn(&[f64]) -> f64,
     ) -> Self {
         let rayleigh = |shape: &[f64]| elastic_form(shape) / model.kinetic_form(shape);
-        let squares: Vec<f64> = vectors.column_iter().map(|column| rayleigh(column.as_slice())).collect();
-        let vectors = separate_equal_modes(model, vectors, known, &squares, EQUAL);
+        let vectors = separate_equal_modes(model, vectors, known, rayleigh);
         let frequency = |column: usize| rayleigh(vectors.column(column).as_slice()).max(0.0).sqrt();
         let mut order: Vec<(f64, usize)> = (known..vectors.ncols()).map(|column| (frequency(column), column)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -112,14 +111,6 @@ impl RealModes {
             vectors: vectors.select_columns(&columns),
             null: known,
         }
-    }
-
-    /// The same modes, with those whose values of ω² differ by less than `tolerance` combined so that each lies in one plane of
-    /// one shaft, if possible.
-    pub fn separated(&self, model: &Model, tolerance: f64) -> Self {
-        let squares: Vec<f64> = self.frequencies.iter().map(|frequency| frequency * frequency).collect();
-        let vectors = separate_equal_modes(model, self.vectors.clone(), self.null, &squares, tolerance);
-        Self { vectors, ..self.clone() }
     }
 
     /// Highest frequency ω_max, rad/s.
@@ -187,14 +178,14 @@ pub(super) fn times(matrix: &Sparse, columns: &DMatrix<f64>) -> DMatrix<f64> {
 /// Combines modes of equal frequency so that each lies in one plane of one shaft, if possible.
 ///
 /// An eigensolver returns arbitrary combinations, which would couple planes and shafts that are uncoupled. The first
-/// `known` modes stay unchanged. `squares` are the values of ω²; they count as equal up to the relative difference `tolerance`.
+/// `known` modes stay unchanged; `rayleigh` gives ω².
 fn separate_equal_modes(
     model: &Model,
     mut vectors: DMatrix<f64>,
     known: usize,
-    squares: &[f64],
-    tolerance: f64,
+    rayleigh: impl Fn(&[f64]) -> f64,
 ) -> DMatrix<f64> {
+    let squares: Vec<f64> = vectors.column_iter().map(|column| rayleigh(column.as_slice())).collect();
     // A matrix with a different weight for each shaft and plane is diagonalized within the modes of equal frequency.
     let mut weights = DVector::zeros(model.len());
     for dof in model.numbering.dofs() {
@@ -207,7 +198,7 @@ fn separate_equal_modes(
     }
     let mut first = known;
     while first < vectors.ncols() {
-        let equal = |column: &usize| (squares[*column] - squares[first]).abs() <= tolerance * squares[first];
+        let equal = |column: &usize| (squares[*column] - squares[first]).abs() <= EQUAL * squares[first];
         let count = (first..vectors.ncols()).take_while(equal).count().max(1);
         if count > 1 {
             let cluster = vectors.columns(first, count).into_owned();

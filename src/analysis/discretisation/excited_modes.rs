@@ -1,5 +1,7 @@
 //! The modes that the teeth excite: frequency, damping, amplitude, and the elastic energy in each part of the shafts.
 
+use std::borrow::Cow;
+
 use super::varying_loads::{VaryingLoad, varying_loads};
 use crate::connection::Row;
 use crate::linalg::DecompositionError;
@@ -20,10 +22,6 @@ pub const LARGEST_TO_ESTIMATE: usize = 400;
 /// disks and a train of 40 disks have the elements that all modes give.
 const MIN_VECTORS: usize = 120;
 const VECTORS_PER_LOAD: usize = 10;
-/// Modes whose values of ω² differ by less than this relative to ω² count as equal. Planes and shafts with weak couplings have
-/// such modes. Round-off of the stiffest elements, up to 1e-7 of the lowest ω², combines them arbitrarily, and the amplitudes
-/// and energies of single modes would change with it.
-const EQUAL_MODES: f64 = 1e-6;
 /// A displacement below this fraction of the largest one under the same load is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -94,14 +92,13 @@ pub fn excitation(cached: &CachedModel, largest: usize) -> Result<Excitation, De
 }
 
 /// The undamped modes of a model of up to `largest` coordinates, or those of a larger one that the loads excite.
-pub(super) fn examined_modes(cached: &CachedModel, largest: usize) -> Result<RealModes, DecompositionError> {
+pub(super) fn examined_modes(cached: &CachedModel, largest: usize) -> Result<Cow<'_, RealModes>, DecompositionError> {
     let model = &cached.model;
     if model.len() <= largest {
-        return Ok(cached.real_modes(0.0)?.separated(model, EQUAL_MODES));
+        return cached.real_modes(0.0).map(Cow::Borrowed);
     }
     let loads = loads(model);
-    let modes = cached.modes_of_loads(0.0, &loads, MIN_VECTORS.max(VECTORS_PER_LOAD * loads.len()))?;
-    Ok(modes.separated(model, EQUAL_MODES))
+    cached.modes_of_loads(0.0, &loads, MIN_VECTORS.max(VECTORS_PER_LOAD * loads.len())).map(Cow::Owned)
 }
 
 /// Frequencies, rad/s, and shapes of the modes that have one.

@@ -2,6 +2,7 @@
 
 import copy
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -244,3 +245,23 @@ def test_round_off_does_not_change_the_choice():
         for seed in range(3):
             other = gb.RotorSystem.from_dict(changed_by_round_off(description, seed))
             assert other.discretisation.shafts == choice, (machine, seed)
+
+
+def test_equal_shafts_do_not_leave_the_choice_to_round_off():
+    # Coarser elements on one of three equal shafts increase the error equally.
+    names = ("first", "second", "third")
+    halves = [gb.Segment(0.25, 0.03)] * 2
+    description = gb.RotorSystem(
+        [gb.Shaft(name, segments=halves) for name in names],
+        [gb.Gear(f"on {n}", n, 0.25, teeth=40, module=3e-3, face_width=0.03) for n in names],
+        [
+            gb.Mesh(f"on {a}", f"on {b}", stiffness=2e8, damping_ratio=0.05)
+            for a, b in pairwise(names)
+        ],
+        [gb.Bearing(n, x, stiffness=1e8, damping=500.0) for n in names for x in (0.0, 0.5)],
+        [gb.Torque("on first", 200.0), gb.Torque.balance("on third")],
+    ).description
+    choice = gb.RotorSystem.from_dict(description).discretisation.shafts
+    for seed in range(3):
+        other = gb.RotorSystem.from_dict(changed_by_round_off(description, seed))
+        assert other.discretisation.shafts == choice, seed
