@@ -133,7 +133,7 @@ def gearbox() -> gb.RotorSystem:
         torques=[gb.Torque("rotor", POWER / SPEED), gb.Torque.balance("flange")],
         gravity=9.81,
         modal_damping=0.01,
-        resolution="draft",
+        accuracy="draft",
     )
 
 

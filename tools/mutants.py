@@ -38,7 +38,7 @@ CRUDE = ("Shift", "Bit", "Decorator", "Variable", "Invert", "Exception", "_Is", 
 #: Patterns of the Python tests of a folder of the Rust core.
 TESTS_OF = {
     "analysis/campbell": "campbell or stability or structured or closed_form or published",
-    "analysis/resolution": "resolution or elements or accuracy",
+    "analysis/discretisation": "discretisation or elements or accuracy",
     "analysis/simulate": "run or response or exponential or checkpoint or modal or initial",
     "analysis/steady": "steady or periodic or continuation",
     "analysis": "campbell or synchronous or balance or static or stability or memory or long_work",

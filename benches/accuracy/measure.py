@@ -102,7 +102,7 @@ def measure(scene: Scene, levels: list[Level]) -> dict[str, Measured]:
 
 
 def _run(scene: Scene, level: Level) -> Run:
-    system = scene.build().replace(resolution=level.name)
+    system = scene.build().replace(accuracy=level.name)
     begin = time.process_time()
     fresh = system.replace()
     fresh.simulate(0.0, scene.speed, accuracy=level.name, times=[0.0], record=RECORD)
@@ -260,7 +260,7 @@ def _measure_named(levels: list[str], name: str) -> dict[str, Measured]:
 
 
 def _size(name: str) -> int:
-    return len(SCENES[name].build().replace(resolution="reference").dofs)
+    return len(SCENES[name].build().replace(accuracy="reference").dofs)
 
 
 def main() -> None:

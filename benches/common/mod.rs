@@ -58,7 +58,7 @@ pub fn system(elements: usize, excited: bool) -> SceneDescription {
 pub fn gearbox() -> SceneDescription {
     let text = include_str!("../gearbox.toml").replace("film = \"finite\"", "film = \"short\"");
     let mut system = SceneDescription::from_toml(&text).unwrap();
-    system.resolution = None;
+    system.accuracy = None;
     for shaft in &mut system.shafts {
         shaft.degree = Some(1);
         if shaft.segments.is_none() {

@@ -110,7 +110,7 @@ def train(settings: Settings, case: Case) -> gb.RotorSystem:
         shafts=bent(straight.shafts, case),
         gears=[replace(gear, position=positions[gear.name]) for gear in straight.gears],
         torques=[replace(straight.torques[0], value=case.torque), *straight.torques[1:]],
-        resolution=case.accuracy,
+        accuracy=case.accuracy,
     )
 
 

@@ -196,7 +196,6 @@ def measure(
         case.speed,
         # Rounding must not put the last output time after the end of the run.
         times=np.minimum(begin + parts * turn, begin + turn),
-        accuracy=case.accuracy,
         geometry=case.geometry,
     )
     events = {f"{e.driver}/{e.driven} {e.kind}" for e in response.events if e.time >= begin}

@@ -29,6 +29,7 @@ from gearbow._types import (
 __all__ = [
     "Model",
     "__version__",
+    "accuracy_levels",
     "check_final",
     "check_speed",
     "common_period",
@@ -50,6 +51,7 @@ __all__ = [
 
 __version__: str
 
+def accuracy_levels() -> dict[str, dict[str, float]]: ...
 def check_final(last: Mapping[str, Any], checkpoint: Plain | None = None) -> None: ...
 def check_speed(breaks: list[float], coefficients: list[list[float]]) -> None: ...
 def connection_channels() -> dict[str, dict[str, str]]: ...

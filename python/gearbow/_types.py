@@ -137,7 +137,7 @@ class RunOptions(TypedDict):
     rtol: float | None
     stages: int | None
     modes: int | None
-    reduction: tuple[float, float] | None
+    accuracy: str | None
     geometry: str
     start: float
 

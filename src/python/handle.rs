@@ -42,9 +42,9 @@ impl PyModel {
         base: &Self,
         interrupt: &Interrupt,
     ) -> Result<Self, AnalysisError> {
-        let resolution = |description: &SceneDescription| description.resolution.unwrap_or_default();
+        let accuracy = |description: &SceneDescription| description.accuracy.unwrap_or_default();
         let resolved = if linear_part(&description) == linear_part(&base.description)
-            && resolution(&description) == resolution(&base.description)
+            && accuracy(&description) == accuracy(&base.description)
         {
             analysis::resolve_variation(&description, &base.resolved)?
         } else {
@@ -130,8 +130,8 @@ impl PyModel {
     }
 }
 
-/// The description without loads and without the option `resolution`. A resolved description contains the elements, which
-/// are all that this option determines.
+/// The description without loads and without the accuracy. A resolved description contains the elements, which are all of
+/// the model that the accuracy determines.
 fn linear_part(description: &SceneDescription) -> SceneDescription {
-    SceneDescription { resolution: None, ..description.without_loads() }
+    SceneDescription { accuracy: None, ..description.without_loads() }
 }

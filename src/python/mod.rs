@@ -36,6 +36,8 @@ mod _core {
     #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]
+    use super::options::accuracy_levels;
+    #[pymodule_export]
     use super::speed::check_speed;
     #[pymodule_export]
     use super::state::check_final;

@@ -89,9 +89,9 @@ impl PyModel {
 
     /// Level, expected error, permitted error and highest frequency [rad/s] of the chosen elements.
     #[getter]
-    fn choice(&self) -> Option<(String, f64, f64, f64)> {
+    fn choice(&self) -> Option<(&'static str, f64, f64, f64)> {
         self.resolved.choice.as_ref().map(|choice| {
-            let level = format!("{:?}", choice.level).to_lowercase();
+            let level = choice.level.level().name;
             (level, choice.expected_error, choice.permitted_error, choice.highest_frequency)
         })
     }

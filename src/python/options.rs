@@ -8,7 +8,7 @@ use super::entries::{self, any_number, optional_count, text};
 use super::speed::SpeedEntries;
 use super::state::{self, mesh_geometry};
 use crate::analysis::simulate::{Initial, Method, Options, Request};
-use crate::scene::SceneError;
+use crate::scene::{Accuracy, SceneError};
 
 /// Options that are numbers and texts; `RunOptions` in `gearbow._types` lists the same entries.
 #[derive(Deserialize)]
@@ -32,14 +32,28 @@ pub struct RunOptions {
     /// Number of modes of the exponential method.
     #[serde(deserialize_with = "optional_count")]
     pub modes: Option<usize>,
-    /// Largest errors of displacements and of mesh forces from a reduction to fewer modes.
-    pub reduction: Option<[f64; 2]>,
+    /// Accuracy level, which decides the tolerance and the number of modes where they are not given.
+    pub accuracy: Option<Accuracy>,
     /// "live" or "frozen".
     #[serde(deserialize_with = "text")]
     pub geometry: String,
     /// Time at which the run begins, s.
     #[serde(deserialize_with = "any_number")]
     pub start: f64,
+}
+
+/// Total error of displacements and of mesh forces and relative tolerance of each accuracy level, from cheap to accurate.
+#[pyfunction]
+pub fn accuracy_levels(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let levels = PyDict::new(py);
+    for level in Accuracy::ALL.map(Accuracy::level) {
+        let entries = PyDict::new(py);
+        entries.set_item("displacement", level.displacement)?;
+        entries.set_item("mesh_force", level.mesh_force)?;
+        entries.set_item("rtol", level.rtol)?;
+        levels.set_item(level.name, entries)?;
+    }
+    Ok(levels)
 }
 
 /// Reads the initial state of a run: a name, or the `final` of another run.
@@ -90,15 +104,16 @@ pub fn run_options(
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Options> {
     let given: RunOptions = entries::read(options.unwrap_or(&PyDict::new(py)), "")?;
+    let level = given.accuracy.map(Accuracy::level);
     Ok(Options {
         duration: given.duration,
         speed: given.speed.try_into()?,
         method: Method::named(&given.method)?,
         step: given.step,
-        rtol: given.rtol,
+        rtol: given.rtol.or(level.map(|level| level.rtol)),
         stages: given.stages,
         modes: given.modes,
-        reduction: given.reduction,
+        reduction: level.and_then(|level| level.reduction()),
         initial: read_initial(initial)?,
         times: Vec::new(),
         geometry: mesh_geometry(&given.geometry)?,

@@ -4,6 +4,7 @@
 //! of a gear, disk, bearing or torque. It computes the speed ratios of the shafts from the meshes, and the torque that
 //! balances the others.
 
+mod accuracy;
 mod bearing;
 mod bow;
 mod centre_distance;
@@ -31,6 +32,7 @@ mod train;
 
 use num_complex::Complex64;
 
+pub use accuracy::{Accuracy, AccuracyLevel};
 pub use bearing::Bearing;
 pub use bow::{Bow, BowCurve};
 pub(crate) use contact::path_of_contact;

@@ -186,7 +186,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                 balance: value.is_none(),
             };
             SceneDescription {
-                resolution: None,
+                accuracy: None,
                 reference: named.then(|| "two".to_owned()),
                 modal_damping,
                 rayleigh,

@@ -23,6 +23,7 @@ from gearbow._core import Model
 from gearbow._times import grid
 from gearbow._types import Array, RunData
 from gearbow.accuracy.initial import check_initial_state
+from gearbow.accuracy.levels import tolerance
 from gearbow.accuracy.refine import refined
 from gearbow.accuracy.scale import root_mean_square, unit_of_errors, variation
 from gearbow.errors import AccuracyWarning
@@ -117,7 +118,7 @@ def _runs(
     exact = {**options, **_tighter(options)}
     run = _run(model, exact, times, record)
     yield run
-    complete = {**exact, "modes": None, "reduction": None}
+    complete = {**exact, "modes": None}
     if options["modes"] is not None:
         run = _run(model, complete, times, record)
     yield run
@@ -155,8 +156,8 @@ def _tighter(options: Mapping[str, Any]) -> dict[str, Any]:
     """Choose the method and the tolerance of the companions."""
     rtol = _OTHER_METHOD
     if options["method"] == "exponential" and options["step"] is None:
-        rtol = max(_SMALLEST, _TIGHTER * (options["rtol"] or _DEFAULT_RTOL))
-    return {"method": "exponential", "rtol": rtol, "step": None, "stages": None}
+        rtol = max(_SMALLEST, _TIGHTER * (tolerance(options) or _DEFAULT_RTOL))
+    return {"method": "exponential", "rtol": rtol, "step": None, "stages": None, "accuracy": None}
 
 
 def _window(model: Model, options: Mapping[str, Any]) -> float:

@@ -53,7 +53,7 @@ def check_initial_state(model: Model, options: Mapping[str, Any]) -> None:
 
 def _state(model: Model, options: Mapping[str, Any]) -> Array:
     """Give the displacements and velocities with which a run of all modes begins."""
-    given: Any = {**options, "duration": 0.0, "modes": None, "reduction": None, "record": []}
+    given: Any = {**options, "duration": 0.0, "modes": None, "accuracy": None, "record": []}
     times = np.array([options["start"]])
     run = model.simulate(**given, times=times, checkpoint=None, progress=None)
     return user_order(model, run["final"]["state"])

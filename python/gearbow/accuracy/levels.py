@@ -10,16 +10,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from gearbow._core import Model
+from gearbow._core import Model, accuracy_levels
 from gearbow.accuracy.scale import SHARE_OF_MEAN
 from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.recording.record import Event, Statistics
 
-__all__ = ["DEFAULT", "LEVELS", "Level", "check_reduction", "find_level"]
+__all__ = ["DEFAULT", "LEVELS", "Level", "check_reduction", "find_level", "tolerance"]
 
 
-#: Share of the total error that a reduction to fewer modes may use.
-REDUCTION_SHARE = 1.0 / 3.0
 #: What happens at events after which an impact follows.
 CHANGES_OF_CONTACT = {"separation": "flanks separated", "tight": "both flanks touched"}
 
@@ -32,13 +30,6 @@ class Level:
     rtol: float
     displacement: float
     mesh_force: float
-
-    @property
-    def reduction(self) -> tuple[float, float] | None:
-        """Give the largest errors from a reduction to fewer modes."""
-        if self.name == "reference":
-            return None
-        return REDUCTION_SHARE * self.displacement, REDUCTION_SHARE * self.mesh_force
 
     def explanation(self, events: Iterable[Event], coarse: str | None) -> str:
         """Say what the level promises for a run."""
@@ -61,67 +52,71 @@ class Level:
             )
         return sentence
 
+    def is_stricter(self, other: "Level") -> bool:
+        """Tell whether this level permits smaller errors than another one."""
+        return self.mesh_force < other.mesh_force
+
     def coarse(self, model: Model, speed: float | None) -> str | None:
         """Say why the elements of a system are too coarse for the level."""
         permitted = self.mesh_force if model.has_meshes else self.displacement
         expected = model.expected_error()
-        if model.choice is not None:
-            resolution = LEVELS[model.choice[0]]
-            reason = f"they have the resolution {resolution.name!r}"
-            is_finer = resolution.mesh_force <= self.mesh_force
-            if is_finer:
-                reason += " with the largest number of coordinates that gearbow chooses"
-        else:
-            reason, is_finer = "the shafts give their numbers", True
-        if is_finer and expected <= permitted:
-            expected = expected if speed is None else model.expected_error(speed)
-            if expected <= permitted:
-                return None
+        if expected > permitted:
+            reason = (
+                "the shafts give their numbers"
+                if model.choice is None
+                else "they have the largest number of coordinates that gearbow chooses"
+            )
+        elif speed is not None and model.expected_error(speed) > permitted:
+            expected = model.expected_error(speed)
             reason = f"the teeth excite natural frequencies at {speed:g} rad/s"
+        else:
+            return None
         return f"{reason}, and an expected error of {expected:.0e}"
 
-    def finer(self, model: Model) -> str:
-        """Say how to get elements that are fine enough for the level."""
-        if model.choice is not None and LEVELS[model.choice[0]].mesh_force <= self.mesh_force:
-            finer = [name for name in LEVELS if LEVELS[name].mesh_force < self.mesh_force]
-            more = f"resolution={finer[0]!r} to RotorSystem, or " if finer else ""
-            advice = "compare `response.errors()`, which often is below it"
-            return f"{advice}, or give {more}the shafts elements"
-        return (
-            f"leave out the numbers of elements, and give resolution={self.name!r} to RotorSystem"
-        )
+    def finer(self, model: Model, accuracy: str) -> str:
+        """Say how a system of an accuracy gets elements that are fine enough for the level."""
+        if model.choice is None:
+            return "leave out the numbers of elements"
+        finer = [name for name in LEVELS if LEVELS[name].is_stricter(LEVELS[accuracy])]
+        more = f"call system.replace(accuracy={finer[0]!r}), or " if finer else ""
+        advice = "compare `response.errors()`, which often is below it"
+        return f"{advice}, or {more}give the shafts elements"
 
 
-#: Accuracy levels by name, from cheap to accurate.
-LEVELS = {
-    each.name: each
-    for each in (
-        Level("draft", 1e-3, displacement=1e-2, mesh_force=1e-1),
-        Level("engineering", 1e-4, displacement=1e-3, mesh_force=1e-2),
-        Level("reference", 1e-7, displacement=1e-6, mesh_force=1e-4),
-    )
-}
-#: Level of a run without other settings.
+#: Accuracy levels by name, from cheap to accurate; `src/scene/accuracy.rs` contains the numbers.
+LEVELS = {name: Level(name, **numbers) for name, numbers in accuracy_levels().items()}
+#: Accuracy of a system for which none is given.
 DEFAULT = "engineering"
 
 
-def find_level(name: object, given: Mapping[str, Any]) -> Level | None:
-    """Find the accuracy level of a run."""
+def find_level(name: object, accuracy: str, given: Mapping[str, Any]) -> Level | None:
+    """Find the accuracy level of a run of a system with an accuracy, which a run may loosen."""
     other = next((option for option, value in given.items() if value is not None), None)
     if name is None:
-        return LEVELS[DEFAULT] if other is None else None
+        return LEVELS[accuracy] if other is None else None
     if not isinstance(name, str) or name not in LEVELS:
         raise SceneError(f"accuracy: must be one of {', '.join(LEVELS)}, got {name!r}")
     if other is not None:
         raise SceneError(f"accuracy: cannot be given together with {other}")
+    if LEVELS[name].is_stricter(LEVELS[accuracy]):
+        raise SceneError(
+            f"accuracy: {name!r} is stricter than {accuracy!r}, the accuracy of the system, which "
+            f"decides its elements; run system.replace(accuracy={name!r})"
+        )
     return LEVELS[name]
 
 
-def check_reduction(statistics: Statistics, level: Level | None, *, given: bool) -> None:
+def tolerance(options: Mapping[str, Any]) -> float | None:
+    """Give the tolerance of a run: the given one, or that of its accuracy level."""
+    accuracy = options["accuracy"]
+    rtol: float | None = options["rtol"]
+    return LEVELS[accuracy].rtol if rtol is None and accuracy is not None else rtol
+
+
+def check_reduction(statistics: Statistics, level: Level, *, given: bool) -> None:
     """Warn if the error of a reduction to fewer modes exceeds an accuracy level."""
     if statistics.modes_error is None:
         return
-    level = level or LEVELS[DEFAULT]
     kinds = ("displacements", "mesh forces")
     permitted = (level.displacement, level.mesh_force)
     cure = (

@@ -33,6 +33,7 @@ class System(Protocol):
     disks: tuple[Disk, ...]
     couplings: tuple[Coupling, ...]
     forces: tuple[Force, ...]
+    accuracy: str
     _model: Model
 
     @classmethod

@@ -2,12 +2,14 @@
 
 import argparse
 import math
+import warnings
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from gearbow._types import Array
+from gearbow.accuracy.levels import LEVELS
 from gearbow.cli.answer import Answer
 from gearbow.cli.arguments import (
     Commands,
@@ -22,6 +24,7 @@ from gearbow.cli.arguments import (
 )
 from gearbow.description.places import is_pair, is_place, place_label
 from gearbow.description.speed import SpeedProfile
+from gearbow.errors import SceneWarning
 from gearbow.results.response import Response
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.tradeoff.result import Tradeoff
@@ -86,7 +89,7 @@ def add(commands: Commands) -> None:
 def add_signals(parser: argparse.ArgumentParser) -> None:
     """Add the options of a command that records signals."""
     parser.add_argument(
-        "--accuracy", choices=["draft", "engineering", "reference"], help="default: engineering"
+        "--accuracy", choices=list(LEVELS), help="instead of the accuracy of the scene"
     )
     parser.add_argument(
         "--record",
@@ -100,9 +103,20 @@ def add_signals(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _loaded(given: argparse.Namespace) -> RotorSystem:
+    """Load the scene with the accuracy that the command gives."""
+    system = RotorSystem.load(given.scene)
+    if given.accuracy is None:
+        return system
+    with warnings.catch_warnings():
+        # The warnings of the scene are those of `load`.
+        warnings.simplefilter("ignore", SceneWarning)
+        return system.replace(accuracy=given.accuracy)
+
+
 def run(given: argparse.Namespace) -> Answer:
     """Simulate."""
-    system = RotorSystem.load(given.scene)
+    system = _loaded(given)
     speed: float | SpeedProfile = given.speed
     if given.end_speed is not None:
         speed = SpeedProfile.ramp(given.speed, given.end_speed, given.duration)
@@ -110,7 +124,6 @@ def run(given: argparse.Namespace) -> Answer:
         response = system.simulate(
             given.duration,
             speed,
-            accuracy=given.accuracy,
             record=[item(system, text) for text in given.record],
             checkpoint=given.checkpoint,
             progress=shows(given),
@@ -129,6 +142,7 @@ def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> 
         response.save(given.out)
     data = {
         "complete": complete,
+        "accuracy": response._level,
         "time": [response.time[0], response.time[-1]],
         "samples": response.time.size,
         **_signals(response),
@@ -143,10 +157,9 @@ def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> 
 
 def steady(given: argparse.Namespace) -> Answer:
     """Find the steady state."""
-    system = RotorSystem.load(given.scene)
+    system = _loaded(given)
     found = system.steady_state(
         given.speed,
-        accuracy=given.accuracy,
         record=[item(system, text) for text in given.record],
         progress=shows(given),
     )
@@ -158,6 +171,7 @@ def steady(given: argparse.Namespace) -> Answer:
         "period": None if math.isinf(found.period) else found.period,
         "residual": found.residual,
         "method": found.method,
+        "accuracy": found.response._level,
         "stable": found.is_stable(),
         "instability": found.instability(),
         "largest_multiplier": largest,

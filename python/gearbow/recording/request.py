@@ -16,7 +16,7 @@ __all__ = ["OPTIONS", "RunRequest"]
 #: Names of the options of a run.
 OPTIONS = (
     *("duration", "speed", "method", "step", "rtol", "stages", "modes"),
-    *("initial", "record", "geometry", "start", "reduction"),
+    *("initial", "record", "geometry", "start", "accuracy"),
 )
 #: Arrays of a final state from which a run continues.
 _ARRAYS = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}

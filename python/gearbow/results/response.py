@@ -881,8 +881,14 @@ class Response(ReadOnly):
             times = f"{self.time[0]:g} s to {self.time[-1]:g} s at {span(self.speeds)} rad/s"
         return (
             f"Response({self.time.size} times, {times}; {len(data['points'])} points, "
-            f"{len(data['meshes'])} meshes, {len(data['bearings'])} bearings)"
+            f"{len(data['meshes'])} meshes, {len(data['bearings'])} bearings"
+            f"{'' if self._level is None else f'; accuracy {self._level!r}'})"
         )
+
+    @property
+    def _level(self) -> str | None:
+        """Name of the accuracy level with which `accuracy` begins; None without a level."""
+        return None if self.accuracy is None else self.accuracy.partition(":")[0]
 
     def _rows(self) -> Table:
         """Give a row for each recorded point and mesh."""

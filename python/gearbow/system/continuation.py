@@ -343,7 +343,7 @@ class _Motion:
             "rtol": self.rtol,
             "stages": None,
             "modes": None,
-            "reduction": None,
+            "accuracy": None,
             "geometry": self.geometry,
             "start": 0.0,
         }

@@ -12,6 +12,7 @@ from gearbow._keywords import CheckedKeywords
 from gearbow._lookup import nearest
 from gearbow._shown import Shown, Table, listed
 from gearbow._types import Array, Dof, Plain
+from gearbow.accuracy.levels import DEFAULT
 from gearbow.analysis.balance import balance
 from gearbow.description.assumptions import assumptions
 from gearbow.description.coordinates import Coordinates
@@ -58,10 +59,10 @@ _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
     "rayleigh": nested,
     "gravity": nested,
     "motion": text,
-    "resolution": text,
+    "accuracy": text,
 }
 #: Values of options that were not given, where they are not None.
-_DEFAULTS = {"resolution": "engineering"}
+_DEFAULTS = {"accuracy": DEFAULT}
 
 
 class RotorSystem(CheckedKeywords, Shown):
@@ -101,9 +102,12 @@ class RotorSystem(CheckedKeywords, Shown):
         Gravity [m/s²], along −z or as (y, z).
     motion : {"lateral", "torsion", "coupled"}, optional
         The degrees of freedom of a node; None chooses those that the scene requires.
-    resolution : {"draft", "engineering", "reference"}
-        How fine the elements are of shafts without a number of elements: the error of mesh forces
-        is at most about 1e-1, 1e-2 or 1e-4, see `discretisation`.
+    accuracy : {"draft", "engineering", "reference"}
+        Largest total error of runs: 1e-2, 1e-3 or 1e-6 of displacements, and 1e-1, 1e-2 or 1e-4 of
+        mesh forces (RMS of the difference / RMS of the signal about its mean, at least 2 % of the
+        mean, over the first 0.1 s or the time that damping needs to forget). It decides the
+        elements of shafts without a number of elements (see `discretisation`), and the modes and
+        the tolerance of runs without other settings. A run may have a lower accuracy.
 
     Attributes
     ----------
@@ -111,7 +115,7 @@ class RotorSystem(CheckedKeywords, Shown):
         The given parts.
     supports, housings, couplings, drives, forces : tuple
         The given parts.
-    reference, modal_damping, rayleigh, gravity, motion, resolution
+    reference, modal_damping, rayleigh, gravity, motion, accuracy
         The given options; None if not given.
 
     Raises
@@ -171,7 +175,7 @@ class RotorSystem(CheckedKeywords, Shown):
     rayleigh: tuple[float, float] | None
     gravity: float | tuple[float, float] | None
     motion: str | None
-    resolution: str
+    accuracy: str
 
     def __init__(
         self,
@@ -192,7 +196,7 @@ class RotorSystem(CheckedKeywords, Shown):
         rayleigh: tuple[float, float] | None = None,
         gravity: float | tuple[float, float] | None = None,
         motion: str | None = None,
-        resolution: str = "engineering",
+        accuracy: str = DEFAULT,
     ) -> None:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
         lists = (*lists, supports, housings, couplings, drives, forces)
@@ -202,7 +206,7 @@ class RotorSystem(CheckedKeywords, Shown):
             "rayleigh": rayleigh,
             "gravity": gravity,
             "motion": motion,
-            "resolution": resolution,
+            "accuracy": accuracy,
         }
         plain = self._read(lists, options)
         with showing(plain):
@@ -462,7 +466,7 @@ class RotorSystem(CheckedKeywords, Shown):
         """Give the number and degree of the elements of every shaft.
 
         Where a shaft has no number of elements, both are chosen once, when the system is created,
-        from the scene and the option `resolution`. The number of coordinates is the smallest for
+        from the scene and the option `accuracy`. The number of coordinates is the smallest for
         which the expected error stays below the level.
 
         Returns
@@ -544,7 +548,7 @@ class RotorSystem(CheckedKeywords, Shown):
         counts = [f"{len(getattr(self, key))} {key}" for key in PARTS if getattr(self, key)]
         dofs, ratios = len(self._model.dofs), listed(self.speed_ratios)
         text = f"{', '.join(counts)}; speed ratios {ratios}; {dofs} degrees of freedom"
-        return f"{type(self).__name__}({text})"
+        return f"{type(self).__name__}({text}; accuracy {self.accuracy!r})"
 
     def __str__(self) -> str:
         assumed = assumptions(self.shafts, self.gears, self.meshes)

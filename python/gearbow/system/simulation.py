@@ -14,7 +14,7 @@ from gearbow._core import require_memory
 from gearbow._progress import reported
 from gearbow._times import distinct, grid
 from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
-from gearbow.accuracy.levels import Level, check_reduction, find_level
+from gearbow.accuracy.levels import DEFAULT, LEVELS, Level, check_reduction, find_level, tolerance
 from gearbow.analysis.protocol import S, System
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
@@ -70,13 +70,12 @@ def simulate(
         speed may start or end at zero, but must not change its sign. The torque that
         accelerates a section of a shaft acts on this section.
     accuracy : {"draft", "engineering", "reference"}, optional
-        Largest total error of elements, modes and integration, instead of method, step, rtol
-        and stages: 1e-2, 1e-3 or 1e-6 of displacements, and 1e-1, 1e-2 or 1e-4 of mesh forces
-        (RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean,
-        over the first 0.1 s or the time that damping needs to forget). None is "engineering",
-        if neither method, step nor rtol is given. `Response.accuracy` says what the level
-        promises for the run, and `Response.errors()` estimates the error. "draft" and
-        "engineering" keep as many modes as the error allows (`Statistics.modes`).
+        Accuracy of this run, instead of method, step, rtol and stages: that of the system or a
+        lower one, because the accuracy of the system decides its elements; a higher one needs
+        `system.replace(accuracy=...)`. None is that of the system, if neither method, step nor
+        rtol is given. `RotorSystem` lists the total errors, `Response.accuracy` says what holds
+        for the run, and `Response.errors()` estimates the error. "draft" and "engineering" keep
+        as many modes as the error allows (`Statistics.modes`).
     method : {"exponential", "rk45", "rk4", "etdrk4"}, optional
         "exponential" integrates the linear motion exactly and the mesh forces by Gauss
         collocation; it is the default. "rk45" is the Dormand–Prince 5(4) method with error
@@ -88,14 +87,14 @@ def simulate(
         the fastest motion for "rk4", and variable steps that meet `rtol` for "exponential".
     rtol : float, optional
         Tolerance of the error of a step of "exponential" and "rk45", relative to the motion in
-        the energy norm. None is that of `accuracy`, or 1e-6 if a method is given. It excludes
+        the energy norm. None is that of the accuracy, or 1e-6 if a method is given. It excludes
         a fixed step.
     stages : int, optional
         Number of Gauss nodes in a step of "exponential", 1 to 4. The order is twice this
         number. None is 3.
     modes : int, optional
         Number of modes of "exponential" and "etdrk4": the displacements that carry the loads to
-        the recorded signals are kept. None is all, or as many as `accuracy` needs.
+        the recorded signals are kept. None is all, or as many as the accuracy needs.
         `Statistics.modes_error` gives the error.
     initial : {"synchronous", "static", "rest"}, Response or SteadyState
         Initial state: static equilibrium plus linear synchronous response, static equilibrium,
@@ -138,8 +137,8 @@ def simulate(
     Raises
     ------
     SceneError
-        If an argument is invalid, or the checkpoint belongs to another run or is in use by
-        another run.
+        If an argument is invalid, `accuracy` is higher than that of the system, or the
+        checkpoint belongs to another run or is in use by another run.
     MissingExtraError
         If the checkpoint is a ``.nc`` file and the extra "netcdf" is not installed.
     StabilityError
@@ -155,8 +154,8 @@ def simulate(
     SceneWarning
         If the points (times, speeds) end before the run.
     AccuracyWarning
-        If `accuracy` is given and the elements are too coarse for it, or if the error of a
-        reduction to `modes` exceeds the accuracy level.
+        If an accuracy is given here or to the system and the elements are too coarse for it, or
+        if the error of a reduction to `modes` exceeds the accuracy level.
     CheckpointWarning
         If the checkpoint cannot be written, for example on a full disk. The run continues, and
         the file does not change.
@@ -185,7 +184,6 @@ def simulate(
     if accuracy is not None:
         given |= {"stages": stages}
     level, coarse = accuracy_level(system, accuracy, given, profile)
-    rtol = rtol if level is None else level.rtol
     if method is None:
         method = "exponential"
     arguments: dict[str, Any] = {
@@ -200,10 +198,10 @@ def simulate(
         "record": requests(record),
         "geometry": text(geometry, "geometry"),
         "start": begin,
+        "accuracy": None if level is None else level.name,
     }
-    arguments["reduction"] = None if level is None else level.reduction
     wanted, rows = _times(system, arguments, output_step, times)
-    identity = {**arguments, "times": wanted, "rows": rows, "accuracy": accuracy}
+    identity = {**arguments, "rtol": tolerance(arguments), "times": wanted, "rows": rows}
     with _checkpoint(system, checkpoint, checkpoint_interval, identity) as file:
         if file is not None and file.complete is not None:
             return Response.from_record(file.complete)
@@ -211,6 +209,7 @@ def simulate(
         if level is not None and stages is None and modes is None:
             response.accuracy = level.explanation(response.events, coarse)
         if modes is not None or level is not None:
+            level = level or LEVELS[system.accuracy]
             check_reduction(response.statistics, level, given=modes is not None)
         if file is not None:
             file.finish(response.to_record())
@@ -241,13 +240,15 @@ def accuracy_level(
     system: System, accuracy: str | None, given: Mapping[str, Any], speed: SpeedProfile | float
 ) -> tuple[Level | None, str | None]:
     """Find the accuracy level, and why the elements are too coarse for it."""
-    level = find_level(accuracy, given)
+    level = find_level(accuracy, system.accuracy, given)
     constant = speed if isinstance(speed, float) else None
     coarse = None if level is None else level.coarse(system._model, constant)
-    if accuracy is not None and level is not None and coarse is not None:
+    # The default is no request: `Response.accuracy` says what holds.
+    is_asked = accuracy is not None or system.accuracy != DEFAULT
+    if is_asked and level is not None and coarse is not None:
         message = (
-            f"accuracy: the elements are too coarse for {accuracy!r}: {coarse}; "
-            f"{level.finer(system._model)}"
+            f"accuracy: the elements are too coarse for {level.name!r}: {coarse}; "
+            f"{level.finer(system._model, system.accuracy)}"
         )
         warnings.warn(message, AccuracyWarning, stacklevel=outside())
     return level, coarse

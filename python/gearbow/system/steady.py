@@ -13,7 +13,7 @@ from gearbow._core import (
 )
 from gearbow._progress import reported
 from gearbow._types import Progress, Record, RunData
-from gearbow.accuracy.levels import check_reduction
+from gearbow.accuracy.levels import LEVELS, check_reduction
 from gearbow.analysis.protocol import S, System
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import plain_speed
@@ -66,7 +66,7 @@ def steady_state(
         Longest accepted common period, and longest record without one [s]. Motions with a
         longer period are found like those without one.
     accuracy : {"draft", "engineering", "reference"}, optional
-        Total error, as for `simulate`.
+        Accuracy of the motion, as for `simulate`.
     step : float, optional
         Fixed step [s]; the period is divided into steps of at most this length.
     rtol : float, optional
@@ -133,14 +133,14 @@ def steady_state(
         "speed": plain_speed(given_speed(speed, begin, period)),
         "method": "exponential",
         "step": None if step is None else number(step, "step"),
-        "rtol": level.rtol if level is not None else None if rtol is None else number(rtol, "rtol"),
+        "rtol": None if rtol is None else number(rtol, "rtol"),
         "stages": None if stages is None else whole(stages, "stages"),
         "modes": None if modes is None else whole(modes, "modes"),
         "initial": state,
         "record": requests(record),
         "geometry": geometry,
         "start": begin,
-        "reduction": None if level is None else level.reduction,
+        "accuracy": None if level is None else level.name,
     }
     samples = period_samples(system, period, speed, output_step)
     data, about = _solved(system, without, (arguments, samples), progress)
@@ -148,6 +148,7 @@ def steady_state(
     if level is not None and stages is None and modes is None:
         response.accuracy = level.explanation(response.events, coarse)
     if modes is not None or level is not None:
+        level = level or LEVELS[system.accuracy]
         check_reduction(response.statistics, level, given=modes is not None)
     return SteadyState(response, about, system._model)
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from gearbow._core import has_constant_coefficients, initial_state, steady_state, user_order
 from gearbow._types import Array
+from gearbow.accuracy.levels import tolerance
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.couplings import Force
 from gearbow.description.gears import Mesh
@@ -23,7 +24,7 @@ __all__ = ["Superposition", "recorded_duration"]
 #: Length of the record in periods of the slowest source.
 _RECORDED = 10.0
 #: Options of the run that are those of a steady state, whose start does not depend on them.
-_FIXED = {"initial": "static", "modes": None, "reduction": None}
+_FIXED = {"initial": "static", "modes": None, "accuracy": None}
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class Superposition:
     def solve(self, arguments: dict[str, Any]) -> tuple[Array, float, int]:
         """Find the state at the start, and describe the solutions that it consists of."""
         options = {key: value for key, value in arguments.items() if key != "record"} | _FIXED
+        options["rtol"] = tolerance(arguments)
         rest = initial_state(self.system._model, **options)
         state = initial_state(self.system._model, **{**options, "initial": "synchronous"})
         residual, periods = 0.0, 0

@@ -25,7 +25,7 @@ pub use teeth::{
 
 use reading::whole;
 
-use super::SceneError;
+use super::{Accuracy, SceneError};
 
 /// Description of a rotor system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,9 +46,9 @@ pub struct SceneDescription {
     /// Degrees of freedom of a node; by default those that the scene needs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<MotionKind>,
-    /// How fine the elements are that the description does not give; `engineering` by default.
+    /// Elements that the description does not give, and modes and tolerance of runs; `engineering` by default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub resolution: Option<Resolution>,
+    pub accuracy: Option<Accuracy>,
     /// Shafts.
     pub shafts: Vec<Shaft>,
     /// Gears.
@@ -108,19 +108,6 @@ pub enum MotionKind {
     Torsion,
     /// All: v, w, B, Γ, θ, and u where the scene has helical gears, axial forces or axial stiffness of bearings.
     Coupled,
-}
-
-/// How fine the elements are that the description does not give, by the error of mesh forces that they permit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Resolution {
-    /// 1e-1.
-    Draft,
-    /// 1e-2.
-    #[default]
-    Engineering,
-    /// 1e-4.
-    Reference,
 }
 
 /// Gravity as a number or as a vector, m/s².

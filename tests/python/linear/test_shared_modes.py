@@ -63,7 +63,7 @@ def test_results_do_not_depend_on_the_system_that_was_replaced(name: str):
         np.testing.assert_array_equal(one, other)
 
 
-def test_systems_that_differ_in_loads_share_modes_however_the_resolution_is_given():
+def test_systems_that_differ_in_loads_share_modes_however_the_accuracy_is_given():
     shares = {
         name: SYSTEM.replace(**change)._model.share(SYSTEM._model)
         for name, change in CHANGES.items()
@@ -75,8 +75,8 @@ def test_systems_that_differ_in_loads_share_modes_however_the_resolution_is_give
     # a file gives the option, which the default system leaves out
     shafts = [replace(shaft, elements=None) for shaft in SHAFTS]
     automatic = SYSTEM.replace(shafts=shafts)
-    given = gb.RotorSystem.from_dict({**automatic.description, "resolution": "engineering"})
-    assert "resolution" in given.description
+    given = gb.RotorSystem.from_dict({**automatic.description, "accuracy": "engineering"})
+    assert "accuracy" in given.description
     assert given.replace(gravity=9.81)._model.share(given._model)
 
 

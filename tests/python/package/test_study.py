@@ -131,7 +131,7 @@ def test_a_case_sets_bow_gear_position_and_load():
     assert [shaft.bow for shaft in made.shafts] == [None, gb.Bow.half_sine(1e-3, phase=0.5), None]
     assert [gear.position for gear in made.gears] == [0.25, 0.25, 0.375, 0.25]
     assert made.torques[0].value == 30.0
-    assert made.resolution == "draft"
+    assert made.accuracy == "draft"
 
 
 def test_the_dimensions_of_the_teeth_are_those_of_gearbow():

@@ -405,7 +405,8 @@ def test_tradeoff_of_a_torsional_train_compares_mesh_forces():
 def test_a_level_keeps_its_integration_error(word):
     times = np.linspace(0.0, END, 101)
     motion = independent_solution.from_rest(SCENE.reference(), SPEED, times)
-    response = SCENE.package().simulate(END, SPEED, accuracy=word, initial="rest", times=times)
+    system = SCENE.package().replace(accuracy=word)
+    response = system.simulate(END, SPEED, initial="rest", times=times)
     level = LEVELS[word]
     assert word in response.accuracy
     # both systems have the same elements, so that only the error of the integration remains; the

@@ -150,17 +150,11 @@ def test_which_error_is_above_the_level(
     statistics = replace(statistics, modes=9, modes_error=given)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        check_reduction(statistics, None, given=by_user)
+        check_reduction(statistics, LEVELS["engineering"], given=by_user)
     texts = [str(each.message) for each in caught]
     assert [f"in {kind}, above" in text and cure in text for text in texts] == [True] * (
         kind is not None
     )
-
-
-def test_a_reduction_may_use_a_third_of_the_total_error():
-    assert LEVELS["engineering"].reduction == pytest.approx((1e-3 / 3, 1e-2 / 3))
-    assert LEVELS["draft"].reduction == pytest.approx((1e-2 / 3, 1e-1 / 3))
-    assert LEVELS["reference"].reduction is None
 
 
 def test_small_systems_and_short_runs_keep_all_modes():

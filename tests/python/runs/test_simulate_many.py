@@ -63,7 +63,7 @@ def test_other_threads_continue_while_a_system_is_made():
 
     shaft = gb.Shaft("rotor", length=5.0, outer_diameter=0.05)
     bearings = [gb.Bearing("rotor", float(x), stiffness=1e8) for x in range(6)]
-    rotor = gb.RotorSystem([shaft], bearings=bearings, resolution="reference")
+    rotor = gb.RotorSystem([shaft], bearings=bearings, accuracy="reference")
     description = rotor.description
     thread = threading.Thread(target=count)
     thread.start()
@@ -167,5 +167,5 @@ def test_a_variation_has_the_elements_of_the_system_where_they_meet_the_level():
     # The place of a force is a node.
     forces = {"forces": [gb.Force(("input", 0.1), (10.0, 0.0))]}
     assert base._variation(**forces).dofs == base.replace(**forces).dofs != base.dofs
-    draft = base._variation(resolution="draft")
-    assert draft.discretisation == base.replace(resolution="draft").discretisation
+    draft = base._variation(accuracy="draft")
+    assert draft.discretisation == base.replace(accuracy="draft").discretisation

@@ -96,7 +96,7 @@ def test_errors_of_modes_are_those_against_all_modes():
 @pytest.mark.parametrize("level", ["draft", "engineering"])
 def test_errors_of_a_long_run_contain_the_modes_that_it_left_out(level):
     # a run of 0.1 s, the window of the errors, keeps all modes
-    system = train(None, resolution=level)
+    system = train(None, accuracy=level)
     response = system.simulate(0.31, SPEED, accuracy=level)
     assert response.statistics.modes < len(system.dofs)
     options = {"times": response.time, "method": "exponential", "rtol": 1e-7}

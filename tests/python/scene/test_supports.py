@@ -321,7 +321,7 @@ def test_analyses_over_the_speed_and_files(tmp_path: Any):
     assert run.recorded == ["box", "sensor"]
 
 
-def test_resolution_and_reduction_with_a_housing():
+def test_chosen_elements_and_reduction_with_a_housing():
     system, _ = on_housing()
     shaft = gb.Shaft("s", length=LENGTH, outer_diameter=DIAMETER)
     chosen = system.replace(shafts=[shaft])

@@ -1,11 +1,14 @@
 """Number and degree of elements that gearbow chooses."""
 
+import copy
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import gearbow as gb
+from fleet import FOLDER
 from gearbow.accuracy.levels import LEVELS
 from test_errors import difference, train
 
@@ -30,7 +33,7 @@ def exact(system, factor=2):
 
 @pytest.mark.parametrize("level", ["draft", "engineering"])
 def test_chosen_elements_keep_the_error_of_their_level(level):
-    system = automatic().replace(resolution=level)
+    system = automatic().replace(accuracy=level)
     permitted = {"draft": 1e-1, "engineering": 1e-2}[level]
     assert system.discretisation.expected_error <= permitted
     assert system.discretisation.permitted_error == permitted
@@ -45,15 +48,15 @@ def test_chosen_elements_keep_the_error_of_their_level(level):
 
 def test_levels_differ_in_their_number_of_coordinates():
     levels = ("draft", "engineering", "reference")
-    sizes = [len(automatic().replace(resolution=level).dofs) for level in levels]
+    sizes = [len(automatic().replace(accuracy=level).dofs) for level in levels]
     assert sizes == sorted(set(sizes))
 
 
 def test_engineering_is_the_default():
     system = automatic()
-    assert system.resolution == "engineering"
-    assert "resolution" not in system.description
-    assert system.discretisation == system.replace(resolution="engineering").discretisation
+    assert system.accuracy == "engineering"
+    assert "accuracy" not in system.description
+    assert system.discretisation == system.replace(accuracy="engineering").discretisation
     assert system.discretisation.level == "engineering"
 
 
@@ -80,21 +83,21 @@ def test_a_number_for_one_segment_is_a_number_for_all():
 
 
 def test_the_choice_is_not_written_into_the_description(tmp_path):
-    system = automatic().replace(resolution="draft")
+    system = automatic().replace(accuracy="draft")
     system.save(tmp_path / "scene.toml")
     loaded = gb.RotorSystem.load(tmp_path / "scene.toml")
     for other in (loaded, gb.RotorSystem.from_dict(system.description)):
         assert other.shafts[0].elements is None
         assert other.shafts[0].degree is None
-        assert other.resolution == "draft"
+        assert other.accuracy == "draft"
         assert other.dofs == system.dofs
         assert other.discretisation == system.discretisation
     assert "elements" not in (tmp_path / "scene.toml").read_text()
 
 
 def test_an_unknown_level_is_refused():
-    with pytest.raises(gb.SceneError, match=r"^resolution: .*`fine`"):
-        train(resolution="fine")
+    with pytest.raises(gb.SceneError, match=r"^accuracy: .*`fine`"):
+        train(accuracy="fine")
 
 
 def test_the_choice_can_be_printed():
@@ -124,7 +127,7 @@ def test_elements_serve_a_bow_that_an_undamped_run_releases(level, initial):
     shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.mode(3, 1e-4))
     bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     disk = gb.Disk("disk", "rotor", 0.3, 10.0, 0.03, 0.06)
-    system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings, resolution=level)
+    system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings, accuracy=level)
     options = {"record": ["disk"], "initial": initial}
     response = system.simulate(0.1, 200.0, accuracy=level, **options)
     fine = exact(system).simulate(0.1, 200.0, method="exponential", rtol=1e-9, **options)
@@ -137,19 +140,19 @@ def test_elements_serve_a_bow_that_an_undamped_run_releases(level, initial):
 def test_elements_too_coarse_for_the_level_give_a_warning():
     with pytest.warns(gb.AccuracyWarning, match="^accuracy: the elements are too coarse for"):
         train(1).simulate(1e-3, SPEED, accuracy="draft")
-    draft = automatic().replace(resolution="draft")
-    with pytest.warns(gb.AccuracyWarning, match="they have the resolution 'draft'"):
-        draft.simulate(1e-3, SPEED, accuracy="engineering")
+    # so does an accuracy of the system
+    with pytest.warns(gb.AccuracyWarning, match="too coarse for 'reference'.*the numbers of elem"):
+        train(8, accuracy="reference").simulate(0.0, SPEED)
     # the default level says it in the response
-    assert "does not include the elements" in draft.simulate(1e-3, SPEED).accuracy
-    assert "does not include" not in draft.simulate(1e-3, SPEED, accuracy="draft").accuracy
+    assert "does not include the elements" in train(1).simulate(1e-3, SPEED).accuracy
+    assert "does not include" not in automatic(accuracy="draft").simulate(1e-3, SPEED).accuracy
     assert "does not include" not in automatic().simulate(1e-3, SPEED).accuracy
 
 
 def test_a_choice_that_the_number_of_coordinates_limits_is_too_coarse():
     long = [gb.Shaft(name, length=2.0, outer_diameter=0.03) for name in ("input", "output")]
     bearings = [gb.Bearing(s, x, stiffness=1e8) for s in ("input", "output") for x in (0.0, 2.0)]
-    system = automatic(resolution="reference", stiffness=gb.Stiffness.square(2e8))
+    system = automatic(accuracy="reference", stiffness=gb.Stiffness.square(2e8))
     system = system.replace(shafts=long, bearings=bearings, modal_damping=None)
     assert system.discretisation.expected_error > system.discretisation.permitted_error
     # `simulate` writes both into its warning; a run would take half a minute
@@ -157,8 +160,8 @@ def test_a_choice_that_the_number_of_coordinates_limits_is_too_coarse():
     assert "the largest number of coordinates that gearbow chooses" in level.coarse(
         system._model, 100.0
     )
-    assert "response.errors()" in level.finer(system._model)
-    assert "resolution='reference'" in level.finer(automatic()._model)
+    assert "response.errors()" in level.finer(system._model, "reference")
+    assert "replace(accuracy='reference')" in level.finer(automatic()._model, "engineering")
 
 
 def test_bearings_with_a_speed_table_have_a_choice():
@@ -181,7 +184,7 @@ def test_chosen_elements_are_not_much_shorter_than_equal_parts(level):
             shafts=[gb.Shaft("shaft", length=0.5, outer_diameter=0.02)],
             disks=[gb.Disk("disk", "shaft", position, 2.0, 1e-3, 2e-3)],
             bearings=[gb.Bearing("shaft", x, stiffness=1e8, damping=500.0) for x in (0.0, 0.5)],
-            resolution=level,
+            accuracy=level,
         )
         (number,) = system.discretisation.shafts["shaft"].numbers
         nodes = sorted({dof[1] for dof in system.dofs if not isinstance(dof[1], tuple)})
@@ -190,7 +193,7 @@ def test_chosen_elements_are_not_much_shorter_than_equal_parts(level):
 
 @pytest.mark.parametrize(("degree", "elements"), [(2, 10), (3, 8), (4, 6)])
 def test_the_expected_error_of_a_large_model_is_that_of_all_modes(degree, elements):
-    # From 400 coordinates on, the modes follow from those of the components. A shaft that carries nothing makes the model
+    # From 400 coordinates on, the modes follow from the loads. A shaft that carries nothing makes the model
     # larger; its coupling has a torsional stiffness of 1 N m/rad.
     system = train()
     shafts = [replace(shaft, elements=elements, degree=degree) for shaft in system.shafts]
@@ -204,5 +207,61 @@ def test_the_expected_error_of_a_large_model_is_that_of_all_modes(degree, elemen
     )
     assert len(small.dofs) < 400 <= len(large.dofs)
     errors = [one._model.expected_error() for one in (small, large)]
-    # The component modes end at ten times the frequency of the gears on the teeth: an error of 4e-4 is 6 % larger.
     assert errors[1] == pytest.approx(errors[0], rel=0.1)
+
+
+def changed_by_round_off(description, seed):
+    """Return a scene with each shaft and its parts longer or shorter by up to 1e-14 of its length, and no diameter the same."""
+    random = np.random.default_rng(seed)
+    changed = copy.deepcopy(description)
+    factors = {
+        shaft["name"]: 1.0 + 1e-14 * random.uniform(-1.0, 1.0) for shaft in changed["shafts"]
+    }
+    for shaft in changed["shafts"]:
+        for part in (shaft, *shaft.get("segments", ())):
+            if "length" in part:
+                part["length"] *= factors[shaft["name"]]
+            if "outer_diameter" in part:
+                part["outer_diameter"] *= 1.0 + 1e-14 * random.uniform(-1.0, 1.0)
+    for key in ("gears", "disks", "bearings"):
+        for part in changed.get(key, ()):
+            part["position"] *= factors[part["shaft"]]
+    return changed
+
+
+@pytest.mark.skipif(not FOLDER.is_dir(), reason="the examples are not installed")
+def test_round_off_does_not_change_the_choice():
+    for machine, accuracy in (
+        ("branched_train", "draft"),
+        ("coaxial_reducer", "engineering"),
+        ("gearbox", "draft"),
+        ("helical_gear", "engineering"),
+        ("turbine_rotor", "engineering"),
+        ("double_stage_train", "reference"),
+    ):
+        description = gb.RotorSystem.load(FOLDER / f"{machine}.toml").description
+        description["accuracy"] = accuracy
+        choice = gb.RotorSystem.from_dict(description).discretisation.shafts
+        for seed in range(3):
+            other = gb.RotorSystem.from_dict(changed_by_round_off(description, seed))
+            assert other.discretisation.shafts == choice, (machine, seed)
+
+
+def test_equal_shafts_do_not_leave_the_choice_to_round_off():
+    # Coarser elements on one of three equal shafts increase the error equally.
+    names = ("first", "second", "third")
+    halves = [gb.Segment(0.25, 0.03)] * 2
+    description = gb.RotorSystem(
+        [gb.Shaft(name, segments=halves) for name in names],
+        [gb.Gear(f"on {n}", n, 0.25, teeth=40, module=3e-3, face_width=0.03) for n in names],
+        [
+            gb.Mesh(f"on {a}", f"on {b}", stiffness=2e8, damping_ratio=0.05)
+            for a, b in pairwise(names)
+        ],
+        [gb.Bearing(n, x, stiffness=1e8, damping=500.0) for n in names for x in (0.0, 0.5)],
+        [gb.Torque("on first", 200.0), gb.Torque.balance("on third")],
+    ).description
+    choice = gb.RotorSystem.from_dict(description).discretisation.shafts
+    for seed in range(3):
+        other = gb.RotorSystem.from_dict(changed_by_round_off(description, seed))
+        assert other.discretisation.shafts == choice, seed

@@ -58,7 +58,7 @@ def displacement_errors(system: gb.RotorSystem) -> list[float]:
     """Return the errors of a run at "engineering" against a run with elements of "reference"."""
     record = [disk.name for disk in system.disks]
     run = system.simulate(DURATION, SPEED, record=record, **RUN)
-    fine = system.replace(resolution="reference")
+    fine = system.replace(accuracy="reference")
     fine_run = fine.simulate(DURATION, SPEED, method="exponential", rtol=1e-9, record=record, **RUN)
     return [error(run.displacement(name), fine_run.displacement(name)) for name in record]
 
@@ -125,7 +125,7 @@ def test_torsion_follows_the_tone_of_a_torque():
 
     torques = [gb.Torque(("shaft", 0.4), tone(6000.0))]
     run, fine = (
-        pendulum(torques=torques, resolution=level).simulate(
+        pendulum(torques=torques, accuracy=level).simulate(
             0.05, SPEED, rtol=1e-9, record=["wheel"], **RUN
         )
         for level in ("engineering", "reference")

@@ -13,8 +13,8 @@ const TONE_ERROR: f64 = 1e-2;
 const TONE_LENGTHS: i32 = 10;
 /// Smallest distance between the end of an equal part and a station, in lengths of a part. The highest natural frequency is
 /// inversely proportional to the length of the shortest element, and the round-off error of the low modes grows with its
-/// square.
-const MIN_STATION_DISTANCE: f64 = 0.1;
+/// square. Lengths and positions are round numbers, so that distances of exactly 0.1 are common: round-off must not decide.
+const MIN_STATION_DISTANCE: f64 = 0.1 - 1e-6;
 
 /// A segment of a shaft: a uniform cross-section, with nodes at given positions.
 #[derive(Clone, Debug)]

@@ -1,5 +1,6 @@
 //! Elements of a scene that differs from another one in loads only: those of the other scene, if they meet the level.
 
+use super::excited_modes::LARGEST_TO_CHOOSE;
 use super::layout::Layout;
 use super::{
     Choice, Resolved, Search, at_lowest_speed, contact_phases, displacement_weight, excitations, with_elements,
@@ -42,7 +43,7 @@ pub fn resolve_variation(given: &SceneDescription, base: &Resolved) -> Result<Op
     };
     let phases = contact_phases(at_lowest_speed(model)?);
     phases.iter().zip(&probe.phases).for_each(|(phase, known)| phase.share(known));
-    let Ok(excitations) = excitations(&phases) else {
+    let Ok(excitations) = excitations(&phases, LARGEST_TO_CHOOSE) else {
         return Ok(None);
     };
     let (model, weight) = (&phases[0].model, displacement_weight(choice.level, &phases[0].model));

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::excited_modes::{damping, dot, elastic_modes, energy, examined_modes};
+use super::excited_modes::{LARGEST_TO_ESTIMATE, damping, dot, elastic_modes, energy, examined_modes};
 use super::{Candidate, PHASE_ERROR_TIME, STEP_RESPONSE_SAFETY, Search};
 use crate::linalg::DecompositionError;
 use crate::modal::CachedModel;
@@ -86,7 +86,7 @@ impl ToothResponse {
     /// [`DecompositionError`] if the modes cannot be computed.
     pub fn new(search: &Search<'_>, cached: &CachedModel, elements: &Candidate) -> Result<Self, DecompositionError> {
         let model = &cached.model;
-        let real = examined_modes(cached)?;
+        let real = examined_modes(cached, LARGEST_TO_ESTIMATE)?;
         let shapes = elastic_modes(&real);
         let mode = |(frequency, shape): &(f64, &[f64])| {
             let energy = energy(model, *frequency, shape);

@@ -23,7 +23,7 @@ mod varying_loads;
 pub use variation::resolve_variation;
 
 use super::{AnalysisError, Interrupt};
-use excited_modes::{Excitation, ExcitedMode, excitation};
+use excited_modes::{Excitation, ExcitedMode, LARGEST_TO_CHOOSE, LARGEST_TO_ESTIMATE, excitation};
 use layout::Layout;
 use std::sync::Arc;
 use tooth_harmonics::ToothResponse;
@@ -35,8 +35,7 @@ use crate::linalg::DecompositionError;
 use crate::mesh::GearMesh;
 use crate::modal::CachedModel;
 use crate::model::Model;
-use crate::scene::description::Resolution;
-use crate::scene::{MAX_DEGREE, Scene, SceneDescription, SceneError};
+use crate::scene::{Accuracy, MAX_DEGREE, Scene, SceneDescription, SceneError};
 
 /// Time over which phase errors grow, s: that of the errors that the accuracy levels promise.
 const PHASE_ERROR_TIME: f64 = 0.1;
@@ -44,7 +43,7 @@ const PHASE_ERROR_TIME: f64 = 0.1;
 const PROBE_DEGREE: usize = 4;
 /// Longest element of that model, in diameters of the shaft.
 const PROBE_LENGTH: f64 = 10.0;
-/// Both for [`Resolution::Reference`], where modes of higher frequencies contribute to the permitted error.
+/// Both for [`Accuracy::Reference`], where modes of higher frequencies contribute to the permitted error.
 const FINE_PROBE_DEGREE: usize = 7;
 const FINE_PROBE_LENGTH: f64 = 5.0;
 /// Largest number of elements of a shaft of that model that is due to this length.
@@ -53,12 +52,15 @@ const PROBE_ELEMENTS: f64 = 8.0;
 /// of that error in the calibration scenes of `benches/accuracy`. Where a harmonic of the tooth frequency is close to a
 /// lightly damped natural frequency, the responses to successive steps add up, and it is up to 1.2 times as large.
 const STEP_RESPONSE_SAFETY: f64 = 2.0;
-/// Further safety factor on displacements at [`Resolution::Reference`]. Where teeth separate, a difference of the instants
+/// Further safety factor on displacements at [`Accuracy::Reference`]. Where teeth separate, a difference of the instants
 /// of impact adds to that of the frequencies. Without this factor, the error of a displacement in random scene 1 of
 /// `benches/accuracy` is 1.2e-6, and the expected one at most 9.2e-7.
 const FINE_DISPLACEMENT_SAFETY: f64 = 2.0;
 /// Ratio between successive element lengths that are examined.
 const LENGTH_RATIO: f64 = 0.8;
+/// Increases of the error for each saved coordinate count as equal up to this part of the permitted error. Equal shafts and
+/// segments have equal increases except for round-off.
+const PRICE_TOLERANCE: f64 = 1e-6;
 /// Number of element lengths that are examined.
 const EXAMINED_LENGTHS: usize = 16;
 /// Largest number of models that are examined until one meets the level.
@@ -85,7 +87,7 @@ pub struct Resolved {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// The level that they meet.
-    pub level: Resolution,
+    pub level: Accuracy,
     /// Expected error of mesh forces, or of displacements in a scene without meshes: RMS of the difference over RMS of the
     /// variation.
     pub expected_error: f64,
@@ -105,15 +107,15 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
     if automatic.is_empty() {
         return Ok(Resolved { description: given.clone(), choice: None, probe: None });
     }
-    let level = given.resolution.unwrap_or_default();
+    let level = given.accuracy.unwrap_or_default();
     // One element between any two places of parts; this scene is checked as the final one.
     let plain = with_elements(given, &automatic, |_| (Vec::new(), 1));
     let scene = Scene::new(&plain)?;
     let layouts: Vec<Layout> =
         automatic.iter().map(|index| Layout::new(&given.shafts[*index], &scene.shafts[*index])).collect();
     let (probe_degree, probe_length) = match level {
-        Resolution::Reference => (FINE_PROBE_DEGREE, FINE_PROBE_LENGTH),
-        Resolution::Draft | Resolution::Engineering => (PROBE_DEGREE, PROBE_LENGTH),
+        Accuracy::Reference => (FINE_PROBE_DEGREE, FINE_PROBE_LENGTH),
+        Accuracy::Draft | Accuracy::Engineering => (PROBE_DEGREE, PROBE_LENGTH),
     };
     let tone = highest_tone(&scene);
     let first = |i: usize| {
@@ -131,7 +133,8 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
         let model = Model::new(Scene::new(&probe)?)?;
         let permitted_error = permitted(level, model.meshes.is_empty());
         let known = at_lowest_speed(model.clone()).map(contact_phases).ok();
-        let known = known.and_then(|phases| excitations(&phases).ok().map(|excitations| (phases, excitations)));
+        let known = known
+            .and_then(|phases| excitations(&phases, LARGEST_TO_CHOOSE).ok().map(|excitations| (phases, excitations)));
         let Some((phases, excitations)) = known else {
             // Tables without a common speed, or a decomposition that fails: an analysis of the scene reports it.
             let choice = Choice { level, expected_error: f64::NAN, permitted_error, highest_frequency: f64::NAN };
@@ -186,8 +189,8 @@ fn contact_phases(model: Model) -> Vec<CachedModel> {
     [model].into_iter().chain(bounds).map(CachedModel::new).collect()
 }
 
-fn excitations(phases: &[CachedModel]) -> Result<Vec<Excitation>, DecompositionError> {
-    phases.iter().map(excitation).collect()
+fn excitations(phases: &[CachedModel], largest: usize) -> Result<Vec<Excitation>, DecompositionError> {
+    phases.iter().map(|phase| excitation(phase, largest)).collect()
 }
 
 /// The model with the bearing coefficients of the lowest speed that all tables contain. Nonlinear bearings have a stiffness
@@ -225,13 +228,13 @@ impl ElementErrors {
             phases[0].share(cached);
         }
         let known = resolved.choice.as_ref().map(|choice| choice.expected_error);
-        let excitations = if known.is_none() { excitations(&phases)? } else { Vec::new() };
+        let excitations = if known.is_none() { excitations(&phases, LARGEST_TO_ESTIMATE)? } else { Vec::new() };
         let search = Search {
             given,
             automatic: &automatic,
             layouts: &layouts,
             excitations: &excitations,
-            weight: displacement_weight(Resolution::Engineering, &cached.model),
+            weight: displacement_weight(Accuracy::Engineering, &cached.model),
             model: &cached.model,
         };
         let elements = search.uniform(1, f64::INFINITY);
@@ -250,23 +253,18 @@ impl ElementErrors {
 
 /// Weight of the errors of displacements beside those of mesh forces: the ratio of the permitted errors, and a safety
 /// factor. It is 1 for a scene without meshes, whose errors are those of displacements.
-fn displacement_weight(level: Resolution, model: &Model) -> f64 {
+fn displacement_weight(level: Accuracy, model: &Model) -> f64 {
     if model.meshes.is_empty() {
         return 1.0;
     }
-    let safety = if level == Resolution::Reference { FINE_DISPLACEMENT_SAFETY } else { 1.0 };
+    let safety = if level == Accuracy::Reference { FINE_DISPLACEMENT_SAFETY } else { 1.0 };
     safety * permitted(level, false) / permitted(level, true)
 }
 
 /// Largest error of mesh forces, or of displacements in a scene without meshes.
-fn permitted(level: Resolution, meshless: bool) -> f64 {
-    match (level, meshless) {
-        (Resolution::Draft, false) => 1e-1,
-        (Resolution::Draft, true) | (Resolution::Engineering, false) => 1e-2,
-        (Resolution::Engineering, true) => 1e-3,
-        (Resolution::Reference, false) => 1e-4,
-        (Resolution::Reference, true) => 1e-6,
-    }
+fn permitted(accuracy: Accuracy, meshless: bool) -> f64 {
+    let level = accuracy.level();
+    if meshless { level.displacement } else { level.mesh_force }
 }
 
 /// The description with the number of elements of each segment, and the degree, of the automatic shafts. Missing numbers
@@ -351,7 +349,8 @@ impl Search<'_> {
     }
 
     /// Lowers the degree of a shaft or the number of elements of a segment, as long as the permitted error is met: first
-    /// where the error increases least for each saved coordinate.
+    /// where the error increases least for each saved coordinate. Among equal increases, round-off must not decide: most saved
+    /// coordinates, then the first shaft and segment.
     ///
     /// # Errors
     /// As [`Self::best`].
@@ -362,8 +361,10 @@ impl Search<'_> {
                 (coarser.error - best.error).max(0.0) / (best.coordinates - coarser.coordinates) as f64
             };
             let meets = |coarser: &Candidate| coarser.error <= permitted && coarser.coordinates < best.coordinates;
-            let coarser = self.coarser(&best).into_iter().filter(meets).min_by(|a, b| price(a).total_cmp(&price(b)));
-            match coarser {
+            let coarser: Vec<Candidate> = self.coarser(&best).into_iter().filter(meets).collect();
+            let least = coarser.iter().map(price).fold(f64::INFINITY, f64::min);
+            let cheapest = coarser.into_iter().filter(|coarser| price(coarser) <= least + PRICE_TOLERANCE * permitted);
+            match cheapest.min_by_key(|coarser| coarser.coordinates) {
                 Some(coarser) => best = coarser,
                 None => return Ok(best),
             }

@@ -1,0 +1,96 @@
+//! Accuracy levels: the total error that each promises, and the settings of a run that keep the promise.
+//!
+//! The total error is that of elements, modes and integration: RMS of the difference over RMS of the signal about its mean, or
+//! over 2 % of the mean if this is larger. `benches/accuracy/measure.py` measures it.
+
+use serde::{Deserialize, Serialize};
+
+/// Name of an accuracy level, from cheap to accurate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Accuracy {
+    /// First look, orbits, contact ratios.
+    Draft,
+    /// Mesh forces and spectra.
+    #[default]
+    Engineering,
+    /// Reference for other results.
+    Reference,
+}
+
+/// What an accuracy level promises, and how runs keep it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AccuracyLevel {
+    /// Name in files and in the Python package.
+    pub name: &'static str,
+    /// Largest total error of displacements.
+    pub displacement: f64,
+    /// Largest total error of mesh forces.
+    pub mesh_force: f64,
+    /// Relative tolerance of a step.
+    pub rtol: f64,
+    /// Share of the total error that a reduction to fewer modes may use; 0 keeps all modes.
+    pub reduction_share: f64,
+}
+
+impl Accuracy {
+    /// All levels, from cheap to accurate.
+    pub const ALL: [Self; 3] = [Self::Draft, Self::Engineering, Self::Reference];
+
+    /// The promise of this level and its settings.
+    pub const fn level(self) -> AccuracyLevel {
+        const SHARE: f64 = 1.0 / 3.0;
+        match self {
+            Self::Draft => AccuracyLevel {
+                name: "draft",
+                displacement: 1e-2,
+                mesh_force: 1e-1,
+                rtol: 1e-3,
+                reduction_share: SHARE,
+            },
+            Self::Engineering => AccuracyLevel {
+                name: "engineering",
+                displacement: 1e-3,
+                mesh_force: 1e-2,
+                rtol: 1e-4,
+                reduction_share: SHARE,
+            },
+            Self::Reference => AccuracyLevel {
+                name: "reference",
+                displacement: 1e-6,
+                mesh_force: 1e-4,
+                rtol: 1e-7,
+                reduction_share: 0.0,
+            },
+        }
+    }
+}
+
+impl AccuracyLevel {
+    /// Largest errors of displacements and of mesh forces that a reduction to fewer modes may cause; `None` keeps all modes.
+    pub fn reduction(&self) -> Option<[f64; 2]> {
+        let share = self.reduction_share;
+        (share > 0.0).then(|| [share * self.displacement, share * self.mesh_force])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reduction_may_use_a_third_of_the_total_error_and_reference_keeps_all_modes() {
+        let reduction = |accuracy: Accuracy| accuracy.level().reduction();
+        assert_eq!(reduction(Accuracy::Draft), Some([1e-2 / 3.0, 1e-1 / 3.0]));
+        assert_eq!(reduction(Accuracy::Engineering), Some([1e-3 / 3.0, 1e-2 / 3.0]));
+        assert_eq!(reduction(Accuracy::Reference), None);
+    }
+
+    #[test]
+    fn the_name_of_a_level_is_that_of_files() {
+        for accuracy in Accuracy::ALL {
+            let written = toml::Value::try_from(accuracy).unwrap();
+            assert_eq!(written.as_str(), Some(accuracy.level().name));
+        }
+    }
+}
