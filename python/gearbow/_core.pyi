@@ -1,7 +1,7 @@
 """Types of the compiled core."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, final
+from typing import Any, Final, final
 
 from typing_extensions import Self, Unpack
 
@@ -27,6 +27,7 @@ from gearbow._types import (
 )
 
 __all__ = [
+    "SHARE_OF_MEAN",
     "Model",
     "__version__",
     "accuracy_levels",
@@ -49,6 +50,7 @@ __all__ = [
     "whirl_classes",
 ]
 
+SHARE_OF_MEAN: Final[float]
 __version__: str
 
 def accuracy_levels() -> dict[str, dict[str, float]]: ...

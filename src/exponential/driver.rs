@@ -14,8 +14,9 @@ use super::time_grid::TimeGrid;
 use super::trajectory::{CompletedStep, StepTrajectory};
 use crate::integrate::{
     CHECK_INTERVAL, ExponentialState, FirstOrderSystem as _, ForceRange, Halt, Halted, MAX_CHANGES_AT_ONE_TIME,
-    MethodState, Observer, SHARE_OF_MEAN, State, Statistics,
+    MethodState, Observer, State, Statistics,
 };
+use crate::scene::SHARE_OF_MEAN;
 
 /// Smallest reference of the tolerance, as a part of the motion: forces that vary less are differences of larger ones. With it,
 /// the level "engineering" takes steps no shorter than "reference" does.

@@ -50,9 +50,6 @@ pub struct ExponentialState {
     pub history: StepHistory,
 }
 
-/// Smallest unit of the error of a signal, as a part of its mean; `gearbow.accuracy.scale` has the same value and its reason.
-pub const SHARE_OF_MEAN: f64 = 0.02;
-
 /// Smallest and largest value of a force, N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceRange {

@@ -21,6 +21,10 @@ use pyo3::pymodule;
 /// The compiled core of gearbow.
 #[pymodule]
 mod _core {
+    /// Smallest unit of an error, as a share of the mean of the signal.
+    #[pymodule_export]
+    const SHARE_OF_MEAN: f64 = crate::scene::SHARE_OF_MEAN;
+
     #[pymodule_export]
     use super::bearing::film_coefficients;
     #[pymodule_export]

@@ -5,6 +5,10 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Smallest unit of an error, as a share of the mean of the signal: in 200 random trains, runs of the level "engineering" left
+/// errors of up to 1.2e-4 of the mean mesh force, however little the force varied; the promised 1e-2 of this share is 2e-4.
+pub const SHARE_OF_MEAN: f64 = 0.02;
+
 /// Name of an accuracy level, from cheap to accurate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -2,15 +2,11 @@
 
 import numpy as np
 
+from gearbow._core import SHARE_OF_MEAN
 from gearbow._types import Array
 
 __all__ = ["SHARE_OF_MEAN", "UNIT", "root_mean_square", "unit_of_errors", "variation"]
 
-#: Smallest unit of an error, as a share of the mean of the signal; the core has the same value. The
-#: tolerance of a run refers to the whole motion. In 200 random trains, "engineering" with its
-#: tolerance of 1e-4 leaves errors of up to 1.2e-4 of the mean mesh force, however little the force
-#: varies; the promised 1e-2 of this share is 2e-4.
-SHARE_OF_MEAN = 0.02
 #: The unit in the words of tables and figures.
 UNIT = "RMS of the signal about its mean, at least 2 % of the mean"
 #: A signal varies if its variation exceeds this fraction of its RMS: round-off varies less.

@@ -64,7 +64,7 @@ pub(super) fn run(
     let mut stepper = Stepper::new(loads, propagators);
     let control = match options.step {
         None if !options.is_explicit() => {
-            LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor, force_error: options.force_error() }
+            LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor, force_error: options.force_error }
         }
         _ => LevelControl::Fixed,
     };

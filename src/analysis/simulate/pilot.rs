@@ -10,7 +10,8 @@ use super::modal_setup::ModalSetup;
 use super::record::{Record, Recorder};
 use super::{RecordPlan, Run, RunObserver, exponential, sample_step};
 use crate::analysis::AnalysisError;
-use crate::integrate::{Halt, Observer, SHARE_OF_MEAN, Statistics};
+use crate::integrate::{Halt, Observer, Statistics};
+use crate::scene::SHARE_OF_MEAN;
 
 /// Longest duration of a pilot run, s: the time over which errors are compared.
 pub(super) const PILOT_DURATION: f64 = 0.1;
