@@ -63,7 +63,9 @@ pub(super) fn run(
     let mut state = in_modal_coordinates(cached, &linear, &loads, start);
     let mut stepper = Stepper::new(loads, propagators);
     let control = match options.step {
-        None if !options.is_explicit() => LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor },
+        None if !options.is_explicit() => {
+            LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor, force_error: options.force_error() }
+        }
         _ => LevelControl::Fixed,
     };
     let outcome = integrate(&mut stepper, &mut output, control, &mut state, end, observer, statistics);
