@@ -123,7 +123,7 @@ def _code(given: argparse.Namespace) -> int:
 
 
 def _is_broken_pipe(error: BaseException) -> bool:
-    """Tell whether the reader of stdout has ended; Windows then says that an argument is invalid."""
+    """Tell whether the reader of stdout has ended, which Windows calls an invalid argument."""
     is_invalid = isinstance(error, OSError) and error.errno == errno.EINVAL
     return isinstance(error, BrokenPipeError) or (os.name == "nt" and is_invalid)
 
