@@ -178,7 +178,7 @@ wheel: $(TOOLS)/.installed
 	rm -f dist/gearbow-*.whl
 	$(TOOLS)/bin/maturin build --release --locked $(LINUX) --interpreter $(PYO3_PYTHON) --out dist
 
-# Needs no environment but its own. Installing the source distribution compiles gearbow once more for each Python.
+# Needs no environment but its own. It compiles gearbow for the wheel, and once more for each Python.
 release-check: $(TOOLS)/.installed
 	CARGO_TARGET_DIR=$(abspath target) $(TOOLS)/bin/python tools/release_check.py
 
