@@ -20,7 +20,6 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Mapping
 from pathlib import Path
 
 import metadata
@@ -28,8 +27,8 @@ import metadata
 ROOT = Path(__file__).resolve().parents[1]
 #: Newest version of glibc whose symbols a wheel for `manylinux2014` may use.
 GLIBC = (2, 17)
-#: Environment in which the source distribution is compiled: its dependencies once, all in a third of
-#: the time. Installation and completeness are checked, not the cost of a run.
+#: Environment in which the source distribution is compiled: quickly, and its dependencies once.
+#: Installation and completeness are checked, not the cost of a run.
 QUICK = {
     "CARGO_TARGET_DIR": str(ROOT / "target" / "source"),
     "CARGO_PROFILE_RELEASE_OPT_LEVEL": "1",
@@ -148,7 +147,7 @@ def tool(name: str, *arguments: str) -> list[str]:
     return [str(Path(sys.executable).parent / name), *arguments]
 
 
-def call(*command: str, environment: Mapping[str, str] | None = None) -> None:
+def call(*command: str, environment: dict[str, str] | None = None) -> None:
     """Run a command; its failure ends the program."""
     print("+", Path(command[0]).name, *command[1:], flush=True)
     variables = {**os.environ, **(environment or {})}
