@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 
 # Where the wheel for this machine is built that is tested; `make wheel` builds the one for users into dist/.
-WHEELS := target/wheels
+WHEELS := $(VENV)/wheels
 # The environment of the tools that build and check a release.
 TOOLS := target/release-tools
 # A wheel for Linux is linked with zig, which knows the symbols of old versions of glibc.
