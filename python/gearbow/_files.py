@@ -133,7 +133,10 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BufferedRandom]:
 
 def _rename(trial: Path, path: Path) -> None:
     """Replace a file; Windows refuses this while another program, such as a scanner, reads it."""
-    for delay in _RETRIES if fcntl is None else ():
+    delays: tuple[float, ...] = ()
+    if fcntl is None:
+        delays = _RETRIES
+    for delay in delays:
         try:
             trial.replace(path)
         except PermissionError:
