@@ -5,6 +5,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 
+# Where the wheel for this machine is built that is tested; `make wheel` builds the one for users into dist/.
+WHEELS := $(VENV)/wheels
+# The environment of the tools that build and check a release.
+TOOLS := target/release-tools
+# A wheel for Linux is linked with zig, which knows the symbols of old versions of glibc.
+LINUX := $(if $(filter Linux,$(shell uname -s)),--zig --compatibility manylinux2014)
+
 SOURCES := Cargo.toml Cargo.lock pyproject.toml $(shell find src -name '*.rs') $(shell find python -name '*.py' -o -name '*.pyi')
 FIGURE := examples/output/bowed_train.png
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
@@ -17,7 +24,7 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 # Two or more tests run at the same time; a free process takes tests from a busy one.
 PYTEST_PARALLEL := -n logical --dist worksteal
 
-.PHONY: help demo test check docs random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python types documents
+.PHONY: help demo test check docs random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check deny licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python lint-files types documents
 .DELETE_ON_ERROR:
 
 help:
@@ -34,8 +41,9 @@ help:
 	@echo "make compare       gearbow beside SciPy and ROSS: the same work, with the error of each"
 	@echo "make fleet         CPU times of the machines of examples/machines beside SciPy, and their tables in the documents"
 	@echo "make fmt           format Rust and Python"
-	@echo "make wheel         build the wheel into dist/"
+	@echo "make wheel         build the wheel for users into dist/, on Linux for glibc 2.17 or later"
 	@echo "make release-check build wheel and source distribution, check both, use them on the oldest and the newest Python"
+	@echo "make deny          check licences and sources of the dependencies, and crates in two versions (cargo-deny)"
 	@echo "make licences      collect the licences of the compiled dependencies (needs cargo-about)"
 	@echo "make readme        print the tables of the documents anew"
 	@echo "make figures       draw the figures of the documents anew"
@@ -77,7 +85,7 @@ mutants: $(VENV)/.mutants
 
 check: lint types documents docs test
 
-lint: lint-rust lint-python
+lint: lint-rust lint-python lint-files
 
 lint-rust: $(BIN)/python
 	cargo fmt --check
@@ -88,6 +96,15 @@ lint-python: $(VENV)/.dev
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/python tools/docstrings.py
+
+# Schemas of workflows, forms and metadata are part of check-jsonschema.
+lint-files: $(VENV)/.dev
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[!c]*.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-issue-config .github/ISSUE_TEMPLATE/config.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.dependabot .github/dependabot.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.citation-file-format CITATION.cff
+	$(BIN)/python tools/metadata.py
 
 types: $(VENV)/.dev
 	$(BIN)/mypy
@@ -155,10 +172,19 @@ fmt: $(VENV)/.dev
 structure:
 	$(PYTHON) tools/structure.py
 
-wheel: $(VENV)/.wheel
+wheel release-check: export PYO3_PYTHON := $(abspath $(TOOLS)/bin/python)
+wheel release-check: export PATH := $(abspath $(TOOLS)/bin):$(PATH)
+wheel: $(TOOLS)/.installed
+	rm -f dist/gearbow-*.whl
+	$(TOOLS)/bin/maturin build --release --locked $(LINUX) --interpreter $(PYO3_PYTHON) --out dist
 
-release-check: $(VENV)/.release
-	$(BIN)/python tools/release_check.py
+# Needs no environment but its own. It compiles gearbow for the wheel, and once more for each Python.
+release-check: $(TOOLS)/.installed
+	CARGO_TARGET_DIR=$(abspath target) $(TOOLS)/bin/python tools/release_check.py
+
+# The advisories change every day: the public workflow checks them.
+deny: target/tools/bin/cargo-deny
+	PATH="$(abspath target/tools/bin):$$PATH" cargo deny --locked check bans licenses sources
 
 licences:
 	cargo about generate --locked --features python --config tools/about.toml --output-file LICENSES-DEPENDENCIES.txt tools/about.hbs
@@ -172,15 +198,25 @@ $(BIN)/python:
 
 $(VENV)/.wheel: $(SOURCES) | $(BIN)/python
 	$(PIP) install "maturin>=1.9.4,<2"
-	rm -f dist/gearbow-*.whl
-	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out dist
-	$(PIP) install --force-reinstall --no-deps dist/gearbow-*.whl
+	rm -f $(WHEELS)/gearbow-*.whl
+	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out $(WHEELS)
+	$(PIP) install --force-reinstall --no-deps $(WHEELS)/gearbow-*.whl
 	touch $@
+
+# The group of pyproject.toml, which needs a newer pip than Python 3.10 has.
+$(TOOLS)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(TOOLS)
+	$(TOOLS)/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
+	$(TOOLS)/bin/python -m pip install --quiet --group release
+	touch $@
+
+target/tools/bin/cargo-deny:
+	cargo install --locked --root target/tools cargo-deny@0.20.2
 
 # ROSS is optional: where it cannot be installed, the tables say so.
 $(VENV)/.compare: $(VENV)/.wheel
-	$(PIP) install "$$(echo dist/gearbow-*.whl)[compare]" \
-	|| { echo "ROSS cannot be installed."; $(PIP) install "$$(echo dist/gearbow-*.whl)[test]"; }
+	$(PIP) install "$$(echo $(WHEELS)/gearbow-*.whl)[compare]" \
+	|| { echo "ROSS cannot be installed."; $(PIP) install "$$(echo $(WHEELS)/gearbow-*.whl)[test]"; }
 	touch $@
 
 # One installation at a time.
@@ -188,5 +224,5 @@ $(VENV)/.docs: $(VENV)/.dev
 
 # The wheel with one of its extras: plot, docs or dev.
 $(VENV)/.%: $(VENV)/.wheel
-	$(PIP) install "$$(echo dist/gearbow-*.whl)[$*]"
+	$(PIP) install "$$(echo $(WHEELS)/gearbow-*.whl)[$*]"
 	touch $@

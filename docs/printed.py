@@ -18,14 +18,16 @@ import re
 import shlex
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-# The README last: its summary of the comparison reads docs/comparison.md.
-DOCUMENTS = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md"]
+# The README after them: its summary of the comparison reads docs/comparison.md.
+DOCUMENTS = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md", ROOT / "paper/paper.md"]
 BLOCK = r"(<!-- {} by: (.+?) -->\n).*?(<!-- end -->)"
 
 
+@cache
 def printed(command: str) -> str:
     """Run a Python script of the repository and return its output."""
     _, *arguments = shlex.split(command)

@@ -1,16 +1,19 @@
 """Build the wheel and the source distribution, check both, and use them in clean environments.
 
-    python tools/release_check.py
+    make release-check
 
-Checks the metadata (twine), the stable ABI (abi3audit), the contents (check-wheel-contents), that
-all versions of the project agree, and that the wheel, which is built from the source distribution,
-contains the licences. Then it installs the wheel on the oldest and the newest supported Python; in
-each environment it runs a bowed rotor and the command `gearbow`.
+Checks what the files of the project state (tools/metadata.py), the workflows (check-jsonschema),
+the metadata (twine), the stable ABI (abi3audit), the symbols of glibc (auditwheel), the contents
+(check-wheel-contents), and that wheel and list of licences are complete. Then it installs the wheel
+and the source distribution on the oldest supported Python and on the newest that this machine has,
+and uses them (tools/use_package.py). It says which versions of Python it did not check.
 """
 
 from __future__ import annotations
 
+import json
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -19,65 +22,61 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
-#: Oldest supported Python, and the newest that the build supports.
-PYTHONS = ("3.10", "3.13")
+import metadata
+
+ROOT = Path(__file__).resolve().parents[1]
+#: Newest version of glibc whose symbols a wheel for `manylinux2014` may use.
+GLIBC = (2, 17)
+#: Environment in which the source distribution is compiled: quickly, and its dependencies once.
+#: Installation and completeness are checked, not the cost of a run.
+QUICK = {
+    "CARGO_TARGET_DIR": str(ROOT / "target" / "source"),
+    "CARGO_PROFILE_RELEASE_OPT_LEVEL": "1",
+}
 #: Licence files that the wheel contains: that of gearbow, and those of the compiled dependencies.
 LICENCES = ("LICENSE", "LICENSES-DEPENDENCIES.txt")
-#: Import, a figure of merit that needs the compiled core, and the version.
-SMOKE = """
-import gearbow as gb
-shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
-bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-disk = gb.Disk("disk", "rotor", 0.5, mass=5.0, diametral_inertia=0.01, polar_inertia=0.02)
-system = gb.RotorSystem(shafts=[shaft], disks=[disk], bearings=bearings)
-response = system.simulate(0.02, 100.0, record=["disk"])
-assert 1e-5 < abs(response.displacement("disk")).max() < 1e-3
-print("gearbow", gb.__version__)
-"""
+#: Files with a schema, by its name.
+SCHEMAS = {
+    "github-workflows": ".github/workflows/*.yml",
+    "github-issue-forms": ".github/ISSUE_TEMPLATE/[!c]*.yml",
+    "github-issue-config": ".github/ISSUE_TEMPLATE/config.yml",
+    "dependabot": ".github/dependabot.yml",
+    "citation-file-format": "CITATION.cff",
+}
 
 
-def main() -> int:
+def main() -> None:
     """Run all checks; the first that fails ends the program."""
-    version = versions()
-    with tempfile.TemporaryDirectory() as place:
-        dist = Path(place) / "dist"
-        # With --sdist, maturin builds the wheel from the source distribution.
-        build = tool("maturin", "build", "--release", "--locked", "--sdist", "--out", str(dist))
-        call(
-            *build, "--interpreter", sys.executable, env={"CARGO_TARGET_DIR": str(ROOT / "target")}
-        )
-        [wheel], [source] = list(dist.glob("*.whl")), list(dist.glob("*.tar.gz"))
-        assert f"-{version}-cp310-abi3-" in wheel.name, wheel.name
+    version = metadata.version()
+    call(sys.executable, "tools/metadata.py")
+    for schema, pattern in SCHEMAS.items():
+        files = sorted(str(path.relative_to(ROOT)) for path in ROOT.glob(pattern))
+        call(*tool("check-jsonschema", "--builtin-schema", f"vendor.{schema}", *files))
+    with tempfile.TemporaryDirectory() as folder:
+        wheel, source = build(Path(folder))
         call(*tool("twine", "check", "--strict", str(wheel), str(source)))
         call(*tool("abi3audit", "--strict", str(wheel)))
         call(*tool("check-wheel-contents", str(wheel)))
+        assert wheel.name.startswith(f"gearbow-{version}-cp310-abi3-"), wheel.name
         licences(wheel)
         dependencies()
-        for python in PYTHONS:
-            use(wheel, python, Path(place) / python)
+        if sys.platform == "linux":
+            symbols(wheel)
+        use(wheel, source)
         kept = ROOT / "dist"
         kept.mkdir(exist_ok=True)
         for file in (wheel, source):
             shutil.copy2(file, kept)
-            print(f"{file.name}: {file.stat().st_size / 1e6:.1f} MB")
-    return 0
+            print(f"dist/{file.name}: {file.stat().st_size / 1e6:.1f} MB")
 
 
-def versions() -> str:
-    """Give the version, which Cargo.toml, CITATION.cff and CHANGELOG.md agree on."""
-    found = {
-        name: re.search(pattern, (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE)
-        for name, pattern in (
-            ("Cargo.toml", r'^version = "([\d.]+)"'),
-            ("CITATION.cff", r"^version: ([\d.]+)$"),
-            ("CHANGELOG.md", r"^## \[(\d[\d.]*)\]"),
-        )
-    }
-    stated = {name: match and match[1] for name, match in found.items()}
-    if len(set(stated.values())) != 1:
-        raise SystemExit(f"the versions differ: {stated}")
-    return str(stated["Cargo.toml"])
+def build(place: Path) -> tuple[Path, Path]:
+    """Build the source distribution, and the wheel from it."""
+    options = ["--zig", "--compatibility", "manylinux2014"] if sys.platform == "linux" else []
+    build = ("build", "--release", "--locked", "--sdist", "--out", str(place), *options)
+    call(*tool("maturin", *build, "--interpreter", sys.executable))
+    [wheel], [source] = place.glob("*.whl"), place.glob("*.tar.gz")
+    return wheel, source
 
 
 def licences(wheel: Path) -> None:
@@ -102,13 +101,45 @@ def dependencies() -> None:
         raise SystemExit(f"{LICENCES[1]} does not list {absent}; run `make licences`")
 
 
-def use(wheel: Path, python: str, place: Path) -> None:
-    """Install a wheel in a new environment, and use it away from the sources."""
-    call(*tool("uv", "venv", "--quiet", "--python", python, str(place)))
-    call(*tool("uv", "pip", "install", "--quiet", "--python", str(place), str(wheel)))
-    interpreter = place / "bin" / "python"
-    call(str(interpreter), "-I", "-c", SMOKE, cwd=place)
-    call(str(place / "bin" / "gearbow"), "--help", cwd=place, quiet=True)
+def symbols(wheel: Path) -> None:
+    """Check the versions of the symbols of glibc that a wheel uses."""
+    report = json.loads(output(*tool("auditwheel", "show", "--json", str(wheel))))
+    used = re.findall(r"GLIBC_(\d+)\.(\d+)", json.dumps(report))
+    newest = max((int(major), int(minor)) for major, minor in used)
+    print(f"{wheel.name}: needs glibc {newest[0]}.{newest[1]}")
+    if newest > GLIBC or f"manylinux_{GLIBC[0]}_{GLIBC[1]}_" not in wheel.name:
+        raise SystemExit(f"{wheel.name}: is no wheel for manylinux2014")
+
+
+def use(wheel: Path, source: Path) -> None:
+    """Use wheel and source distribution on the oldest and the newest Python of this machine."""
+    supported = metadata.pythons()
+    found = {version: path for version in supported if (path := interpreter(version))}
+    chosen = [version for version in supported if version in found]
+    chosen = sorted({*chosen[-1:], *(supported[:1] if supported[0] in found else [])})
+    for version in chosen:
+        for package in (wheel, source):
+            call(found[version], "tools/use_package.py", str(package), environment=QUICK)
+    for version in supported:
+        if version not in chosen:
+            why = "is not on this machine" if version not in found else "is neither end"
+            print(f"Python {version}: not checked, it {why}")
+
+
+def interpreter(version: str) -> str | None:
+    """Find a Python of a version that can make environments."""
+    name = f"python{version}"
+    folder = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    others = sorted(map(str, folder.glob(f"{version}.*/bin/{name}")))
+    question = "import ensurepip, sys, venv; print('%d.%d' % sys.version_info[:2])"
+    for path in (shutil.which(name), *others, sys.executable, shutil.which("python3")):
+        if path is not None:
+            asked = subprocess.run(
+                [path, "-c", question], check=False, capture_output=True, text=True
+            )
+            if asked.stdout.strip() == version:
+                return path
+    return None
 
 
 def tool(name: str, *arguments: str) -> list[str]:
@@ -116,18 +147,20 @@ def tool(name: str, *arguments: str) -> list[str]:
     return [str(Path(sys.executable).parent / name), *arguments]
 
 
-def call(
-    *command: str, cwd: Path = ROOT, env: dict[str, str] | None = None, quiet: bool = False
-) -> None:
+def call(*command: str, environment: dict[str, str] | None = None) -> None:
     """Run a command; its failure ends the program."""
     print("+", Path(command[0]).name, *command[1:], flush=True)
-    output = subprocess.DEVNULL if quiet else None
-    done = subprocess.run(
-        command, cwd=cwd, env={**os.environ, **(env or {})}, stdout=output, check=False
-    )
+    variables = {**os.environ, **(environment or {})}
+    done = subprocess.run(command, cwd=ROOT, env=variables, check=False)
     if done.returncode:
         raise SystemExit(f"{Path(command[0]).name} failed with status {done.returncode}")
 
 
+def output(*command: str) -> str:
+    """Return what a command prints."""
+    return subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    print(f"Python {platform.python_version()}, {platform.platform()}")
+    main()

@@ -24,6 +24,7 @@ DOCUMENTS = (
     "*.md",
     "LICENSE",
     "CITATION.cff",
+    "conda/recipe.yaml",
     "docs/*.md",
     "docs/*.png",
     "docs/figures/*",

@@ -7,6 +7,7 @@ replaces the target when all data are on the disk. Only the store of a sweep add
 import errno
 import os
 import stat
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from io import BufferedRandom
@@ -28,6 +29,11 @@ __all__ = ["FileLock", "check_name", "check_output", "reading", "replacing", "re
 _LONGEST_NAME = 200
 #: Most links from one to the next, as Linux permits.
 _MOST_LINKS = 40
+#: Times after which Windows is asked again to replace a file that another program reads [s].
+_RETRIES = (0.01, 0.03, 0.1, 0.3, 1.0)
+#: Age from which Windows removes a temporary file that no program has open [s]. A writer closes its
+#: file a moment before it renames it.
+_ABANDONED = 3600.0
 #: First bytes of texts that editors and Excel save in an encoding other than UTF-8.
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
@@ -112,7 +118,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BufferedRandom]:
             os.fsync(file.fileno())
             if fcntl is None:  # Windows does not rename a file that is open.
                 file.close()
-            trial.replace(path)
+            _rename(trial, path)
             file.close()
         except BaseException:
             if file is not None:
@@ -123,6 +129,21 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BufferedRandom]:
                     trial.unlink(missing_ok=True)
             raise
     _synchronise(path.parent)
+
+
+def _rename(trial: Path, path: Path) -> None:
+    """Replace a file; Windows refuses this while another program, such as a scanner, reads it."""
+    delays: tuple[float, ...] = ()
+    if fcntl is None:
+        delays = _RETRIES
+    for delay in delays:
+        try:
+            trial.replace(path)
+        except PermissionError:
+            time.sleep(delay)
+        else:
+            return
+    trial.replace(path)
 
 
 def reserve(file: BufferedRandom, size: int) -> None:
@@ -218,6 +239,8 @@ def _lock(number: int) -> bool:
 
 def _is_at(number: int, path: Path) -> bool:
     """Return whether an open file is the one at `path`."""
+    if fcntl is None:  # Windows neither removes nor renames a file that is open.
+        return True
     try:
         return os.path.samestat(os.fstat(number), path.lstat())
     except FileNotFoundError:
@@ -245,7 +268,8 @@ def _followed(path: Path) -> Path:
             path = path.parent.resolve() / path.name
         except RuntimeError:  # a loop of folders, up to Python 3.12
             break
-        if path.parts[1:2] == ("proc",):  # such as /dev/stdout: a file that a program has opened
+        # Such as /dev/stdout: a file that a program has opened.
+        if path.parts[1:2] == ("proc",) or path.parts[1:3] == ("dev", "fd"):
             raise OSError(errno.EINVAL, "it is a device, not a file")
         if not path.is_symlink():
             return path
@@ -281,8 +305,6 @@ def _create(path: Path) -> tuple[Path, BufferedRandom]:
 
 def _remove_abandoned(path: Path) -> None:
     """Remove temporary files for `path` whose writers were killed."""
-    if fcntl is None:
-        return
     start = f".{_short(path)}."
     with os.scandir(path.parent) as entries:
         found = [entry.name for entry in entries if entry.name.startswith(start)]
@@ -292,6 +314,10 @@ def _remove_abandoned(path: Path) -> None:
             continue
         left = path.with_name(name)
         with suppress(OSError):
+            if fcntl is None:
+                if time.time() - left.stat().st_mtime > _ABANDONED:
+                    left.unlink()  # fails if it is open
+                continue
             number = os.open(left, os.O_RDWR | os.O_NOFOLLOW)
             try:
                 if _lock(number) and _is_at(number, left):

@@ -1,6 +1,7 @@
 """The program: its commands, errors and exit codes."""
 
 import argparse
+import errno
 import io
 import os
 import re
@@ -24,8 +25,13 @@ __all__ = ["FAILED", "INVALID", "STOPPED", "TERMINATED", "main"]
 FAILED, INVALID, STOPPED, TERMINATED = 1, 2, 130, 143
 
 
+#: Signals that end a command as Ctrl-C does. SIGBREAK is Ctrl-Break of Windows, the only signal
+#: that another program can send there.
+_ENDING = [getattr(signal, name) for name in ("SIGTERM", "SIGBREAK") if hasattr(signal, name)]
+
+
 class _Terminated(KeyboardInterrupt):
-    """SIGTERM, which ends a command as Ctrl-C does."""
+    """One of the signals that end a command."""
 
 
 class _PrintError(Exception):
@@ -36,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command, and exit with its code: 0 is fine."""
     _prepare_output()
     given = _parser().parse_args(arguments)
-    with warnings.catch_warnings(), _stopped_by_sigterm():
+    with warnings.catch_warnings(), _stopped_by_signals():
         warnings.showwarning = _show  # type: ignore[assignment]  # it ignores the place
         sys.exit(_code(given))
 
@@ -46,28 +52,30 @@ def _prepare_output() -> None:
     if sys.stderr is None:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115  # until the end
     if sys.stdout is None:
-        sys.stderr.write("gearbow: stdout is closed; redirect it, for example to /dev/null\n")
+        sys.stderr.write(f"gearbow: stdout is closed; redirect it, for example to {os.devnull}\n")
         sys.exit(INVALID)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
 @contextmanager
-def _stopped_by_sigterm() -> Iterator[None]:
-    """Let SIGTERM stop a computation as Ctrl-C does, which keeps what was done."""
+def _stopped_by_signals() -> Iterator[None]:
+    """Let SIGTERM and SIGBREAK stop a computation as Ctrl-C does, which keeps what was done."""
     if threading.current_thread() is not threading.main_thread():  # others get no signals
         yield
         return
 
     def stop(*_: object) -> None:
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # a second one must not interrupt the saving
+        for number in _ENDING:
+            signal.signal(number, signal.SIG_IGN)  # a second one must not interrupt the saving
         raise _Terminated
 
-    before = signal.signal(signal.SIGTERM, stop)
+    before = {number: signal.signal(number, stop) for number in _ENDING}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -99,7 +107,7 @@ def _code(given: argparse.Namespace) -> int:
         # Python writes the rest at its end.
         with suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if not isinstance(cause, BrokenPipeError):  # the reader, for example `head`, has enough
+        if not _is_broken_pipe(cause):  # the reader, for example `head`, has enough
             sys.stderr.write(f"{given.command}: stdout cannot be written: {cause}\n")
         return FAILED
     except (SceneError, OSError) as error:
@@ -112,6 +120,12 @@ def _code(given: argparse.Namespace) -> int:
         sys.stderr.write(f"{given.command}: stopped; what was done is kept\n")
         return TERMINATED if isinstance(stop, _Terminated) else STOPPED
     return 0
+
+
+def _is_broken_pipe(error: BaseException) -> bool:
+    """Tell whether the reader of stdout has ended, which Windows calls an invalid argument."""
+    is_invalid = isinstance(error, OSError) and error.errno == errno.EINVAL
+    return isinstance(error, BrokenPipeError) or (os.name == "nt" and is_invalid)
 
 
 def _write(answer: Answer | None, given: argparse.Namespace) -> None:

@@ -9,7 +9,18 @@ import pytest
 
 ROOT = Path(__file__).parents[3]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
-FOLDERS = ("src", "python", "tests", "docs", "benches", "tools", "examples")
+FOLDERS = (
+    ".github",
+    "benches",
+    "conda",
+    "docs",
+    "examples",
+    "paper",
+    "python",
+    "src",
+    "tests",
+    "tools",
+)
 FILES = [
     "/" + file.relative_to(ROOT).as_posix()
     for folder in FOLDERS
