@@ -1,6 +1,6 @@
 //! Integer time: a count of units, and the step lengths that are powers of two of the unit.
 //!
-//! A step starts at a multiple of its length. Steps and output times therefore meet, and the propagator of a length
+//! A step starts at a multiple of its length, or at a contact change. Steps and output times therefore meet, and the propagator of a length
 //! serves all steps of that length.
 
 /// The unit of time and the step lengths. Step level 0 is the longest; each level is half as long as the one before.
