@@ -13,7 +13,7 @@
 //! the propagators of a few lengths serve all steps.
 //!
 //! - Loads: `loads`, `prescribed`, `rotating_source`, `changing_speed`, `interface_maps`.
-//! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`, `dense`.
+//! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`.
 //! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `tangent_solver`, `small_lu`, `estimate`.
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
 //! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`.
@@ -27,7 +27,6 @@ mod changing_speed;
 mod contact_change;
 mod contact_monitor;
 mod context;
-mod dense;
 mod driver;
 mod estimate;
 mod fractions;

@@ -14,7 +14,7 @@ use crate::exponential::{
     run as integrate,
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
-use crate::modal::{CachedModel, MAX_CONDITION, ModalStateSpace, StateMatrix};
+use crate::modal::{CachedModel, ModalStateSpace};
 use crate::model::Model;
 use crate::motion::Speed;
 use crate::scene::SceneError;
@@ -27,8 +27,6 @@ const EVENT_HALVINGS: [f64; 2] = [4.0, 30.0];
 const FIXED_EVENT_TOLERANCE: f64 = 1e-12;
 /// Number of further halvings that the error control can use.
 const FURTHER_HALVINGS: usize = 12;
-/// The same for the dense form, whose propagators are expensive.
-const FURTHER_HALVINGS_DENSE: usize = 4;
 /// Output samples in the shortest period among shafts and teeth.
 const SAMPLES_PER_PERIOD: f64 = 20.0;
 /// Default number of ETDRK4 steps per period on the mesh stiffness, where flanks can separate.
@@ -51,13 +49,6 @@ pub(super) fn run(
     statistics: &mut Statistics,
 ) -> Result<(State, Result<(), Halted>), AnalysisError> {
     let ModalSetup { linear, loads, maps, mut output } = coordinates;
-    if options.is_explicit() && linear.condition > MAX_CONDITION {
-        let message = format!(
-            "\"etdrk4\" needs modes that are not parallel, and their condition number is {:.1e}; use \"exponential\"",
-            linear.condition
-        );
-        return Err(SceneError::new("method", message).into());
-    }
     let time_grid = countable_grid(cached, options, &linear, &loads, end)?;
     let propagators = propagators(cached, options, &linear, maps, time_grid, loads.spins());
     let mut state = in_modal_coordinates(cached, &linear, &loads, start);
@@ -151,9 +142,7 @@ fn time_grid(
     let tolerance = if options.step.is_some() { FIXED_EVENT_TOLERANCE } else { options.tolerance() };
     let fine = mesh_frequency / (2.0 * tolerance).cbrt();
     let event = (longest * (linear.radius / MAX_EVENT_ROTATION).max(fine)).log2().ceil().clamp(least, most) as usize;
-    let is_dense = matches!(linear.matrix, StateMatrix::Dense(_));
-    let further = if is_dense { FURTHER_HALVINGS_DENSE } else { FURTHER_HALVINGS };
-    Ok(TimeGrid { longest, finest: event + further, event })
+    Ok(TimeGrid { longest, finest: event + FURTHER_HALVINGS, event })
 }
 
 /// The default output step, s: a twentieth of the shortest period among shafts and teeth, rounded; infinite at rest.
