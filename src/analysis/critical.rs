@@ -5,7 +5,7 @@ mod speed_dependent;
 
 use super::modes::{has_structure, require};
 use super::{AnalysisError, Dense, Interrupt};
-use crate::modal::{self, CachedModel, Forces, OrderIntersection, Quadratic, Whirl};
+use crate::modal::{self, CachedModel, Forces, ModeAtSpeed, Quadratic, Whirl};
 use crate::model::Model;
 use crate::scene::EntryPath;
 pub use map::{CriticalPoint, critical_speed_map};
@@ -57,7 +57,7 @@ pub fn critical_speeds(
 }
 
 /// The `count` lowest critical speeds of a model whose coefficients do not depend on the speed, with their modes.
-fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<OrderIntersection>, AnalysisError> {
+fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<ModeAtSpeed>, AnalysisError> {
     let mut found = None;
     if has_structure(&cached.model, count) {
         found = modal::lowest_critical(cached, order, count)?;
@@ -79,9 +79,9 @@ pub fn memory_of_critical_speeds(model: &Model, count: usize) -> Dense {
 }
 
 /// A critical speed with whirl and residual of its mode.
-fn named(cached: &CachedModel, met: &OrderIntersection, interrupt: &Interrupt) -> Result<Critical, AnalysisError> {
+fn named(cached: &CachedModel, met: &ModeAtSpeed, interrupt: &Interrupt) -> Result<Critical, AnalysisError> {
     interrupt.check()?;
-    let OrderIntersection { speed, eigenvalue, shape } = met;
+    let ModeAtSpeed { speed, eigenvalue, shape } = met;
     let residual = modal::residual(cached, *speed, *eigenvalue, shape, Forces::Undamped)?;
     require(residual, || format!("the mode at the critical speed {speed} rad/s"))?;
     let whirl = modal::whirl(&cached.model, *speed, *eigenvalue, shape);

@@ -1,18 +1,25 @@
 //! The loop over steps: step levels from the error estimate, and contact changes.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use super::Outcome;
 use super::contact_change::ExponentialEventLocator;
 use super::context::{StepInstant, StepSpan};
 use super::level_control::{DOUBLING_FRACTION, LevelControl, level_for_error};
 use super::output::OutputMap;
 use super::step::Stepper;
+use super::step_point::StepPoint;
 use super::substep::SubstepSampler;
 use super::time_grid::TimeGrid;
 use super::trajectory::{CompletedStep, StepTrajectory};
 use crate::integrate::{
-    CHECK_INTERVAL, ExponentialState, FirstOrderSystem as _, Halt, Halted, MAX_CHANGES_AT_ONE_TIME, MethodState,
-    Observer, State, Statistics,
+    CHECK_INTERVAL, ExponentialState, FirstOrderSystem as _, ForceRange, Halt, Halted, MAX_CHANGES_AT_ONE_TIME,
+    MethodState, Observer, SHARE_OF_MEAN, State, Statistics,
 };
+
+/// Smallest reference of the tolerance, as a part of the motion: forces that vary less are differences of larger ones. With it,
+/// the level "engineering" takes steps no shorter than "reference" does.
+const MIN_REFERENCE: f64 = 1e-3;
 
 /// Integrates from `state` to `end` (elapsed time, s) and up to all instants for which the observer asks. `state.y` is a
 /// state z in modal coordinates.
@@ -50,7 +57,7 @@ struct Driver {
     control: LevelControl,
     /// Step level that the error asks for.
     level: usize,
-    /// Energy norm of the motion.
+    /// Energy norm that the tolerance of a step is relative to.
     size: f64,
     /// Contact changes since the last unit.
     changes_at_this_time: u32,
@@ -156,7 +163,11 @@ impl Driver {
             stepper.context.loads.motion.set_contact_modes(&state.contact_modes);
         }
         stepper.evaluate_begin(state.elapsed, &state.y, &mut evaluations)?;
-        self.size = stepper.size(&state.y, &stepper.begin);
+        if self.own.force_ranges.len() != stepper.begin.contacts.len() {
+            self.own.force_ranges =
+                stepper.begin.contacts.iter().map(|contact| ForceRange::of(contact.force)).collect();
+        }
+        self.size = self.reference_size(stepper, stepper.size(&state.y, &stepper.begin), &stepper.begin);
         statistics.begin(evaluations.evaluations);
         let loads = stepper.loads();
         let mut read = |q: &mut [f64], v: &mut [f64]| output.read(loads, state.elapsed, &state.y, q, v);
@@ -182,12 +193,14 @@ impl Driver {
                 Outcome::Unsolved => level + 1,
                 Outcome::Solved => {
                     let size = stepper.size(&stepper.end_state, &stepper.end);
+                    let is_finite = size.is_finite();
+                    let size = self.reference_size(stepper, size, &stepper.end);
                     let tolerance = self.control.tolerance(self.size.max(size));
                     let error = match self.control {
                         LevelControl::Fixed | LevelControl::Planned { .. } => 0.0,
                         LevelControl::Adaptive { .. } => stepper.error(level) / tolerance,
                     };
-                    if !size.is_finite() {
+                    if !is_finite {
                         return Err(Halt::Diverged);
                     }
                     // A long step in which the gears oscillate on the mesh stiffness is repeated with short steps.
@@ -268,7 +281,7 @@ impl Driver {
         until: f64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
-        let LevelControl::Adaptive { rtol, floor } = self.control else {
+        let LevelControl::Adaptive { rtol, floor, .. } = self.control else {
             return Ok(false);
         };
         let within = until - state.elapsed;
@@ -332,7 +345,7 @@ impl Driver {
         self.own.history.clear();
         statistics.events += 1;
         stepper.evaluate_begin(state.elapsed, &state.y, statistics)?;
-        self.size = stepper.size(&state.y, &stepper.begin);
+        self.size = self.reference_size(stepper, stepper.size(&state.y, &stepper.begin), &stepper.begin);
         if within > 0.0 {
             statistics.accept(within, false);
         }
@@ -355,7 +368,10 @@ impl Driver {
             let z = self.sampler.state_at(stepper, level, &state.y, length);
             stepper.end_state.copy_from_slice(z);
             stepper.evaluate_end(end, statistics)?;
-            self.size = stepper.size(&stepper.end_state, &stepper.end);
+            self.size = self.reference_size(stepper, stepper.size(&stepper.end_state, &stepper.end), &stepper.end);
+        }
+        for (range, contact) in self.own.force_ranges.iter_mut().zip(&stepper.end.contacts) {
+            *range = range.with(contact.force);
         }
         stepper.commit(&mut state.y);
         state.count += units;
@@ -376,6 +392,23 @@ impl Driver {
         units == self.time_grid.units(level) && self.own.since_unit == 0.0
     }
 
+    /// Energy norm that the tolerance of a step to the point `end` is relative to, for a motion of the norm `size`.
+    ///
+    /// The tolerance permits errors of this energy in any part of the motion. Where the meshes carry little of it, as in a
+    /// train that a large bow moves, an error of the mesh forces would exceed what the accuracy permits. The norm is
+    /// therefore reduced until an error in one mesh alone, δF/√k, is at most the permitted part of the unit of this force.
+    fn reference_size(&self, stepper: &Stepper<'_>, size: f64, end: &StepPoint) -> f64 {
+        let LevelControl::Adaptive { rtol, force_error: Some(permitted), .. } = self.control else {
+            return size;
+        };
+        let meshes = &stepper.loads().motion.model().meshes;
+        let forces = self.own.force_ranges.iter().zip(&end.contacts).zip(meshes);
+        let limits = forces.map(|((range, contact), mesh)| {
+            permitted / rtol * unit_of_errors(range.with(contact.force)) / mesh.stiffness.sqrt()
+        });
+        size.min(limits.fold(f64::INFINITY, f64::min).max(MIN_REFERENCE * size))
+    }
+
     /// Units from `count` to the next multiple of a step of a level: at least one unit, at most the step.
     fn units_to_grid(&self, count: u64, level: usize) -> u64 {
         let units = self.time_grid.units(level);
@@ -386,6 +419,13 @@ impl Driver {
     fn time(&self, unit: u64) -> f64 {
         self.own.time_base + self.time_grid.time(unit)
     }
+}
+
+/// The unit of the errors of a force, N: its standard deviation, if it varies as a sine, or a share of its mean.
+fn unit_of_errors(range: ForceRange) -> f64 {
+    let amplitude = (range.largest - range.smallest) / 2.0;
+    let mean = (range.largest + range.smallest) / 2.0;
+    (amplitude * FRAC_1_SQRT_2).max(SHARE_OF_MEAN * mean.abs())
 }
 
 /// The last step, which began at `state`.

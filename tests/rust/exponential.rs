@@ -214,7 +214,7 @@ fn propagators_are_matrix_exponentials() {
         let linear = cached.linear(SPEED).unwrap();
         let (a, len) = (matrix(&linear), linear.len());
         let (field, maps) = field(&cached, geometry, &linear);
-        let time_grid = TimeGrid { longest: 1e-4, finest: 8, event: 8 };
+        let time_grid = TimeGrid { longest: 1e-4, finest: 8, substep: 8 };
         let arch = pulp::Arch::new();
         let table = |stages| propagators(&linear, &QuadratureRule::gauss(stages), &maps, time_grid, &field);
         let tables: Vec<_> = (1..=4).map(|stages| (stages, table(stages))).collect();
@@ -332,8 +332,8 @@ fn integrate(
     let n = cached.model.len();
     let (field, maps) = field(cached, geometry, form);
     let longest = 5e-5;
-    let event = (longest * form.radius.min(1e6) / 0.8).log2().ceil() as usize;
-    let time_grid = TimeGrid { longest, finest: event + 4, event };
+    let substep = (longest * form.radius.min(1e6) / 0.8).log2().ceil() as usize;
+    let time_grid = TimeGrid { longest, finest: substep + 4, substep };
     let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect(), ..Selection::default() };
     let mut output = OutputMap::new(&field, form, &maps, selection);
     let table = propagators(&Arc::new(form.clone()), &QuadratureRule::gauss(stages), &maps, time_grid, &field);
@@ -342,7 +342,7 @@ fn integrate(
     let z = form.state(&cached.model, (q - carried).as_slice(), (v - turning).as_slice());
     let mut state = State::new(z.as_slice().to_vec());
     let mut stepper = Stepper::new(field, table.into());
-    let control = LevelControl::Adaptive { rtol: 1e-9, floor: 1e-12 };
+    let control = LevelControl::Adaptive { rtol: 1e-9, floor: 1e-12, force_error: None };
     let mut statistics = Statistics::new();
     for end in ends {
         run(&mut stepper, &mut output, control.clone(), &mut state, *end, edges, &mut statistics).unwrap();

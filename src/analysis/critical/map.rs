@@ -10,7 +10,7 @@ use num_complex::Complex64;
 use super::super::assignment::{Assignment, equal};
 use super::{Critical, modes, named};
 use crate::analysis::{AnalysisError, Interrupt};
-use crate::modal::{CachedModel, OrderIntersection};
+use crate::modal::{CachedModel, ModeAtSpeed};
 use crate::model::Model;
 use crate::scene::EntryPath;
 
@@ -36,7 +36,7 @@ pub struct CriticalPoint {
 #[derive(Clone)]
 struct Found {
     /// Speed and eigenvalue.
-    met: OrderIntersection,
+    met: ModeAtSpeed,
     /// x with |xᴴBx| = 1, n entries in the order of the core.
     shape: DVector<Complex64>,
     /// B x, n entries.
@@ -112,7 +112,8 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
         if !found.is_empty() {
             // The last modes may leave the computed ones.
             let deciding = DECIDING_LINES.min(self.count).min(found.len());
-            let assignment = Assignment::new(&correlations, &before, &after, deciding);
+            let common = |a: usize, b: usize| self.alive[a].1.correlation(&self.alive[b].1);
+            let assignment = Assignment::new(&correlations, common, &before, &after, deciding);
             if let Some(from) = from.filter(|_| !assignment.clear && halved < MAX_HALVINGS) {
                 let middle = if from > 0.0 && stiffness > 0.0 {
                     from.sqrt() * stiffness.sqrt()
@@ -148,7 +149,7 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
 }
 
 impl Found {
-    fn new(model: &Model, order: f64, met: OrderIntersection) -> Self {
+    fn new(model: &Model, order: f64, met: ModeAtSpeed) -> Self {
         let mass = model.product(&met.shape, |x, out| model.multiply_mass(x, out));
         let gyroscopic = model.product(&met.shape, |x, out| model.multiply_gyroscopic(x, out));
         let momentum = mass - gyroscopic * Complex64::new(0.0, 1.0 / order);

@@ -19,12 +19,10 @@ use crate::model::Model;
 use crate::motion::Speed;
 use crate::scene::SceneError;
 
-/// Largest rotation of the fastest mode within the shortest step at which contact changes end a step, rad.
-const MAX_EVENT_ROTATION: f64 = 0.8;
-/// Smallest and largest number of halvings from the longest step to that step.
-const EVENT_HALVINGS: [f64; 2] = [4.0, 30.0];
-/// Tolerance of contact changes with fixed steps, relative to the motion.
-const FIXED_EVENT_TOLERANCE: f64 = 1e-12;
+/// Largest rotation of the fastest mode within the shortest substep, rad.
+const MAX_SUBSTEP_ROTATION: f64 = 0.8;
+/// Smallest and largest number of halvings from the longest step to the shortest substep.
+const SUBSTEP_HALVINGS: [f64; 2] = [4.0, 30.0];
 /// Number of further halvings that the error control can use.
 const FURTHER_HALVINGS: usize = 12;
 /// Output samples in the shortest period among shafts and teeth.
@@ -54,7 +52,9 @@ pub(super) fn run(
     let mut state = in_modal_coordinates(cached, &linear, &loads, start);
     let mut stepper = Stepper::new(loads, propagators);
     let control = match options.step {
-        None if !options.is_explicit() => LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor },
+        None if !options.is_explicit() => {
+            LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor, force_error: options.force_error() }
+        }
         _ => LevelControl::Fixed,
     };
     let outcome = integrate(&mut stepper, &mut output, control, &mut state, end, observer, statistics);
@@ -136,13 +136,9 @@ fn time_grid(
             }
         }
     };
-    let [least, most] = EVENT_HALVINGS;
-    // The error of a contact change at τ after a unit is about (ωτ)³/20 of the jump, with the frequency ω of the gears on
-    // the mesh stiffness.
-    let tolerance = if options.step.is_some() { FIXED_EVENT_TOLERANCE } else { options.tolerance() };
-    let fine = mesh_frequency / (2.0 * tolerance).cbrt();
-    let event = (longest * (linear.radius / MAX_EVENT_ROTATION).max(fine)).log2().ceil().clamp(least, most) as usize;
-    Ok(TimeGrid { longest, finest: event + FURTHER_HALVINGS, event })
+    let [least, most] = SUBSTEP_HALVINGS;
+    let substep = (longest * linear.radius / MAX_SUBSTEP_ROTATION).log2().ceil().clamp(least, most) as usize;
+    Ok(TimeGrid { longest, finest: substep + FURTHER_HALVINGS, substep })
 }
 
 /// The default output step, s: a twentieth of the shortest period among shafts and teeth, rounded; infinite at rest.

@@ -426,7 +426,7 @@ impl PeriodMap<'_> {
     fn control(&self, rtol: f64) -> LevelControl {
         match self.options.step {
             Some(_) => LevelControl::Fixed,
-            None => LevelControl::Adaptive { rtol, floor: self.start.floor },
+            None => LevelControl::Adaptive { rtol, floor: self.start.floor, force_error: None },
         }
     }
 }
