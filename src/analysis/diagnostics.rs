@@ -1,4 +1,4 @@
-//! Warnings about accuracy: ill-conditioning and large displacements.
+//! Warnings about accuracy: ill-conditioning, nearly parallel modes and large displacements.
 //!
 //! In coordinates with unit modal mass, the stiffness has entries up to ω_max². Their round-off, ε·ω_max², causes a
 //! relative error of up to ε(ω_max/ω₀)² in the slowest mode, ω₀.
@@ -6,7 +6,7 @@
 use nalgebra::DVector;
 
 use super::AnalysisError;
-use crate::modal::CachedModel;
+use crate::modal::{CachedModel, MAX_CONDITION};
 use crate::model::{Model, Support};
 use crate::scene::{Bearing, Shaft};
 
@@ -80,5 +80,13 @@ pub fn small_displacement_check(model: &Model, largest: f64) -> Option<String> {
     let length = model.scene.shafts.iter().map(Shaft::length).fold(0.0, f64::max);
     (largest > length && model.local_elements().next().is_some()).then(|| {
         format!("a displacement is {largest:.1e} m, more than the length of the longest shaft, {length} m: the equations assume small displacements")
+    })
+}
+
+/// Returns a warning if the condition number of the modes of a run is so large that a Runge–Kutta method replaced the
+/// exponential method.
+pub fn parallel_modes_check(condition: Option<f64>) -> Option<String> {
+    condition.filter(|condition| *condition > MAX_CONDITION).map(|condition| {
+        format!("method: the modes are nearly parallel (condition number {condition:.1e}), as at critical damping, so that \"rk45\" integrates the motion in place of \"exponential\"; change the damping slightly for longer steps")
     })
 }

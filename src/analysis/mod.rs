@@ -20,7 +20,7 @@ mod synchronous;
 
 pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, Threshold, campbell, lines};
 pub use critical::{Critical, CriticalPoint, critical_speed_map, critical_speeds, memory_of_critical_speeds};
-pub use diagnostics::{ill_conditioning, small_displacement_check};
+pub use diagnostics::{ill_conditioning, parallel_modes_check, small_displacement_check};
 pub use discretisation::{Choice, ElementErrors, Resolved, resolve, resolve_variation};
 pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;

@@ -120,16 +120,17 @@ pub(super) fn synchronous_of(
         return Ok(SourceResponse::zero(model));
     };
     let name = &model.scene.shafts[source].name;
+    let key = DynamicKey { speed, spin, flank_speed };
     // The matrix of modal damping is full; at standstill it has no effect.
     if model.scene.modal_damping == 0.0 || spin == 0.0 {
-        match without_modal_damping(&cached, [speed, spin], flank_speed, &force)? {
+        match without_modal_damping(&cached, key, &force)? {
             Some(found) => return found.checked(speed, name),
             // At an undamped critical speed the response is very large: the dense solution shows its size.
             None if model.len() <= MAX_DENSE => {}
             None => return Err(unsolved(speed)),
         }
     }
-    solve_dense(&cached, [speed, spin], flank_speed, force)?.checked(speed, name)
+    solve_dense(&cached, key, force)?.checked(speed, name)
 }
 
 /// Phasors a at `speed` for one source shaft of a run in a `subspace`, whose modes modal damping acts on.
@@ -149,7 +150,7 @@ pub(super) fn synchronous_in(
     let Some(force) = rotating_force(model, spin, source, ExcitationPart::Both) else {
         return Ok(DVector::zeros(model.len()));
     };
-    match without_modal_damping(&at_speed, [speed, spin], flank_speed, &force)? {
+    match without_modal_damping(&at_speed, DynamicKey { speed, spin, flank_speed }, &force)? {
         Some(found) if model.scene.modal_damping == 0.0 => Ok(found.phasors),
         Some(found) => Ok(subspace.with_modal_damping(model, spin, found.phasors)),
         None => Ok(synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both)?.phasors),
@@ -182,14 +183,13 @@ pub(super) fn rotating_force(
     Some(force)
 }
 
-/// Solves S x = f without modal damping; `None` if round-off leaves no accurate solution. `speed` and `spin` in rad/s.
+/// Solves S x = f without modal damping; `None` if round-off leaves no accurate solution.
 fn without_modal_damping(
     cached: &CachedModel,
-    [speed, spin]: [f64; 2],
-    flank_speed: f64,
+    key: DynamicKey,
     force: &DVector<Complex<f64>>,
 ) -> Result<Option<SourceResponse>, AnalysisError> {
-    let found = cached.dynamic_factors(DynamicKey { speed, spin, flank_speed })?;
+    let found = cached.dynamic_factors(key)?;
     let Ok(factors) = &found.factors else {
         return Ok(None);
     };
@@ -213,11 +213,10 @@ fn solve_structured(
     Ok(SourceResponse { phasors: DVector::from_vec(model.from_circular(&x)), residual })
 }
 
-/// The same with the dense matrix, which may contain modal damping; `speed` and `spin` in rad/s.
+/// The same with the dense matrix, which may contain modal damping.
 fn solve_dense(
     cached: &CachedModel,
-    [speed, spin]: [f64; 2],
-    flank_speed: f64,
+    DynamicKey { speed, spin, flank_speed }: DynamicKey,
     force: DVector<Complex<f64>>,
 ) -> Result<SourceResponse, AnalysisError> {
     let model = &cached.model;

@@ -105,7 +105,7 @@ pub struct NonlinearBearing {
 
 impl NonlinearBearing {
     /// A bearing with these scalars on a shaft with this speed ratio, without coefficients in the matrices.
-    pub fn new(number: usize, rows: [Row; 2], (turning, ratio): (usize, f64), law: BearingLaw) -> Self {
+    pub fn new(number: usize, rows: [Row; 2], turning: usize, ratio: f64, law: BearingLaw) -> Self {
         Self { number, rows, ratio: ratio * law.ratio(), turning, law, initial_stiffness: 0.0, point: None }
     }
 

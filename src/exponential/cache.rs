@@ -5,7 +5,6 @@ use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
 
-use super::dense;
 use super::fractions::Fractions;
 use super::interface_maps::{InterfaceMaps, gram};
 use super::mode_split::ModeSplit;
@@ -13,7 +12,7 @@ use super::packed::Panel;
 use super::propagator::{StageResponse, StepPropagator};
 use super::quadrature::QuadratureRule;
 use super::time_grid::TimeGrid;
-use crate::modal::{ModalStateSpace, ModePair, StateMatrix};
+use crate::modal::{ModalStateSpace, ModePair};
 
 /// What the propagators of a run follow from.
 #[derive(Clone, Debug)]
@@ -67,20 +66,11 @@ impl Deref for PropagatorCache {
 impl PropagatorCache {
     /// Creates the cache of a key.
     pub fn new(key: Arc<PropagatorKey>) -> Self {
-        let PropagatorKey { linear, rule, maps, time_grid, spins } = &*key;
+        let PropagatorKey { maps, time_grid, .. } = &*key;
         let columns: Vec<f64> = maps.columns.iter().take(maps.coupled_loads).flatten().copied().collect();
         let gram = gram(&columns, maps.coupled_loads);
-        let (propagators, stage_responses) = match &linear.matrix {
-            StateMatrix::Pairs(_) => {
-                (vec![OnceLock::new(); time_grid.finest + 1], vec![OnceLock::new(); time_grid.finest + 1])
-            }
-            // Doubling a step yields the next longer one, so that all levels are computed together.
-            StateMatrix::Dense(matrix) => {
-                let phasors = |level| stage_phasors(rule, time_grid, spins, level);
-                let levels = dense::levels(matrix, rule, maps, time_grid, phasors);
-                levels.into_iter().map(|(propagator, response)| (propagator.into(), response.into())).unzip()
-            }
-        };
+        let propagators = vec![OnceLock::new(); time_grid.finest + 1];
+        let stage_responses = vec![OnceLock::new(); time_grid.finest + 1];
         let mode_splits = vec![OnceLock::new(); time_grid.finest + 1];
         let fractions = Fractions::new(time_grid);
         Self { gram, propagators, stage_responses, mode_splits, fractions, key }
@@ -92,12 +82,9 @@ impl PropagatorCache {
             .get_or_init(|| StepPropagator::of_pairs(self.pairs(), &self.rule, &self.maps, self.time_grid.step(level)))
     }
 
-    /// Slow and fast modes of a step of a level; `None` if A is dense, or a pair of modes is neither.
+    /// Slow and fast modes of a step of a level; `None` if a pair of modes is neither.
     pub fn mode_split(&self, level: usize) -> Option<&ModeSplit> {
-        let split = || match &self.linear.matrix {
-            StateMatrix::Pairs(pairs) => ModeSplit::new(pairs, self.time_grid.step(level), self.rule.whole.len()),
-            StateMatrix::Dense(_) => None,
-        };
+        let split = || ModeSplit::new(self.pairs(), self.time_grid.step(level), self.rule.whole.len());
         self.mode_splits[level].get_or_init(split).as_ref()
     }
 
@@ -109,9 +96,9 @@ impl PropagatorCache {
         })
     }
 
-    /// Mode pairs of the linear motion; none for the dense form, whose levels are all computed at construction.
+    /// Mode pairs of the linear motion. Motions with a dense matrix have no propagators.
     pub fn pairs(&self) -> &[ModePair] {
-        if let StateMatrix::Pairs(pairs) = &self.linear.matrix { pairs } else { &[] }
+        self.linear.pairs()
     }
 }
 

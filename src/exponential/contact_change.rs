@@ -1,21 +1,20 @@
-//! Contact changes within a step: location of the instant, and the jump of the loads.
+//! Location of contact changes within a step.
 //!
 //! This locator differs from `integrate::RungeKuttaEventLocator`, which bisects on the polynomial through both ends of a short step and
-//! repeats the step up to the change. Steps of the exponential method are long and end at units of the time grid only:
-//! the search starts from the margins of the flanks, the polynomial is corrected by its difference to the motion, and
-//! the new contact mode acts from the change on through a jump of the loads.
+//! repeats the step up to the change. Steps of the exponential method are long: the search starts from the margins of the
+//! flanks, and the polynomial is corrected by its difference to the motion. The motion up to the change is that of the step,
+//! and the next step begins at the change.
 
 use super::contact_monitor::{CandidateEvent, ContactMonitor};
 use super::context::StepInstant;
-use super::jump::POINTS;
 use super::step::{DefectScratch, Stepper};
 use super::substep::SubstepSampler;
 use super::trajectory::CompletedStep;
-use crate::integrate::{FirstOrderSystem as _, Halt, State, Statistics};
+use crate::integrate::Halt;
 use crate::numerics::bisect;
 
 /// The instant is located to this fraction of the step.
-const RESOLUTION: f64 = 1e-12;
+const EVENT_RESOLUTION: f64 = 1e-12;
 /// Factor by which the bracket around a predicted instant widens after it has missed the change.
 const WIDENING: f64 = 64.0;
 /// Half width of the bracket, as a fraction of the step, above which bisection takes over.
@@ -24,18 +23,16 @@ const MAX_BRACKET: f64 = 0.05;
 const MAX_SHIFT: f64 = 0.05;
 /// The instant is final if a correction moves it by no more than this fraction of the step.
 const FINAL_SHIFT: f64 = 1e-9;
-/// Points, as fractions of the rest of the step, at which the motion after the previous change is evaluated.
+/// Points, as fractions of the way to a change, at which the motion after the beginning of the step is evaluated.
 const POINTS_AFTER_CHANGE: [f64; 5] = [1e-4, 1e-3, 1e-2, 0.1, 0.5];
 /// Largest number of corrections of the polynomial.
 const MAX_CORRECTIONS: usize = 6;
 
-/// A contact change within a step.
+/// Fractions of a step: at the lower one the contact modes are the old ones, at the upper one they are new.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ContactChange {
-    /// Whole units from the beginning of the step to the last unit before the change.
-    pub units: u64,
-    /// Elapsed time of the change, s.
-    pub at: f64,
+struct Bracket {
+    low: f64,
+    high: f64,
 }
 
 /// Locates contact changes within a completed step.
@@ -49,14 +46,13 @@ pub(super) struct ExponentialEventLocator {
     /// Interface state minus its polynomial, near the change.
     interpolation_error: Vec<f64>,
     monitor: ContactMonitor,
-    /// Scratch: an interface state and loads.
+    /// Scratch: an interface state, loads and interpolated loads.
     interface_state: Vec<f64>,
     loads: Vec<f64>,
+    interpolated_loads: Vec<f64>,
     /// Scratch: positions of the ends of the paths of contact, in tooth pairs, with the first or last pair in contact, at
     /// both ends of the bracket.
     path_ends: [Vec<(f64, i64)>; 2],
-    /// Scratch: old loads minus new loads over the time from the unit to the change.
-    jumps: [Vec<f64>; POINTS],
 }
 
 impl ExponentialEventLocator {
@@ -72,7 +68,7 @@ impl ExponentialEventLocator {
             interface_state: vec![0.0; len],
             loads: vec![0.0; load_count],
             path_ends: [Vec::new(), Vec::new()],
-            jumps: std::array::from_fn(|_| vec![0.0; load_count]),
+            interpolated_loads: vec![0.0; load_count],
         }
     }
 
@@ -81,7 +77,7 @@ impl ExponentialEventLocator {
         DefectScratch {
             interface_state: &mut self.interface_state,
             loads: &mut self.loads,
-            interpolated: &mut self.jumps[0],
+            interpolated: &mut self.interpolated_loads,
         }
     }
 
@@ -91,50 +87,34 @@ impl ExponentialEventLocator {
         stepper.sharp || self.unchanged.is_empty() || self.unchanged.contains(&false)
     }
 
-    /// Finds the first contact change within the last step, from `pending` seconds after its beginning on. Up to there
-    /// the previous contact mode held. The new modes are left in [`Self::new_contact_modes`].
-    pub fn locate(
-        &mut self,
-        step: &CompletedStep<'_, '_>,
-        sampler: &mut SubstepSampler,
-        pending: f64,
-    ) -> Result<Option<ContactChange>, Halt> {
-        let bracket = self.bracket(step, sampler, pending)?;
+    /// Finds the elapsed time of the first contact change within the last step, s. The new modes are left in
+    /// [`Self::new_contact_modes`].
+    pub fn locate(&mut self, step: &CompletedStep<'_, '_>, sampler: &mut SubstepSampler) -> Result<Option<f64>, Halt> {
+        let bracket = self.bracket(step, sampler)?;
         self.interpolation_error.fill(0.0);
-        let Some((begin, high)) = bracket else {
+        let Some(bracket) = bracket else {
             return Ok(None);
         };
-        let change = match self.correct(step, sampler, (begin, high))? {
+        let change = match self.correct(step, sampler, bracket)? {
             Some(change) => Some(change),
             // The polynomial differs from the motion by more than the motion near the change, or flanks touch at the beginning.
-            None => self.bisect(step, sampler, pending, (begin, high))?,
+            None => self.bisect(step, sampler, bracket)?,
         };
         self.interpolation_error.fill(0.0);
-        let Some(change) = change else {
-            return Ok(None);
-        };
-        self.new_contact_modes.clone_from(&self.modes_after_change);
-        let time_grid = &step.stepper.context.cache.time_grid;
-        let substep = time_grid.units(time_grid.substep_level(step.level));
-        let substeps = time_grid.units(step.level) / substep;
-        let whole = ((change * substeps as f64).floor() as u64).min(substeps);
-        Ok(Some(ContactChange { units: whole * substep, at: step.time(change) }))
+        if change.is_some() {
+            self.new_contact_modes.clone_from(&self.modes_after_change);
+        }
+        Ok(change.map(|change| step.time(change)))
     }
 
     /// Finds two fractions of the step with the old and with a new contact mode, at the candidates and at the end.
-    fn bracket(
-        &mut self,
-        step: &CompletedStep<'_, '_>,
-        sampler: &mut SubstepSampler,
-        pending: f64,
-    ) -> Result<Option<(f64, f64)>, Halt> {
-        let since = step.begin + pending;
-        let mut low = (pending / step.length()).min(1.0);
-        self.monitor.search(step.stepper, &self.unchanged, low);
+    fn bracket(&mut self, step: &CompletedStep<'_, '_>, sampler: &mut SubstepSampler) -> Result<Option<Bracket>, Halt> {
+        let mut low = 0.0_f64;
+        self.monitor.search(step.stepper, &self.unchanged);
         for index in 0..=self.monitor.candidates.len() {
             let end = CandidateEvent { at: 1.0, is_minimum: false };
             let candidate = self.monitor.candidates.get(index).copied().unwrap_or(end);
-            if step.time(candidate.at) <= since {
+            if candidate.at <= 0.0 {
                 continue;
             }
             let differs = if candidate.is_minimum {
@@ -143,7 +123,7 @@ impl ExponentialEventLocator {
                 self.differs(step, candidate.at)?
             };
             if differs {
-                return Ok(Some((low, candidate.at)));
+                return Ok(Some(Bracket { low, high: candidate.at }));
             }
             low = low.max(candidate.at);
         }
@@ -157,9 +137,10 @@ impl ExponentialEventLocator {
         &mut self,
         step: &CompletedStep<'_, '_>,
         sampler: &mut SubstepSampler,
-        (begin, high): (f64, f64),
+        bracket: Bracket,
     ) -> Result<Option<f64>, Halt> {
-        let mut change = self.narrow(step, (begin, high))?;
+        let begin = bracket.low;
+        let mut change = self.narrow(step, bracket)?;
         self.keep_modes(step, change)?;
         for _ in 0..MAX_CORRECTIONS {
             if !step.stepper.loads().motion.motion_changes_contact_modes() {
@@ -170,12 +151,12 @@ impl ExponentialEventLocator {
                 return Ok(None);
             }
             self.measure_error(step, sampler, change);
-            let near = ((change - MAX_SHIFT).max(begin), (change + MAX_SHIFT).min(1.0));
-            if self.differs(step, near.0)? || !self.differs(step, near.1)? {
+            let near = Bracket { low: (change - MAX_SHIFT).max(begin), high: (change + MAX_SHIFT).min(1.0) };
+            if self.differs(step, near.low)? || !self.differs(step, near.high)? {
                 return Ok(None);
             }
             let corrected = self.narrow(step, near)?;
-            if corrected + RESOLUTION >= near.1 {
+            if corrected + EVENT_RESOLUTION >= near.high {
                 return Ok(None);
             }
             let shift = corrected - change;
@@ -194,8 +175,7 @@ impl ExponentialEventLocator {
         &mut self,
         step: &CompletedStep<'_, '_>,
         sampler: &mut SubstepSampler,
-        pending: f64,
-        (mut low, mut high): (f64, f64),
+        Bracket { mut low, mut high }: Bracket,
     ) -> Result<Option<f64>, Halt> {
         if !self.differs_on_motion(step, sampler, high)? {
             high = 1.0;
@@ -203,33 +183,32 @@ impl ExponentialEventLocator {
                 return Ok(None);
             }
         }
-        let begin = (pending / step.length()).min(1.0);
-        if low <= begin || self.differs_on_motion(step, sampler, low)? {
-            match self.first_unchanged(step, sampler, (begin, &mut high))? {
+        if low <= 0.0 || self.differs_on_motion(step, sampler, low)? {
+            match self.first_unchanged(step, sampler, &mut high)? {
                 Some(unchanged) => low = unchanged,
-                None => return Ok(Some(begin)),
+                None => return Ok(Some(0.0)),
             }
         }
-        let [_, high] = bisect(low, high, RESOLUTION, |middle| self.differs_on_motion(step, sampler, middle))?;
+        let [_, high] = bisect(low, high, EVENT_RESOLUTION, |middle| self.differs_on_motion(step, sampler, middle))?;
         self.differs_on_motion(step, sampler, high)?;
         self.modes_after_change.clone_from(&self.new_contact_modes);
         Ok(Some(high))
     }
 
-    /// Finds a fraction of the step after `begin` with the old contact modes, and moves `high` to a change after it.
+    /// Finds a fraction of the step with the old contact modes, and moves `high` to a change after it.
     ///
-    /// At the previous change, touching flanks have a deflection of round-off, and any contact mode can result. There the
+    /// Where a step begins at a change, touching flanks have a deflection of round-off, and any contact mode can result. There the
     /// modes on which two instants soon after agree hold from the beginning on, and the result is none.
     fn first_unchanged(
         &mut self,
         step: &CompletedStep<'_, '_>,
         sampler: &mut SubstepSampler,
-        (begin, high): (f64, &mut f64),
+        high: &mut f64,
     ) -> Result<Option<f64>, Halt> {
         let (mut unchanged, mut has_differed) = (None, false);
         let end = *high;
         for fraction in POINTS_AFTER_CHANGE {
-            let at = begin + fraction * (end - begin);
+            let at = fraction * end;
             if !self.differs_on_motion(step, sampler, at)? {
                 unchanged = Some(at);
             } else if unchanged.is_some() {
@@ -253,13 +232,13 @@ impl ExponentialEventLocator {
     }
 
     /// Narrows a bracket with the old contact mode at its lower and a new one at its upper end. Returns the upper end.
-    fn narrow(&mut self, step: &CompletedStep<'_, '_>, (mut low, mut high): (f64, f64)) -> Result<f64, Halt> {
+    fn narrow(&mut self, step: &CompletedStep<'_, '_>, Bracket { mut low, mut high }: Bracket) -> Result<f64, Halt> {
         // The ends of the path of contact move almost uniformly, so that an engagement can be predicted. The contact mode
         // is evaluated close to both sides of the prediction, further away after each miss. A change of the flanks is not
         // predicted.
-        let (mut half_width, mut predicts) = (RESOLUTION / 2.0, true);
-        while high - low > RESOLUTION {
-            let predicted = if predicts { self.predict_engagement(step, (low, high))? } else { None };
+        let (mut half_width, mut predicts) = (EVENT_RESOLUTION / 2.0, true);
+        while high - low > EVENT_RESOLUTION {
+            let predicted = if predicts { self.predict_engagement(step, Bracket { low, high })? } else { None };
             let Some(at) = predicted else {
                 predicts = false;
                 let middle = (low + high) / 2.0;
@@ -286,7 +265,7 @@ impl ExponentialEventLocator {
     fn predict_engagement(
         &mut self,
         step: &CompletedStep<'_, '_>,
-        (low, high): (f64, f64),
+        Bracket { low, high }: Bracket,
     ) -> Result<Option<f64>, Halt> {
         for (end, part) in [low, high].into_iter().enumerate() {
             self.move_to(step.stepper, part);
@@ -352,46 +331,5 @@ impl ExponentialEventLocator {
     ) -> Result<bool, Halt> {
         self.measure_error(step, sampler, part);
         self.differs(step, part)
-    }
-
-    /// Moves the state to the last unit before a change, at the elapsed time `unit_time`, and adopts the new contact
-    /// modes. They act from the change on: the state gets the effect of the old loads until then.
-    pub fn apply(
-        &mut self,
-        stepper: &mut Stepper<'_>,
-        sampler: &mut SubstepSampler,
-        (level, unit_time, within): (usize, f64, f64),
-        state: &mut State,
-        change: ContactChange,
-        statistics: &mut Statistics,
-    ) -> Result<(), Halt> {
-        let step = stepper.step_length(level);
-        let delay = change.at - unit_time;
-        let z = sampler.state_at(stepper, level, &state.y, within);
-        stepper.end_state.copy_from_slice(z);
-        let (z, at) = (&stepper.end_state, StepInstant { part: within / step, elapsed: unit_time });
-        stepper.interpolation_error(at, z, &mut self.interface_state, &mut self.interpolation_error);
-        let part = |point: usize| (within + delay * point as f64 / (POINTS - 1) as f64) / step;
-        for (point, jump) in self.jumps.iter_mut().enumerate() {
-            stepper.interpolate_loads(part(point), jump);
-        }
-        state.contact_modes.clear();
-        state.contact_modes.extend_from_slice(&self.new_contact_modes);
-        stepper.context.loads.motion.set_contact_modes(&state.contact_modes);
-        for point in (0..POINTS).rev() {
-            self.interpolate(stepper, part(point));
-            // Under the new loads, another path leads to the same motion at the change.
-            let time = state.elapsed + part(point) * step;
-            stepper.jumps.correct_path(&self.jumps[POINTS - 1], change.at - time, &mut self.interface_state);
-            stepper.evaluate_at(time, &self.interface_state, &mut self.loads)?;
-            statistics.evaluations += 1;
-            for (jump, new) in self.jumps[point].iter_mut().zip(&self.loads) {
-                *jump -= new;
-            }
-        }
-        self.interpolation_error.fill(0.0);
-        std::mem::swap(&mut state.y, &mut stepper.end_state);
-        stepper.jumps.apply(&stepper.context, delay, &self.jumps, &mut state.y);
-        Ok(())
     }
 }

@@ -10,7 +10,7 @@ const NEAR_FRACTION: f64 = 0.1;
 /// A minimum is refined on points that are closer together than the intervals by this factor.
 const MINIMUM_REFINEMENT: f64 = 16.0;
 
-/// Flanks touch at the last contact change if the margin there is below this fraction of its range, the level of round-off.
+/// Flanks touch at the beginning of the step, as after a contact change, if the margin there is below this fraction of its range, the level of round-off.
 const TOUCHING_FRACTION: f64 = 1e-8;
 /// A minimum so soon after touching flanks, as a fraction of the step, is round-off of their margin: its depth is at most
 /// the square of this fraction of the range.
@@ -40,20 +40,19 @@ impl ContactMonitor {
         Self { weights, candidates: Vec::with_capacity(connections * 2 * 2 * MARGIN_INTERVALS) }
     }
 
-    /// Finds the candidates of the last step for all connections whose flank contact is not `unchanged`. The current contact
-    /// modes hold from the fraction `since` of the step on.
-    pub fn search(&mut self, stepper: &Stepper<'_>, unchanged: &[bool], since: f64) {
+    /// Finds the candidates of the last step for all connections whose flank contact is not `unchanged`.
+    pub fn search(&mut self, stepper: &Stepper<'_>, unchanged: &[bool]) {
         self.candidates.clear();
         for (connection, _) in unchanged.iter().enumerate().filter(|(_, unchanged)| !**unchanged) {
             for margins in stepper.margins(connection) {
-                self.follow(&stepper.context.cache.rule, &margins, since);
+                self.follow(&stepper.context.cache.rule, &margins);
             }
         }
         self.candidates.sort_unstable_by(|a, b| a.at.total_cmp(&b.at));
     }
 
-    /// Adds the candidates of one flank with these margins after the fraction `since` of the step.
-    fn follow(&mut self, rule: &QuadratureRule, margins: &PointValues, since: f64) {
+    /// Adds the candidates of one flank with these margins.
+    fn follow(&mut self, rule: &QuadratureRule, margins: &PointValues) {
         let known = &margins[..rule.stages() + 2];
         let (least, most) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
         let range = most - least;
@@ -78,8 +77,7 @@ impl ContactMonitor {
             let middle = at + vertex([before, here, after]) / MARGIN_INTERVALS as f64;
             let around = [middle - spacing, middle, middle + spacing].map(|at| value(&rule.through(at)));
             let minimum = middle + spacing * vertex(around).clamp(-1.0, 1.0);
-            let touches = || value(&rule.through(since)).abs() <= TOUCHING_FRACTION * range;
-            let is_round_off = (minimum - since).abs() <= TOUCHING_TIME && touches();
+            let is_round_off = minimum.abs() <= TOUCHING_TIME && margins[0].abs() <= TOUCHING_FRACTION * range;
             if around[1] <= near && (0.0..=1.0).contains(&minimum) && !is_round_off {
                 self.candidates.push(CandidateEvent { at: minimum, is_minimum: true });
             }
@@ -98,8 +96,8 @@ mod tests {
     use super::*;
     use crate::exponential::quadrature::MAX_STAGES;
 
-    /// Candidates after `since` of a flank whose margin over the step is a parabola with the minimum −`depth` at `bottom`.
-    fn candidates_since(since: f64, stages: usize, bottom: f64, depth: f64) -> Vec<CandidateEvent> {
+    /// Candidates of a flank whose margin over the step is a parabola with the minimum −`depth` at `bottom`.
+    fn candidates(stages: usize, bottom: f64, depth: f64) -> Vec<CandidateEvent> {
         let rule = QuadratureRule::gauss(stages);
         let mut contact_monitor = ContactMonitor::new(&rule, 1);
         let mut margins = [0.0; MAX_STAGES + 2];
@@ -107,23 +105,17 @@ mod tests {
         for (margin, at) in margins.iter_mut().zip(instants) {
             *margin = (at - bottom).powi(2) - depth;
         }
-        contact_monitor.follow(&rule, &margins, since);
+        contact_monitor.follow(&rule, &margins);
         contact_monitor.candidates
-    }
-
-    fn candidates(stages: usize, bottom: f64, depth: f64) -> Vec<CandidateEvent> {
-        candidates_since(0.0, stages, bottom, depth)
     }
 
     #[test]
     fn round_off_of_touching_flanks_is_no_candidate() {
         for stages in 1..=4 {
-            for since in [0.0, 0.04] {
-                assert_eq!(candidates_since(since, stages, since + 5e-6, 1e-11), [], "{stages} {since}");
-                // A deeper minimum, or a later one, can be a contact change.
-                for (bottom, depth) in [(since + 5e-6, 1e-7), (since + 5e-4, 1e-9)] {
-                    assert_eq!(candidates_since(since, stages, bottom, depth).len(), 1, "{stages} {since} {bottom}");
-                }
+            assert_eq!(candidates(stages, 5e-6, 1e-11), [], "{stages}");
+            // A deeper minimum, or a later one, can be a contact change.
+            for (bottom, depth) in [(5e-6, 1e-7), (5e-4, 1e-9)] {
+                assert_eq!(candidates(stages, bottom, depth).len(), 1, "{stages} {bottom}");
             }
         }
     }

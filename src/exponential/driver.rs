@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::Outcome;
-use super::contact_change::{ContactChange, ExponentialEventLocator};
+use super::contact_change::ExponentialEventLocator;
 use super::context::{StepInstant, StepSpan};
 use super::level_control::{DOUBLING_FRACTION, LevelControl, level_for_error};
 use super::output::OutputMap;
@@ -72,7 +72,11 @@ impl Driver {
     fn new(stepper: &Stepper<'_>, control: LevelControl, state: &mut State) -> Self {
         let time_grid = stepper.context.cache.time_grid;
         let own = match std::mem::take(&mut state.method) {
-            MethodState::Exponential(own) if own.time_base + time_grid.time(state.count) == state.elapsed => own,
+            MethodState::Exponential(own)
+                if own.time_base + time_grid.time(state.count) + own.since_unit == state.elapsed =>
+            {
+                own
+            }
             // The state has another time grid. Units count from here.
             _ => {
                 (state.count, state.next_step) = (0, 0.0);
@@ -114,11 +118,9 @@ impl Driver {
             let units = self.units_to_grid(state.count, accepted.level);
             let locates = switches && self.changes_at_this_time < MAX_CHANGES_AT_ONE_TIME;
             let change = if locates { self.locate(stepper, accepted.level, state)? } else { None };
-            let until = change.map_or(state.elapsed + self.time_grid.time(units), |change| change.at);
-            let kept = change.map_or(units, |change| change.units);
-            if kept < self.time_grid.units(accepted.level)
-                && self.exceeds_tolerance(stepper, accepted.level, state, kept, statistics)?
-            {
+            let until = change.unwrap_or_else(|| self.time(state.count + units));
+            let is_whole = change.is_none() && self.is_whole(units, accepted.level);
+            if !is_whole && self.exceeds_tolerance(stepper, accepted.level, state, until, statistics)? {
                 statistics.rejected += 1;
                 self.level = accepted.level + 1;
                 continue;
@@ -245,7 +247,10 @@ impl Driver {
     ) -> Result<Outcome, Halt> {
         let solve_tolerance = self.control.solve_tolerance(self.size, stepper.context.cache.linear.includes_meshes);
         let history = &self.own.history;
-        let end = self.time(state.count + self.time_grid.units(level));
+        let end = match self.own.since_unit {
+            0.0 => self.time(state.count + self.time_grid.units(level)),
+            _ => state.elapsed + self.time_grid.step(level),
+        };
         let span = StepSpan { level, begin: state.elapsed, end };
         stepper.solver.guess(&stepper.context, span, &stepper.begin, history, &mut stepper.stages);
         match stepper.step(span, &state.y, solve_tolerance, statistics) {
@@ -255,13 +260,8 @@ impl Driver {
         }
     }
 
-    /// Locates the first contact change within the last step.
-    fn locate(
-        &mut self,
-        stepper: &mut Stepper<'_>,
-        level: usize,
-        state: &State,
-    ) -> Result<Option<ContactChange>, Halt> {
+    /// Elapsed time of the first contact change within the last step, s.
+    fn locate(&mut self, stepper: &mut Stepper<'_>, level: usize, state: &State) -> Result<Option<f64>, Halt> {
         let end = state.elapsed + self.time_grid.step(level);
         if !self.locator.is_possible(stepper) && !stepper.loads().motion.leaves_piece(end) {
             return Ok(None);
@@ -269,28 +269,28 @@ impl Driver {
         if stepper.loads().motion.motion_changes_contact_modes() {
             stepper.stages.refresh(&stepper.context, level);
         }
-        self.locator.locate(&completed(stepper, level, state), &mut self.sampler, self.own.pending_change)
+        self.locator.locate(&completed(stepper, level, state), &mut self.sampler)
     }
 
-    /// Whether the loads at the end of the part of a step that is kept, `units` long, differ from the polynomial by more
-    /// than the tolerance. The polynomial is less accurate there than at the end of the step.
+    /// Whether the loads at the end of the part of a step that is kept, up to the elapsed time `until`, differ from the
+    /// polynomial by more than the tolerance. The polynomial is less accurate there than at the end of the step.
     fn exceeds_tolerance(
         &mut self,
         stepper: &mut Stepper<'_>,
         level: usize,
         state: &State,
-        units: u64,
+        until: f64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
         let LevelControl::Adaptive { rtol, floor, .. } = self.control else {
             return Ok(false);
         };
-        if level == self.time_grid.finest || units == 0 {
+        let within = until - state.elapsed;
+        if level == self.time_grid.finest || within <= 0.0 {
             return Ok(false);
         }
-        let within = self.time_grid.time(units);
         let z = self.sampler.state_at(stepper, level, &state.y, within);
-        let at = StepInstant { part: within / self.time_grid.step(level), elapsed: state.elapsed + within };
+        let at = StepInstant { part: within / self.time_grid.step(level), elapsed: until };
         let defect = stepper.defect_at(at, z, self.locator.scratch())?;
         statistics.evaluations += 1;
         Ok(within * defect > rtol * self.size.max(floor))
@@ -303,7 +303,7 @@ impl Driver {
         output: &mut OutputMap,
         level: usize,
         state: &State,
-        change: ContactChange,
+        change: f64,
         observer: &mut impl Observer,
     ) {
         let loads = stepper.loads();
@@ -313,36 +313,41 @@ impl Driver {
         }
         let sampler = &mut self.sampler;
         let mut read = |q: &mut [f64], v: &mut [f64]| {
-            let z = sampler.state_at(stepper, level, &state.y, change.at - state.elapsed);
-            output.read(loads, change.at, z, q, v);
+            let z = sampler.state_at(stepper, level, &state.y, change - state.elapsed);
+            output.read(loads, change, z, q, v);
         };
-        observer.switched(change.at, &mut read, &self.locator.new_contact_modes);
+        observer.switched(change, &mut read, &self.locator.new_contact_modes);
     }
 
-    /// Advances to the last unit before a contact change and adopts the new contact modes.
+    /// Advances to a contact change at an elapsed time, s, and adopts the new contact modes. The next step begins there.
     fn switch(
         &mut self,
         stepper: &mut Stepper<'_>,
         level: usize,
         state: &mut State,
-        change: ContactChange,
+        change: f64,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         stepper.stages.refresh(&stepper.context, level);
-        let (unit_time, within) = (self.time(state.count + change.units), self.time_grid.time(change.units));
-        let place = (level, unit_time, within);
-        self.locator.apply(stepper, &mut self.sampler, place, state, change, statistics)?;
-        state.count += change.units;
-        state.elapsed = unit_time;
-        self.own.pending_change = change.at - unit_time;
+        let within = change - state.elapsed;
+        let z = self.sampler.state_at(stepper, level, &state.y, within);
+        stepper.end_state.copy_from_slice(z);
+        std::mem::swap(&mut state.y, &mut stepper.end_state);
+        state.contact_modes.clone_from(&self.locator.new_contact_modes);
+        stepper.context.loads.motion.set_contact_modes(&state.contact_modes);
+        let substep = self.time_grid.substep_level(level);
+        let substeps = ((change - self.time(state.count)) / self.time_grid.step(substep)).floor() as u64;
+        self.changes_at_this_time = if substeps == 0 { self.changes_at_this_time + 1 } else { 0 };
+        state.count += substeps * self.time_grid.units(substep);
+        self.own.since_unit = change - self.time(state.count);
+        state.elapsed = self.time(state.count) + self.own.since_unit;
         // The error of the step that ends here also holds for the next steps.
         state.next_step = self.time_grid.step(self.level);
         self.own.history.clear();
         statistics.events += 1;
-        self.changes_at_this_time = if change.units == 0 { self.changes_at_this_time + 1 } else { 0 };
         stepper.evaluate_begin(state.elapsed, &state.y, statistics)?;
         self.size = self.reference_size(stepper, stepper.size(&state.y, &stepper.begin), &stepper.begin);
-        if change.units > 0 {
+        if within > 0.0 {
             statistics.accept(within, false);
         }
         Ok(())
@@ -358,11 +363,12 @@ impl Driver {
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         self.changes_at_this_time = 0;
-        let (length, is_whole) = (self.time_grid.time(units), units == self.time_grid.units(level));
+        let (end, is_whole) = (self.time(state.count + units), self.is_whole(units, level));
+        let length = if is_whole { self.time_grid.time(units) } else { end - state.elapsed };
         if !is_whole {
             let z = self.sampler.state_at(stepper, level, &state.y, length);
             stepper.end_state.copy_from_slice(z);
-            stepper.evaluate_end(self.time(state.count + units), statistics)?;
+            stepper.evaluate_end(end, statistics)?;
             self.size = self.reference_size(stepper, stepper.size(&stepper.end_state, &stepper.end), &stepper.end);
         }
         for (range, contact) in self.own.force_ranges.iter_mut().zip(&stepper.end.contacts) {
@@ -370,9 +376,8 @@ impl Driver {
         }
         stepper.commit(&mut state.y);
         state.count += units;
-        let before = state.elapsed;
-        state.elapsed = self.time(state.count);
-        self.own.pending_change = (before + self.own.pending_change - state.elapsed).max(0.0);
+        state.elapsed = end;
+        self.own.since_unit = 0.0;
         state.previous_error = error;
         state.next_step = self.time_grid.step(self.level);
         self.own.history.clear();
@@ -381,6 +386,11 @@ impl Driver {
         }
         statistics.accept(length, level == 0);
         Ok(())
+    }
+
+    /// Whether a step of a level ends where `units` units do: it is as long, and begins at a unit.
+    fn is_whole(&self, units: u64, level: usize) -> bool {
+        units == self.time_grid.units(level) && self.own.since_unit == 0.0
     }
 
     /// Energy norm that the tolerance of a step to the point `end` is relative to, for a motion of the norm `size`.

@@ -80,7 +80,7 @@ impl Powers {
 impl Fractions {
     /// The tables of a time grid.
     pub fn new(time_grid: &TimeGrid) -> Self {
-        let digits = (time_grid.event + FURTHER_HALVINGS).div_ceil(BITS);
+        let digits = (time_grid.substep + FURTHER_HALVINGS).div_ceil(BITS);
         let unit = time_grid.longest / (1_u64 << (BITS * digits)) as f64;
         let digit = |position| Powers::new(unit * (1_u64 << (BITS * position)) as f64, VALUES);
         let parts = vec![OnceLock::new(); time_grid.finest + 1];
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn fractions_give_the_exponential_of_parts_of_a_step() {
-        let time_grid = TimeGrid { longest: 4e-4, finest: 3, event: 2 };
+        let time_grid = TimeGrid { longest: 4e-4, finest: 3, substep: 2 };
         let fractions = Fractions::new(&time_grid);
         let value = Complex64::new(-30.0, 2e5);
         let of_hundredths = |count: usize| (count as f64 / 100.0, Fraction::Hundredths(count));
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn digits_give_the_exponential_of_any_number_of_units() {
-        let time_grid = TimeGrid { longest: 4e-4, finest: 20, event: 9 };
+        let time_grid = TimeGrid { longest: 4e-4, finest: 20, substep: 9 };
         let fractions = Fractions::new(&time_grid);
         let value = Complex64::new(-30.0, 2e5);
         let pairs = [ModePair::Oscillation(value); 8];

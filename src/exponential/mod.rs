@@ -9,14 +9,14 @@
 //!
 //! If flanks can separate, the linear part contains no mesh and consists of independent parts.
 //!
-//! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length, so that
+//! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length or at a contact change, so that
 //! the propagators of a few lengths serve all steps.
 //!
 //! - Loads: `loads`, `prescribed`, `rotating_source`, `changing_speed`, `interface_maps`.
-//! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`, `dense`.
+//! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`.
 //! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `tangent_solver`, `small_lu`, `estimate`.
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
-//! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`, `jump`.
+//! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`.
 //! - The motion within a step: `substep` with `load_polynomials`, `substep_modes` (`mode_split`, `fractions`) and
 //!   `substep_chain`; `trajectory`, `output` with `accelerations` and `state_map`.
 //! - `in_modes`: the same equation for Runge–Kutta methods.
@@ -27,13 +27,11 @@ mod changing_speed;
 mod contact_change;
 mod contact_monitor;
 mod context;
-mod dense;
 mod driver;
 mod estimate;
 mod fractions;
 mod in_modes;
 mod interface_maps;
-mod jump;
 mod kernel;
 mod level_control;
 mod load_polynomials;

@@ -124,21 +124,6 @@ impl Columns {
         }
         Self { parts: touched, values: aligned(&values) }
     }
-
-    /// `out += Σ columns[k] p[k]`.
-    pub fn add(&self, p: &[f64], out: &mut [f64]) {
-        let (x, y) = out.split_at_mut(out.len() / 2);
-        let mut values = self.values.iter();
-        for part in &self.parts {
-            for block in part.blocks() {
-                for p in part.columns.iter().map(|k| p[*k]) {
-                    for out in [&mut *x, &mut *y].into_iter().flat_map(|half| &mut half[block.clone()]) {
-                        *out += values.next().map_or(0.0, |value| value * p);
-                    }
-                }
-            }
-        }
-    }
 }
 
 /// Short columns in chunks of [`WIDTH`] entries. The chunks of all columns for the same entries are adjacent.

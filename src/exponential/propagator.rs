@@ -17,20 +17,11 @@ use super::quadrature::QuadratureRule;
 use super::{kernel, panel_kernel};
 use crate::modal::ModePair;
 
-/// e^{Ah}.
-#[derive(Clone, Debug)]
-pub enum Transition {
-    /// One block [[a, b], [c, d]] for each mode pair, as the lists of a, b, c and d.
-    Pairs([Aligned; 4]),
-    /// e^{Ah} − 1, row after row.
-    Dense(Vec<f64>),
-}
-
 /// Map from the state and the stage loads to the state at the end of a step.
 #[derive(Clone, Debug)]
 pub struct StepPropagator {
-    /// e^{Ah}.
-    pub transition: Transition,
+    /// e^{Ah}: one block [[a, b], [c, d]] for each mode pair, as the lists of a, b, c and d.
+    pub transition: [Aligned; 4],
     /// h ψ_j b of stage j and load k, at j·loads + k.
     pub columns: Columns,
     /// Gram matrix of h ∫₀¹ e^{Ah(1−τ)} π(τ) dτ b over the loads that depend on the motion: a load defect
@@ -44,7 +35,7 @@ impl StepPropagator {
         let whole: Vec<_> = pairs.iter().map(|pair| phi_of_pair(pair, step)).collect();
         let list = |row: usize, column: usize| whole.iter().map(|phi| phi[0][row][column]).collect::<Vec<_>>();
         let entry = |row: usize, column: usize| aligned(&list(row, column));
-        let transition = Transition::Pairs([entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)]);
+        let transition = [entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)];
         let mut columns = Vec::with_capacity(rule.stages() * maps.columns.len());
         for lagrange in &rule.lagrange {
             let psi = integrals(lagrange, &whole, 1.0, step);
@@ -58,16 +49,7 @@ impl StepPropagator {
 
     /// `out = e^{Ah} z + Σ_j h ψ_j b p_j`. `p` holds the loads stage after stage.
     pub fn advance(&self, arch: Arch, p: &[f64], z: &[f64], out: &mut [f64]) {
-        match &self.transition {
-            Transition::Pairs(blocks) => kernel::advance(arch, blocks, &self.columns, p, z, out),
-            Transition::Dense(matrix) => {
-                kernel::scalars(arch, matrix, z, out);
-                for (out, z) in out.iter_mut().zip(z) {
-                    *out += z;
-                }
-                self.columns.add(p, out);
-            }
-        }
+        kernel::advance(arch, &self.transition, &self.columns, p, z, out);
     }
 
     /// Energy norm of the error from a load defect d π(τ) with d = `defect`, N.

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::cache::PropagatorCache;
 use super::context::{SourcePhasors, StepContext, StepInstant, StepSpan};
 use super::estimate::ErrorEstimator;
-use super::jump::JumpSeries;
 use super::loads::Loads;
 use super::quadrature::{MAX_STAGES, PointValues};
 use super::solve::LoadSolver;
@@ -33,7 +32,6 @@ pub struct Stepper<'m> {
     pub(super) stages: Stages,
     pub(super) solver: LoadSolver,
     pub(super) estimator: ErrorEstimator,
-    pub(super) jumps: JumpSeries,
     /// State z at the end of the last step.
     pub(super) end_state: Vec<f64>,
     /// Number of steps tried.
@@ -59,7 +57,6 @@ impl<'m> Stepper<'m> {
             stages: Stages::new(&loads, cache.rule.stages()),
             solver: LoadSolver::new(&loads, &cache),
             estimator: ErrorEstimator::new(loads.coupled_load_count()),
-            jumps: JumpSeries::new(&cache.linear, &cache.maps),
             end_state: vec![0.0; cache.linear.len()],
             steps: 0,
             levels: None,

@@ -32,7 +32,7 @@ impl SubstepChain {
         let len = cache.linear.len();
         Self {
             substeps: 0,
-            states: vec![vec![0.0; len]; cache.time_grid.event + 1],
+            states: vec![vec![0.0; len]; cache.time_grid.substep + 1],
             remainder_state: vec![0.0; len],
             derivatives: vec![0.0; stepper.loads().load_count() * cache.rule.whole.len()],
             loads: vec![0.0; stepper.stages.loads.len()],

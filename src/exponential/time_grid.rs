@@ -1,6 +1,6 @@
 //! Integer time: a count of units, and the step lengths that are powers of two of the unit.
 //!
-//! A step starts at a multiple of its length. Steps and output times therefore meet, and the propagator of a length
+//! A step starts at a multiple of its length, or at a contact change. Steps and output times therefore meet, and the propagator of a length
 //! serves all steps of that length.
 
 /// The unit of time and the step lengths. Step level 0 is the longest; each level is half as long as the one before.
@@ -10,8 +10,8 @@ pub struct TimeGrid {
     pub longest: f64,
     /// Step level of the shortest step, which is one unit long.
     pub finest: usize,
-    /// Step level of the shortest step at which contact changes end a step. No mode rotates by a radian within it.
-    pub event: usize,
+    /// Step level of the shortest substep. No mode rotates by a radian within it.
+    pub substep: usize,
 }
 
 impl TimeGrid {
@@ -40,9 +40,9 @@ impl TimeGrid {
         (0..self.finest).find(|level| self.step(*level) <= length).unwrap_or(self.finest)
     }
 
-    /// Level of the shortest substep within a step: the event level, or the step itself if it is shorter.
+    /// Level of the shortest substep within a step; the step itself if it is shorter.
     pub fn substep_level(&self, step_level: usize) -> usize {
-        step_level.max(self.event)
+        step_level.max(self.substep)
     }
 }
 
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn steps_fit_into_each_other() {
-        let time_grid = TimeGrid { longest: 5e-5, finest: 8, event: 5 };
+        let time_grid = TimeGrid { longest: 5e-5, finest: 8, substep: 5 };
         for level in 0..=time_grid.finest {
             assert_eq!(time_grid.time(time_grid.units(level)), time_grid.step(level));
             assert_eq!(
@@ -60,7 +60,7 @@ mod tests {
                 [level; 2]
             );
             let substep = time_grid.substep_level(level);
-            assert!(substep >= time_grid.event && time_grid.units(substep) <= time_grid.units(level));
+            assert!(substep >= time_grid.substep && time_grid.units(substep) <= time_grid.units(level));
         }
         assert_eq!([time_grid.level_of(f64::INFINITY), time_grid.level_of(0.0)], [0, time_grid.finest]);
     }

@@ -108,7 +108,7 @@ impl FilmTable {
             for i in 0..count {
                 let centre = at_ratio(&mut solver, 0.0, psi, angle(i));
                 for node in 0..RADIAL_NODES {
-                    let value = deviation(&mut solver, node, (psi, angle(i)), centre);
+                    let value = deviation(&mut solver, node, psi, angle(i), centre);
                     values[at(node, turn, i)] = value;
                     if axis.is_some() {
                         values[at(node, turns - turn, VELOCITY_DIRECTIONS - i)] = [value[0], -value[1]];
@@ -219,7 +219,7 @@ fn at_ratio(solver: &mut Reynolds, ratio: f64, psi: f64, gamma: f64) -> Vector {
 }
 
 /// h over (e_ψ, e_ψ⊥) at a node in ξ, for the directions ψ of u and ψ + γ of w; `centre` is f at ε = 0.
-fn deviation(solver: &mut Reynolds, node: usize, (psi, gamma): (f64, f64), centre: Vector) -> Vector {
+fn deviation(solver: &mut Reynolds, node: usize, psi: f64, gamma: f64, centre: Vector) -> Vector {
     let xi = MAX_RADIAL_COORDINATE * node as f64 / (RADIAL_NODES - 1) as f64;
     let ratio = xi * (2.0 - xi);
     let mut at = |ratio: f64| at_ratio(solver, ratio, psi, gamma);

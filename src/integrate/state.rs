@@ -41,8 +41,8 @@ pub enum MethodState {
 pub struct ExponentialState {
     /// Elapsed time of unit zero of the time grid, s.
     pub time_base: f64,
-    /// Time from the state to the contact change that is adopted already, s; zero if the change is in the past.
-    pub pending_change: f64,
+    /// Time from the unit `count` of the state to the state, s: positive after a contact change, until the next unit.
+    pub since_unit: f64,
     /// Range of the force of each connection since the origin, or since the last change of the method; empty before the first
     /// step.
     pub force_ranges: Vec<ForceRange>,
@@ -101,12 +101,12 @@ impl State {
         }
     }
 
-    /// The offset of the elapsed time that the method keeps, s: `compensation` or `pending_change`.
+    /// The offset of the elapsed time that the method keeps, s: `compensation` or `since_unit`.
     pub fn time_offset(&self) -> f64 {
         match &self.method {
             MethodState::Start => 0.0,
             MethodState::RungeKutta { compensation } => *compensation,
-            MethodState::Exponential(own) => own.pending_change,
+            MethodState::Exponential(own) => own.since_unit,
         }
     }
 
@@ -191,14 +191,14 @@ impl Numbers<'_> {
         (vector.len() as f64 == len).then(|| vector.to_vec())
     }
 
-    fn exponential(&mut self, pending_change: f64) -> Option<ExponentialState> {
+    fn exponential(&mut self, since_unit: f64) -> Option<ExponentialState> {
         let (loads, interface_states, residual_tangent) = (self.vector()?, self.vector()?, self.vector()?);
         let ranges = self.vector()?;
         let force_ranges =
             ranges.chunks_exact(2).map(|range| ForceRange { smallest: range[0], largest: range[1] }).collect();
         let (time_base, step, contraction) = (self.number()?, self.number()?, self.number()?);
         let history = StepHistory { loads, interface_states, residual_tangent, step, contraction };
-        self.0.is_empty().then_some(ExponentialState { time_base, pending_change, force_ranges, history })
+        self.0.is_empty().then_some(ExponentialState { time_base, since_unit, force_ranges, history })
     }
 }
 
@@ -215,7 +215,7 @@ mod tests {
             contraction: f64::INFINITY,
         };
         let force_ranges = vec![ForceRange::of(-3.0).with(4.0), ForceRange::of(0.0)];
-        let own = ExponentialState { time_base: 0.5, pending_change: 1e-9, force_ranges, history };
+        let own = ExponentialState { time_base: 0.5, since_unit: 1e-9, force_ranges, history };
         let modal = vec![0.25, -0.5];
         let compensated = MethodState::RungeKutta { compensation: -1e-17 };
         [

@@ -162,6 +162,16 @@ impl ModalStateSpace {
         }
     }
 
+    /// Whether modes are so nearly parallel that A is dense: neither propagators nor reductions exist.
+    pub fn is_parallel(&self) -> bool {
+        matches!(self.matrix, StateMatrix::Dense(_))
+    }
+
+    /// The mode pairs, one for each slot; none if A is dense.
+    pub fn pairs(&self) -> &[ModePair] {
+        if let StateMatrix::Pairs(pairs) = &self.matrix { pairs } else { &[] }
+    }
+
     /// Number of entries of z.
     pub fn len(&self) -> usize {
         2 * self.slots
@@ -224,9 +234,8 @@ impl ModalStateSpace {
     /// to which a force is projected. A Galerkin projection on a space that contains them keeps their eigenvalues. Empty if A
     /// is dense.
     pub fn growing_shapes(&self, speed: f64) -> DMatrix<f64> {
-        let pairs = if let StateMatrix::Pairs(pairs) = &self.matrix { &pairs[..] } else { &[] };
         let mut shapes = Vec::new();
-        for (slot, pair) in pairs.iter().enumerate() {
+        for (slot, pair) in self.pairs().iter().enumerate() {
             let grows = pair.eigenvalues().map(|value| is_growing(value, speed));
             let entries = [slot, self.slots + slot].into_iter().zip(grows);
             for (entry, _) in entries.filter(|(_, grows)| *grows) {
@@ -239,7 +248,7 @@ impl ModalStateSpace {
 
     /// Eigenvalues of A, rad/s, without those of rigid-body motions; none if A is dense.
     pub fn eigenvalues(&self) -> Vec<Complex64> {
-        let pairs = if let StateMatrix::Pairs(pairs) = &self.matrix { &pairs[..] } else { &[] };
+        let pairs = self.pairs();
         let used = pairs.iter().take(if self.parts.len() > 1 { pairs.len() } else { self.modes });
         used.filter(|pair| !matches!(pair, ModePair::RigidBodyPair(_))).flat_map(ModePair::eigenvalues).collect()
     }

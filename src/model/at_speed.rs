@@ -46,8 +46,8 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
     let mut found = Vec::new();
     for (number, bearing) in scene.bearings.iter().enumerate() {
         if let Some((law, rows)) = law(bearing).zip(bearing_rows(scene, numbering, bearing)) {
-            let turning = (scene.shafts.len() + found.len(), scene.speed_ratios[bearing.node.shaft]);
-            found.push(NonlinearBearing::new(number, rows, turning, law));
+            let (turning, ratio) = (scene.shafts.len() + found.len(), scene.speed_ratios[bearing.node.shaft]);
+            found.push(NonlinearBearing::new(number, rows, turning, ratio, law));
         }
     }
     found

@@ -178,7 +178,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
         }
     }
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        hold(scene, numbering, (number, bearing), &mut links);
+        hold(scene, numbering, number, bearing, &mut links);
         let (Some(stiffness), Some(damping)) = (bearing.stiffness.constant(), bearing.damping.constant()) else {
             continue;
         };
@@ -194,7 +194,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
 
 /// Springs and dampers of a bearing along the axis and against tilting, relative to what the bearing stands on: a support may
 /// move along the axis, and a housing that rotates moves along the axis at the place of the bearing and tilts.
-fn hold(scene: &Scene, numbering: &Numbering, (number, bearing): (usize, &Bearing), links: &mut Vec<Link>) {
+fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, links: &mut Vec<Link>) {
     let name = format!("bearings[{number}]");
     let base = bearing.attachment.map(|Attachment { housing, arm }| {
         (Node { shaft: scene.shafts.len() + housing, node: 0 }, arm, &scene.housings[housing])

@@ -10,8 +10,8 @@ use super::errors::warn;
 use super::handle::PyModel;
 use super::options::RecordEntry;
 use super::response::response_dict;
-use crate::analysis::simulate::{self, Options, RecordPlan};
-use crate::analysis::{AnalysisError, small_displacement_check};
+use crate::analysis::simulate::{self, Method, Options, RecordPlan};
+use crate::analysis::{AnalysisError, parallel_modes_check, small_displacement_check};
 
 /// Runs a simulation and calls `progress` with the completed fraction.
 ///
@@ -28,6 +28,7 @@ pub fn simulate<'py>(
     let plan = RecordPlan::new(owner.model(), &requests.collect::<Result<Vec<_>, _>>()?)?;
     plan.require_memory(owner.model(), options.times.len())?;
     let cached = Arc::clone(&owner.cached);
+    let is_exponential = options.method == Method::Exponential;
     let ((outcome, plan), raised) = background::run(py, progress, move |_, watch| {
         let outcome = simulate::simulate(&cached, &options, &plan, watch);
         (outcome, plan)
@@ -35,11 +36,12 @@ pub fn simulate<'py>(
     match outcome {
         Ok(response) => {
             let largest = response.record.displacement.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            let parallel = parallel_modes_check(response.condition).filter(|_| is_exponential);
             let response = response_dict(owner, py, &plan, response)?;
             // Python may raise after the last report.
             let mut reported = raised.map_or(Ok(()), Err);
-            if let Some(text) = small_displacement_check(owner.model(), largest).filter(|_| reported.is_ok()) {
-                reported = warn(py, text);
+            for text in small_displacement_check(owner.model(), largest).into_iter().chain(parallel) {
+                reported = reported.and_then(|()| warn(py, text));
             }
             if let Some(progress) = progress.filter(|_| reported.is_ok()) {
                 reported = progress.call1(py, (1.0,)).map(|_| ());

@@ -134,8 +134,8 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
         let message = format!("{profile_shift} is a multiple of the module, which is not given; give module");
         return Err(at.field("profile_shift").error(message));
     }
-    let angles = (transverse_pressure_angle(pressure_angle, helix_angle), helix_angle.cos());
-    let (module, base_radius) = module_and_base_radius(given, module_given, angles, at)?;
+    let transverse = transverse_pressure_angle(pressure_angle, helix_angle);
+    let (module, base_radius) = module_and_base_radius(given, module_given, transverse, helix_angle.cos(), at)?;
     let pitch_radius = module / helix_angle.cos() * f64::from(given.teeth) / 2.0;
     let full_depth = full_depth_tip_radius(pitch_radius, module, profile_shift);
     let tip_radius = optional(given.tip_radius, "tip_radius", at)?.unwrap_or(full_depth);
@@ -180,13 +180,14 @@ fn transverse_pressure_angle(normal: f64, helix_angle: f64) -> f64 {
 fn module_and_base_radius(
     given: &description::Gear,
     module: Option<f64>,
-    (pressure_angle, helix): (f64, f64),
+    pressure_angle: f64,
+    helix_cosine: f64,
     at: &EntryPath,
 ) -> Result<(f64, f64), SceneError> {
     let teeth = f64::from(given.teeth);
     match (module, optional(given.base_radius, "base_radius", at)?) {
         (Some(module), Some(base)) => {
-            let expected = module / helix * teeth / 2.0 * pressure_angle.cos();
+            let expected = module / helix_cosine * teeth / 2.0 * pressure_angle.cos();
             if (base - expected).abs() > BASE_PITCH_TOLERANCE * expected {
                 let message =
                     format!("{base} m is not the base radius of this module and pressure angle, {expected} m");
@@ -194,8 +195,8 @@ fn module_and_base_radius(
             }
             Ok((module, base))
         }
-        (Some(module), None) => Ok((module, module / helix * teeth / 2.0 * pressure_angle.cos())),
-        (None, Some(base)) => Ok((2.0 * base / (teeth * pressure_angle.cos()) * helix, base)),
+        (Some(module), None) => Ok((module, module / helix_cosine * teeth / 2.0 * pressure_angle.cos())),
+        (None, Some(base)) => Ok((2.0 * base / (teeth * pressure_angle.cos()) * helix_cosine, base)),
         (None, None) => Err(at.error("needs module or base_radius")),
     }
 }

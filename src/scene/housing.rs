@@ -5,7 +5,8 @@
 use super::description::{self, Base, SceneDescription};
 use super::place::{Names, own_supports};
 use super::speed_table::checked;
-use super::{Coupling, EntryPath, Gear, Matrix2, Mesh, Node, SceneError, Shaft, nearest};
+use super::train::Train;
+use super::{Coupling, EntryPath, Matrix2, Node, SceneError, Shaft, nearest};
 
 /// A rigid body on springs and dampers, on which bearings stand.
 #[derive(Clone, Debug)]
@@ -81,7 +82,7 @@ pub(super) fn attachments(
     system: &SceneDescription,
     names: &Names,
     shafts: &[Shaft],
-    train: (&[Gear], &[Mesh], &[Coupling]),
+    train: Train<'_>,
     housings: &[Housing],
 ) -> Result<Vec<Option<Attachment>>, SceneError> {
     let origins = origins(shafts, train);
@@ -116,7 +117,7 @@ pub(super) fn attachments(
 
 /// Left end (x, y, z) of each shaft, m. The first shaft begins at the origin; meshes and couplings give the positions of
 /// the shafts relative to each other; a shaft without them begins at the origin too.
-fn origins(shafts: &[Shaft], (gears, meshes, couplings): (&[Gear], &[Mesh], &[Coupling])) -> Vec<[f64; 3]> {
+fn origins(shafts: &[Shaft], Train { gears, meshes, couplings }: Train<'_>) -> Vec<[f64; 3]> {
     let mut origins: Vec<Option<[f64; 3]>> = vec![None; shafts.len()];
     let place = |node: Node| shafts[node.shaft].nodes[node.node];
     let position = |gear: usize| place(gears[gear].body.node);

@@ -155,7 +155,7 @@ impl Scene {
         let mut gears = gear::gears(system, &names, &shafts)?;
         let meshes = mesh::meshes(system, &shafts, &mut gears, &mut warnings)?;
         let couplings = loads::couplings(system, &names, &shafts)?;
-        let train = (&gears[..], &meshes[..], &couplings[..]);
+        let train = train::Train { gears: &gears, meshes: &meshes, couplings: &couplings };
         let speed_ratios = train::speed_ratios(system, &names, train)?;
         let torques = train::torques(system, &names, &shafts, train)?;
         let housings = housing::housings(system)?;

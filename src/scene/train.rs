@@ -10,14 +10,11 @@ use super::{Coupling, EntryPath, Gear, Mesh, SceneError, Shaft, Torque};
 const RATIO_TOLERANCE: f64 = 1e-9;
 
 /// Signed speed of each shaft relative to the reference shaft. Each external mesh multiplies it by −z_a/z_b.
-pub(super) fn speed_ratios(
-    system: &SceneDescription,
-    names: &Names,
-    (gears, meshes, couplings): Train<'_>,
-) -> Result<Vec<f64>, SceneError> {
+pub(super) fn speed_ratios(system: &SceneDescription, names: &Names, train: Train<'_>) -> Result<Vec<f64>, SceneError> {
+    let Train { gears, meshes, couplings } = train;
     let reference = reference(system, names)?;
     let teeth = |gear: usize| f64::from(gears[gear].teeth);
-    let ratios = ratios_by(system.shafts.len(), reference, (gears, meshes, couplings), teeth);
+    let ratios = ratios_by(system.shafts.len(), reference, train, teeth);
     let of = |shaft: usize| {
         let name = |shaft: usize| &system.shafts[shaft].name;
         ratios[shaft].ok_or_else(|| {
@@ -64,7 +61,7 @@ pub(super) fn torques(
     shafts: &[Shaft],
     train: Train<'_>,
 ) -> Result<Vec<Torque>, SceneError> {
-    let radius = |gear: usize| train.0[gear].base_radius;
+    let radius = |gear: usize| train.gears[gear].base_radius;
     let rotation = ratios_by(shafts.len(), reference(system, names)?, train, radius);
     let mut torques: Vec<Torque> = Vec::with_capacity(system.torques.len());
     let mut balance: Option<usize> = None;
@@ -105,15 +102,20 @@ fn reference(system: &SceneDescription, names: &Names) -> Result<usize, SceneErr
     system.reference.as_ref().map_or(Ok(0), |name| names.shaft(name, &EntryPath::root("reference")))
 }
 
-/// Gears, meshes and couplings.
-type Train<'a> = (&'a [Gear], &'a [Mesh], &'a [Coupling]);
+/// What connects shafts to each other.
+#[derive(Clone, Copy)]
+pub(super) struct Train<'a> {
+    pub gears: &'a [Gear],
+    pub meshes: &'a [Mesh],
+    pub couplings: &'a [Coupling],
+}
 
 /// Speed ratio of each shaft to shaft `start`; None if no meshes or couplings connect them. `size` of a gear is its number of teeth
 /// or its base radius.
 fn ratios_by(
     shafts: usize,
     start: usize,
-    (gears, meshes, couplings): Train<'_>,
+    Train { gears, meshes, couplings }: Train<'_>,
     size: impl Fn(usize) -> f64,
 ) -> Vec<Option<f64>> {
     let mut ratios: Vec<Option<f64>> = vec![None; shafts];

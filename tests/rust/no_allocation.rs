@@ -241,8 +241,8 @@ fn exponential(
     let amplitudes = synchronous(&cached, speed, ExcitationPart::Both).unwrap();
     let (field, maps) = Loads::new(motion(&cached, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
-    let event = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
-    let time_grid = TimeGrid { longest, finest: event + 12, event };
+    let substep = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
+    let time_grid = TimeGrid { longest, finest: substep + 12, substep };
     let selection = Selection { displacements: vec![3], velocities: vec![3], ..Selection::default() };
     let mut output = OutputMap::new(&field, &linear, &maps, selection);
     let table = PropagatorCache::new(Arc::new(PropagatorKey {
@@ -254,7 +254,7 @@ fn exponential(
     }));
     let mut stepper = Stepper::new(field, table.into());
     let control = if adaptive {
-        exponential::LevelControl::Adaptive { rtol: 1e-6, floor: 1e-12 }
+        exponential::LevelControl::Adaptive { rtol: 1e-6, floor: 1e-12, force_error: None }
     } else {
         exponential::LevelControl::Fixed
     };

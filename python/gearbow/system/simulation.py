@@ -155,7 +155,8 @@ def simulate(
         If the points (times, speeds) end before the run.
     AccuracyWarning
         If an accuracy is given here or to the system and the elements are too coarse for it, or
-        if the error of a reduction to `modes` exceeds the accuracy level.
+        if the error of a reduction to `modes` exceeds the accuracy level. If the modes
+        are nearly parallel, so that "rk45" replaces "exponential".
     CheckpointWarning
         If the checkpoint cannot be written, for example on a full disk. The run continues, and
         the file does not change.

@@ -14,21 +14,17 @@ use crate::exponential::{
     run as integrate,
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
-use crate::modal::{CachedModel, MAX_CONDITION, ModalStateSpace, StateMatrix};
+use crate::modal::{CachedModel, ModalStateSpace};
 use crate::model::Model;
 use crate::motion::Speed;
 use crate::scene::SceneError;
 
-/// Largest rotation of the fastest mode within the shortest step at which contact changes end a step, rad.
-const MAX_EVENT_ROTATION: f64 = 0.8;
-/// Smallest and largest number of halvings from the longest step to that step.
-const EVENT_HALVINGS: [f64; 2] = [4.0, 30.0];
-/// Tolerance of contact changes with fixed steps, relative to the motion.
-const FIXED_EVENT_TOLERANCE: f64 = 1e-12;
+/// Largest rotation of the fastest mode within the shortest substep, rad.
+const MAX_SUBSTEP_ROTATION: f64 = 0.8;
+/// Smallest and largest number of halvings from the longest step to the shortest substep.
+const SUBSTEP_HALVINGS: [f64; 2] = [4.0, 30.0];
 /// Number of further halvings that the error control can use.
 const FURTHER_HALVINGS: usize = 12;
-/// The same for the dense form, whose propagators are expensive.
-const FURTHER_HALVINGS_DENSE: usize = 4;
 /// Output samples in the shortest period among shafts and teeth.
 const SAMPLES_PER_PERIOD: f64 = 20.0;
 /// Default number of ETDRK4 steps per period on the mesh stiffness, where flanks can separate.
@@ -51,13 +47,6 @@ pub(super) fn run(
     statistics: &mut Statistics,
 ) -> Result<(State, Result<(), Halted>), AnalysisError> {
     let ModalSetup { linear, loads, maps, mut output } = coordinates;
-    if options.is_explicit() && linear.condition > MAX_CONDITION {
-        let message = format!(
-            "\"etdrk4\" needs modes that are not parallel, and their condition number is {:.1e}; use \"exponential\"",
-            linear.condition
-        );
-        return Err(SceneError::new("method", message).into());
-    }
     let time_grid = countable_grid(cached, options, &linear, &loads, end)?;
     let propagators = propagators(cached, options, &linear, maps, time_grid, loads.spins());
     let mut state = in_modal_coordinates(cached, &linear, &loads, start);
@@ -147,15 +136,9 @@ fn time_grid(
             }
         }
     };
-    let [least, most] = EVENT_HALVINGS;
-    // The error of a contact change at τ after a unit is about (ωτ)³/20 of the jump, with the frequency ω of the gears on
-    // the mesh stiffness.
-    let tolerance = if options.step.is_some() { FIXED_EVENT_TOLERANCE } else { options.tolerance() };
-    let fine = mesh_frequency / (2.0 * tolerance).cbrt();
-    let event = (longest * (linear.radius / MAX_EVENT_ROTATION).max(fine)).log2().ceil().clamp(least, most) as usize;
-    let is_dense = matches!(linear.matrix, StateMatrix::Dense(_));
-    let further = if is_dense { FURTHER_HALVINGS_DENSE } else { FURTHER_HALVINGS };
-    Ok(TimeGrid { longest, finest: event + further, event })
+    let [least, most] = SUBSTEP_HALVINGS;
+    let substep = (longest * linear.radius / MAX_SUBSTEP_ROTATION).log2().ceil().clamp(least, most) as usize;
+    Ok(TimeGrid { longest, finest: substep + FURTHER_HALVINGS, substep })
 }
 
 /// The default output step, s: a twentieth of the shortest period among shafts and teeth, rounded; infinite at rest.

@@ -41,7 +41,7 @@ use crate::integrate::{
     Adaptive, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl, StepLimit,
     Trajectory, run,
 };
-use crate::modal::{AtSpeed, CachedModel, EquilibriumError};
+use crate::modal::{AtSpeed, CachedModel, EquilibriumError, MAX_CONDITION};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use initial::Start;
@@ -133,7 +133,7 @@ pub fn simulate(
         record,
         recorder_state,
         last: options.last(&start.rotation, reached, state),
-        limited_by: limited_by(options, &statistics),
+        limited_by: limited_by(options, condition, &statistics),
         statistics,
         spectrum,
         condition,
@@ -231,7 +231,15 @@ impl Run<'_> {
         }
         let (setup, reduction) = reduced_setup::set_up(self, motion, start, plan, observer)?;
         let condition = Some(setup.linear.condition);
-        if is_exponential {
+        let is_parallel = setup.linear.is_parallel();
+        if is_parallel && options.method == Method::ExactRk4 {
+            let message = format!(
+                "\"etdrk4\" needs modes that are not parallel, and their condition number is {:.1e}; use \"rk45\"",
+                setup.linear.condition
+            );
+            return Err(SceneError::new("method", message).into());
+        }
+        if is_exponential && !is_parallel {
             let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;
             return Ok(Ended { state, condition, reduction, outcome });
         }
@@ -300,9 +308,12 @@ fn check_step<const S: usize>(
 }
 
 /// What limited the length of most steps.
-fn limited_by(options: &Options, statistics: &Statistics) -> StepLimit {
+fn limited_by(options: &Options, condition: Option<f64>, statistics: &Statistics) -> StepLimit {
     let at_limit = 2 * statistics.at_limit >= statistics.steps;
+    let is_parallel = condition.is_some_and(|condition| condition > MAX_CONDITION);
     match options.method {
+        Method::Exponential if is_parallel && at_limit => StepLimit::Stability,
+        Method::Exponential if is_parallel => StepLimit::Tolerance,
         Method::Rk4 | Method::ExactRk4 => StepLimit::Step,
         Method::Exponential if options.step.is_some() => StepLimit::Step,
         Method::Exponential if at_limit => StepLimit::Cycle,

@@ -134,6 +134,13 @@ fn with_map_of<T>(
         let complete = cached.at_speed(options.fastest())?.projected(options.fastest())?;
         run.complete(motion, &start, plan, Some(&complete))?
     };
+    if setup.linear.is_parallel() {
+        let message = format!(
+            "the modes are nearly parallel (condition number {:.1e}), as at critical damping; change the damping slightly, or run in with simulate()",
+            setup.linear.condition
+        );
+        return Err(AnalysisError::Convergence(message));
+    }
     let grid = countable_grid(cached, several, &setup.linear, &setup.loads, end)?;
     let steps = (period / grid.longest).ceil().max(1.0);
     let time_grid = TimeGrid { longest: period / steps, ..grid };
@@ -363,7 +370,7 @@ impl PeriodMap<'_> {
             record,
             recorder_state,
             last: self.options.last(&self.start.rotation, origin + begin + duration, state),
-            limited_by: limited_by(self.options, &statistics),
+            limited_by: limited_by(self.options, None, &statistics),
             statistics,
             spectrum: self.spectrum,
             condition: Some(self.setup.linear.condition),

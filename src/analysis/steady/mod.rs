@@ -148,7 +148,7 @@ pub fn corrected_states(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Corrected, AnalysisError> {
     with_period_map(cached, options, &RecordPlan::default(), watch, |map| {
-        let preconditioner = Preconditioner::new(map.linear(), map.period())?;
+        let preconditioner = Preconditioner::new(map.linear(), map.period());
         let mut has_levels = levels.is_some_and(|levels| map.plan(levels));
         let mut corrected = Vec::with_capacity(states.len());
         for state in states {

@@ -9,7 +9,7 @@ use super::preconditioner::{NO_DECAY, Preconditioner};
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::PeriodMap;
 use crate::linalg::{DecompositionError, Krylov, Operator};
-use crate::modal::{ModePair, StateMatrix};
+use crate::modal::ModePair;
 
 /// Error of the motion after a period from the solution of the stage equations, relative to the motion.
 const ROUND_OFF: f64 = 1e-13;
@@ -36,8 +36,7 @@ pub fn multipliers(
     smallest: f64,
     is_constant: bool,
 ) -> Result<Vec<Complex<f64>>, AnalysisError> {
-    let known = if is_constant { multipliers_of_modes(map) } else { None };
-    let mut values = if let Some(known) = known { known } else { multipliers_of_map(map, smallest)? };
+    let mut values = if is_constant { multipliers_of_modes(map) } else { multipliers_of_map(map, smallest)? };
     let period = map.period();
     // No load reaches the modes that the run leaves out: their motion is linear.
     values.extend(map.omitted_eigenvalues()?.into_iter().map(|value| (value * period).exp()));
@@ -46,21 +45,18 @@ pub fn multipliers(
     Ok(values)
 }
 
-/// The multipliers e^{λT} of the modes of the run, without rigid-body motions that do not decay; none if it has no modes.
-fn multipliers_of_modes(map: &PeriodMap<'_>) -> Option<Vec<Complex<f64>>> {
+/// The multipliers e^{λT} of the modes of the run, without rigid-body motions that do not decay.
+fn multipliers_of_modes(map: &PeriodMap<'_>) -> Vec<Complex<f64>> {
     let (linear, period) = (map.linear(), map.period());
-    let StateMatrix::Pairs(pairs) = &linear.matrix else {
-        return None;
-    };
     let rate = |pair: &ModePair| if let ModePair::RigidBodyPair(rate) = pair { Some(*rate) } else { None };
-    let moving = pairs.iter().filter_map(rate).filter(|rate| (rate * period).abs() >= NO_DECAY);
+    let moving = linear.pairs().iter().filter_map(rate).filter(|rate| (rate * period).abs() >= NO_DECAY);
     let modes = linear.eigenvalues().into_iter().chain(moving.map(Complex::from));
-    Some(modes.map(|value| (value * period).exp()).collect())
+    modes.map(|value| (value * period).exp()).collect()
 }
 
 /// The multipliers of magnitude `smallest` and more of the modes of the run, from disturbed periods.
 fn multipliers_of_map(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
-    let preconditioner = Preconditioner::new(map.linear(), map.period())?;
+    let preconditioner = Preconditioner::new(map.linear(), map.period());
     let z = map.initial();
     let image = map.adapt(&z)?;
     // Without a motion, the equations have no scale.

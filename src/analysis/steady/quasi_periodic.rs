@@ -97,7 +97,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
     /// # Errors
     /// [`AnalysisError`] if a decomposition fails.
     pub fn new(map: &'s mut PeriodMap<'a>, sections: &'s Sections) -> Result<Self, AnalysisError> {
-        let constant = Preconditioner::new(map.linear(), map.period())?;
+        let constant = Preconditioner::new(map.linear(), map.period());
         let tolerance = map.tolerance();
         Ok(Self { map, constant, sections, tolerance, size: 1.0 })
     }
@@ -142,24 +142,22 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         self.size = self.map.size(&initial)?;
         let mut combinations = Combinations::new(self.sections.base.clone());
         let mut coefficients = DMatrix::from_column_slice(initial.len(), 1, &initial);
-        let mut changes = Changes { relative: Vec::new(), tolerance: self.tolerance };
-        let (mut best, mut failure): (Option<Begin>, Option<String>) = (None, None);
-        if let Some(mean) = self.cheap_to_run_in(&combinations) {
-            let found = self.settled(
-                Solution { harmonics: mean, coefficients: coefficients.clone(), defect: 1.0 },
-                LONGEST_RUN_IN,
-            )?;
-            if found.error <= STATE_ERROR_FACTOR * self.tolerance {
+        if let Some(harmonics) = self.cheap_to_run_in(&combinations) {
+            let mean = Solution { harmonics, coefficients: coefficients.clone(), defect: 1.0 };
+            let found = self.settled(mean, LONGEST_RUN_IN)?;
+            if self.is_accurate(&found) {
                 return Ok(found);
             }
         }
+        let mut changes = Changes { relative: Vec::new(), tolerance: self.tolerance };
+        let (mut best, mut failure): (Option<Begin>, Option<String>) = (None, None);
         let begun = self.map.runs;
         while !changes.resist() && self.has_time(begun, coefficients.ncols()) {
             let Some(harmonics) = Harmonics::new(&combinations) else { break };
             // The unknowns of earlier harmonics come first.
             let before = coefficients.clone().resize_horizontally(harmonics.unknowns(), 0.0);
             let goal = if self.map.is_affine() { 1.0 } else { changes.goal() };
-            let mut solution = match self.iterate(harmonics, before.clone(), goal) {
+            let solution = match self.iterate(harmonics, before.clone(), goal) {
                 Err(AnalysisError::Convergence(message)) if best.is_some() => {
                     failure = Some(message);
                     break;
@@ -172,15 +170,9 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
             coefficients.clone_from(&solution.coefficients);
             let limit = SIGNIFICANT_AMPLITUDE * self.tolerance * self.size;
             let grows = combinations.grow(|harmonic| solution.amplitude(harmonic) > limit);
-            if goal <= 1.0 && (self.map.is_affine() || !grows || changes.converge()) {
-                let unseen = self.unseen(&solution)?;
-                if unseen <= MAX_REPETITION_ERROR * STATE_ERROR_FACTOR * self.tolerance {
-                    solution.defect = solution.defect.max(unseen);
-                    return Ok(Begin { state: solution.state(0), error: 0.0, solution });
-                }
-            }
-            let found = self.settled(solution, 1)?;
-            if found.error <= STATE_ERROR_FACTOR * self.tolerance {
+            let is_complete = goal <= 1.0 && (self.map.is_affine() || !grows || changes.converge());
+            let found = if is_complete { self.verified(solution)? } else { self.settled(solution, 1)? };
+            if self.is_accurate(&found) {
                 return Ok(found);
             }
             best = Some(found).filter(|found| best.as_ref().is_none_or(|best| found.error < best.error)).or(best);
@@ -193,6 +185,21 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
                 coefficients.ncols()
             )))
         })
+    }
+
+    /// Whether the transient part of a state is within its error.
+    fn is_accurate(&self, begin: &Begin) -> bool {
+        begin.error <= STATE_ERROR_FACTOR * self.tolerance
+    }
+
+    /// The state of a solution that satisfies the equations at further sections too; otherwise the state after running in.
+    fn verified(&mut self, mut solution: Solution) -> Result<Begin, AnalysisError> {
+        let unseen = self.unseen(&solution)?;
+        if unseen > MAX_REPETITION_ERROR * STATE_ERROR_FACTOR * self.tolerance {
+            return self.settled(solution, 1);
+        }
+        solution.defect = solution.defect.max(unseen);
+        Ok(Begin { state: solution.state(0), error: 0.0, solution })
     }
 
     /// Whether the work since `begun` leaves time for more than a number of unknowns.
@@ -227,7 +234,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
             };
             // A mode that decays slowly changes less between two runs than its error is.
             let between = self.map.period() * (count - shorter).max(1) as f64;
-            let slow = Preconditioner::new(self.map.linear(), between)?;
+            let slow = Preconditioner::new(self.map.linear(), between);
             let change: Vec<f64> = state.iter().zip(&begin.state).map(|(long, short)| long - short).collect();
             let error = self.distance(&state, &begin.state).max(norm(&slow.correct(&change)) / self.size);
             let decay = (begin.error / error).ln() / (count - shorter) as f64;

@@ -83,7 +83,7 @@ impl<'s, 'a> Solver<'s, 'a> {
     /// # Errors
     /// [`AnalysisError`] if a decomposition fails.
     pub fn new(map: &'s mut PeriodMap<'a>, samples: usize) -> Result<Self, AnalysisError> {
-        let preconditioner = Preconditioner::new(map.linear(), map.period())?;
+        let preconditioner = Preconditioner::new(map.linear(), map.period());
         let tolerance = map.tolerance();
         Ok(Self { map, preconditioner, tolerance, samples })
     }

@@ -1,51 +1,29 @@
 //! (e^{iθ} − e^{AT})⁻¹: the correction of a motion of the linear system that turns by the angle θ in a section T.
 
-use nalgebra::{Complex, DMatrix, DVector, Dyn, LU};
+use nalgebra::Complex;
 
-use crate::modal::{ModalStateSpace, ModePair, StateMatrix};
+use crate::modal::{ModalStateSpace, ModePair};
 
-/// (e^{iθ} − e^{AT})⁻¹.
-pub enum Turning {
-    /// 2 × 2 blocks, one for each slot.
-    Blocks(Vec<[[Complex<f64>; 2]; 2]>),
-    /// The decomposition of e^{iθ} − e^{AT}.
-    Dense(Box<LU<Complex<f64>, Dyn, Dyn>>),
-}
+/// (e^{iθ} − e^{AT})⁻¹: 2 × 2 blocks, one for each slot.
+pub struct Turning(Vec<[[Complex<f64>; 2]; 2]>);
 
 impl Turning {
     /// The inverses for sections of length `period`, s, at angles θ other than zero, rad.
     pub fn at(linear: &ModalStateSpace, period: f64, angles: &[f64]) -> Vec<Self> {
         let turn = |angle: f64| Complex::from_polar(1.0, angle);
-        match &linear.matrix {
-            StateMatrix::Pairs(pairs) => {
-                let blocks = |angle: f64| pairs.iter().map(|pair| inverse_block(pair, period, turn(angle))).collect();
-                angles.iter().map(|angle| Self::Blocks(blocks(*angle))).collect()
-            }
-            StateMatrix::Dense(matrix) => {
-                let flow = (matrix * period).exp().map(|value| Complex::new(value, 0.0));
-                let size = flow.nrows();
-                let shifted = |angle: f64| DMatrix::from_diagonal_element(size, size, turn(angle)) - &flow;
-                angles.iter().map(|angle| Self::Dense(Box::new(shifted(*angle).lu()))).collect()
-            }
-        }
+        let block = |pair: &ModePair, angle: f64| inverse_block(pair, period, turn(angle));
+        angles.iter().map(|angle| Self(linear.pairs().iter().map(|pair| block(pair, *angle)).collect())).collect()
     }
 
     /// The correction for a defect of the same harmonic; none if the linear motion resonates without damping.
     pub fn correct(&self, defect: &[Complex<f64>]) -> Option<Vec<Complex<f64>>> {
-        match self {
-            Self::Dense(matrix) => {
-                matrix.solve(&DVector::from_column_slice(defect)).map(|found| found.as_slice().to_vec())
-            }
-            Self::Blocks(blocks) => {
-                let (x, y) = defect.split_at(blocks.len());
-                let product = |row: usize| {
-                    let entries = blocks.iter().zip(x.iter().zip(y));
-                    entries.map(move |(block, (x, y))| block[row][0] * x + block[row][1] * y)
-                };
-                let found: Vec<Complex<f64>> = product(0).chain(product(1)).collect();
-                found.iter().all(|value| value.is_finite()).then_some(found)
-            }
-        }
+        let (x, y) = defect.split_at(self.0.len());
+        let product = |row: usize| {
+            let entries = self.0.iter().zip(x.iter().zip(y));
+            entries.map(move |(block, (x, y))| block[row][0] * x + block[row][1] * y)
+        };
+        let found: Vec<Complex<f64>> = product(0).chain(product(1)).collect();
+        found.iter().all(|value| value.is_finite()).then_some(found)
     }
 }
 

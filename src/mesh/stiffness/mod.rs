@@ -147,10 +147,11 @@ impl Stiffness {
 
     /// The stiffness of the `engaged` pairs, N/m, if it does not depend on their position.
     #[inline]
-    fn while_engaged(&self, (first, last): (i64, i64)) -> Option<f64> {
+    fn while_engaged(&self, engaged: (i64, i64)) -> Option<f64> {
         match self {
             Self::Mean(k) => Some(*k),
             Self::Pairs { pair: ToothPair::Uniform(k), engagement: Engagement::Sharp, relief: None } => {
+                let (first, last) = engaged;
                 Some(k * (last - first + 1).max(0) as f64)
             }
             _ => None,

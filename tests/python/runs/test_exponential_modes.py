@@ -167,7 +167,8 @@ def tilting() -> gb.RotorSystem:
 def test_a_motion_without_modal_basis():
     system = tilting()
     run: dict[str, Any] = {"initial": "rest", "times": np.linspace(0.0, 2e-3, 21)}
-    found = system.simulate(2e-3, 1e-3, **run)
+    with pytest.warns(gb.AccuracyWarning, match="nearly parallel.*rk45"):
+        found = system.simulate(2e-3, 1e-3, **run)
     assert found.statistics.condition > 1e8
     exact = system.simulate(2e-3, 1e-3, method="rk45", rtol=1e-11, **run)
     fallen = found.displacement("g")
@@ -175,7 +176,7 @@ def test_a_motion_without_modal_basis():
 
 
 def test_etdrk4_needs_modes_that_are_not_parallel():
-    with pytest.raises(gb.SceneError, match=r'^method: .*parallel.*"exponential"'):
+    with pytest.raises(gb.SceneError, match=r'^method: .*parallel.*"rk45"'):
         tilting().simulate(1e-3, 1e-3, method="etdrk4", initial="rest")
 
 
