@@ -15,8 +15,8 @@
 //! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `contact_tangent`, `small_lu`, `estimate`.
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
 //! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`, `jump`.
-//! - The motion within a step: `substep` with `load_polynomials`, `substep_modes` (`mode_split`, `fractions`) and
-//!   `substep_chain`; `trajectory`, `output` with `accelerations` and `state_map`.
+//! - The motion within a step: `substep` with `load_polynomials`, `substep_modes` and `substep_chain`;
+//!   `trajectory`, `output` with `accelerations` and `state_map`.
 //! - `in_modes`: the same equation for Runge–Kutta methods.
 
 mod accelerations;
@@ -29,14 +29,12 @@ mod context;
 mod dense;
 mod driver;
 mod estimate;
-mod fractions;
 mod in_modes;
 mod interface_maps;
 mod jump;
 mod kernel;
 mod level_control;
 mod load_polynomials;
-mod mode_split;
 mod nonlinear_loads;
 mod output;
 mod packed;

@@ -4,6 +4,7 @@ use super::load_polynomials::LoadPolynomials;
 use super::step::Stepper;
 use super::substep_chain::SubstepChain;
 use super::substep_modes::SubstepModes;
+use crate::modal::StateMatrix;
 
 /// Samples states within the last step.
 #[derive(Clone, Debug)]
@@ -13,7 +14,7 @@ pub struct SubstepSampler {
     polynomials: LoadPolynomials,
     /// Samples of a motion in mode pairs.
     modes: SubstepModes,
-    /// Samples of any motion.
+    /// Samples of a dense motion.
     chain: SubstepChain,
 }
 
@@ -23,7 +24,7 @@ impl SubstepSampler {
         Self {
             step: 0,
             polynomials: LoadPolynomials::new(stepper),
-            modes: SubstepModes::new(stepper),
+            modes: SubstepModes::new(&stepper.context.cache, stepper.nonlinear_loads().load_count()),
             chain: SubstepChain::new(stepper),
         }
     }
@@ -36,19 +37,15 @@ impl SubstepSampler {
             self.step = stepper.steps;
             self.polynomials.set(stepper);
         }
-        match stepper.context.cache.mode_split(level) {
-            Some(split) => {
-                if is_first {
-                    self.modes.begin(stepper, (split, &self.polynomials), z);
-                }
-                self.modes.state_at(stepper, (level, split), within)
+        let StateMatrix::Pairs(_) = stepper.context.cache.linear.matrix else {
+            if is_first {
+                self.chain.begin();
             }
-            None => {
-                if is_first {
-                    self.chain.begin();
-                }
-                self.chain.state_at(stepper, (level, &self.polynomials), z, within)
-            }
+            return self.chain.state_at(stepper, (level, &self.polynomials), z, within);
+        };
+        if is_first {
+            self.modes.begin(stepper, stepper.step_length(level), &self.polynomials);
         }
+        self.modes.state_at(stepper.context.arch, stepper.step_length(level), z, within)
     }
 }
