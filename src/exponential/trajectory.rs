@@ -84,6 +84,10 @@ impl Trajectory for StepTrajectory<'_, '_> {
         }
     }
 
+    fn gives_damping(&self) -> bool {
+        true
+    }
+
     fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
         let Some(map) = self.output.accelerations() else { return Ok(()) };
         each_state(self.step, self.sampler, instants, |_, z| map.gather(z));
