@@ -261,7 +261,7 @@ fn distributed_damping(nonlinear_loads: &NonlinearLoads<'_>, linear: &ModalState
             let row = linear.row(&[(index, 1.0)], true).into_iter().chain(amplitudes.flat_map(|a| [a.re, -a.im]));
             velocities.row_mut(index).iter_mut().zip(row).for_each(|(entry, value)| *entry = value);
         }
-        semidefinite_root(&velocities.tr_mul(&(damping * &velocities)))
+        semidefinite_root(&(velocities.transpose() * (damping * &velocities)))
     });
     let rows: Vec<Vec<f64>> = root.iter().map(|row| row.as_slice()[..len].to_vec()).collect();
     let amplitude =
