@@ -24,7 +24,7 @@ impl SubstepSampler {
         Self {
             step: 0,
             polynomials: LoadPolynomials::new(stepper),
-            modes: SubstepModes::new(&stepper.context.cache, stepper.nonlinear_loads().load_count()),
+            modes: SubstepModes::new(&stepper.context.cache, stepper.loads().load_count()),
             chain: SubstepChain::new(stepper),
         }
     }

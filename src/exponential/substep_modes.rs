@@ -96,7 +96,7 @@ impl SubstepModes {
     /// Starts with the last step, which is `step` seconds long.
     pub fn begin(&mut self, stepper: &Stepper<'_>, step: f64, loads: &LoadPolynomials) {
         let arch = stepper.context.arch;
-        let coefficients = loads.coefficients.rchunks_exact(stepper.nonlinear_loads().load_count().max(1));
+        let coefficients = loads.coefficients.rchunks_exact(stepper.loads().load_count().max(1));
         self.forces.fill(0.0);
         for (force, coefficients) in self.forces.chunks_exact_mut(self.state.len().max(1)).zip(coefficients) {
             panel_kernel::accumulate(arch, &stepper.context.columns, coefficients, force);

@@ -27,7 +27,7 @@ pub(super) fn interface(model: &Model, speed: f64, selection: &Selection) -> Vec
 /// What the reduced motion carries: forces of connections, prescribed loads, recorded displacements, and the states in
 /// which a run can begin.
 pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports {
-    let ModalSetup { linear, nonlinear_loads, maps, .. } = setup;
+    let ModalSetup { linear, loads, maps, .. } = setup;
     let along = |vectors: &[Vec<f64>], gradient: &[f64]| {
         let mut sum = vec![0.0; linear.len()];
         for (vector, factor) in vectors.iter().zip(gradient) {
@@ -44,7 +44,7 @@ pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection
         of_connections.push(column.iter().map(|value| ACROSS * value).collect());
     }
     // The gyroscopic couplings of a changing speed act on low modes, which every reduced model contains.
-    ports.columns = vec![of_connections, maps.columns[maps.meshes..].to_vec()];
+    ports.columns = vec![of_connections, maps.columns[maps.coupled_loads..].to_vec()];
     let recorded = |index: usize| selection.displacements.binary_search(&index).is_ok();
     let nodes = model.scene.shafts.iter().enumerate();
     for node in nodes.flat_map(|(shaft, given)| (0..given.nodes.len()).map(move |node| Node { shaft, node })) {
@@ -60,11 +60,11 @@ pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection
         ports.rows.push(vec![linear.row(&[(index, 1.0)], false)]);
     }
     let rest = vec![0.0; model.len()];
-    ports.states.push(linear.state(model, nonlinear_loads.reference.as_slice(), &rest).as_slice().to_vec());
-    for source in 0..nonlinear_loads.source_count() {
+    ports.states.push(linear.state(model, loads.reference.as_slice(), &rest).as_slice().to_vec());
+    for source in 0..loads.source_count() {
         for part in [|value: Complex64| value.re, |value: Complex64| value.im] {
             let values = |rate: bool| -> Vec<f64> {
-                (0..model.len()).map(|index| part(nonlinear_loads.amplitude(source, index, rate))).collect()
+                (0..model.len()).map(|index| part(loads.amplitude(source, index, rate))).collect()
             };
             ports.states.push(linear.state(model, &values(false), &values(true)).as_slice().to_vec());
         }

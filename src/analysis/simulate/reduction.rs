@@ -211,7 +211,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
             return Ok(None);
         }
         // A run that cannot be counted ends before its pilot.
-        countable_grid(run.cached, run.options, (&unreduced.linear, &unreduced.nonlinear_loads), run.end)?;
+        countable_grid(run.cached, run.options, &unreduced.linear, &unreduced.loads, run.end)?;
         Ok(Some(Self {
             run,
             start,
@@ -234,7 +234,7 @@ impl<'a, 'm> Reducer<'a, 'm> {
     fn resumes(&self) -> Result<bool, AnalysisError> {
         let count = self.start.state.modal.len() / 2;
         let setup = if count < self.unreduced.linear.slots { self.reduced(count)? } else { self.unreduced.clone() };
-        Ok(resumes(&setup.linear, &setup.nonlinear_loads, self.start))
+        Ok(resumes(&setup.linear, &setup.loads, self.start))
     }
 
     /// Runs a pilot, and estimates the error e of the component modes up to `limit` from the difference to another limit. The
