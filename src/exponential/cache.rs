@@ -5,9 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
 
-use super::fractions::Fractions;
 use super::interface_maps::{InterfaceMaps, gram};
-use super::mode_split::ModeSplit;
 use super::packed::Panel;
 use super::propagator::{StageResponse, StepPropagator};
 use super::quadrature::QuadratureRule;
@@ -49,10 +47,6 @@ pub struct PropagatorCache {
     pub gram: Panel,
     propagators: Vec<OnceLock<StepPropagator>>,
     stage_responses: Vec<OnceLock<StageResponse>>,
-    /// For each step level the slow and the fast modes; `None` if the motion within a step does not use them.
-    mode_splits: Vec<OnceLock<Option<ModeSplit>>>,
-    /// e^{At} within a step.
-    pub fractions: Fractions,
 }
 
 impl Deref for PropagatorCache {
@@ -71,21 +65,13 @@ impl PropagatorCache {
         let gram = gram(&columns, maps.coupled_loads);
         let propagators = vec![OnceLock::new(); time_grid.finest + 1];
         let stage_responses = vec![OnceLock::new(); time_grid.finest + 1];
-        let mode_splits = vec![OnceLock::new(); time_grid.finest + 1];
-        let fractions = Fractions::new(time_grid);
-        Self { gram, propagators, stage_responses, mode_splits, fractions, key }
+        Self { gram, propagators, stage_responses, key }
     }
 
     /// Propagator of the state over a step of a level.
     pub fn propagator(&self, level: usize) -> &StepPropagator {
         self.propagators[level]
             .get_or_init(|| StepPropagator::of_pairs(self.pairs(), &self.rule, &self.maps, self.time_grid.step(level)))
-    }
-
-    /// Slow and fast modes of a step of a level; `None` if a pair of modes is neither.
-    pub fn mode_split(&self, level: usize) -> Option<&ModeSplit> {
-        let split = || ModeSplit::new(self.pairs(), self.time_grid.step(level), self.rule.whole.len());
-        self.mode_splits[level].get_or_init(split).as_ref()
     }
 
     /// Interface states at the stages of a step of a level.

@@ -17,8 +17,7 @@
 //! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `tangent_solver`, `small_lu`, `estimate`.
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
 //! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`.
-//! - The motion within a step: `substep` with `load_polynomials`, `substep_modes` (`mode_split`, `fractions`) and
-//!   `substep_chain`; `trajectory`, `output` with `accelerations` and `state_map`.
+//! - The motion within a step: `substep` with `substep_modes` and `load_polynomials`; `trajectory`, `output` with `accelerations` and `state_map`.
 //! - `in_modes`: the same equation for Runge–Kutta methods.
 
 mod accelerations;
@@ -29,14 +28,12 @@ mod contact_monitor;
 mod context;
 mod driver;
 mod estimate;
-mod fractions;
 mod in_modes;
 mod interface_maps;
 mod kernel;
 mod level_control;
 mod load_polynomials;
 mod loads;
-mod mode_split;
 mod output;
 mod packed;
 mod panel_kernel;
@@ -52,7 +49,6 @@ mod state_map;
 mod step;
 mod step_point;
 mod substep;
-mod substep_chain;
 mod substep_modes;
 mod tangent_solver;
 mod time_grid;

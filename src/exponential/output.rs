@@ -1,5 +1,6 @@
 //! Displacements, velocities and accelerations of selected coordinates, from modal states.
 
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::accelerations::AccelerationMap;
@@ -8,6 +9,7 @@ use super::loads::Loads;
 use super::packed::Rows;
 use super::state_map::StateMap;
 use crate::integrate::{Span, at_each};
+use crate::linalg::semidefinite_root;
 use crate::modal::ModalStateSpace;
 use crate::motion::PowerCoordinates;
 
@@ -48,6 +50,8 @@ pub struct OutputMap {
     energies: Option<Box<ShaftEnergies>>,
     /// The map to the accelerations, if a run reads any.
     accelerations: Option<Box<AccelerationMap>>,
+    /// The map to scalars whose squares are the power of the distributed damping, if a run reads powers.
+    damping: Option<StateMap>,
 }
 
 impl OutputMap {
@@ -56,7 +60,10 @@ impl OutputMap {
         let Selection { displacements, velocities, accelerations, without_energies, powers } = selection;
         let sums = powers.as_ref().map_or_else(Vec::new, |powers| powers.constant_loads().to_vec());
         let powers = powers.map(|PowerCoordinates { displacements, velocities, combinations }| {
-            Box::new(Self::of_sums(loads, linear, (displacements, velocities), &combinations))
+            let coordinates = (displacements, velocities);
+            let mut powers = Self::of_sums(loads, linear, coordinates, &combinations);
+            powers.damping = Some(distributed_damping(loads, linear));
+            Box::new(powers)
         });
         let accelerations =
             (!accelerations.is_empty()).then(|| Box::new(AccelerationMap::new(loads, linear, maps, accelerations)));
@@ -100,6 +107,7 @@ impl OutputMap {
             powers: None,
             energies: None,
             accelerations: None,
+            damping: None,
         }
     }
 
@@ -137,12 +145,22 @@ impl OutputMap {
     /// Adds a state to those that [`Self::read_gathered`] reads together.
     pub(super) fn gather(&mut self, z: &[f64]) {
         self.map.gather(z);
+        if let Some(damping) = &mut self.damping {
+            damping.gather(z);
+        }
     }
 
     /// Writes the selected coordinates of all gathered states, which belong to `instants`, one vector after the other.
     pub(super) fn read_gathered(&mut self, loads: &Loads<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
         let values = self.map.evaluate(loads, instants);
         write((&self.displacements, &self.velocities), values, instants, q, v);
+        if let Some(damping) = &mut self.damping {
+            // Without distributed damping, there are no values.
+            let powers = damping.evaluate(loads, instants).map(|values| values.iter().map(|x| x * x).sum());
+            for ((_, q, _), power) in at_each(instants, q, v).zip(powers.chain(std::iter::repeat(0.0))) {
+                q[q.len() - 1] = power;
+            }
+        }
     }
 
     /// Writes the selected coordinates at instants within a step, by the cubic through the states and rates at both ends.
@@ -211,6 +229,26 @@ impl ShaftEnergies {
         }
         self.instants.clear();
     }
+}
+
+/// Scalars r z + Re(a e^{iϑ}) whose squares sum to vᵀDv with the distributed damping D.
+fn distributed_damping(loads: &Loads<'_>, linear: &ModalStateSpace) -> StateMap {
+    let (len, sources) = (linear.len(), loads.source_count());
+    let root = loads.motion.distributed_damping().map_or_else(Vec::new, |damping| {
+        // Velocities per unit of the state, then per cosine and sine of the phase of each source.
+        let mut velocities = DMatrix::zeros(damping.nrows(), len + 2 * sources);
+        for index in 0..damping.nrows() {
+            let amplitudes = (0..sources).map(|source| loads.amplitude(source, index, true));
+            let row = linear.row(&[(index, 1.0)], true).into_iter().chain(amplitudes.flat_map(|a| [a.re, -a.im]));
+            velocities.row_mut(index).iter_mut().zip(row).for_each(|(entry, value)| *entry = value);
+        }
+        semidefinite_root(&(velocities.transpose() * (damping * &velocities)))
+    });
+    let rows: Vec<Vec<f64>> = root.iter().map(|row| row.as_slice()[..len].to_vec()).collect();
+    let amplitude =
+        |source: usize, row: &DVector<f64>| Complex64::new(row[len + 2 * source], -row[len + 2 * source + 1]);
+    let amplitudes = (0..sources).flat_map(|source| root.iter().map(move |row| amplitude(source, row)));
+    StateMap::new(Rows::new(&rows, &linear.parts), vec![0.0; rows.len()], amplitudes.collect(), sources)
 }
 
 /// Writes the values of displacements and velocities at each instant to their coordinates.

@@ -6,19 +6,10 @@
 use num_complex::Complex64;
 
 use crate::modal::ModePair;
+use crate::numerics::INVERSE_FACTORIAL;
 
 /// Number of functions, φ_0 to φ_5: enough for four stages and the defect of their polynomial.
 pub const PHI_COUNT: usize = 6;
-/// 1/m!.
-const INVERSE_FACTORIAL: [f64; 24] = {
-    let mut values = [1.0; 24];
-    let mut m = 1;
-    while m < values.len() {
-        values[m] = values[m - 1] / m as f64;
-        m += 1;
-    }
-    values
-};
 /// Below this |z| the upward recurrence cancels, and the series converges quickly.
 const SERIES_RADIUS: f64 = 2.5;
 
@@ -67,21 +58,6 @@ pub fn phi_of_pair(pair: &ModePair, step: f64) -> [Block; PHI_COUNT] {
             let f = phi::<{ PHI_COUNT + 1 }>(Complex64::new(rate * step, 0.0));
             std::array::from_fn(|m| [[INVERSE_FACTORIAL[m], step * f[m + 1].re], [0.0, f[m].re]])
         }
-    }
-}
-
-/// The exponential φ_0 of the 2×2 matrix of a mode pair times `step`, s.
-pub fn exponential_of_pair(pair: &ModePair, step: f64) -> Block {
-    match pair {
-        ModePair::Oscillation(value) => {
-            let f = (value * step).exp();
-            [[f.re, f.im], [-f.im, f.re]]
-        }
-        ModePair::Real(values) => {
-            let [a, d] = values.map(|value| (value * step).exp());
-            [[a, 0.0], [0.0, d]]
-        }
-        ModePair::RigidBodyPair(_) => phi_of_pair(pair, step)[0],
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::load_polynomials::LoadPolynomials;
 use super::step::Stepper;
-use super::substep_chain::SubstepChain;
 use super::substep_modes::SubstepModes;
 
 /// Samples states within the last step.
@@ -11,10 +10,7 @@ pub struct SubstepSampler {
     /// Number of the step that was sampled last.
     step: u64,
     polynomials: LoadPolynomials,
-    /// Samples of a motion in mode pairs.
     modes: SubstepModes,
-    /// Samples of any motion.
-    chain: SubstepChain,
 }
 
 impl SubstepSampler {
@@ -23,32 +19,18 @@ impl SubstepSampler {
         Self {
             step: 0,
             polynomials: LoadPolynomials::new(stepper),
-            modes: SubstepModes::new(stepper),
-            chain: SubstepChain::new(stepper),
+            modes: SubstepModes::new(&stepper.context.cache, stepper.loads().load_count()),
         }
     }
 
     /// The state `within` seconds after the beginning of the last step, which had the step level `level` and began at the
     /// state `z`.
     pub fn state_at<'a>(&'a mut self, stepper: &Stepper<'_>, level: usize, z: &'a [f64], within: f64) -> &'a [f64] {
-        let is_first = self.step != stepper.steps;
-        if is_first {
+        if self.step != stepper.steps {
             self.step = stepper.steps;
             self.polynomials.set(stepper);
+            self.modes.begin(stepper, stepper.step_length(level), &self.polynomials);
         }
-        match stepper.context.cache.mode_split(level) {
-            Some(split) => {
-                if is_first {
-                    self.modes.begin(stepper, (split, &self.polynomials), z);
-                }
-                self.modes.state_at(stepper, (level, split), within)
-            }
-            None => {
-                if is_first {
-                    self.chain.begin();
-                }
-                self.chain.state_at(stepper, (level, &self.polynomials), z, within)
-            }
-        }
+        self.modes.state_at(stepper.context.arch, stepper.step_length(level), z, within)
     }
 }

@@ -1,311 +1,371 @@
-//! The motion within a step of a linear motion in mode pairs: free motion plus polynomials, see [`ModeSplit`].
+//! The motion within a step of a linear motion in mode pairs.
+//!
+//! Under loads Σ aₘ τᵐ over the fraction τ = t/h of the step, a mode with the eigenvalue λ has the motion
+//!
+//! ```text
+//! z(t) = e^{λt} z₀ + t Σ τᵐ ψₘ(λt) b aₘ,        ψₘ(x) = ∫₀¹ e^{x(1−s)} sᵐ ds = m! φₘ₊₁(x)
+//! ```
+//!
+//! Since xψ₀ = eˣ − 1 and xψₘ = m ψₘ₋₁ − 1, a fast mode has the motion e^{λt} (z₀ − g₀) + Σ gₘ τᵐ, where
+//! λh gₘ = (m + 1) gₘ₊₁ − h b aₘ: a polynomial itself, and a free motion. For a slow mode, |λ|h < 1, this cancels. There, the
+//! series of the last ψ gives those before.
 
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
-use super::fractions::{Fractions, MAX_DIGITS};
+use super::cache::PropagatorCache;
 use super::load_polynomials::LoadPolynomials;
-use super::mode_split::{DEGREE, ModeSplit};
-use super::packed::{Aligned, WIDTH};
+use super::packed::{Aligned, WIDTH, aligned};
+use super::panel_kernel;
 use super::quadrature::MAX_STAGES;
 use super::step::Stepper;
-use super::{MAX_TERMS, taylor_terms};
+use crate::modal::ModePair;
+use crate::numerics::exponential;
 
-/// A remainder below this fraction of a unit is round-off.
-const ROUND_OFF: f64 = 1e-9;
-/// Largest number of coefficients of a load.
-const MAX_POWERS: usize = MAX_STAGES + 2;
-/// Coefficients of the motion of a chunk of slots: both coordinates of [`WIDTH`] slots for each power.
-const CHUNK: usize = 2 * WIDTH * (DEGREE + 1);
+/// Largest number of functions ψ: one for each coefficient of a load, and a further one for rigid-body motions.
+const MAX_FUNCTIONS: usize = MAX_STAGES + 3;
+/// Terms of the series for |x| < 1. Its last term is then below 2/17!, which is round-off.
+const TERMS: usize = 16;
+
+type Lanes = [f64; WIDTH];
 
 /// States within the last step.
 #[derive(Clone, Debug)]
 pub(super) struct SubstepModes {
-    /// Free motion z₀ − g₀ at the beginning.
-    free: Vec<f64>,
-    /// Coefficients gₙ, chunk after chunk and power after power.
-    motion: Vec<f64>,
-    /// Number of coefficients of a load; zero without loads, where all motion is free.
-    powers: usize,
+    /// Real and imaginary parts of the eigenvalues λ, 1/s: one for each slot, then both of each of [`Self::others`].
+    eigenvalues: [Aligned; 2],
+    /// Smallest |λ| of each chunk of [`WIDTH`] slots, 1/s; zero if one of [`Self::others`] is in it.
+    slowest: Vec<f64>,
+    /// Pairs that are no oscillation.
+    others: Vec<OtherPair>,
+    /// For each power m of the loads, lowest first, b aₘ of all slots, or gₘ in chunks of fast modes; empty without loads.
+    forces: Vec<f64>,
+    /// Number of functions ψ of an eigenvalue.
+    count: usize,
+    /// Real and imaginary parts of e^{λt}, and of the functions ψ in chunks with slow modes, chunk after chunk.
+    exponentials: Vec<[Lanes; 2]>,
+    functions: Vec<[Lanes; 2]>,
     state: Vec<f64>,
 }
 
+/// A pair that is no oscillation.
+#[derive(Clone, Copy, Debug)]
+struct OtherPair {
+    slot: usize,
+    /// Index of the first of its two eigenvalues.
+    first: usize,
+    /// Whether it is the position and the velocity of a rigid-body motion.
+    is_rigid: bool,
+}
+
 impl SubstepModes {
-    /// Allocates the states of a stepper.
-    pub fn new(stepper: &Stepper<'_>) -> Self {
-        let cache = &stepper.context.cache;
-        let len = cache.linear.len();
-        Self {
-            free: vec![0.0; len],
-            motion: vec![0.0; len / (2 * WIDTH) * CHUNK],
-            powers: if stepper.loads().load_count() > 0 { cache.rule.whole.len() } else { 0 },
-            state: vec![0.0; len],
-        }
-    }
-
-    /// Starts with the last step, which begins at the state `z`.
-    pub fn begin(&mut self, stepper: &Stepper<'_>, (split, loads): (&ModeSplit, &LoadPolynomials), z: &[f64]) {
-        if self.powers == 0 {
-            self.free.copy_from_slice(z);
-            return;
-        }
-        let context = &stepper.context;
-        let (free, motion) = (&mut self.free[..], &mut self.motion[..]);
-        let (columns, loads) = (&context.columns[..], &loads.coefficients[..]);
-        context.arch.dispatch(Expand { split, columns, loads, powers: self.powers, z, free, motion });
-    }
-
-    /// The state `within` seconds after the beginning of the step, which has a level.
-    pub fn state_at(&mut self, stepper: &Stepper<'_>, (level, split): (usize, &ModeSplit), within: f64) -> &[f64] {
-        let cache = &stepper.context.cache;
-        let (fractions, pairs) = (&cache.fractions, cache.pairs());
-        let mut matrices = [[&[][..]; 4]; MAX_DIGITS];
-        let (mut count, mut rest) = (0, 0.0);
-        let (fraction, at_fraction) = Fractions::nearest(within, split.step);
-        let part = (at_fraction == within).then(|| fractions.part(pairs, level, fraction)).flatten();
-        if let Some(part) = part {
-            matrices[0] = lists(part);
-            count = 1;
-        } else {
-            let whole = (within / fractions.unit + ROUND_OFF).floor();
-            for (position, digit) in Fractions::digits(whole as u64).filter(|(_, digit)| *digit > 0) {
-                matrices[count] = lists(fractions.matrix(pairs, position, digit));
-                count += 1;
+    /// Allocates the states of a motion under a number of loads.
+    pub fn new(cache: &PropagatorCache, loads: usize) -> Self {
+        let pairs = cache.pairs();
+        let (mut real, mut imaginary): (Vec<f64>, Vec<f64>) =
+            pairs.iter().map(|pair| (pair.eigenvalues()[0].re, pair.eigenvalues()[0].im)).unzip();
+        let sizes: Vec<f64> = real.iter().zip(&imaginary).map(|(re, im): (&f64, &f64)| re.hypot(*im)).collect();
+        let least = |sizes: &[f64]| sizes.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut slowest: Vec<f64> = sizes.chunks_exact(WIDTH).map(least).collect();
+        let mut others = Vec::new();
+        for (slot, pair) in pairs.iter().enumerate() {
+            let values = pair.eigenvalues().map(|value| value.re);
+            let is_rigid = matches!(pair, ModePair::RigidBodyPair(_));
+            // Equal real eigenvalues, also those of empty slots, are an oscillation without frequency.
+            if is_rigid || matches!(pair, ModePair::Real(_)) && values[0] != values[1] {
+                others.push(OtherPair { slot, first: real.len(), is_rigid });
+                slowest[slot / WIDTH] = 0.0;
+                real.extend(values);
             }
-            rest = within - whole * fractions.unit;
         }
-        let is_whole = rest <= ROUND_OFF * fractions.unit;
-        stepper.context.arch.dispatch(Evaluate {
-            split,
-            matrices: &matrices[..count],
-            blocks: &cache.linear.blocks,
-            rest,
-            terms: if is_whole { 0 } else { taylor_terms(cache.linear.radius * rest) },
-            powers: self.powers,
-            part: within / split.step,
-            motion: &self.motion,
-            free: &self.free,
-            state: &mut self.state,
+        real.resize(real.len().next_multiple_of(WIDTH), 0.0);
+        imaginary.resize(real.len(), 0.0);
+        let powers = if loads > 0 { cache.rule.whole.len() } else { 0 };
+        let (count, chunks) = (powers + 1, real.len() / WIDTH);
+        Self {
+            eigenvalues: [aligned(&real), aligned(&imaginary)],
+            slowest,
+            others,
+            forces: vec![0.0; powers * cache.linear.len()],
+            count,
+            exponentials: vec![[[0.0; WIDTH]; 2]; chunks],
+            functions: vec![[[0.0; WIDTH]; 2]; chunks * count],
+            state: vec![0.0; cache.linear.len()],
+        }
+    }
+
+    /// Starts with the last step, which is `step` seconds long.
+    pub fn begin(&mut self, stepper: &Stepper<'_>, step: f64, loads: &LoadPolynomials) {
+        let arch = stepper.context.arch;
+        let coefficients = loads.coefficients.rchunks_exact(stepper.loads().load_count().max(1));
+        self.forces.fill(0.0);
+        for (force, coefficients) in self.forces.chunks_exact_mut(self.state.len().max(1)).zip(coefficients) {
+            panel_kernel::accumulate(arch, &stepper.context.columns, coefficients, force);
+        }
+        arch.dispatch(Polynomials {
+            eigenvalues: self.eigenvalues.each_ref().map(|part| &part[..]),
+            slowest: &self.slowest,
+            step,
+            forces: &mut self.forces,
         });
+    }
+
+    /// The state `within` seconds after the beginning `z` of the step, which is `step` seconds long.
+    pub fn state_at(&mut self, arch: Arch, step: f64, z: &[f64], within: f64) -> &[f64] {
+        let Self { eigenvalues, slowest, count, forces, exponentials, functions, state, .. } = self;
+        let eigenvalues = eigenvalues.each_ref().map(|part| &part[..]);
+        arch.dispatch(Exponentials { eigenvalues, time: within, exponentials });
+        arch.dispatch(Sum {
+            eigenvalues,
+            slowest,
+            exponentials,
+            functions,
+            count: *count,
+            step,
+            time: within,
+            z,
+            forces,
+            state,
+        });
+        self.add_others(step, z, within);
         &self.state
     }
+
+    /// Computes the coordinates of the pairs that are no oscillation.
+    fn add_others(&mut self, step: f64, z: &[f64], within: f64) {
+        let half = z.len() / 2;
+        for OtherPair { slot, first, is_rigid } in &self.others {
+            // e^{λt} has the order 0, and ψₘ the order m + 1.
+            let function = |order: usize, index: usize| {
+                let (chunk, lane) = (index / WIDTH, index % WIDTH);
+                match order {
+                    0 => self.exponentials[chunk][0][lane],
+                    _ => self.functions[chunk * self.count + order - 1][0][lane],
+                }
+            };
+            let (mut sum, mut factor) = ([0.0; 2], 1.0);
+            let forces = self.forces.chunks_exact(z.len());
+            for (order, state) in std::iter::once(z).chain(forces).enumerate() {
+                let [a, d] = [function(order, *first), function(order, first + 1)];
+                // The off-diagonal entry of a function of [[0, 1], [0, λ]] is its divided difference between 0 and λ.
+                let b = if *is_rigid { within * function(order + 1, first + 1) / order.max(1) as f64 } else { 0.0 };
+                let [x, y] = [state[*slot], state[half + slot]];
+                sum = [sum[0] + factor * (a * x + b * y), sum[1] + factor * d * y];
+                factor = if order == 0 { within } else { factor * (within / step) };
+            }
+            [self.state[*slot], self.state[half + slot]] = sum;
+        }
+    }
 }
 
-/// The entries of packed blocks.
-fn lists(matrix: &[Aligned; 4]) -> [&[f64]; 4] {
-    matrix.each_ref().map(|list| &list[..])
+/// Converts the loads of fast modes to the polynomials gₘ.
+struct Polynomials<'a> {
+    eigenvalues: [&'a [f64]; 2],
+    slowest: &'a [f64],
+    step: f64,
+    forces: &'a mut [f64],
 }
 
-/// Computes the coefficients of the motion, and the free motion.
-struct Expand<'a> {
-    split: &'a ModeSplit,
-    /// Columns b, one after the other.
-    columns: &'a [f64],
-    /// Coefficients of the loads, highest power first.
-    loads: &'a [f64],
-    powers: usize,
-    z: &'a [f64],
-    free: &'a mut [f64],
-    motion: &'a mut [f64],
-}
-
-type Lanes = [f64; WIDTH];
-
-impl WithSimd for Expand<'_> {
+impl WithSimd for Polynomials<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { split, powers, z, free, motion, .. } = self;
-        let (half, count) = (z.len() / (2 * WIDTH), self.loads.len() / powers);
-        let (z, free) = (z.as_chunks::<WIDTH>().0, free.as_chunks_mut::<WIDTH>().0);
-        let columns = self.columns.as_chunks::<WIDTH>().0;
-        let inverses = split.inverses.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
-        let blocks = split.slow_blocks.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
-        let is_slow = split.is_slow.each_ref().map(|list| list.as_chunks::<WIDTH>().0);
-        for (i, motion) in motion.chunks_exact_mut(CHUNK).enumerate() {
-            let motion = motion.as_chunks_mut::<WIDTH>().0.as_chunks_mut::<2>().0;
-            let mut forces = [[[0.0; WIDTH]; 2]; MAX_POWERS];
-            for side in 0..2 {
-                for (force, power) in forces[..powers].iter_mut().zip((0..powers).rev()) {
-                    let loads = &self.loads[power * count..][..count];
-                    force[side] =
-                        sum_loads(split.step, loads, &columns[(side * half + i).min(columns.len())..], 2 * half);
-                }
-            }
+        let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<WIDTH>().0);
+        let forces = self.forces.as_chunks_mut::<WIDTH>().0;
+        let half = self.slowest.len();
+        for i in (0..half).filter(|i| self.slowest[*i] * self.step >= 1.0) {
+            let inverse = inverse(&scaled(&real[i], &imaginary[i], self.step));
             let mut next = [[0.0; WIDTH]; 2];
-            for (power, force) in forces[..powers].iter().enumerate().rev() {
-                let factor = (power + 1) as f64;
-                let mut right = [[0.0; WIDTH]; 2];
-                for side in 0..2 {
-                    for lane in 0..WIDTH {
-                        right[side][lane] = factor * next[side][lane] - force[side][lane];
-                    }
-                }
-                next = product(inverses.map(|list| &list[i]), &right);
-                motion[power] = next;
-            }
-            let mut slow = [[0.0; WIDTH]; 2];
-            for side in 0..2 {
-                let (z, mask) = (&z[side * half + i], &is_slow[side][i]);
+            for (m, forces) in forces.chunks_exact_mut(2 * half).enumerate().rev() {
                 for lane in 0..WIDTH {
-                    slow[side][lane] = mask[lane] * z[lane];
-                    free[side * half + i][lane] = (1.0 - mask[lane]) * (z[lane] - next[side][lane]);
+                    next[0][lane] = (m + 1) as f64 * next[0][lane] - self.step * forces[i][lane];
+                    next[1][lane] = (m + 1) as f64 * next[1][lane] - self.step * forces[half + i][lane];
                 }
-            }
-            let terms = split.terms[i];
-            if terms > 0 {
-                motion[powers..terms].fill([[0.0; WIDTH]; 2]);
-                let masks = is_slow.map(|list| &list[i]);
-                add_series(blocks.map(|list| &list[i]), masks, &forces[..powers], slow, &mut motion[..terms]);
+                next = rotated(&inverse, &next[0], &next[1]);
+                [forces[i], forces[half + i]] = next;
             }
         }
     }
 }
 
-/// Step times Σ c_i b_i, for one chunk of slots: load i has the coefficient c_i and the column b_i, which stands at the
-/// index i × `stride` of `columns`.
-#[inline(always)]
-fn sum_loads(step: f64, coefficients: &[f64], columns: &[Lanes], stride: usize) -> Lanes {
-    let mut sum = [0.0; WIDTH];
-    for (coefficient, column) in coefficients.iter().zip(columns.iter().step_by(stride)) {
-        for lane in 0..WIDTH {
-            sum[lane] += column[lane] * coefficient;
-        }
-    }
-    for value in &mut sum {
-        *value *= step;
-    }
-    sum
+/// Computes e^{λt} of all eigenvalues.
+struct Exponentials<'a> {
+    eigenvalues: [&'a [f64]; 2],
+    time: f64,
+    exponentials: &'a mut [[Lanes; 2]],
 }
 
-/// Adds the power series of the slow modes, which begin at `term`.
-#[inline(always)]
-fn add_series(
-    blocks: [&Lanes; 4],
-    masks: [&Lanes; 2],
-    forces: &[[Lanes; 2]],
-    mut term: [Lanes; 2],
-    motion: &mut [[Lanes; 2]],
-) {
-    let (forced, free) = motion.split_at_mut(forces.len().min(motion.len()));
-    for (power, (motion, force)) in forced.iter_mut().zip(forces).enumerate() {
-        add(motion, &term);
-        term = product(blocks, &term);
-        for side in 0..2 {
-            for lane in 0..WIDTH {
-                term[side][lane] += masks[side][lane] * force[side][lane];
-            }
-        }
-        scale(&mut term, 1.0 / (power + 1) as f64);
-    }
-    for (power, motion) in free.iter_mut().enumerate() {
-        add(motion, &term);
-        term = product(blocks, &term);
-        scale(&mut term, 1.0 / (forces.len() + power + 1) as f64);
-    }
-}
+impl WithSimd for Exponentials<'_> {
+    type Output = ();
 
-/// `sum += term`, both coordinates.
-#[inline(always)]
-fn add(sum: &mut [Lanes; 2], term: &[Lanes; 2]) {
-    for side in 0..2 {
-        for lane in 0..WIDTH {
-            sum[side][lane] += term[side][lane];
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<WIDTH>().0);
+        for (out, parts) in self.exponentials.iter_mut().zip(real.iter().zip(imaginary)) {
+            *out = exponential(&scaled(parts.0, parts.1, self.time));
         }
     }
 }
 
-/// `term *= factor`, both coordinates.
-#[inline(always)]
-fn scale(term: &mut [Lanes; 2], factor: f64) {
-    for value in term.as_flattened_mut() {
-        *value *= factor;
-    }
-}
-
-/// Value at τ of the polynomial with coefficients of both coordinates, lowest power first. Even and odd powers are summed
-/// apart, as polynomials in τ²: one sum would wait for each addition.
-#[inline(always)]
-fn polynomial(coefficients: &[[Lanes; 2]], part: f64) -> [Lanes; 2] {
-    let (pairs, last) = coefficients.as_chunks::<2>();
-    let (mut even, mut odd) = ([[0.0; WIDTH]; 2], [[0.0; WIDTH]; 2]);
-    if let [last] = last {
-        even = *last;
-    }
-    let square = part * part;
-    for [zeroth, first] in pairs.iter().rev() {
-        scale(&mut even, square);
-        add(&mut even, zeroth);
-        scale(&mut odd, square);
-        add(&mut odd, first);
-    }
-    scale(&mut odd, part);
-    add(&mut even, &odd);
-    even
-}
-
-/// Products of 2×2 blocks with both coordinates.
-#[inline(always)]
-fn product([a, b, c, d]: [&Lanes; 4], [x, y]: &[Lanes; 2]) -> [Lanes; 2] {
-    let mut out = [[0.0; WIDTH]; 2];
-    for lane in 0..WIDTH {
-        out[0][lane] = a[lane] * x[lane] + b[lane] * y[lane];
-        out[1][lane] = c[lane] * x[lane] + d[lane] * y[lane];
-    }
-    out
-}
-
-/// Moves the free motion and adds the polynomials.
-struct Evaluate<'a> {
-    split: &'a ModeSplit,
-    /// Factors of e^{At}.
-    matrices: &'a [[&'a [f64]; 4]],
-    /// Entries of the blocks of A.
-    blocks: &'a [Vec<f64>; 4],
-    /// Remaining time, s, and the terms of its Taylor series.
-    rest: f64,
-    terms: usize,
-    powers: usize,
-    /// Fraction τ of the step.
-    part: f64,
-    motion: &'a [f64],
-    free: &'a [f64],
+/// Sums the free motion and the motion under the loads.
+struct Sum<'a> {
+    eigenvalues: [&'a [f64]; 2],
+    slowest: &'a [f64],
+    exponentials: &'a [[Lanes; 2]],
+    functions: &'a mut [[Lanes; 2]],
+    count: usize,
+    step: f64,
+    time: f64,
+    z: &'a [f64],
+    forces: &'a [f64],
     state: &'a mut [f64],
 }
 
-impl WithSimd for Evaluate<'_> {
+impl WithSimd for Sum<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let half = self.state.len() / (2 * WIDTH);
-        let (free, state) = (self.free.as_chunks::<WIDTH>().0, self.state.as_chunks_mut::<WIDTH>().0);
-        let parts: [f64; MAX_TERMS] = std::array::from_fn(|order| self.rest / (order + 1) as f64);
-        for (i, motion) in self.motion.chunks_exact(CHUNK).enumerate() {
-            let mut sum = [free[i], free[half + i]];
-            for matrix in self.matrices {
-                sum = product(matrix.map(|list| &list.as_chunks::<WIDTH>().0[i]), &sum);
-            }
-            if self.terms > 0 {
-                let blocks = self.blocks.each_ref().map(|list| &list.as_chunks::<WIDTH>().0[i]);
-                let mut term = sum;
-                for part in &parts[..self.terms] {
-                    term = product(blocks, &term);
-                    for side in 0..2 {
-                        for lane in 0..WIDTH {
-                            term[side][lane] *= part;
-                            sum[side][lane] += term[side][lane];
-                        }
-                    }
+        let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<WIDTH>().0);
+        let (half, part) = (self.slowest.len(), self.time / self.step);
+        let (z, state) = (self.z.as_chunks::<WIDTH>().0, self.state.as_chunks_mut::<WIDTH>().0);
+        let forces = self.forces.as_chunks::<WIDTH>().0;
+        let powers = self.count - 1;
+        for (i, (functions, exponential)) in
+            self.functions.chunks_exact_mut(self.count).zip(self.exponentials).enumerate()
+        {
+            let force = |m: usize| [forces[2 * half * m + i], forces[2 * half * m + half + i]];
+            if i < half && powers > 0 && self.slowest[i] * self.step >= 1.0 {
+                let begin = force(0);
+                let free: [Lanes; 2] = [
+                    std::array::from_fn(|lane| z[i][lane] - begin[0][lane]),
+                    std::array::from_fn(|lane| z[half + i][lane] - begin[1][lane]),
+                ];
+                let mut sum = [[0.0; WIDTH]; 2];
+                for m in (0..powers).rev() {
+                    add(&mut sum, part, &force(m), |sum, part, force| sum * part + force);
                 }
+                add(&mut sum, 1.0, &rotated(exponential, &free[0], &free[1]), |sum, _, free| sum + free);
+                [state[i], state[half + i]] = sum;
+                continue;
             }
-            let motion = motion.as_chunks::<WIDTH>().0.as_chunks::<2>().0;
-            let powers = self.powers.max(if self.powers > 0 { self.split.terms[i] } else { 0 });
-            let forced = polynomial(&motion[..powers], self.part);
-            for side in 0..2 {
-                for lane in 0..WIDTH {
-                    state[side * half + i][lane] = sum[side][lane] + forced[side][lane];
+            let x = scaled(&real[i], &imaginary[i], self.time);
+            integrals(&x, exponential, functions);
+            // The eigenvalues behind those of the slots belong to other pairs.
+            if i < half {
+                let (mut sum, mut factor) = (rotated(exponential, &z[i], &z[half + i]), self.time);
+                for (m, function) in functions[..powers].iter().enumerate() {
+                    let [x, y] = force(m);
+                    add(&mut sum, factor, &rotated(function, &x, &y), |sum, factor, added| sum + factor * added);
+                    factor *= part;
                 }
+                [state[i], state[half + i]] = sum;
+            }
+        }
+    }
+}
+
+/// Computes ψ₀, ψ₁, … of one chunk of numbers x from eˣ.
+#[inline(always)]
+fn integrals(x: &[Lanes; 2], exponential: &[Lanes; 2], functions: &mut [[Lanes; 2]]) {
+    let square: Lanes = std::array::from_fn(|lane| x[0][lane] * x[0][lane] + x[1][lane] * x[1][lane]);
+    let is_slow = square.map(|square| square < 1.0);
+    let last = functions.len() - 1;
+    let mut slow = [[[0.0; WIDTH]; 2]; MAX_FUNCTIONS];
+    if is_slow.contains(&true) {
+        // ψ_last = Σ xʲ/((last + 1)…(last + 1 + j))
+        let mut sum = [[0.0; WIDTH]; 2];
+        for j in (0..TERMS).rev() {
+            sum = affine(&product(x, &sum), 1.0, 1.0 / (last + 1 + j) as f64);
+        }
+        slow[last] = sum;
+        for m in (1..=last).rev() {
+            slow[m - 1] = affine(&product(x, &slow[m]), 1.0, 1.0 / m as f64);
+        }
+        if !is_slow.contains(&false) {
+            functions.copy_from_slice(&slow[..=last]);
+            return;
+        }
+    }
+    let inverse = inverse(x);
+    let mut before = *exponential;
+    for (m, (function, slow)) in functions.iter_mut().zip(&slow).enumerate() {
+        let factor = m.max(1) as f64;
+        before = product(&inverse, &affine(&before, -1.0 / factor, factor));
+        for part in 0..2 {
+            for lane in 0..WIDTH {
+                function[part][lane] = if is_slow[lane] { slow[part][lane] } else { before[part][lane] };
+            }
+        }
+    }
+}
+
+/// Complex numbers times a factor.
+#[inline(always)]
+fn scaled(re: &Lanes, im: &Lanes, factor: f64) -> [Lanes; 2] {
+    [re.map(|value| value * factor), im.map(|value| value * factor)]
+}
+
+/// 1/x.
+#[inline(always)]
+fn inverse([re, im]: &[Lanes; 2]) -> [Lanes; 2] {
+    let square: Lanes = std::array::from_fn(|lane| re[lane] * re[lane] + im[lane] * im[lane]);
+    [std::array::from_fn(|lane| re[lane] / square[lane]), std::array::from_fn(|lane| -im[lane] / square[lane])]
+}
+
+/// (x + real) times a factor.
+#[inline(always)]
+fn affine([re, im]: &[Lanes; 2], real: f64, factor: f64) -> [Lanes; 2] {
+    [re.map(|value| (value + real) * factor), im.map(|value| value * factor)]
+}
+
+/// Product of complex numbers.
+#[inline(always)]
+fn product([a, b]: &[Lanes; 2], [c, d]: &[Lanes; 2]) -> [Lanes; 2] {
+    [
+        std::array::from_fn(|lane| a[lane] * c[lane] - b[lane] * d[lane]),
+        std::array::from_fn(|lane| a[lane] * d[lane] + b[lane] * c[lane]),
+    ]
+}
+
+/// Products of the block [[a, b], [−b, a]] of a function a + ib with both coordinates.
+#[inline(always)]
+fn rotated([a, b]: &[Lanes; 2], x: &Lanes, y: &Lanes) -> [Lanes; 2] {
+    [
+        std::array::from_fn(|lane| a[lane] * x[lane] + b[lane] * y[lane]),
+        std::array::from_fn(|lane| a[lane] * y[lane] - b[lane] * x[lane]),
+    ]
+}
+
+/// Replaces each entry of a sum by a function of it, a factor and an entry.
+#[inline(always)]
+fn add(sum: &mut [Lanes; 2], factor: f64, entries: &[Lanes; 2], of: impl Fn(f64, f64, f64) -> f64) {
+    for (sum, entry) in sum.as_flattened_mut().iter_mut().zip(entries.as_flattened()) {
+        *sum = of(*sum, factor, *entry);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex64;
+
+    use super::super::phi::{factorial, phi};
+    use super::*;
+
+    #[test]
+    fn functions_are_those_of_single_numbers() {
+        let directions = [0.0, 0.5, 1.0].map(|part: f64| Complex64::from_polar(1.0, part * std::f64::consts::PI));
+        for (size, direction) in
+            [0.0, 1e-9, 0.3, 0.999, 1.001, 2.0, 40.0, 900.0].into_iter().flat_map(|size| directions.map(|d| (size, d)))
+        {
+            let x = direction * size.min(if direction.re > 0.5 { 40.0 } else { size });
+            let mut functions = [[[0.0; WIDTH]; 2]; MAX_FUNCTIONS];
+            let parts = |value: Complex64| [[value.re; WIDTH], [value.im; WIDTH]];
+            integrals(&parts(x), &parts(x.exp()), &mut functions);
+            for (m, value) in phi::<{ MAX_FUNCTIONS + 1 }>(x).into_iter().skip(1).enumerate() {
+                let found = Complex64::new(functions[m][0][0], functions[m][1][0]) / factorial(m);
+                // Six upward divisions at |x| = 1 cancel three digits.
+                assert!((found - value).norm() < 1e-12 * value.norm().max(1e-3), "{m} {x}: {found} {value}");
             }
         }
     }

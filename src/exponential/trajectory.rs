@@ -1,6 +1,5 @@
 //! A completed step: its states, and its displacements and velocities for observers.
 
-use super::fractions::Fractions;
 use super::output::OutputMap;
 use super::step::Stepper;
 use super::substep::SubstepSampler;
@@ -8,10 +7,6 @@ use crate::integrate::{Halt, Trajectory};
 
 /// Instants closer to an end of the step than this fraction of it take the state of that end.
 const ROUND_OFF: f64 = 1e-9;
-/// Instants that differ by round-off from a multiple of this fraction of a step, or from a fraction of [`Fractions`], are
-/// there: e^{At} of such an instant has few factors.
-const DYADIC: f64 = 1.0 / 4096.0;
-
 /// The step that was taken last, before it is committed.
 #[derive(Clone, Copy)]
 pub(super) struct CompletedStep<'a, 'm> {
@@ -37,12 +32,8 @@ impl CompletedStep<'_, '_> {
         self.begin + part * self.length()
     }
 
-    /// State z `within` seconds after the beginning. `within` is the difference of two elapsed times and has their round-off.
+    /// State z `within` seconds after the beginning.
     pub fn state_at<'s>(&'s self, sampler: &'s mut SubstepSampler, within: f64) -> &'s [f64] {
-        let (length, unit) = (self.length(), self.length() * DYADIC);
-        let round_off = 2.0 * f64::EPSILON * (self.begin.abs() + length);
-        let nearest = [Fractions::nearest(within, length).1, (within / unit).round() * unit];
-        let within = nearest.into_iter().find(|nearest| (within - nearest).abs() <= round_off).unwrap_or(within);
         sampler.state_at(self.stepper, self.level, self.z, within)
     }
 }
@@ -91,6 +82,10 @@ impl Trajectory for StepTrajectory<'_, '_> {
             each_state(self.step, self.sampler, instants, |_, z| output.gather(z));
             output.read_gathered(self.step.stepper.loads(), instants, q, v);
         }
+    }
+
+    fn gives_damping(&self) -> bool {
+        true
     }
 
     fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {

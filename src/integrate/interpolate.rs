@@ -18,7 +18,8 @@ pub trait Trajectory {
     fn states(&mut self, instants: &[f64], coordinates: &[usize], q: &mut [f64], v: &mut [f64]);
 
     /// Writes the displacements and velocities of `coordinates`, and behind the displacements of each instant the sums of
-    /// displacements `combinations`, given as entries (index, coefficient). All vectors have the same length.
+    /// displacements `combinations`, given as entries (index, coefficient). One place follows for the power of the distributed
+    /// damping, see [`Self::gives_damping`]. All vectors have the same length.
     fn power_states(
         &mut self,
         instants: &[f64],
@@ -29,11 +30,16 @@ pub trait Trajectory {
     ) {
         self.states(instants, coordinates, q, v);
         for (_, q, _) in at_each(instants, q, v) {
-            let (q, sums) = q.split_at_mut(q.len() - combinations.len());
+            let (q, sums) = q.split_at_mut(q.len() - combinations.len() - 1);
             for (sum, entries) in sums.iter_mut().zip(combinations) {
                 *sum = entries.iter().map(|(index, coefficient)| coefficient * q[*index]).sum();
             }
         }
+    }
+
+    /// Whether [`Self::power_states`] gives the power of the distributed damping. Otherwise, the velocities give it.
+    fn gives_damping(&self) -> bool {
+        false
     }
 
     /// Writes the accelerations of `coordinates` at their indices, one vector of all coordinates for each instant. They follow

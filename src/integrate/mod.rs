@@ -1,7 +1,7 @@
 //! Explicit Runge–Kutta integration of a [`FirstOrderSystem`], which gives its derivative and its error norm.
 //!
 //! `tableau` holds the coefficients, `step` takes one step, `controller` chooses its length, `driver` is the loop over
-//! steps, `event_locator` finds contact changes, `interpolate` gives the motion within a step, `quadrature_rules` integrate over it, and `halt` gives the
+//! steps, `event_locator` finds contact changes, `interpolate` gives the motion within a step, and `halt` gives the
 //! reasons to stop. A step allocates no memory. `state` is the state between steps of every method.
 
 mod controller;
@@ -9,7 +9,6 @@ mod driver;
 mod event_locator;
 mod halt;
 mod interpolate;
-pub mod quadrature_rules;
 mod state;
 mod statistics;
 mod step;

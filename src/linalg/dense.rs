@@ -216,3 +216,23 @@ pub fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
 pub fn solve_complex(matrix: &DMatrix<Complex<f64>>, right: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
     LuFactors::new(matrix).solve(right)
 }
+/// Rows r of a root of a positive semidefinite matrix G = Σ rᵀr, by the Cholesky decomposition with pivots. It ends where the
+/// remaining diagonal is round-off, so that there are as many rows as the rank of G.
+pub fn semidefinite_root(matrix: &DMatrix<f64>) -> Vec<DVector<f64>> {
+    let mut diagonal = matrix.diagonal();
+    let round_off = diagonal.len() as f64 * f64::EPSILON * diagonal.amax();
+    let mut rows: Vec<DVector<f64>> = Vec::new();
+    while rows.len() < diagonal.len() {
+        let pivot = diagonal.imax();
+        if diagonal[pivot] <= round_off {
+            break;
+        }
+        let mut row = matrix.column(pivot).into_owned();
+        rows.iter().for_each(|before| row.axpy(-before[pivot], before, 1.0));
+        row /= diagonal[pivot].sqrt();
+        diagonal.zip_apply(&row, |left, entry| *left -= entry * entry);
+        diagonal[pivot] = 0.0;
+        rows.push(row);
+    }
+    rows
+}

@@ -24,7 +24,10 @@ pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiv
 pub use chain::{ChainFactor, ChainMatrix};
 pub use conjugate_residuals::conjugate_residuals;
 pub use coupled_bands::{BandChain, CoupledBands, CoupledFactors};
-pub use dense::{DecompositionError, Eigen, LuFactors, backward_error, eigen, hermitian_eigen, solve, solve_complex};
+pub use dense::{
+    DecompositionError, Eigen, LuFactors, backward_error, eigen, hermitian_eigen, semidefinite_root, solve,
+    solve_complex,
+};
 pub use determinant::Determinant;
 pub use krylov::{Krylov, Operator, RitzPair};
 pub use pencil::{SymmetricPencil, symmetric_pencil};

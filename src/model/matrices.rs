@@ -61,6 +61,11 @@ impl Model {
         self.dense(|add| self.visit_damping_without_meshes(add))
     }
 
+    /// Matrix of the Rayleigh damping of the shafts.
+    pub fn shaft_damping_matrix(&self) -> DMatrix<f64> {
+        self.dense(|add| self.visit_shaft_damping(add))
+    }
+
     /// Gyroscopic matrix G per unit speed of the reference shaft: the term −iΩ_s G_s u̇ of each shaft s for the real
     /// and imaginary part of u.
     pub fn gyroscopic_matrix(&self) -> DMatrix<f64> {
@@ -203,11 +208,15 @@ impl Model {
     }
 
     fn visit_damping_without_meshes(&self, add: Add<'_>) {
+        self.visit_shaft_damping(add);
+        self.visit_supports(|support| support.damping, add);
+    }
+
+    fn visit_shaft_damping(&self, add: Add<'_>) {
         for shaft in &self.shafts {
             visit_bending(shaft.bending.as_ref(), |chain| chain.damping.as_ref(), add);
             shaft.rods().for_each(|chain| visit_rod(chain, chain.damping.as_ref(), add));
         }
-        self.visit_supports(|support| support.damping, add);
     }
 
     fn visit_gyroscopic(&self, add: Add<'_>) {

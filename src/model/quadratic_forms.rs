@@ -30,6 +30,16 @@ impl Model {
 
     /// vᵀCv, the dissipated power of shafts and bearings without modal damping, W.
     pub fn damping_form(&self, v: &[f64]) -> f64 {
+        self.shaft_damping_form(v) + self.support_damping_form(v)
+    }
+
+    /// The part of bearings and links with constant coefficients, W.
+    pub fn support_damping_form(&self, v: &[f64]) -> f64 {
+        self.sum_over_supports(v, |support| &support.damping)
+    }
+
+    /// The part of the shafts: Rayleigh damping, W.
+    pub fn shaft_damping_form(&self, v: &[f64]) -> f64 {
         let mut sum = 0.0;
         for shaft in &self.shafts {
             if let Some((chain, damping)) =
@@ -41,7 +51,7 @@ impl Model {
                 sum += damping.quadratic_form::<1>(&v[chain.start..]);
             }
         }
-        sum + self.sum_over_supports(v, |support| &support.damping)
+        sum
     }
 
     /// qᵀKq of shafts, meshes at rest and the symmetric part of the stiffness of bearings with constant

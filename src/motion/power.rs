@@ -1,6 +1,6 @@
 //! Powers that change the energy of the motion.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::EquationOfMotion;
@@ -32,6 +32,17 @@ impl PowerCoordinates {
         &self.combinations[self.combinations.len() - CONSTANT_LOAD_SUMS..]
     }
 
+    /// Number of sums behind the displacements: the combinations, and the power of the distributed damping.
+    pub fn sums(&self) -> usize {
+        self.combinations.len() + 1
+    }
+
+    /// The [`PowerLoads::constant`] loads times the displacements, J, from the sums at the end of `q`.
+    pub fn potentials(&self, q: &[f64]) -> [f64; CONSTANT_LOAD_SUMS] {
+        let end = q.len() - 1;
+        std::array::from_fn(|load| q[end - CONSTANT_LOAD_SUMS + load])
+    }
+
     /// The coordinates of a model.
     pub fn new(model: &Model) -> Self {
         let lateral = |index: usize| [index, index + 1];
@@ -57,9 +68,6 @@ impl PowerCoordinates {
         let excitations = model.shafts.iter().flat_map(|shaft| &shaft.excitations);
         let unbalances = excitations.filter(|excitation| excitation.unbalance != Complex64::ZERO);
         velocities.extend(unbalances.flat_map(|excitation| lateral(excitation.index)));
-        if model.scene.modal_damping > 0.0 || model.scene.rayleigh != [0.0; 2] {
-            velocities = (0..model.len()).collect();
-        }
         for list in [&mut displacements, &mut velocities] {
             list.sort_unstable();
             list.dedup();
@@ -135,14 +143,42 @@ fn bow_force(shaft: &ShaftModel) -> [Vec<(usize, f64)>; 2] {
 }
 
 impl EquationOfMotion<'_> {
-    /// Power of the [`SOURCES`] without constant loads, W: torques and forces; none for gravity; the drive, which turns bowed shafts and eccentric hubs of
-    /// couplings, moves rolling elements and changes the stiffness of bearings with the speed; unbalance; the prescribed motion of the teeth (error,
-    /// run-out, stiffness); damping, with the cross-coupling of bearings. q and v need the coordinates of `coordinates`; q is followed by the values of its
-    /// combinations.
+    /// vᵀDv of the distributed damping D, Rayleigh and modal damping, W.
+    pub fn distributed_damping_power(&self, v: &[f64]) -> f64 {
+        let mut power = self.model.shaft_damping_form(v);
+        if let Some(modal) = &self.modal_damping {
+            for (column, rate) in modal.as_slice().chunks_exact(self.model.len()).zip(v) {
+                power += rate * product(column, &v[..self.model.len()]);
+            }
+        }
+        power
+    }
+
+    /// The matrix D of [`Self::distributed_damping_power`], N s/m, shape (n, n); none without such damping.
+    pub fn distributed_damping(&self) -> Option<DMatrix<f64>> {
+        let shafts = (self.model.scene.rayleigh != [0.0; 2]).then(|| self.model.shaft_damping_matrix());
+        match (shafts, &self.modal_damping) {
+            (Some(shafts), Some(modal)) => Some(shafts + modal),
+            (shafts, modal) => shafts.or_else(|| modal.clone()),
+        }
+    }
+
+    /// Power of the [`SOURCES`] without constant loads, W: torques and forces; none for gravity; the drive, which turns bowed
+    /// shafts and eccentric hubs of couplings, moves rolling elements and changes the stiffness of bearings with the speed;
+    /// unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with the cross-coupling of bearings
+    /// and with the power `distributed` of the distributed damping. q and v need the coordinates of [`PowerCoordinates`]; q is
+    /// followed by its sums.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.
-    pub fn powers(&self, loads: &PowerLoads, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 6], (usize, Overlap)> {
+    pub fn powers(
+        &self,
+        loads: &PowerLoads,
+        elapsed: f64,
+        q: &[f64],
+        v: &[f64],
+        distributed: f64,
+    ) -> Result<[f64; 6], (usize, Overlap)> {
         let model = self.model;
         let [mut drive, circulating] = self.link_powers(elapsed, q, v);
         for (shaft, bow) in loads.bowed.iter().zip(q[model.len()..].chunks_exact(2)) {
@@ -156,7 +192,7 @@ impl EquationOfMotion<'_> {
             let force = excitation.unbalance_amplitude(spin, rate) * self.phasor(*shaft, elapsed);
             unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
         }
-        let mut damping = self.model.damping_form(v);
+        let mut damping = distributed + model.support_damping_form(v);
         for support in &model.supports {
             let (i, k) = (support.index, &support.stiffness);
             let skew = (k[0][1] - k[1][0]) / 2.0;
@@ -166,11 +202,6 @@ impl EquationOfMotion<'_> {
         let turning = model.scene.forces.iter().filter(|force| force.turns);
         let mut torque: f64 =
             turning.map(|f| model.power(f.node, f.value * self.phasor(f.node.shaft, elapsed), v)).sum();
-        if let Some(modal) = &self.modal_damping {
-            for (column, rate) in modal.as_slice().chunks_exact(model.len()).zip(v) {
-                damping += rate * product(column, &v[..model.len()]);
-            }
-        }
         let mut teeth = 0.0;
         for connection in self.connections() {
             match connection {

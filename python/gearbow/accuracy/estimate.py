@@ -27,9 +27,9 @@ from gearbow.accuracy.levels import tolerance
 from gearbow.accuracy.refine import refined
 from gearbow.accuracy.scale import root_mean_square, unit_of_errors, variation
 from gearbow.errors import AccuracyWarning
+from gearbow.recording.channels import signals
 from gearbow.recording.errors import ErrorEstimate, Errors
 from gearbow.recording.request import RunRequest
-from gearbow.recording.tables import optional_arrays
 
 __all__ = ["estimate_errors"]
 
@@ -193,7 +193,7 @@ def _times(model: Model, options: Mapping[str, Any]) -> Array:
 
 def _signals(data: RunData) -> list[_Signal]:
     """Collect displacements, their recorded rates, and mesh forces."""
-    arrays: dict[str, Any] = {"displacement": data["displacement"], **optional_arrays(data)}
+    arrays = signals(data)
     moved = [
         _Signal(kind, arrays[kind][:, i])
         for kind in ("displacement", *_RATES)
@@ -201,7 +201,7 @@ def _signals(data: RunData) -> list[_Signal]:
         for i in range(len(data["points"]))
     ]
     forces = [
-        _Signal("mesh_force", data["mesh"]["force"][:, [i]]) for i in range(len(data["meshes"]))
+        _Signal("mesh_force", arrays["mesh_force"][:, [i]]) for i in range(len(data["meshes"]))
     ]
     return moved + forces
 

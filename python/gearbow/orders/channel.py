@@ -9,14 +9,23 @@ from gearbow._types import Array, Record
 from gearbow.description.places import is_pair, place, place_label
 from gearbow.errors import ChannelError
 from gearbow.recording import access
-from gearbow.recording.channels import BEARING, MESH, POINT, RATES
+from gearbow.recording.channels import CHANNELS, quantities
 from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
 
 __all__ = ["Channel", "channel"]
 
+#: Quantities of each kind of place: array, component and unit.
+_MOTION, _MESH = (
+    {quantity: (array, component, CHANNELS[array].unit) for quantity, array, component in known}
+    for known in map(quantities, ("point", "mesh"))
+)
 #: Components of the force on a bearing.
-_BEARING = {name.removeprefix("force_"): unit for name, unit in BEARING.items()} | {"x": "N"}
+_BEARING = {
+    quantity.removeprefix("force_"): (array, component, CHANNELS[array].unit)
+    for quantity, array, component in quantities("bearing")
+    if quantity.startswith("force_")
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,20 +35,6 @@ class Channel(Shown):
     label: str
     unit: str
     values: Array
-
-
-#: Quantities of the motion of a place: array and component.
-_MOTION: dict[str, tuple[Any, int | None]] = {
-    "y": ("displacement", 0),
-    "z": ("displacement", 1),
-    "twist": ("twist", None),
-    "x": ("axial", None),
-    **{
-        quantity: (array, component if len(quantities) > 1 else None)
-        for array, quantities in RATES.items()
-        for component, quantity in enumerate(quantities)
-    },
-}
 
 
 def channel(run: RunRecord, at: Record | SignalSensor, quantity: str | None = None) -> Channel:
@@ -52,34 +47,34 @@ def channel(run: RunRecord, at: Record | SignalSensor, quantity: str | None = No
     if isinstance(item, tuple) and len(item) == 3:
         return _of_bearing(run, item, quantity)
     if item == "energy":
-        _chosen(item, quantity, {"energy": "J"})
+        _chosen(item, quantity, ["energy"])
         return Channel("energy", "J", access.energy(run))
     if is_pair(item):
-        name, _ = _chosen(item, quantity, {"force": MESH["force"], **MESH})
+        name = _chosen(item, quantity, ["force", *(name for name in _MESH if name != "force")])
         values = getattr(access.mesh(run, item), name)
         driver, driven = access.mesh_names(run, item)
-        return Channel(f"{driver}/{driven} {name.replace('_', ' ')}", MESH[name], values)
-    name, _ = _chosen(item, quantity, POINT)
-    array, component = _MOTION[name]
-    motion = access.motion(run, array, item)
+        return Channel(f"{driver}/{driven} {name.replace('_', ' ')}", _MESH[name][2], values)
+    name = _chosen(item, quantity, list(_MOTION))
+    array, component, unit = _MOTION[name]
+    motion = access.motion(run, array, item)  # type: ignore[arg-type]
     values = motion if component is None else motion[:, component]
-    return Channel(f"{place_label(item)} {name}", POINT[name], values)
+    return Channel(f"{place_label(item)} {name}", unit, values)
 
 
 def _of_bearing(run: RunRecord, item: tuple[str, str, float], quantity: str | None) -> Channel:
     """Find a component of the force on a bearing, ("bearing", shaft, position)."""
     _, shaft, position = item
-    name, component = _chosen(item, quantity, _BEARING)
-    if name == "x":
+    name = _chosen(item, quantity, list(_BEARING))
+    _, component, unit = _BEARING[name]
+    if component is None:
         values = access.axial_bearing_force(run, (shaft, position))
     else:
         values = access.bearing_force(run, (shaft, position))[:, component]
-    return Channel(f"bearing {shaft} at {position:g} m {name}", _BEARING[name], values)
+    return Channel(f"bearing {shaft} at {position:g} m {name}", unit, values)
 
 
-def _chosen(at: Record, quantity: str | None, known: dict[str, str]) -> tuple[str, int]:
-    names = list(known)
+def _chosen(at: Record, quantity: str | None, names: list[str]) -> str:
     name = names[0] if quantity is None else quantity
     if text(name, "quantity") not in names:
         raise ChannelError(f"quantity: {at!r} has {', '.join(names)}, got {quantity!r}")
-    return name, names.index(name)
+    return name

@@ -18,9 +18,8 @@ from gearbow._files import replacing
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
-from gearbow.recording.channels import MESH, RATES, ROLLING
+from gearbow.recording.channels import CHANNELS, OWNERS, with_signals
 from gearbow.recording.container import Container, Header, opened, suffix, write_netcdf
-from gearbow.recording.energy import ENERGIES, WORKS
 from gearbow.recording.errors import ErrorEstimate, Errors
 from gearbow.recording.record import RunRecord
 from gearbow.recording.request import OPTIONS, RunRequest
@@ -37,7 +36,7 @@ from gearbow.recording.schema import (
     text,
     whole,
 )
-from gearbow.recording.tables import CHANNELS, FORMAT, OPTIONAL, arrays_of, metadata_of, to_xarray
+from gearbow.recording.tables import FORMAT, arrays_of, metadata_of, to_xarray
 
 __all__ = ["load", "read", "save"]
 
@@ -144,22 +143,20 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
     sizes: dict[str, int | None] = {
         "time": time[0][0] if time is not None and time[0] else 0,
         "axis": 2,
-        **{f"{name}": len(about[f"{name}s"]) for name in ("point", "bearing")},
-        "mesh": len(about["meshes"]),
-        "rolling": len(about["rolling_bearings"]),
+        **{owner: len(about[entry]) for owner, entry in OWNERS.items()},
     }
     expected: dict[str, tuple[type, tuple[int | None, ...]]] = {
         "time": (np.float64, (sizes["time"],)),
         **{
-            name: (np.float64, tuple(sizes[axis] for axis in axes))
-            for name, (_, axes) in CHANNELS.items()
+            name: (np.float64, tuple(sizes[axis] for axis in channel.axes))
+            for name, channel in CHANNELS.items()
         },
         **{f"final_{name}": (kind, (None,)) for name, kind in _STATE.items()},
     }
-    # A run without energies or rates, a system without axial motion, and an older file lack these
-    # arrays.
-    for group in ("energy", *RATES, "axial", "bearing_displacement"):
-        names = [name for name in expected if name.startswith(group)]
+    # A run without energies or rates, a system without axial motion, and an older file lack the
+    # arrays of a group.
+    for group in {channel.group for channel in CHANNELS.values()} - {None}:
+        names = [name for name, channel in CHANNELS.items() if channel.group == group]
         if all(header(name) is None for name in names):
             expected = {name: value for name, value in expected.items() if name not in names}
     if not about["rolling_bearings"]:
@@ -189,35 +186,22 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
     """Make a recorded run from checked data."""
     final = {**about["final"], **{name: arrays[f"final_{name}"] for name in _STATE}}
     check_final(final)
-    mesh = {name: arrays[f"mesh_{name}"] for name in MESH}
-    rolling = [arrays[f"rolling_{name}"] for name in ROLLING if about["rolling_bearings"]]
-    contact = np.stack(rolling, 2) if rolling else np.empty((arrays["time"].size, 0, len(ROLLING)))
-    energies = {name: arrays.get(f"energy_{name}") for name in (*ENERGIES, *WORKS)}
-    return RunRecord(
-        data={
-            "time": arrays["time"],
-            "points": [(shaft, position, names) for shaft, position, names in about["points"]],
-            "displacement": arrays["displacement"],
-            "twist": arrays["twist"],
-            "bearings": [(shaft, position) for shaft, position in about["bearings"]],
-            "bearing_force": arrays["bearing_force"],
-            "rolling_bearings": [
-                (shaft, position) for shaft, position in about["rolling_bearings"]
-            ],
-            "rolling_contact": contact,
-            "meshes": [(driver, driven) for driver, driven in about["meshes"]],
-            "mesh": mesh,
-            "energy": arrays.get("energy"),
-            "energy_terms": energies if "energy" in arrays else None,
-            "events": [tuple(event) for event in about["events"]],
-            "final": final,
-            "statistics": {
-                # JSON has lists, the core gives tuples.
-                name: tuple(value) if isinstance(value, list) else value
-                for name, value in about["statistics"].items()
-            },
-            **{name: arrays[name] for name in OPTIONAL if name in arrays},  # type: ignore[typeddict-item]
+    plain = {
+        "points": [(shaft, position, names) for shaft, position, names in about["points"]],
+        **{
+            entry: [tuple(each) for each in about[entry]]
+            for entry in ("bearings", "rolling_bearings", "meshes", "events")
         },
+        "final": final,
+        # JSON has lists, the core gives tuples.
+        "statistics": {
+            name: tuple(value) if isinstance(value, list) else value
+            for name, value in about["statistics"].items()
+        },
+    }
+    recorded = {name: values for name, values in arrays.items() if name in CHANNELS}
+    return RunRecord(
+        data=with_signals(plain, arrays["time"], recorded),
         speed=read_speed(about["speed"]),
         kinematics=Kinematics.from_plain(about["kinematics"]),
         accuracy=about["accuracy"],

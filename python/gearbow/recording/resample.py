@@ -8,7 +8,6 @@ that it shifts no phase, and is evaluated at any time between the recorded ones.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -17,8 +16,8 @@ from numpy.typing import NDArray
 from gearbow._convert import number
 from gearbow._types import Array
 from gearbow.errors import GearbowError
+from gearbow.recording.channels import signals, with_signals
 from gearbow.recording.record import RunRecord
-from gearbow.recording.tables import OPTIONAL
 
 __all__ = ["PASS", "STOP", "resampled"]
 
@@ -41,20 +40,9 @@ _WEIGHTS = 4_000_000
 def resampled(run: RunRecord, rate: float) -> RunRecord:
     """Filter and sample the signals of a recorded run."""
     low_pass = _Filter(run.data["time"], number(rate, "rate"))
-    data: Any = run.data
-    names = ("displacement", "twist", "bearing_force", "rolling_contact", "energy", *OPTIONAL)
-    signals: dict[tuple[str, ...], Array] = {
-        (name,): data[name] for name in names if data.get(name) is not None
-    }
-    for name in ("mesh", "energy_terms"):
-        signals |= {(name, key): values for key, values in (data[name] or {}).items()}
-    filtered = dict(zip(signals, low_pass.apply(list(signals.values())), strict=True))
-    arrays: dict[str, Any] = {"time": low_pass.times}
-    for path, values in filtered.items():
-        owner = arrays if len(path) == 1 else arrays.setdefault(path[0], {})
-        owner[path[-1]] = values
-    sampled: Any = {**data, **arrays}
-    return replace(run, data=sampled)
+    found = signals(run.data)
+    filtered = dict(zip(found, low_pass.apply(list(found.values())), strict=True))
+    return replace(run, data=with_signals(run.data, low_pass.times, filtered))
 
 
 class _Filter:

@@ -1,4 +1,4 @@
-"""A recorded run as a data set or a table, and the names, units and axes of its arrays."""
+"""A recorded run as a data set or a table, and its arrays and metadata in a file."""
 
 import json
 from dataclasses import asdict
@@ -10,48 +10,17 @@ from numpy.typing import NDArray
 from gearbow._extras import extra
 from gearbow._types import Array, RunData
 from gearbow.description.speed import plain_speed
-from gearbow.recording.channels import BEARING, MESH, POINT, RATE_UNITS, RATES, ROLLING
-from gearbow.recording.energy import ENERGIES, WORKS
+from gearbow.recording.channels import CHANNELS, OWNERS, signals
 from gearbow.recording.record import RunRecord
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = [
-    "CHANNELS",
-    "FORMAT",
-    "OPTIONAL",
-    "arrays_of",
-    "metadata_of",
-    "optional_arrays",
-    "to_dataframe",
-    "to_xarray",
-]
+__all__ = ["FORMAT", "arrays_of", "metadata_of", "to_dataframe", "to_xarray"]
 
 #: Number of the file format. It increases if older readers cannot read a newer file.
 FORMAT = 1
-
-#: Arrays over time that a run may lack: rates, those of axial motion, and those that older files do
-#: not contain.
-OPTIONAL = (*RATES, "axial", "axial_bearing_force", "bearing_displacement")
-#: Unit and axes of every array over time.
-CHANNELS = {
-    "displacement": ("m", ("time", "point", "axis")),
-    "twist": ("rad", ("time", "point")),
-    **{
-        name: (RATE_UNITS[name], ("time", "point", "axis")[: 2 + (len(quantities) == 2)])
-        for name, quantities in RATES.items()
-    },
-    "axial": ("m", ("time", "point")),
-    "bearing_force": ("N", ("time", "bearing", "axis")),
-    "bearing_displacement": ("m", ("time", "bearing", "axis")),
-    "axial_bearing_force": ("N", ("time", "bearing")),
-    "energy": ("J", ("time",)),
-    **{f"energy_{name}": ("J", ("time",)) for name in (*ENERGIES, *WORKS)},
-    **{f"mesh_{name}": (unit, ("time", "mesh")) for name, unit in MESH.items()},
-    **{f"rolling_{name}": (unit, ("time", "rolling")) for name, unit in ROLLING.items()},
-}
 
 
 def to_xarray(run: RunRecord) -> "xr.Dataset":
@@ -64,18 +33,11 @@ def to_xarray(run: RunRecord) -> "xr.Dataset":
     variables: dict[str, Any] = {}
     for name, values in arrays.items():
         if name in CHANNELS:
-            unit, axes = CHANNELS[name]
-            variables[name] = (axes, values, {"units": unit})
+            channel = CHANNELS[name]
+            variables[name] = (channel.axes, values, {"units": channel.unit})
         elif name.startswith("final_"):
             variables[name] = ((f"{name}_entry",), values)
-    labels = {
-        "point": [
-            "+".join(names) or f"{shaft}@{position:g}" for shaft, position, names in data["points"]
-        ],
-        "mesh": ["/".join(pair) for pair in data["meshes"]],
-        "bearing": [f"{shaft}@{position:g}" for shaft, position in data["bearings"]],
-        "rolling": [f"{shaft}@{position:g}" for shaft, position in data["rolling_bearings"]],
-    }
+    labels = {owner: ["+".join(names) for names in _labels(data, owner)] for owner in OWNERS}
     coordinates: dict[str, Any] = {
         name: (name, np.array(label)) for name, label in labels.items() if label
     }
@@ -94,86 +56,40 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
     with extra("dataframe"):
         import pandas as pd  # noqa: PLC0415
 
-    data = run.data
-    columns = {}
-    along = data.get("axial")
-    for i, (shaft, position, names) in enumerate(data["points"]):
-        for name in names or [f"{shaft}@{position:g}"]:
-            columns[f"{name} y [m]"] = data["displacement"][:, i, 0]
-            columns[f"{name} z [m]"] = data["displacement"][:, i, 1]
-            columns[f"{name} twist [rad]"] = data["twist"][:, i]
-            columns |= _rate_columns(data, i, name)
-            if along is not None:
-                columns[f"{name} x [m]"] = along[:, i]
-    for i, pair in enumerate(data["meshes"]):
-        for field, values in data["mesh"].items():
-            columns[f"{'/'.join(pair)} {field} [{MESH[field]}]"] = values[:, i]
-    columns |= _bearing_columns(data)
-    if data["energy"] is not None:
-        columns["energy [J]"] = data["energy"]
-    for name, values in (data["energy_terms"] or {}).items():
-        columns[f"{'energy' if name in ENERGIES else 'work'} {name} [J]"] = values
-    table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(data["time"], name="time [s]"))
+    columns: dict[str, Array] = {}
+    recorded = signals(run.data)
+    for owner in (*OWNERS, None):
+        own = {name: values for name, values in recorded.items() if CHANNELS[name].owner == owner}
+        places = [("",)] if owner is None else _labels(run.data, owner)
+        for i, label in ((i, label) for i, names in enumerate(places) for label in names):
+            for name, values in own.items():
+                channel = CHANNELS[name]
+                series = values if owner is None else values[:, i]
+                parts = series.reshape(-1, len(channel.quantities)).T
+                for quantity, part in zip(channel.quantities, parts, strict=True):
+                    columns[f"{label} {quantity} [{channel.unit}]".lstrip()] = part
+    table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(run.time, name="time [s]"))
     return table
 
 
-def _rate_columns(data: RunData, point: int, name: str) -> dict[str, Array]:
-    """Collect the recorded rates of a point by their names with units."""
-    recorded = optional_arrays(data)
-    columns: dict[str, Array] = {}
-    for array, quantities in RATES.items():
-        if array in recorded:
-            signals = recorded[array][:, point].reshape(-1, len(quantities)).T
-            for quantity, values in zip(quantities, signals, strict=True):
-                columns[f"{name} {quantity} [{POINT[quantity]}]"] = values
-    return columns
-
-
-def _bearing_columns(data: RunData) -> dict[str, Array]:
-    """Collect the quantities of bearings by their names with units."""
-    columns: dict[str, Array] = {}
-    thrust, displacement = data.get("axial_bearing_force"), data.get("bearing_displacement")
-    for i, (shaft, position) in enumerate(data["bearings"]):
-        for axis, (field, unit) in enumerate(BEARING.items()):
-            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["bearing_force"][:, i, axis]
-        if thrust is not None:
-            columns[f"{shaft}@{position:g} force_x [N]"] = thrust[:, i]
-        if displacement is not None:
-            for axis, field in enumerate(("displacement_y", "displacement_z")):
-                columns[f"{shaft}@{position:g} {field} [m]"] = displacement[:, i, axis]
-    for i, (shaft, position) in enumerate(data["rolling_bearings"]):
-        for j, (field, unit) in enumerate(ROLLING.items()):
-            columns[f"{shaft}@{position:g} {field} [{unit}]"] = data["rolling_contact"][:, i, j]
-    return columns
-
-
-def optional_arrays(data: RunData) -> dict[str, Array]:
-    """Collect the recorded arrays of those that a run may lack."""
-    plain: dict[str, Any] = dict(data)
-    return {name: plain[name] for name in OPTIONAL if name in plain}
+def _labels(data: RunData, owner: str) -> list[tuple[str, ...]]:
+    """Give the labels of the places of a kind; a point may have several names."""
+    if owner == "point":
+        points = data["points"]
+        return [tuple(names) or (f"{shaft}@{position:g}",) for shaft, position, names in points]
+    if owner == "mesh":
+        return [("/".join(pair),) for pair in data["meshes"]]
+    bearings = data["bearings"] if owner == "bearing" else data["rolling_bearings"]
+    return [(f"{shaft}@{position:g}",) for shaft, position in bearings]
 
 
 def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
     """Collect all arrays of a recorded run by their names in a file."""
-    data = run.data
-    arrays: dict[str, NDArray[Any]] = {
-        "time": data["time"],
-        "displacement": data["displacement"],
-        "twist": data["twist"],
-        "bearing_force": data["bearing_force"],
-    }
-    arrays |= optional_arrays(data)
-    arrays |= {f"mesh_{name}": values for name, values in data["mesh"].items()}
-    if data["rolling_bearings"]:
-        contact = data["rolling_contact"]
-        arrays |= {f"rolling_{name}": contact[:, :, j].copy() for j, name in enumerate(ROLLING)}
-    if data["energy"] is not None:
-        arrays["energy"] = data["energy"]
-    terms = data["energy_terms"] or {}
-    arrays |= {f"energy_{name}": values for name, values in terms.items()}
-    state = data["final"].items()
-    return arrays | {
-        f"final_{name}": value for name, value in state if isinstance(value, np.ndarray)
+    state = run.data["final"].items()
+    return {
+        "time": run.time,
+        **signals(run.data),
+        **{f"final_{name}": value for name, value in state if isinstance(value, np.ndarray)},
     }
 
 

@@ -15,6 +15,7 @@ from gearbow._types import Array, ComplexArray, Record, RunData
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
+from gearbow.recording.channels import CHANNELS, signals, with_signals
 from gearbow.recording.schema import each, number, record, row, text, whole
 from gearbow.results.response import Response
 from gearbow.results.steady import instability
@@ -332,24 +333,17 @@ class Continuation(Shown):
 
 def summary(periods: Sequence[RunData]) -> RunData:
     """Describe each signal of recorded periods by four numbers, as rows of one recording."""
-    data: dict[str, Any] = dict(periods[-1])
-
-    for name, value in data.items():
-        is_signal = isinstance(value, np.ndarray) and value.shape[:1] == data["time"].shape
-        if is_signal and name != "time":
-            data[name] = _numbers([period[name] for period in periods])  # type: ignore[literal-required]
-    data["mesh"] = {
-        name: _numbers([period["mesh"][name] for period in periods]) for name in data["mesh"]
+    recorded = [signals(period) for period in periods]
+    found = {
+        name: _numbers([period[name] for period in recorded])
+        for name, channel in CHANNELS.items()
+        if name in recorded[-1] and channel.owner is not None
     }
-    data["time"] = np.arange(len(STATISTICS) * len(periods), dtype=float)
-    data["energy"] = data["energy_terms"] = None
-    data["events"] = []
-    return data  # type: ignore[return-value]
+    time = np.arange(len(STATISTICS) * len(periods), dtype=float)
+    return with_signals({**periods[-1], "events": []}, time, found)
 
 
-def _numbers(signals: Sequence[Array]) -> Array:
+def _numbers(series: Sequence[Array]) -> Array:
     """Give the numbers of one signal at all points."""
-    rows = [
-        np.stack([a.min(axis=0), a.max(axis=0), a.mean(axis=0), a.std(axis=0)]) for a in signals
-    ]
+    rows = [np.stack([a.min(axis=0), a.max(axis=0), a.mean(axis=0), a.std(axis=0)]) for a in series]
     return np.concatenate(rows)

@@ -23,6 +23,7 @@ from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording import file
+from gearbow.recording.channels import signals, with_signals
 from gearbow.recording.container import suffix
 from gearbow.recording.record import RunRecord
 
@@ -183,22 +184,12 @@ def _joined(first: RunData | None, second: RunData) -> RunData:
     if first is None:
         return second
 
-    def both(a: Any, b: Any) -> Any:
-        if isinstance(a, dict):
-            return {name: both(values, b[name]) for name, values in a.items()}
-        return a if a is None else np.concatenate([a, b])
-
-    recorded: Any = {
-        name: both(first[name], second[name])
-        for name in (
-            *("time", "displacement", "twist", "velocity", "twist_rate", "acceleration"),
-            *("axial", "axial_velocity", "axial_acceleration"),
-            *("bearing_force", "axial_bearing_force", "bearing_displacement", "rolling_contact"),
-            *("mesh", "energy", "energy_terms"),
-        )
-        if name in first
-    }
-    return {**second, **recorded, "events": [*first["events"], *second["events"]]}
+    before, after = signals(first), signals(second)
+    found = {name: np.concatenate([before[name], values]) for name, values in after.items()}
+    times = np.concatenate([first["time"], second["time"]])
+    joined = with_signals(second, times, found)
+    joined["events"] = [*first["events"], *second["events"]]
+    return joined
 
 
 def _plain(value: Any) -> Any:

@@ -13,7 +13,7 @@ from gearbow._types import RunData
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import SceneError, SceneWarning, outside
-from gearbow.recording.tables import optional_arrays
+from gearbow.recording.channels import signals, with_signals
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 
@@ -75,19 +75,8 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
     if rows is None:
         return data
     rows = rows[rows < data["time"].size]
-    energy, terms = data["energy"], data["energy_terms"]
-    return {
-        **data,
-        "time": data["time"][rows],
-        "displacement": data["displacement"][rows],
-        "twist": data["twist"][rows],
-        "bearing_force": data["bearing_force"][rows],
-        "rolling_contact": data["rolling_contact"][rows],
-        "mesh": {name: values[rows] for name, values in data["mesh"].items()},
-        "energy": None if energy is None else energy[rows],
-        "energy_terms": None if terms is None else {k: v[rows] for k, v in terms.items()},
-        **{name: values[rows] for name, values in optional_arrays(data).items()},  # type: ignore[typeddict-item]
-    }
+    found = {name: values[rows] for name, values in signals(data).items()}
+    return with_signals(data, data["time"][rows], found)
 
 
 def requests(record: object) -> list[Any]:

@@ -1,28 +1,25 @@
 //! Energy audit: integrates the power of every source of energy over each step.
 //!
-//! If the steps resolve every mode, the three-point Gauss rule is sufficient, because its error is of higher order than
-//! that of the motion. Otherwise nested rules follow until two rules agree. A step on which none agree is halved. Works at
-//! instants within a step are integrals of polynomials through the same powers. This also applies to teeth with tip relief,
+//! If the steps resolve every mode, five points are sufficient, because the error of this rule is of higher order than that of
+//! the motion. Otherwise the number of intervals is doubled until two rules agree. A step on which none agree is halved. Works
+//! at instants within a step are integrals of polynomials through the same powers. This also applies to teeth with tip relief,
 //! because the relief starts within a step and the power of the teeth jumps there. Constant loads need no rule: their work is
 //! the load times the displacement.
 
-use std::ops::Range;
-
 use super::RecorderState;
-use super::audit_piece::{Piece, Rule, Sample};
-use crate::integrate::quadrature_rules::{GAUSS, NESTED, NESTED_RULES, POINTS};
+use super::audit_piece::{MAX_INTERVALS, Piece, Sample};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory, at_each};
 use crate::mesh::ContactMode;
 use crate::model::Model;
 use crate::motion::{EquationOfMotion, PowerCoordinates, PowerLoads};
 
-/// Two rules agree if they differ by less than this multiple of the tolerance of the run, but at least and at most by these
-/// fractions, times the total work. The difference is the error of the rule with fewer points.
+/// Two rules agree if their works differ by less than this multiple of the tolerance of the run, but at least and at most by
+/// these fractions, times the total work. The difference is the error of the rule with fewer points; that of the other one is
+/// about a hundred times smaller.
 const AGREEMENT: f64 = 0.1;
-const AGREEMENTS: [f64; 2] = [1e-10, 1e-6];
-/// The same, as a fraction of it, for each nested rule. The polynomials through five points also give the works within a
-/// step, and a fast oscillation may agree by chance on few points.
-const FRACTIONS: [f64; NESTED_RULES] = [0.0, 0.01, 1.0, 1.0];
+const AGREEMENTS: [f64; 2] = [1e-10, 1e-4];
+/// Smallest number of intervals of a rule that is accepted.
+const MIN_INTERVALS: usize = 4;
 /// Largest number of halvings of a step.
 const MAX_HALVINGS: usize = 20;
 
@@ -66,9 +63,12 @@ impl Audit {
         let combined = selection.combinations.iter().flatten().map(|(index, _)| index);
         let mut coordinates: Vec<usize> =
             selection.displacements.iter().chain(&selection.velocities).chain(combined).copied().collect();
+        if model.scene.modal_damping > 0.0 || model.scene.rayleigh != [0.0; 2] {
+            coordinates = (0..model.len()).collect();
+        }
         coordinates.sort_unstable();
         coordinates.dedup();
-        let room = NESTED.len() * (model.len() + selection.combinations.len());
+        let room = (MAX_INTERVALS + 1) * (model.len() + selection.sums());
         Self {
             has_jumps: model.meshes.iter().any(|mesh| mesh.teeth.is_relieved()),
             works: [0.0; 6],
@@ -103,14 +103,8 @@ impl Audit {
         if end > begin {
             self.works_before = self.works;
             self.pieces.clear();
-            if step.is_resolved() && !self.has_jumps {
-                let mut piece = Piece::new(begin, end, Rule::Gauss);
-                self.evaluate(motion, step, 0..GAUSS.len(), &mut piece)?;
-                self.keep(piece);
-            } else {
-                self.integrate_piece(motion, step, Piece::new(begin, end, Rule::Nested(0)), MAX_HALVINGS)?;
-                self.last = self.last.filter(|_| step.ends_at_state());
-            }
+            self.integrate_piece(motion, step, Piece::new([begin, end]), MAX_HALVINGS)?;
+            self.last = self.last.filter(|_| step.ends_at_state());
             self.until = end;
         }
         Ok(())
@@ -124,9 +118,7 @@ impl Audit {
         }
         let mut works = self.works_before;
         for piece in self.pieces.iter().take_while(|piece| piece.span[0] < elapsed) {
-            let part = ((elapsed - piece.span[0]) / piece.length()).min(1.0);
-            let own = if part < 1.0 { piece.works_until(part, potentials) } else { piece.works() };
-            works.iter_mut().zip(own).for_each(|(work, added)| *work += added);
+            works.iter_mut().zip(piece.works_until(elapsed, potentials)).for_each(|(work, added)| *work += added);
         }
         works
     }
@@ -142,23 +134,26 @@ impl Audit {
         let total: f64 = self.works.iter().map(|work| work.abs()).sum();
         let known = self.last.take().filter(|(at, _)| *at == piece.span[0]).map(|(_, sample)| sample);
         piece.samples[0] = known.unwrap_or_default();
-        self.evaluate(motion, step, usize::from(known.is_some())..POINTS[0], &mut piece)?;
-        self.last = Some((piece.span[1], piece.samples[1]));
-        for rule in 1..NESTED_RULES {
+        self.evaluate(motion, step, &mut piece, usize::from(known.is_some())..=1)?;
+        self.last = Some((piece.span[1], piece.samples[MAX_INTERVALS]));
+        let is_resolved = step.is_resolved() && !self.has_jumps;
+        while piece.intervals < MAX_INTERVALS {
             let coarse = piece.works();
-            self.evaluate(motion, step, POINTS[rule - 1]..POINTS[rule], &mut piece)?;
-            piece.rule = Rule::Nested(rule);
+            piece.intervals *= 2;
+            let new = (1..piece.intervals).step_by(2);
+            self.evaluate(motion, step, &mut piece, new)?;
             let difference: f64 = piece.works().iter().zip(coarse).map(|(a, b)| (a - b).abs()).sum();
-            let is_last = halvings == 0 && rule == NESTED_RULES - 1;
-            if is_last || difference <= FRACTIONS[rule] * self.agreement * (total + piece.magnitude()) {
+            let agrees = difference <= self.agreement * (total + piece.magnitude());
+            let is_last = halvings == 0 && piece.intervals == MAX_INTERVALS;
+            if is_last || piece.intervals >= MIN_INTERVALS && (is_resolved || agrees) {
                 self.keep(piece);
                 return Ok(());
             }
         }
-        let ([begin, end], middle) = (piece.span, piece.time(0.5));
-        (self.last, piece.rule) = (Some((begin, piece.samples[0])), Rule::Nested(0));
-        self.integrate_piece(motion, step, Piece { span: [begin, middle], ..piece }, halvings - 1)?;
-        self.integrate_piece(motion, step, Piece { span: [middle, end], ..piece }, halvings - 1)
+        let ([begin, end], middle) = (piece.span, piece.time(MAX_INTERVALS / 2));
+        self.last = Some((begin, piece.samples[0]));
+        self.integrate_piece(motion, step, Piece::new([begin, middle]), halvings - 1)?;
+        self.integrate_piece(motion, step, Piece::new([middle, end]), halvings - 1)
     }
 
     /// Adds the works of a part of the step.
@@ -167,33 +162,30 @@ impl Audit {
         self.pieces.push(piece);
     }
 
-    /// Evaluates the powers at some abscissae of a part of the step.
+    /// Evaluates the powers at some points of the rule of a part of the step.
     fn evaluate(
         &mut self,
         motion: &EquationOfMotion,
         step: &mut impl Trajectory,
-        points: Range<usize>,
         piece: &mut Piece,
+        points: impl Iterator<Item = usize>,
     ) -> Result<(), Halt> {
-        let combinations = &self.selection.combinations;
-        let room = points.len() * (self.len + combinations.len());
-        let mut instants = [0.0; NESTED.len()];
-        for (instant, (at, _)) in instants.iter_mut().zip(piece.rule.points_up_to(points.end)) {
-            *instant = piece.time(at);
+        let (mut indices, mut instants, mut count) = ([0; MAX_INTERVALS], [0.0; MAX_INTERVALS], 0);
+        for point in points {
+            indices[count] = point * MAX_INTERVALS / piece.intervals;
+            instants[count] = piece.time(indices[count]);
+            count += 1;
         }
-        let instants = &instants[points.clone()];
+        let instants = &instants[..count];
+        let room = count * (self.len + self.selection.sums());
         let (q, v) = (&mut self.q[..room], &mut self.v[..room]);
-        step.power_states(instants, &self.coordinates, combinations, q, v);
-        for (sample, (elapsed, q, v)) in piece.samples[points].iter_mut().zip(at_each(instants, q, v)) {
-            let powers = motion.powers(&self.loads, elapsed, q, v);
-            sample.powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
-            match piece.rule {
-                Rule::Gauss => {
-                    let constant = self.loads.times(v);
-                    sample.powers.iter_mut().zip(constant).for_each(|(power, constant)| *power += constant);
-                }
-                Rule::Nested(_) => sample.potentials.copy_from_slice(&q[q.len() - 2..]),
-            }
+        step.power_states(instants, &self.coordinates, &self.selection.combinations, q, v);
+        for (index, (elapsed, q, v)) in indices.into_iter().zip(at_each(instants, q, v)) {
+            let known = step.gives_damping().then(|| q[q.len() - 1]);
+            let damping = known.unwrap_or_else(|| motion.distributed_damping_power(v));
+            let powers = motion.powers(&self.loads, elapsed, q, v, damping);
+            let powers = powers.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
+            piece.samples[index] = Sample { powers, potentials: self.selection.potentials(q) };
         }
         Ok(())
     }

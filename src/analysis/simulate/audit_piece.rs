@@ -1,194 +1,146 @@
-//! A part of a step in the energy audit: the powers at its abscissae, and the works that follow from them.
+//! A part of a step in the energy audit: the powers at its points, and the works that follow from them.
+//!
+//! The Clenshaw–Curtis rule with N intervals integrates the polynomial through the powers at the fractions (1 − cos(kπ/N))/2.
+//! A rule has every second point of the rule with twice as many intervals.
 
+use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use crate::integrate::quadrature_rules::{GAUSS, NESTED, NESTED_RULES, POINTS};
+/// Largest number of intervals of a rule.
+pub(super) const MAX_INTERVALS: usize = 8;
+/// One value for each point.
+type PointValues = [f64; MAX_INTERVALS + 1];
 
-/// The rule with which the works of a part of a step are integrated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rule {
-    Gauss,
-    /// The rule with this number in [`NESTED`].
-    Nested(usize),
+/// cos(kπ/N) for the largest N and a full turn.
+static COSINES: LazyLock<[f64; 2 * MAX_INTERVALS]> =
+    LazyLock::new(|| std::array::from_fn(|k| (PI * k as f64 / MAX_INTERVALS as f64).cos()));
+/// Weights of each rule for the complete interval, by its number of intervals.
+static WHOLE: LazyLock<[PointValues; MAX_INTERVALS + 1]> =
+    LazyLock::new(|| std::array::from_fn(|intervals| weights(intervals.max(1), 1.0)));
+
+/// Fraction of the interval of a point.
+pub(super) fn fraction(point: usize) -> f64 {
+    (1.0 - COSINES[point]) / 2.0
 }
 
-impl Rule {
-    /// Abscissae and weights.
-    pub fn points(self) -> impl Iterator<Item = (f64, f64)> {
-        let (gauss, nested) = match self {
-            Self::Gauss => (&GAUSS[..], (&NESTED[..0], 0)),
-            Self::Nested(rule) => (&GAUSS[..0], (&NESTED[..POINTS[rule]], rule)),
+/// Weights of the values at the points of a rule for the integral from the beginning to the fraction `part`.
+fn weights(intervals: usize, part: f64) -> PointValues {
+    let x = 2.0 * part - 1.0;
+    // Integrals of the Chebyshev polynomials from −1 to x: T_j has the integral T_{j+1}/(2j + 2) − T_{j−1}/(2j − 2).
+    let mut integrals: PointValues = [0.0; MAX_INTERVALS + 1];
+    let (mut before, mut value, mut sign) = (x, 1.0, 1.0);
+    for (j, integral) in integrals[..=intervals].iter_mut().enumerate() {
+        let (order, next) = (j as f64, if j == 0 { x } else { 2.0 * x * value - before });
+        *integral = match j {
+            0 => x + 1.0,
+            1 => (x * x - 1.0) / 2.0,
+            _ => next / (2.0 * order + 2.0) - before / (2.0 * order - 2.0) - sign / (order * order - 1.0),
         };
-        gauss.iter().copied().chain(nested.0.iter().map(move |(at, weights)| (*at, weights[nested.1])))
+        (before, value, sign) = (value, next, -sign);
     }
-
-    /// The first abscissae, also those of more accurate nested rules, and their weights.
-    pub fn points_up_to(self, end: usize) -> impl Iterator<Item = (f64, f64)> {
-        match self {
-            Self::Gauss => Self::Gauss.points(),
-            Self::Nested(_) => Self::Nested(NESTED_RULES - 1).points(),
-        }
-        .take(end)
+    let stride = MAX_INTERVALS / intervals;
+    let halved = |k: usize| if k % intervals == 0 { 0.5 } else { 1.0 };
+    let mut weights = [0.0; MAX_INTERVALS + 1];
+    for k in 0..=intervals {
+        // T_j is cos(jπ(1 − k/N)) at point k.
+        let term =
+            |(j, integral): (usize, &f64)| halved(j) * COSINES[j * (intervals - k) * stride % COSINES.len()] * integral;
+        let sum: f64 = integrals[..=intervals].iter().enumerate().map(term).sum();
+        weights[k * stride] = halved(k) * sum / intervals as f64;
     }
-
-    /// Legendre coefficients of the polynomials that are 1 at one abscissa and 0 at the others.
-    fn expansions(self) -> &'static [Vec<f64>] {
-        static EXPANSIONS: LazyLock<[Vec<Vec<f64>>; NESTED_RULES + 1]> = LazyLock::new(|| {
-            let nested = [0, 1, 2, 3].map(|rule| expand(&NESTED.map(|(at, _)| at)[..POINTS[rule]]));
-            let [a, b, c, d] = nested;
-            [a, b, c, d, expand(&GAUSS.map(|(at, _)| at))]
-        });
-        match self {
-            Self::Nested(rule) => &EXPANSIONS[rule],
-            Self::Gauss => &EXPANSIONS[NESTED_RULES],
-        }
-    }
+    weights
 }
-
-/// Legendre coefficients of the polynomials that are 1 at one of these abscissae and 0 at the others.
-fn expand(abscissae: &[f64]) -> Vec<Vec<f64>> {
-    let finest = || Rule::Nested(NESTED_RULES - 1).points();
-    let of_node = |node: &f64| {
-        let others = || abscissae.iter().filter(|other| *other != node);
-        let mut coefficients = vec![0.0; abscissae.len()];
-        for (at, weight) in (0..PARTS).flat_map(|part| finest().map(move |(at, weight)| (f64::from(part) + at, weight)))
-        {
-            let at = at / f64::from(PARTS);
-            let basis =
-                others().map(|other| (at - other) / (node - other)).product::<f64>() * weight / f64::from(PARTS);
-            for (k, (coefficient, polynomial)) in coefficients.iter_mut().zip(legendre(at)).enumerate() {
-                *coefficient += (2 * k + 1) as f64 * basis * polynomial;
-            }
-        }
-        coefficients
-    };
-    abscissae.iter().map(of_node).collect()
-}
-
-/// Largest degree of an expansion.
-const MAX_DEGREE: usize = NESTED.len() - 1;
-/// The finest rule on each of so many parts integrates products of two expansions without error.
-const PARTS: u8 = 8;
 
 /// Powers at an instant, and the potentials of constant loads.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sample {
     /// Powers of every source, W.
     pub powers: [f64; 6],
-    /// Constant loads times displacements, J: torques and forces, weights. Zero with the Gauss rule, where `powers` contain
-    /// the constant loads.
+    /// Constant loads times displacements, J: torques and forces, weights.
     pub potentials: [f64; 2],
 }
 
-/// A part of a step with the samples at its abscissae.
+/// A part of a step with the samples at its points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     /// Elapsed time at the beginning and at the end, s.
     pub span: [f64; 2],
-    pub rule: Rule,
-    pub samples: [Sample; NESTED.len()],
+    /// Number of intervals of the rule: a power of two.
+    pub intervals: usize,
+    /// Samples at the points of the rule with most intervals.
+    pub samples: [Sample; MAX_INTERVALS + 1],
 }
 
 impl Piece {
-    pub fn new(begin: f64, end: f64, rule: Rule) -> Self {
-        Self { span: [begin, end], rule, samples: [Sample::default(); NESTED.len()] }
+    pub fn new(span: [f64; 2]) -> Self {
+        Self { span, intervals: 1, samples: [Sample::default(); MAX_INTERVALS + 1] }
     }
 
-    pub fn length(&self) -> f64 {
-        self.span[1] - self.span[0]
-    }
-
-    /// Elapsed time at a fraction, s.
-    pub fn time(&self, at: f64) -> f64 {
-        if at == 1.0 { self.span[1] } else { self.span[0] + at * self.length() }
+    /// Elapsed time of a point, s.
+    pub fn time(&self, point: usize) -> f64 {
+        let [begin, end] = self.span;
+        if point == MAX_INTERVALS { end } else { begin + fraction(point) * (end - begin) }
     }
 
     /// Work of every source, J.
     pub fn works(&self) -> [f64; 6] {
-        let mut works = self.sum(|power| power);
-        if let Rule::Nested(_) = self.rule {
-            self.add_potentials(&self.samples[1].potentials, &mut works);
-        }
-        works
+        self.integral(&WHOLE[self.intervals], &self.samples[MAX_INTERVALS].potentials)
     }
 
-    /// Adds the potentials of constant loads at an instant minus those at the beginning.
-    fn add_potentials(&self, potentials: &[f64], works: &mut [f64; 6]) {
-        for (work, (end, begin)) in works.iter_mut().zip(potentials.iter().zip(&self.samples[0].potentials)) {
-            *work += end - begin;
+    /// Work of every source from the beginning to an instant, J, where the constant loads have these potentials: the integral
+    /// of the polynomials through the powers.
+    pub fn works_until(&self, elapsed: f64, potentials: &[f64]) -> [f64; 6] {
+        let [begin, end] = self.span;
+        if elapsed >= end {
+            self.works()
+        } else {
+            self.integral(&weights(self.intervals, (elapsed - begin) / (end - begin)), potentials)
         }
     }
 
     /// Integral of the absolute powers, and the absolute works of constant loads, J.
     pub fn magnitude(&self) -> f64 {
-        let [begin, end] = [0, 1].map(|end: usize| self.samples[end].potentials);
+        let [begin, end] = [0, MAX_INTERVALS].map(|end: usize| self.samples[end].potentials);
         let constant: f64 = begin.iter().zip(end).map(|(begin, end)| (end - begin).abs()).sum();
-        self.sum(f64::abs).iter().sum::<f64>() + constant
+        let powers = WHOLE[self.intervals].iter().zip(&self.samples);
+        let sum = powers.map(|(weight, sample)| weight * sample.powers.iter().map(|power| power.abs()).sum::<f64>());
+        sum.sum::<f64>() * (self.span[1] - self.span[0]) + constant
     }
 
-    fn sum(&self, term: impl Fn(f64) -> f64) -> [f64; 6] {
-        let mut sums = [0.0; 6];
-        for ((_, weight), sample) in self.rule.points().zip(&self.samples) {
-            for (sum, power) in sums.iter_mut().zip(&sample.powers) {
-                *sum += weight * self.length() * term(*power);
+    /// Sum of the powers with weights, and the potentials at the same instant minus those at the beginning, J.
+    fn integral(&self, weights: &PointValues, potentials: &[f64]) -> [f64; 6] {
+        let mut works = [0.0; 6];
+        for (weight, sample) in weights.iter().zip(&self.samples) {
+            for (work, power) in works.iter_mut().zip(&sample.powers) {
+                *work += weight * (self.span[1] - self.span[0]) * power;
             }
         }
-        sums
-    }
-
-    /// Work of every source from the beginning to the fraction `part`, J, where the constant loads have these potentials: the
-    /// integral of the polynomials through the powers.
-    pub fn works_until(&self, part: f64, potentials: &[f64]) -> [f64; 6] {
-        let at = legendre(part);
-        let mut works = [0.0; 6];
-        for (coefficients, sample) in self.rule.expansions().iter().zip(&self.samples) {
-            // The integral of P_k from 0 to the fraction is (P_{k+1} - P_{k-1})/(4k + 2).
-            let higher = coefficients.iter().enumerate().skip(1);
-            let sum: f64 = higher.map(|(k, factor)| factor * (at[k + 1] - at[k - 1]) / (4 * k + 2) as f64).sum();
-            let weight = self.length() * (coefficients[0] * part + sum);
-            works.iter_mut().zip(&sample.powers).for_each(|(work, power)| *work += weight * power);
-        }
-        if let Rule::Nested(_) = self.rule {
-            self.add_potentials(potentials, &mut works);
+        for (work, (end, begin)) in works.iter_mut().zip(potentials.iter().zip(&self.samples[0].potentials)) {
+            *work += end - begin;
         }
         works
     }
 }
 
-/// The Legendre polynomials up to the degree after [`MAX_DEGREE`], moved to the interval [0, 1].
-fn legendre(at: f64) -> [f64; MAX_DEGREE + 2] {
-    let (x, mut values) = (2.0 * at - 1.0, [1.0; MAX_DEGREE + 2]);
-    values[1] = x;
-    for k in 1..=MAX_DEGREE {
-        let order = k as f64;
-        values[k + 1] = ((2.0 * order + 1.0) * x * values[k] - order * values[k - 1]) / (order + 1.0);
-    }
-    values
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Piece, Rule};
+    use super::{MAX_INTERVALS, Piece, fraction};
 
     #[test]
-    fn partial_works_of_polynomials_are_exact() {
-        for (rule, points) in [Rule::Gauss, Rule::Nested(0), Rule::Nested(1), Rule::Nested(2), Rule::Nested(3)]
-            .into_iter()
-            .zip([3, 3, 5, 9, 17])
-        {
-            let degree = points - 1;
-            let mut piece = Piece::new(3.0, 5.0, rule);
-            for ((at, _), sample) in rule.points().zip(&mut piece.samples) {
-                sample.powers = std::array::from_fn(|source| source as f64 * at.powi(degree));
-                sample.potentials = [at, -at];
+    fn works_of_polynomials_are_exact() {
+        for intervals in [1, 2, 4, 8] {
+            let mut piece = Piece { intervals, ..Piece::new([3.0, 5.0]) };
+            for point in (0..=MAX_INTERVALS).step_by(MAX_INTERVALS / intervals) {
+                let at = fraction(point);
+                piece.samples[point].powers = std::array::from_fn(|source| source as f64 * at.powi(intervals as i32));
+                piece.samples[point].potentials = [at, -at];
             }
             for part in [0.0, 0.1, 0.5, 0.77, 1.0] {
-                let exact = 2.0 * f64::powi(part, degree + 1) / f64::from(degree + 1);
-                let potential = if rule == Rule::Gauss { 0.0 } else { part };
-                // Seventeen abscissae with seventeen polynomials each.
-                let works = piece.works_until(part, &[part, -part]);
-                assert!((works[0] - potential).abs() < 1e-13 && (works[1] - exact + potential).abs() < 1e-13);
-                assert!((works[2] - 2.0 * exact).abs() < 1e-13 && (works[5] - 5.0 * exact).abs() < 1e-13);
+                let exact = 2.0 * f64::powi(part, intervals as i32 + 1) / (intervals + 1) as f64;
+                // Nine points with nine polynomials each.
+                let works = piece.works_until(3.0 + 2.0 * part, &[part, -part]);
+                assert!((works[0] - part).abs() < 1e-14 && (works[1] - exact + part).abs() < 1e-14);
+                assert!((works[2] - 2.0 * exact).abs() < 1e-14 && (works[5] - 5.0 * exact).abs() < 1e-13);
             }
         }
     }

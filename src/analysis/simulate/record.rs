@@ -150,8 +150,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
 
     /// Records all outputs within a step, up to `end`.
     pub fn observe(&mut self, motion: &mut impl Trajectory, end: f64) -> Result<(), Halt> {
-        let whole = !motion.is_resolved();
-        if let Some(audit) = self.audit.as_mut().filter(|_| whole) {
+        if let Some(audit) = &mut self.audit {
             audit.integrate(&self.motion, motion, end)?;
         }
         loop {
@@ -171,16 +170,10 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 motion.accelerations(instants, &self.accelerated, &mut self.scratch.acceleration[..count * len])?;
             }
             for (index, elapsed) in instants.iter().enumerate() {
-                if let Some(audit) = self.audit.as_mut().filter(|_| !whole) {
-                    audit.integrate(&self.motion, motion, *elapsed)?;
-                }
                 self.sample(*elapsed, index, motion.defers_energies())?;
                 self.record.time.push(self.times[self.record.time.len()]);
             }
             motion.shaft_energies(&mut |energies| self.add_shaft_energies(energies));
-        }
-        if let Some(audit) = &mut self.audit {
-            audit.integrate(&self.motion, motion, end)?;
         }
         self.events.step(&self.motion, motion);
         Ok(())
