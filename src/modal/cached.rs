@@ -9,6 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::components::ComponentModes;
 use super::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use super::first_order::FirstOrder;
+use super::kept_modes::SubspaceKey;
 use super::load_modes::modes_of_loads;
 use super::pins::Pins;
 use super::projected::Projected;
@@ -32,28 +33,15 @@ struct LinearKey {
     includes_meshes: bool,
 }
 
-/// What a subspace of the component modes reads beside its model.
+/// What the undamped modes of a large model up to a frequency read beside it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SubspaceKey {
-    /// Speed of the reference shaft, rad/s.
-    pub speed: f64,
+struct SynthesisKey {
+    /// Direction of rotation.
+    rotation: usize,
     /// Highest frequency of the component modes, rad/s.
-    pub highest: f64,
+    highest: f64,
     /// Coordinates under whose loads the static displacements are exact, ascending.
-    pub loaded: Vec<usize>,
-    /// What selects directions in the space of the component modes; none keeps all.
-    pub selection: Option<DirectionSelection>,
-}
-
-/// What selects the directions of a subspace.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DirectionSelection {
-    /// Scalars of loads and signals as entries (index, coefficient).
-    pub scalars: Vec<Vec<(usize, f64)>>,
-    /// Horizon of the responses, s.
-    pub horizon: f64,
-    /// Largest share of the omitted directions in the motion.
-    pub share: f64,
+    loaded: Vec<usize>,
 }
 
 /// What the dynamic stiffness without modal damping reads beside its model.
@@ -97,7 +85,9 @@ struct LinearPart {
     linear: Recent<LinearKey, Option<Arc<ModalStateSpace>>>,
     /// Undamped modes of the components.
     components: OnceLock<Result<ComponentModes, DecompositionError>>,
-    /// Subspaces.
+    /// Undamped modes of a large model from those of its components.
+    synthesised: Recent<SynthesisKey, Arc<RealModes>>,
+    /// The modes that runs keep.
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
     /// Factors of the dynamic stiffness at the last speeds.
     dynamic: Recent<DynamicKey, Arc<DynamicFactors>>,
@@ -324,18 +314,33 @@ impl CachedModel {
         modes_of_loads(&self.model, speed, self.spectral_range(speed)?, loads, steps)
     }
 
-    /// A subspace of the component modes.
+    /// The model in the modes that a run keeps.
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
     pub fn subspace(&self, key: SubspaceKey) -> Result<Arc<Projected>, DecompositionError> {
-        let subspaces = &self.linear_part().subspaces;
-        if let Some(known) = subspaces.get(&key) {
-            return Ok(known);
-        }
-        let found = Arc::new(Projected::of_components(&self.model, self.component_modes()?, &key)?);
-        subspaces.insert(key, Arc::clone(&found));
-        Ok(found)
+        let speed = key.speeds[0];
+        self.linear_part().subspaces.get_or_try(key.clone(), || match key.highest {
+            None if key.extent.is_none() => self.projected(speed).map(Arc::new),
+            None => Projected::kept(&self.model, self.real_modes(speed)?, &key).map(Arc::new),
+            Some(highest) => {
+                let mut loaded = self.model.coupled_coordinates(speed);
+                loaded.extend(key.interfaces.iter().flatten().map(|(index, _)| *index));
+                loaded.sort_unstable();
+                loaded.dedup();
+                Projected::kept(&self.model, &*self.synthesised(speed, highest, loaded)?, &key).map(Arc::new)
+            }
+        })
+    }
+
+    /// Undamped modes in the subspace of the component modes up to `highest`, rad/s, and of the static displacements under
+    /// loads at the coordinates `loaded`; with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    fn synthesised(&self, speed: f64, highest: f64, loaded: Vec<usize>) -> Result<Arc<RealModes>, DecompositionError> {
+        let rotation = self.model.rotation(speed);
+        let key = SynthesisKey { rotation: rotation as usize, highest, loaded };
+        self.linear_part().synthesised.get_or_try(key.clone(), || {
+            self.component_modes()?.modes(&self.model, rotation.speed(), &key.loaded, highest).map(Arc::new)
+        })
     }
 
     /// Factors of the dynamic stiffness K + iωC − ω²M + iωΩG of the spin ω, without modal damping.

@@ -1,76 +1,50 @@
-//! Ports of a reduced model: the scalars through which loads and signals reach the linear motion.
+//! Interfaces of the linear motion: what loads act on and what is recorded.
 
 use num_complex::Complex64;
 
-use super::modal_setup::ModalSetup;
-use crate::connection::Connection;
+use super::Options;
+use crate::connection::{Connection, Row};
 use crate::exponential::Selection;
-use crate::modal::Ports;
 use crate::model::Model;
-use crate::scene::Node;
+use crate::motion::Speed;
 
-/// Largest number of recorded coordinates whose static displacement under a load is kept exactly.
+/// Largest number of recorded coordinates whose static displacement under a load is kept.
 const MAX_RECORDED: usize = 64;
-/// Weight of loads across the line of action relative to those along it.
-const ACROSS: f64 = 0.03;
+/// Harmonics of the tooth meshing frequency, or of the rotation without teeth, that count as excited.
+const HARMONICS: f64 = 10.0;
 
-/// Scalars on which loads act or that are recorded, as entries (index, coefficient) over the displacements.
-pub(super) fn interface(model: &Model, speed: f64, selection: &Selection) -> Vec<Vec<(usize, f64)>> {
-    let mut scalars: Vec<_> =
+/// Loads on the interfaces as entries (index, coefficient): those of connections, along their lines of action and on each
+/// coordinate, those of bearings and links, unit loads at recorded coordinates, and at a changing speed bow and unbalance.
+pub(super) fn interfaces(model: &Model, options: &Options, selection: &Selection) -> Vec<Row> {
+    let speed = options.fastest();
+    let mut rows: Vec<Row> =
         model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows()).collect();
+    let mut single = model.coupled_coordinates(speed);
     if selection.displacements.len() <= MAX_RECORDED {
-        scalars.extend(selection.displacements.iter().map(|index| vec![(*index, 1.0)]));
+        single.extend_from_slice(&selection.displacements);
     }
-    scalars
+    single.sort_unstable();
+    single.dedup();
+    rows.extend(single.into_iter().filter(|index| *index < model.len()).map(|index| vec![(index, 1.0)]));
+    if matches!(options.speed, Speed::Changing(_)) {
+        for shaft in model.shafts.iter().filter(|shaft| !shaft.excitations.is_empty()) {
+            let amplitudes =
+                shaft.excitations.iter().map(|given| (given.index, given.amplitude(shaft.ratio * speed, 0.0)));
+            let amplitudes: Vec<(usize, Complex64)> = amplitudes.collect();
+            rows.push(
+                amplitudes.iter().flat_map(|(index, value)| [(*index, value.re), (index + 1, value.im)]).collect(),
+            );
+            rows.push(
+                amplitudes.iter().flat_map(|(index, value)| [(*index, -value.im), (index + 1, value.re)]).collect(),
+            );
+        }
+    }
+    rows
 }
 
-/// What the reduced motion carries: forces of connections, prescribed loads, recorded displacements, and the states in
-/// which a run can begin.
-pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports {
-    let ModalSetup { linear, nonlinear_loads, maps, .. } = setup;
-    let along = |vectors: &[Vec<f64>], gradient: &[f64]| {
-        let mut sum = vec![0.0; linear.len()];
-        for (vector, factor) in vectors.iter().zip(gradient) {
-            sum.iter_mut().zip(vector).for_each(|(sum, value)| *sum += factor * value);
-        }
-        sum
-    };
-    let (mut ports, mut of_connections) = (Ports::default(), Vec::new());
-    for tangent in &maps.tangents {
-        of_connections.push(along(&maps.columns[tangent.scalars.clone()], &tangent.gradient));
-        ports.rows.push(vec![along(&maps.rows[tangent.scalars.clone()], &tangent.gradient)]);
-    }
-    for column in &maps.columns[..maps.scalars] {
-        of_connections.push(column.iter().map(|value| ACROSS * value).collect());
-    }
-    // A changing speed adds the differences of bearings to the loads that depend on the motion. Its gyroscopic couplings act
-    // on low modes, which every reduced model contains.
-    let bearings = model.bearings.len().min((maps.meshes - maps.scalars) / 2);
-    of_connections.extend(maps.columns[maps.scalars..].iter().take(2 * bearings).cloned());
-    ports.columns = vec![of_connections, maps.columns[maps.meshes..].to_vec()];
-    let recorded = |index: usize| selection.displacements.binary_search(&index).is_ok();
-    let nodes = model.scene.shafts.iter().enumerate();
-    for node in nodes.flat_map(|(shaft, given)| (0..given.nodes.len()).map(move |node| Node { shaft, node })) {
-        if let Some(v) = model.numbering.translation(node).filter(|v| recorded(*v)) {
-            ports.rows.push([v, v + 1].map(|index| linear.row(&[(index, 1.0)], false)).to_vec());
-        }
-        let single = model.numbering.twist(node).into_iter().chain(model.numbering.displacement_along(node));
-        for index in single.filter(|index| recorded(*index)) {
-            ports.rows.push(vec![linear.row(&[(index, 1.0)], false)]);
-        }
-    }
-    for index in model.housings.coordinates().filter(|index| recorded(*index)) {
-        ports.rows.push(vec![linear.row(&[(index, 1.0)], false)]);
-    }
-    let rest = vec![0.0; model.len()];
-    ports.states.push(linear.state(model, nonlinear_loads.reference.as_slice(), &rest).as_slice().to_vec());
-    for source in 0..nonlinear_loads.source_count() {
-        for part in [|value: Complex64| value.re, |value: Complex64| value.im] {
-            let values = |rate: bool| -> Vec<f64> {
-                (0..model.len()).map(|index| part(nonlinear_loads.amplitude(source, index, rate))).collect()
-            };
-            ports.states.push(linear.state(model, &values(false), &values(true)).as_slice().to_vec());
-        }
-    }
-    ports
+/// Highest angular frequency that is excited, rad/s: of the gears on their mesh stiffness, or of the harmonics of the tooth
+/// meshing frequency or of the rotation.
+pub(super) fn excited_frequency(model: &Model, speed: f64) -> f64 {
+    let order = model.max_mesh_order().max(model.max_speed_ratio());
+    model.highest_mesh_frequency().max(HARMONICS * order * speed.abs())
 }
