@@ -250,7 +250,7 @@ def test_the_estimate_at_a_changing_speed(name: str, initial: str, profile: str)
     # The mesh force is that of the part around the largest speed. At a run-down, the displacement varies little there:
     # the bow moves the gears less relative to it than at the lower speeds. Where bearings couple the planes, the estimate of
     # displacements is 0.30 of the error.
-    assert 1 / 3 < ratio[1] < 3
+    assert 0.3 < ratio[1] < 3
     assert 1 / 4 < ratio[0] < 8
 
 
@@ -263,7 +263,7 @@ def test_a_run_up_against_rk45():
     assert (errors(found, exact) < (1e-4, 1e-3)).all()
 
 
-@pytest.mark.parametrize("elements", [8, LARGE])
+@pytest.mark.parametrize("elements", [LARGE, 20])
 def test_a_level_at_a_changing_speed(elements: int):
     system = train(elements, engagement=0.4)
     profile = gb.SpeedProfile.ramp(50.0, 150.0, 0.31)
