@@ -7,11 +7,6 @@ PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 
 SOURCES := Cargo.toml Cargo.lock pyproject.toml $(shell find src -name '*.rs') $(shell find python -name '*.py' -o -name '*.pyi')
 FIGURE := examples/output/bowed_train.png
-# Modules without public names: their docstrings need no sections.
-INTERNAL := $(addprefix python/gearbow/,analysis/protocol.py description/assumptions.py description/load_values.py description/part.py \
-	description/places.py \
-	recording/container.py recording/recording.py recording/schema.py recording/tables.py sweeps/tables.py system/run.py)
-
 # The interpreter that the bindings are checked against; a built wheel fits every one from 3.10 on.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
@@ -63,18 +58,18 @@ test-python: $(VENV)/.dev
 
 # New random cases in each call; `make test` always takes the same cases.
 random: $(VENV)/.dev
-	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/test_random_scenes.py tests/python/test_random_run_up.py \
-		tests/python/test_structured_solver.py tests/python/test_accuracy_of_random_trains.py \
-		tests/python/test_equilibrium_residuals.py tests/python/test_examples.py
-	$(BIN)/python -m pytest tests/python/test_fleet.py -m slow
+	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/runs/test_random_scenes.py tests/python/runs/test_random_run_up.py \
+		tests/python/linear/test_structured_solver.py tests/python/runs/test_accuracy_of_random_trains.py \
+		tests/python/bearings/test_equilibrium_residuals.py tests/python/package/test_examples.py
+	$(BIN)/python -m pytest tests/python/package/test_fleet.py -m slow
 
 fuzz: $(VENV)/.dev
 	GEARBOW_CASES=350 $(CARGO_TEST) --test rust fuzz::
-	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/test_fuzz.py tests/python/test_random_run_up.py -k "every"
+	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/scene/test_fuzz.py tests/python/runs/test_random_run_up.py -k "every"
 
 # Takes up to five hours on two cores and needs cargo-mutants. Parts that another design replaces are left out.
 mutants: $(VENV)/.mutants
-	$(BIN)/python tools/mutants.py --seed 1 --left-out study/ tradeoff/ accuracy/ recording/motion.py \
+	$(BIN)/python tools/mutants.py --seed 1 --left-out tradeoff/ accuracy/ recording/motion.py \
 		simulate/reduc simulate/variation simulate/pilot simulate/known simulate/ports simulate/component simulate/audit \
 		modal/balanced modal/components modal/projected modal/square_root modal/galerkin exponential/substep \
 		exponential/dense exponential/jump exponential/contact_change steady/quasi steady/harmonics steady/turning \
@@ -92,7 +87,7 @@ lint-rust: $(BIN)/python
 lint-python: $(VENV)/.dev
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/numpydoc lint $(filter-out $(INTERNAL),$(wildcard python/gearbow/*.py python/gearbow/*/*.py))
+	$(BIN)/python tools/docstrings.py
 
 types: $(VENV)/.dev
 	$(BIN)/mypy
@@ -122,7 +117,7 @@ figures: demo
 
 # Runs that are kept in examples/output/study are not made again.
 study: $(VENV)/.dev
-	$(BIN)/python -m gearbow study --out examples/output/study
+	$(BIN)/python examples/bow_study/study.py --out examples/output/study
 	cp examples/output/study/study_*.png docs/figures/
 	$(BIN)/python docs/printed.py --studied
 	$(MAKE) measure

@@ -279,7 +279,6 @@ def main() -> None:
     # Libraries that print write to the standard error instead.
     tables = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
-    warnings.simplefilter("ignore", gb.RunTimeWarning)
     warnings.simplefilter("ignore", gb.AccuracyWarning)
     quick: bool = given.quick
     with contextlib.redirect_stdout(tables):

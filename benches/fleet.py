@@ -193,7 +193,6 @@ def main() -> None:
     if not given.stored:
         one_thread()
         # Warnings of the machines belong to their tests.
-        warnings.simplefilter("ignore", gb.RunTimeWarning)
         warnings.simplefilter("ignore", gb.AccuracyWarning)
         for name in given.machine or MACHINES:
             machine = Machine(FOLDER / f"{name}.toml")

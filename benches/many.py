@@ -15,11 +15,10 @@ import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import gearbow as gb
-from gearbow.study import Case, Settings
-from gearbow.study.case import system
 
 SPEED = 100.0  # of the input shaft, rad/s
 DURATIONS = (0.1, 1.0)  # s
@@ -29,8 +28,8 @@ REPEATS = 2
 
 def train() -> gb.RotorSystem:
     """Return the train of the bow study."""
-    case = Case("quarter", 250.0, SPEED, bow=0.05)
-    return system(Settings.load(), case)
+    path = Path(__file__).parents[1] / "examples" / "machines" / "double_stage_train.toml"
+    return gb.RotorSystem.load(path)
 
 
 def variations(base: gb.RotorSystem, count: int) -> list[dict[str, Any]]:

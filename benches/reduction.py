@@ -118,7 +118,7 @@ def errors(found: gb.Response, exact: gb.Response) -> tuple[float, float]:
 
     return (
         max(error(found.displacement(gear), exact.displacement(gear)) for gear in gears),
-        max(error(found.mesh(*pair).force, exact.mesh(*pair).force) for pair in pairs),
+        max(error(found.mesh(pair).force, exact.mesh(pair).force) for pair in pairs),
     )
 
 

@@ -83,12 +83,14 @@ def exponential(rtol: float) -> tuple[int, int]:
     """Give the steps and evaluations of the exponential method for a similar rotor."""
     shaft = gb.Shaft("s", length=0.3, outer_diameter=0.04, elements=2)
     sizes: dict[str, Any] = {
-        "ball_diameter": DIAMETER,
+        "element_diameter": DIAMETER,
         "pitch_diameter": PITCH,
         "clearance": CLEARANCE,
     }
     bearings = [
-        gb.RollingBearing("s", x, balls=BALLS, hertz_stiffness=STIFFNESS, damping=DAMPING, **sizes)
+        gb.RollingBearing(
+            "s", x, elements=BALLS, hertz_stiffness=STIFFNESS, damping=DAMPING, **sizes
+        )
         for x in (0.0, 0.3)
     ]
     disk = gb.Disk("d", "s", 0.15, 2.0 * MASS, 0.02, 0.04)

@@ -96,7 +96,7 @@ def mesh_table(responses: dict[float, gb.Response]) -> str:
     )
     for ratio, response in responses.items():
         for pair in MESHES:
-            mesh = response.mesh(*pair)
+            mesh = response.mesh(pair)
             contact = mesh.contact_ratio[settled(response)]
             angle = np.degrees(mesh.pressure_angle[settled(response)])
             lines.append(
@@ -122,9 +122,9 @@ def figure(responses: dict[float, gb.Response]) -> Figure:
             for panel, gear in zip(orbits, GEARS, strict=True):
                 v, w = 1e6 * response.displacement(gear)[settled(response)].T
                 panel.plot(v, w, color=colour, label=f"{ratio:g}")
-                panel.set(title=gear, xlabel="v [µm]", ylabel="w [µm]")
+                panel.set(title=gear, xlabel="y [µm]", ylabel="z [µm]")
             for contact, angle, pair in zip(contacts, angles, MESHES, strict=True):
-                mesh = response.mesh(*pair)
+                mesh = response.mesh(pair)
                 contact.plot(response.time, mesh.contact_ratio, color=colour)
                 contact.set(title="–".join(pair), ylabel="contact ratio", xlabel="time [s]")
                 angle.plot(response.time, np.degrees(mesh.pressure_angle), color=colour)

@@ -68,7 +68,7 @@ def forces(elements: int, degree: int, damping: float) -> tuple[NDArray[np.float
     times = np.linspace(0.0, DURATION, SAMPLES)
     found = system.simulate(DURATION, SPEED, times=times, record=["meshes"], rtol=RTOL)
     seconds = process_time() - start
-    return np.column_stack([found.mesh(*mesh).force for mesh in MESHES]), len(system.dofs), seconds
+    return np.column_stack([found.mesh(mesh).force for mesh in MESHES]), len(system.dofs), seconds
 
 
 def force_rows() -> Iterator[str]:

@@ -31,20 +31,20 @@ def gearbox() -> gb.RotorSystem:
     first = {"module": 2.5e-3, "face_width": 0.04}
     second = {"module": 3.5e-3, "face_width": 0.06}
     ball_6308: dict[str, Any] = {
-        "balls": 8,
-        "ball_diameter": 0.01508,
+        "elements": 8,
+        "element_diameter": 0.01508,
         "pitch_diameter": 0.065,
         "clearance": 1e-5,
     }
     ball_6310: dict[str, Any] = {
-        "balls": 8,
-        "ball_diameter": 0.01905,
+        "elements": 8,
+        "element_diameter": 0.01905,
         "pitch_diameter": 0.080,
         "clearance": 1e-5,
     }
     rollers: dict[str, Any] = {
-        "balls": 13,
-        "ball_diameter": 0.016,
+        "elements": 13,
+        "element_diameter": 0.016,
         "pitch_diameter": 0.081,
         "roller_length": 0.014,
     }
@@ -106,8 +106,14 @@ def gearbox() -> gb.RotorSystem:
             gb.Coupling(
                 ("motor", 0.5),
                 ("input", 0.0),
-                stiffness=(5e5, 1e6, 500.0, 2e4),
-                damping=(50.0, 50.0, 0.1, 5.0),
+                axial_stiffness=5e5,
+                lateral_stiffness=1e6,
+                tilting_stiffness=500.0,
+                torsional_stiffness=2e4,
+                axial_damping=50.0,
+                lateral_damping=50.0,
+                tilting_damping=0.1,
+                torsional_damping=5.0,
                 offset=2e-4,
             )
         ],
@@ -162,7 +168,7 @@ def run(system: gb.RotorSystem) -> gb.Response:
     )
 
 
-def frequencies(modes: gb.Modes, orders: dict[str, float]) -> Figure:
+def frequencies(modes: gb.results.Modes, orders: dict[str, float]) -> Figure:
     """Draw the natural frequencies with their damping, and the excitation frequencies [Hz]."""
     with mpl.rc_context(plotting.STYLE):
         drawing = Figure(figsize=(10.0, 5.0))
@@ -187,9 +193,9 @@ def forces(response: gb.Response) -> Figure:
         drawing = Figure(figsize=(10.0, 7.5))
         panels = drawing.subplots(3, 1, sharex=True)
         for panel, pair in zip(panels, STAGES, strict=False):
-            panel.plot(time, 1e-3 * response.mesh(*pair).force[shown], lw=0.8)
+            panel.plot(time, 1e-3 * response.mesh(pair).force[shown], lw=0.8)
             panel.set(ylabel="force [kN]", title="mesh of " + " and ".join(pair))
-        force = np.hypot(*response.bearing_force("intermediate", 0.2)[shown].T)
+        force = np.hypot(*response.bearing_force(("intermediate", 0.2))[shown].T)
         panels[2].plot(time, 1e-3 * force, lw=0.8)
         panels[2].set(ylabel="force [kN]", title="bearing beside pinion 2", xlabel="time [ms]")
     return drawing
@@ -205,12 +211,12 @@ def spectra(responses: dict[str, gb.Response]) -> Figure:
             responses.items(), plotting.PALETTE, marks, strict=False
         ):
             options: dict[str, Any] = {"bearing_harmonics": 0, "skip_time": SKIPPED}
-            moved = response.orders(POINT, "w", **options)
+            moved = response.orders(POINT, "z", **options)
             felt = response.orders(gb.Accelerometer(POINT, angle=pi / 2.0), **options)
             style = {"color": colour, "label": name, "ls": "none", **mark}
             panels[0].semilogy(moved.frequencies_hz, 1e6 * np.abs(moved.amplitudes), **style)
             panels[1].semilogy(felt.frequencies_hz, np.abs(felt.amplitudes), **style)
-        panels[0].set(ylabel="displacement w [µm]", ylim=(1e-5, 10.0))
+        panels[0].set(ylabel="displacement z [µm]", ylim=(1e-5, 10.0))
         panels[1].set(ylabel="acceleration [m/s²]", ylim=(1e-5, 10.0))
         panels[1].set(xlabel="frequency [Hz]")
         panels[0].legend()

@@ -75,7 +75,7 @@ def force(system: gb.RotorSystem, speed: float = SPEED, **_: Any) -> dict[str, f
     turn = 2.0 * math.pi / (speed * float(np.abs(system.speed_ratios).min()))
     times = (TURNS - 1 + np.linspace(0.0, 1.0, 1001)[:-1]) * turn
     response = system.simulate(TURNS * turn, speed, times=times, record=["meshes"])
-    values = response.mesh(*MESH).force
+    values = response.mesh(MESH).force
     return {"amplitude": float(np.ptp(values)) / 2.0, "smallest": float(values.min())}
 
 

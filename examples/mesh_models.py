@@ -71,7 +71,7 @@ def over_cycles(system: gb.RotorSystem, speed: float = SLOW) -> tuple[gb.Respons
     return system.simulate(CYCLES * cycle, speed, times=times, initial="static"), cycle
 
 
-def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
+def opened(stiffness: gb.Stiffness) -> dict[str, gb.results.MeshResponse]:
     """Simulate the mesh with nominal, with mounted larger and with loaded larger distance."""
 
     def mesh(more: float = 0.0) -> gb.Mesh:
@@ -84,7 +84,7 @@ def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
         )
 
     def distance(sideways: float) -> float:
-        return pair(mesh(), sideways=sideways).static().mesh("pinion", "wheel").centre_distance
+        return pair(mesh(), sideways=sideways).static().mesh(("pinion", "wheel")).centre_distance
 
     pull = 1000.0 * OPENED / (distance(1000.0) - distance(0.0))
     systems = {
@@ -93,11 +93,11 @@ def opened(stiffness: gb.Stiffness) -> dict[str, gb.MeshResponse]:
         "moved +0.3 mm": pair(mesh(), sideways=pull),
     }
     return {
-        name: over_cycles(system)[0].mesh("pinion", "wheel") for name, system in systems.items()
+        name: over_cycles(system)[0].mesh(("pinion", "wheel")) for name, system in systems.items()
     }
 
 
-def stiffness_figure(meshes: dict[str, gb.MeshResponse]) -> Figure:
+def stiffness_figure(meshes: dict[str, gb.results.MeshResponse]) -> Figure:
     """Draw the mesh stiffness against the mesh cycles."""
     with mpl.rc_context(plotting.STYLE):
         figure = Figure(figsize=(10.0, 3.6))
@@ -128,7 +128,7 @@ def separation_figure(
     response = pair(mesh, torque=torque, motion="torsion").simulate(
         cycles * cycle, speed, initial="static", output_step=cycle / 200, record=["meshes"]
     )
-    found = response.mesh("pinion", "wheel")
+    found = response.mesh(("pinion", "wheel"))
     time = response.time / cycle
     with mpl.rc_context(plotting.STYLE):
         figure = Figure(figsize=(10.0, 6.0))

@@ -222,21 +222,21 @@ def mesh() -> Iterable[str]:
     """Compare contact ratio, stiffness, pressure angle and their change with centre distance."""
     source = "involute pair, closed form"
     ratio = {
-        z: pair(z, module).static().mesh("a", "b").contact_ratio
+        z: pair(z, module).static().mesh("a/b").contact_ratio
         for z, module in (((25, 50), 3e-3), ((62, 62), 2e-3))
     }
     yield row(source, "contact ratio of 25/50 teeth", [1.68316], [ratio[25, 50]], 5)
     yield row(source, "contact ratio of 62/62 teeth", [1.7897799], [ratio[62, 62]], 7)
 
     # Divide by the face width of 30 mm; N/m² to N/(mm µm).
-    standard = pair((25, 50), 3e-3, stiffness=gb.Stiffness.iso6336()).static().mesh("a", "b")
+    standard = pair((25, 50), 3e-3, stiffness=gb.Stiffness.iso6336()).static().mesh("a/b")
     quantity = "mesh stiffness of 25/50 teeth [N/(mm µm)]"
     yield row("ISO 6336-1, method B", quantity, [20.64], [standard.stiffness / 0.03 / 1e9], 2)
 
     # Central difference: the torque moves the centres apart, the opposite torque together.
     torque, distance, alpha = 10.0, 0.1125, math.radians(20.0)
     apart, together = (
-        pair((25, 50), 3e-3, sign * torque).static(speed=1.0).mesh("a", "b") for sign in (1.0, -1.0)
+        pair((25, 50), 3e-3, sign * torque).static(speed=1.0).mesh("a/b") for sign in (1.0, -1.0)
     )
     moved = apart.centre_distance - together.centre_distance
     pitch = math.pi * 3e-3 * math.cos(alpha)
@@ -328,9 +328,9 @@ def journals() -> Iterable[str]:
 
 def rolling() -> Iterable[str]:
     """Compare deflections and contact forces of rolling bearings."""
-    sizes: dict[str, Any] = {"ball_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 0.0}
+    sizes: dict[str, Any] = {"element_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 0.0}
     # Sjövall's integral J_r(0.5) is the load over n times the largest contact force.
-    given = {"balls": 15, "hertz_stiffness": 1e10, **sizes}
+    given = {"elements": 15, "hertz_stiffness": 1e10, **sizes}
     bearing = gb.RollingBearing("s", 0.0, **given)
     deflection = -bearing.coefficients(1000.0).displacement[1]
     integral = 1000.0 / (15 * 1e10 * deflection**1.5)

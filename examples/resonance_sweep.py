@@ -116,7 +116,7 @@ def main() -> None:
     for torque in TORQUES:
         system = pair(torque)
         speed = resonance(system)
-        static = float(system.static().mesh(*MESH).deflection)
+        static = float(system.static().mesh(MESH).deflection)
         branch = system.continuation(
             "speed", RANGE[0] * speed, RANGE[1] * speed, record=["meshes"], progress=True
         )

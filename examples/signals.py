@@ -57,7 +57,7 @@ def draw(system: gb.RotorSystem) -> Figure:
     figure, (top, bottom) = plt.subplots(2, 1, figsize=(8.0, 7.0), layout="constrained")
     surface = 3e-6 * np.exp(1j * np.radians(120.0))
     for angle in (45.0, 135.0):
-        probe = gb.Probe(*place, angle=np.radians(angle), run_out=surface)
+        probe = gb.Probe(*place, angle=np.radians(angle), runout=surface)
         top.plot(response.time, 1e6 * response.measure(probe), label=f"probe at {angle:.0f}°")
     for index, time in enumerate(response.measure(gb.Tacho("input"))):
         label = "pulse of the tachometer" if index == 0 else None

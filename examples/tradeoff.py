@@ -101,7 +101,7 @@ SCENES = {
 }
 
 
-def study(scene: Scene) -> gb.Tradeoff[gb.RotorSystem]:
+def study(scene: Scene) -> gb.results.Tradeoff[gb.RotorSystem]:
     """Measure all settings that the budget allows."""
     return scene.system().tradeoff(
         DURATION,
@@ -114,7 +114,7 @@ def study(scene: Scene) -> gb.Tradeoff[gb.RotorSystem]:
     )
 
 
-def report(scene: Scene, tradeoff: gb.Tradeoff[gb.RotorSystem]) -> Iterator[str]:
+def report(scene: Scene, tradeoff: gb.results.Tradeoff[gb.RotorSystem]) -> Iterator[str]:
     """Return the tables: methods, Pareto front and simplified models."""
     signals = " and ".join(tradeoff.signals)
     yield f"{scene.system()!r}."

@@ -23,6 +23,7 @@ pub mod mesh;
 pub mod modal;
 pub mod model;
 pub mod motion;
+pub mod numerics;
 #[cfg(feature = "python")]
 mod python;
 pub mod rolling;

@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-FILE_LINES, FUNCTION_LINES, STRUCT_FIELDS = 400, 60, 15
+FILE_LINES, FUNCTION_LINES, STRUCT_FIELDS = 600, 90, 15
 
 #: Findings that remain, and why.
 REASONS: dict[str, str] = {
     "python/gearbow/description/gears.py:Gear": "public parameters",
     "python/gearbow/tradeoff/trial.py:Trial": "public row of a table",
-    "python/gearbow/system/description.py:SystemDescription": "public parameters",
+    "python/gearbow/system/rotor_system.py:RotorSystem": "public parameters",
     "python/gearbow/description/rolling.py:RollingBearing": "public parameters",
     "src/scene/description/bearing.rs:Bearing": "entries of a scene",
     "src/scene/description/mod.rs:Gear": "entries of a scene",

@@ -66,7 +66,7 @@ class Measured:
     expected : float
         Error that the choice of the elements expects.
     setup, stepping, estimate : float
-        CPU time of the set-up [s], of a simulated second [s], and of `response.errors` [s].
+        CPU time of the set-up [s], of a simulated second [s], and of `response.errors()` [s].
     chaotic : bool
         Whether the response calls the contact chaotic.
     """
@@ -115,7 +115,7 @@ def _run(scene: Scene, level: Level) -> Run:
 
 def _measured(run: Run, exact: gb.Response, agreement: dict[str, float]) -> Measured:
     begin = time.process_time()
-    errors = run.response.errors
+    errors = run.response.errors()
     expected = run.system.discretisation.expected_error
     assert expected is not None
     return Measured(
@@ -206,7 +206,7 @@ def difference(run: gb.Response, exact: gb.Response) -> dict[str, float]:
         else:
             driver, driven = item[:2]
             kind = "mesh_force"
-            ours, theirs = (r.mesh(driver, str(driven)).force[:, None] for r in (run, exact))
+            ours, theirs = (r.mesh((driver, str(driven))).force[:, None] for r in (run, exact))
         if variation(theirs) > 0.0:
             error = root_mean_square(ours - theirs) / unit_of_errors(theirs)
             errors[kind] = max(errors.get(kind, 0.0), error)

@@ -190,7 +190,7 @@ def strongly_damped(system: gb.RotorSystem) -> gb.RotorSystem:
     )
 
 
-def overdamped_modes(system: gb.RotorSystem) -> gb.Modes:
+def overdamped_modes(system: gb.RotorSystem) -> gb.results.Modes:
     """Return the ten lowest modes with strongly damped bearings."""
     return strongly_damped(system).modes(SPEED, count=10)
 
@@ -200,12 +200,12 @@ def overdamped_matrices(system: gb.RotorSystem) -> Any:
     return strongly_damped(system).matrices(SPEED, sparse=True)
 
 
-def modally_damped_modes(system: gb.RotorSystem) -> gb.Modes:
+def modally_damped_modes(system: gb.RotorSystem) -> gb.results.Modes:
     """Return the ten lowest modes with modal damping."""
     return system.replace(modal_damping=MODAL_DAMPING).modes(SPEED, count=10)
 
 
-def modal_damping_residual(found: gb.Modes, matrices: Any) -> float:
+def modal_damping_residual(found: gb.results.Modes, matrices: Any) -> float:
     """Return the same with modal damping, of which the lowest undamped modes hold almost all."""
     from scipy.sparse.linalg import eigsh  # noqa: PLC0415  # not needed by gearbow
 
@@ -216,7 +216,7 @@ def modal_damping_residual(found: gb.Modes, matrices: Any) -> float:
 
 
 def mode_residual(
-    found: gb.Modes, matrices: Any, modal: Callable[[Array], Array] = np.zeros_like
+    found: gb.results.Modes, matrices: Any, modal: Callable[[Array], Array] = np.zeros_like
 ) -> float:
     """Return the largest residual of a mode over the sum of the sizes of its terms.
 

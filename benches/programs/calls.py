@@ -4,12 +4,12 @@ import functools
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
 import gearbow as gb
-from gearbow.study import Settings
 from programs.scenes import BOW, MEAN, SMOOTH, SPEED, SQUARE, STAGES, TORQUE, TRAIN, geared
 from programs.timing import timed
 
@@ -45,7 +45,8 @@ def train(stiffness: gb.Stiffness = SMOOTH, **options: Any) -> gb.RotorSystem:
 
 def study_train(modal_damping: float | None) -> gb.RotorSystem:
     """Return the train of docs/study.md with bowed shafts."""
-    system = gb.RotorSystem.from_dict(Settings.load().scene)
+    path = Path(__file__).parents[2] / "examples" / "machines" / "double_stage_train.toml"
+    system = gb.RotorSystem.load(path)
     shafts = [replace(shaft, bow=gb.Bow.half_sine(BOW)) for shaft in system.shafts]
     return system.replace(shafts=shafts, modal_damping=modal_damping)
 

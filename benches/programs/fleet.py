@@ -85,7 +85,7 @@ class Machine:
         return self.loaded()
 
     @cached_property
-    def diagram(self) -> gb.Campbell:
+    def diagram(self) -> gb.results.Campbell:
         """Campbell diagram whose first intersection is found again."""
         return self.system.campbell(SHARES * self.speed, count=TRACKED)
 
@@ -140,7 +140,7 @@ def modes(machine: Machine) -> Work:
 
     def prepare() -> Run[Any]:
         system = machine.fresh()
-        return lambda: system.modes(machine.speed, COUNT).eigenvalues
+        return lambda: system.modes(machine.speed, count=COUNT).eigenvalues
 
     pencil = machine.pencil(machine.speed)
     count = min(2 * COUNT + FURTHER, pencil.mass.shape[0])
@@ -253,7 +253,7 @@ def critical_map(machine: Machine) -> Work | None:
         effective = csc_matrix(matrices.mass - 1j * matrices.gyroscopic)
         cases.append((csc_matrix(matrices.stiffness), effective))
 
-    def difference(found: gb.CriticalSpeedMap, exact: list[Array]) -> float:
+    def difference(found: gb.results.CriticalSpeedMap, exact: list[Array]) -> float:
         return max(
             float(np.abs(values - speed).min() / speed)
             for row, values in zip(found.speeds, exact, strict=True)

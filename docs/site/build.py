@@ -32,7 +32,8 @@ DOCUMENTS = (
     "examples/machines/README.md",
     "examples/machines/*.toml",
     "examples/rotors/*.toml",
-    "python/gearbow/study/scene.toml",
+    "examples/bow_study/*.py",
+    "examples/bow_study/*.toml",
 )
 
 

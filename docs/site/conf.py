@@ -75,6 +75,7 @@ numpydoc_class_members_toctree = False
 # Public names in the types of parameters become links; links to other projects need a network.
 numpydoc_xref_param_type = True
 numpydoc_xref_aliases = {name: name for name in DEFAULT_LINKS}
+numpydoc_xref_aliases |= {name: f"gearbow.results.{name}" for name in dir(gearbow.results)}
 numpydoc_xref_aliases |= {name: f"gearbow.{name}" for name in dir(gearbow)}
 numpydoc_xref_ignore = "all"
 # Names in single backticks of docstrings become links where they are public.

@@ -42,7 +42,7 @@ figure = Figure(figsize=(6.4, 4.0), layout="constrained")
 panel = figure.subplots()
 for bow in (5e-4, 2e-4, 1e-5):
     response = pair(bow).simulate(4 * np.pi / speed, speed, output_step=1e-4)
-    ratio = response.mesh("pinion", "wheel").contact_ratio
+    ratio = response.mesh(("pinion", "wheel")).contact_ratio
     print(f"bow {1e6 * bow:3.0f} µm: contact ratio {ratio.min():.2f} to {ratio.max():.2f}")
     panel.plot(speed * response.time / (2 * np.pi), ratio, label=f"{1e6 * bow:g} µm")
 

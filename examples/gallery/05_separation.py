@@ -39,12 +39,12 @@ times = np.linspace(6 * turn, 8 * turn, 2001)
 response = system.simulate(8 * turn, speed, times=times, record=["meshes"])
 separations = [event.time for event in response.events if event.kind == "separation"]
 print(f"{len(separations)} separations in 8 revolutions of the input shaft")
-shares = response.contact_shares("pinion", "wheel")
+shares = response.contact_shares(("pinion", "wheel"))
 print(f"no contact of the drive flanks during {100 * shares.lost:.0f} % of the last two")
 
 figure = Figure(figsize=(6.4, 4.0), layout="constrained")
 panel = figure.subplots()
-panel.plot(response.time / turn, response.mesh("pinion", "wheel").force)
+panel.plot(response.time / turn, response.mesh(("pinion", "wheel")).force)
 shown = [time / turn for time in separations if time >= times[0]]
 panel.plot(shown, np.zeros(len(shown)), "kv", label="separation")
 panel.set(xlabel="revolutions of the input shaft", ylabel="mesh force [N]")

@@ -47,7 +47,7 @@ panels = figure.subplots(1, 2, sharey=True)
 for panel, tip_relief, title in zip(panels, (None, relief), ("no relief", "tip relief")):
     for torque in (400.0, 200.0, 100.0):
         run = pair(torque, tip_relief).simulate(3 * cycle, 1.0, times=times, initial="static")
-        error = 1e6 * run.mesh("pinion", "wheel").deflection
+        error = 1e6 * run.mesh(("pinion", "wheel")).deflection
         print(f"{title}, {torque:.0f} N m: {np.ptp(error):.1f} µm peak-to-peak")
         panel.plot(times / cycle - 1.0, error, label=f"{torque:g} N m")
     panel.set(title=title, xlabel="mesh cycles")

@@ -42,9 +42,9 @@ angles = np.arange(0.0, 31.0, 5.0)
 thrusts, variations = [], []
 for angle in np.radians(angles):
     system = pair(angle)
-    thrusts.append(system.static().axial_bearing_force("input", 0.0))
+    thrusts.append(system.static().axial_bearing_force(("input", 0.0)))
     response = system.simulate(0.02, 100.0, output_step=2e-5, record=["meshes"])
-    variations.append(np.ptp(response.mesh("pinion", "wheel").force[500:]))
+    variations.append(np.ptp(response.mesh(("pinion", "wheel")).force[500:]))
 
 figure = Figure(figsize=(6.4, 4.0), layout="constrained")
 panel = figure.subplots()

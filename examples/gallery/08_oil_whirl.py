@@ -33,7 +33,7 @@ for panel, speed in zip(panels, (400.0, 1200.0)):
     print(f"{speed:.0f} rad/s: {state}, whirl at {worst.imag / speed:.2f} of the speed")
     revolution = 2 * np.pi / speed
     run = rotor.simulate(40 * revolution, speed, output_step=revolution / 50, record=["bearings"])
-    v, w = run.bearing_displacement("rotor", 0.0)[1:].T / clearance
+    v, w = run.bearing_displacement(("rotor", 0.0))[1:].T / clearance
     panel.plot(np.cos(angle), np.sin(angle), "k")
     panel.plot(v, w, linewidth=0.8)
     panel.set(title=f"{speed:.0f} rad/s, {state}", xlabel="v / clearance", aspect="equal")

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 import gearbow as gb
 
-sizes = {"balls": 9, "ball_diameter": 0.0127, "pitch_diameter": 0.065}
+sizes = {"elements": 9, "element_diameter": 0.0127, "pitch_diameter": 0.065}
 speed = 50.0  # rad/s
 
 

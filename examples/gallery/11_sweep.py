@@ -46,8 +46,8 @@ def measure(system, speed, bow):
     turn = 4 * np.pi / speed  # of the output shaft, s
     times = np.linspace(turn, 2 * turn, 200)
     run = system.simulate(2 * turn, speed, times=times, record=["meshes"], accuracy="draft")
-    force = run.mesh("pinion", "wheel").force
-    lost = run.contact_shares("pinion", "wheel").lost  # share of the time
+    force = run.mesh(("pinion", "wheel")).force
+    lost = run.contact_shares(("pinion", "wheel")).lost  # share of the time
     return {"mean": force.mean(), "amplitude": np.ptp(force) / 2, "lost": lost}
 
 

@@ -38,7 +38,7 @@ system = gb.RotorSystem(
 
 def run(**options):
     response = system.simulate(0.02, 300.0, output_step=1e-4, record=["meshes"], **options)
-    return response.mesh("pinion", "wheel").force, response.statistics.evaluations
+    return response.mesh(("pinion", "wheel")).force, response.statistics.evaluations
 
 
 SETTINGS = {

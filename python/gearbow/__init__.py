@@ -5,7 +5,7 @@ the static equilibrium, the response to bow and unbalance, or a run in time.
 
 Numbers are in SI units and radians. `mm`, `rpm` and `degrees` convert, and quantities of pint and
 texts in scene files have units. `help(gearbow.Gear)` describes a part, `help(gearbow.RotorSystem)`
-the system with its analyses. On the command line, ``gearbow --help`` lists the commands.
+the analyses. `gearbow.results` has the types of results. ``gearbow --help`` lists the commands.
 
 Examples
 --------
@@ -22,8 +22,8 @@ import typing as _typing
 from importlib import import_module as _import_module
 from types import ModuleType as _ModuleType
 
+from gearbow import results as results
 from gearbow._core import __version__ as __version__
-from gearbow.analysis.balance import Balance as Balance
 from gearbow.description.bow import Bow as Bow
 from gearbow.description.couplings import (
     Coupling as Coupling,
@@ -35,21 +35,12 @@ from gearbow.description.gears import (
     Gear as Gear,
     Mesh as Mesh,
 )
-from gearbow.description.journal import (
-    FilmCoefficients as FilmCoefficients,
-    JournalBearing as JournalBearing,
-    JournalMotion as JournalMotion,
-)
-from gearbow.description.kinematics import Order as Order
+from gearbow.description.journal import JournalBearing as JournalBearing
 from gearbow.description.loads import (
     Bearing as Bearing,
     Torque as Torque,
 )
-from gearbow.description.rolling import (
-    RollingBearing as RollingBearing,
-    RollingCoefficients as RollingCoefficients,
-    RollingMotion as RollingMotion,
-)
+from gearbow.description.rolling import RollingBearing as RollingBearing
 from gearbow.description.shafts import (
     STEEL as STEEL,
     Material as Material,
@@ -76,54 +67,18 @@ from gearbow.errors import (
     ConvergenceError as ConvergenceError,
     GearbowError as GearbowError,
     MissingExtraError as MissingExtraError,
-    RunTimeWarning as RunTimeWarning,
     SceneError as SceneError,
     SceneWarning as SceneWarning,
     StabilityError as StabilityError,
 )
-from gearbow.orders.fit import Orders as Orders
-from gearbow.orders.spectrum import Spectrum as Spectrum
-from gearbow.orders.waterfall import (
-    Waterfall as Waterfall,
-    waterfall as waterfall,
-)
-from gearbow.recording.contact import (
-    Contact as Contact,
-    ContactShares as ContactShares,
-)
-from gearbow.recording.energy import EnergyBalance as EnergyBalance
-from gearbow.recording.record import (
-    Event as Event,
-    MeshResponse as MeshResponse,
-)
-from gearbow.results.campbell import (
-    Campbell as Campbell,
-    ExcitationLine as ExcitationLine,
-    Intersection as Intersection,
-)
+from gearbow.orders.waterfall import waterfall as waterfall
 from gearbow.results.continuation import Continuation as Continuation
-from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
-from gearbow.results.discretisation import Discretisation as Discretisation
-from gearbow.results.matrices import (
-    Matrices as Matrices,
-    SparseMatrices as SparseMatrices,
-)
-from gearbow.results.modes import Modes as Modes
-from gearbow.results.peak import Peak as Peak
 from gearbow.results.response import Response as Response
-from gearbow.results.static import Static as Static
 from gearbow.results.steady import SteadyState as SteadyState
-from gearbow.results.synchronous import Synchronous as Synchronous
-from gearbow.results.threshold import StabilityThreshold as StabilityThreshold
 from gearbow.sensors.accelerometer import Accelerometer as Accelerometer
 from gearbow.sensors.probe import Probe as Probe
 from gearbow.sensors.tacho import Tacho as Tacho
 from gearbow.system.rotor_system import RotorSystem as RotorSystem
-from gearbow.tradeoff.result import (
-    Recommendation as Recommendation,
-    Tradeoff as Tradeoff,
-)
-from gearbow.tradeoff.trial import Trial as Trial
 from gearbow.units.values import (
     degrees as degrees,
     mm as mm,
@@ -133,12 +88,11 @@ from gearbow.units.values import (
 #: Modules of the names that are imported at their first use, with the libraries of a sweep.
 _LAZY = {
     "Sweep": "gearbow.sweeps.result",
-    "SweepPoint": "gearbow.sweeps.result",
     "sweep": "gearbow.sweeps.run",
 }
 
 if _typing.TYPE_CHECKING:
-    from gearbow.sweeps.result import Sweep as Sweep, SweepPoint as SweepPoint
+    from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep
 else:  # a type checker would accept every name
 

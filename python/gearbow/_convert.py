@@ -7,7 +7,9 @@ the path of the argument. Quantities of pint are converted to the SI unit of the
 
 import math
 import numbers
-from collections.abc import Callable, Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from operator import index
 from typing import Any
 
@@ -23,7 +25,7 @@ _LARGEST_INTEGER = 2**63
 #: Largest count: the core counts with at least 32 bits.
 LARGEST_COUNT = 2**32 - 1
 #: Keys whose values may be complex.
-_COMPLEX = ("unbalance", "run_out", "offset", "angle", "runout")
+_COMPLEX = ("unbalance", "runout", "offset", "angle")
 #: Types of bytes, which are no sequences of numbers.
 BYTES = (bytes, bytearray, memoryview)
 #: Longest representation of a value in an error message.
@@ -40,11 +42,7 @@ def shown(value: object) -> str:
 
 
 def real(value: object, path: str, wanted: str = "a number") -> float:
-    """Convert one real number; NaN and infinity pass, because the core rejects them.
-
-    Integers stay integers. NumPy scalars, arrays without axes and objects with ``__float__`` or
-    ``__index__`` are numbers too.
-    """
+    """Convert one real number; NaN and infinity pass, because the core rejects them."""
     if type(value) is float:
         return value
     if is_quantity(value):
@@ -71,6 +69,15 @@ def number(value: object, path: str, *, infinite: bool = False) -> float:
     found = float(real(value, path))
     if not (math.isfinite(found) or (infinite and found == math.inf)):
         raise SceneError(f"{path}: must be finite, got {found}")
+    return found
+
+
+def positive(value: object, path: str, below: float = math.inf) -> float:
+    """Convert one positive, finite number, less than `below`."""
+    found = number(value, path)
+    if not 0.0 < found < below:
+        bound = "positive and finite" if math.isinf(below) else f"between 0 and {below:g}"
+        raise SceneError(f"{path}: must be {bound}, got {value!r}")
     return found
 
 
@@ -206,13 +213,33 @@ def _is_sequence(value: object) -> bool:
     return isinstance(value, Iterable) and not isinstance(value, (str, *BYTES, Mapping))
 
 
+@contextmanager
+def showing(plain: Any) -> Iterator[None]:
+    """Add the given value to errors of the core about the shape of an entry of plain data."""
+    try:
+        yield
+    except SceneError as error:
+        path, _, message = str(error).partition(": ")
+        if not message.startswith(("expected ", "invalid type: sequence", "invalid length")):
+            raise
+        value = plain
+        try:
+            for name, i in re.findall(r"([^.\[\]]+)|\[(\d+)\]", path):
+                value = value[name or int(i)]
+        except (KeyError, IndexError, TypeError):  # a name that the user chose may have dots
+            raise error from None
+        raise SceneError(f"{error}, got {shown(value)}") from None
+
+
 def copied(value: Any, path: str) -> Plain:
     """Convert nested mappings and sequences of numbers, strings and booleans to plain data."""
     if is_quantity(value):
         value = magnitude(value, path)
     if isinstance(value, Mapping):
         return {
-            text(key, path): copied(item, f"{path}.{key}" if path else key)
+            text(key, f"{path or 'description'}: the key"): copied(
+                item, f"{path}.{key}" if path else key
+            )
             for key, item in value.items()
             if item is not None
         }

@@ -21,10 +21,7 @@ _PACKAGES = {
 
 @contextmanager
 def extra(name: str) -> Iterator[None]:
-    """Report how to install an extra if an import within the block fails.
-
-    matplotlib cannot be imported if the environment names an unknown backend.
-    """
+    """Report how to install an extra if an import within the block fails."""
     try:
         yield
     except ModuleNotFoundError as error:

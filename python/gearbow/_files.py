@@ -33,29 +33,7 @@ _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
 def check_name(path: object, endings: Sequence[str], argument: str = "path") -> tuple[Path, str]:
-    """Check the name of a file, whose suffix means its format.
-
-    Parameters
-    ----------
-    path : object
-        The name.
-    endings : sequence of str
-        Suffixes of the known formats, in small letters.
-    argument : str
-        Name of the argument, for the message.
-
-    Returns
-    -------
-    path : Path
-        The file.
-    ending : str
-        One of the suffixes.
-
-    Raises
-    ------
-    SceneError
-        If it is no name of a file, or has another suffix.
-    """
+    """Check the name of a file, whose suffix means its format."""
     found = _path(path, argument)
     ending = found.suffix.lower()
     if ending not in endings:
@@ -78,18 +56,7 @@ def _path(path: object, argument: str) -> Path:
 
 
 def check_output(path: Path) -> None:
-    """Check, before a computation, that a file can be created or replaced.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    OSError
-        If the folder is missing or not writable, or the file is a folder or a device.
-    """
+    """Check, before a computation, that a file can be created or replaced."""
     with _unchanged(path):
         target = _target(path)
         if not target.parent.is_dir():
@@ -100,26 +67,7 @@ def check_output(path: Path) -> None:
 
 @contextmanager
 def reading(path: str | os.PathLike[str]) -> Iterator[str]:
-    """Read a text file in UTF-8, with or without a byte-order mark, and parse it in the block.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-
-    Yields
-    ------
-    str
-        Its text.
-
-    Raises
-    ------
-    SceneError
-        If it has another encoding; the message names it as far as it is known. If the block exceeds
-        the depth of recursion of Python.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read a text file in UTF-8, with or without a byte-order mark, and parse it in the block."""
     data = _path(path, "path").read_bytes()
     try:
         text = data.decode("utf-8-sig")
@@ -150,17 +98,7 @@ def _unchanged(path: Path) -> Iterator[None]:
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[BufferedRandom]:
-    """Open a temporary file that replaces `path` at the end of the block.
-
-    After an error within the block, or of the disk, `path` is unchanged and the temporary file is
-    removed. A killed process cannot remove its temporary file: the next writer of the same file
-    removes it. An existing file keeps its permissions.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written. The message names `path` and the cause.
-    """
+    """Open a temporary file that replaces `path` at the end of the block."""
     given = _path(path, "path")
     trial: Path | None = None
     file: BufferedRandom | None = None
@@ -188,13 +126,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BufferedRandom]:
 
 
 def reserve(file: BufferedRandom, size: int) -> None:
-    """Extend an empty file by zeros for which the disk has the space.
-
-    Raises
-    ------
-    OSError
-        If the disk has not the space.
-    """
+    """Extend an empty file by zeros for which the disk has the space."""
     if hasattr(os, "posix_fallocate") and size > 0:
         try:
             os.posix_fallocate(file.fileno(), 0, size)
@@ -210,20 +142,7 @@ def reserve(file: BufferedRandom, size: int) -> None:
 
 
 class FileLock:
-    """A lock for a file, which the operating system releases when its owner ends or is killed.
-
-    Locks of the operating system (``flock``, or ``msvcrt.locking`` on Windows) are used directly:
-    they belong to an open file, so that they also exclude two threads of one process.
-
-    Parameters
-    ----------
-    path : Path
-        The protected file. The lock is a hidden empty file in the same folder.
-    argument : str
-        Name of the argument that gives the file, for messages.
-    user : str
-        What uses the file: "run" or "sweep".
-    """
+    """A lock for a file, which the operating system releases when its owner ends or is killed."""
 
     def __init__(self, path: Path, argument: str, user: str) -> None:
         self._protected = path
@@ -233,13 +152,7 @@ class FileLock:
         self._number: int | None = None
 
     def acquire(self) -> None:
-        """Acquire the lock, or fail immediately.
-
-        Raises
-        ------
-        SceneError
-            If another owner holds it, or the folder or its file system does not permit a lock.
-        """
+        """Acquire the lock, or fail immediately."""
         try:
             free = self._acquired()
         except OSError as error:
@@ -367,10 +280,7 @@ def _create(path: Path) -> tuple[Path, BufferedRandom]:
 
 
 def _remove_abandoned(path: Path) -> None:
-    """Remove temporary files for `path` whose writers were killed.
-
-    A running writer holds a lock on its file. On Windows this is unknown, and nothing is removed.
-    """
+    """Remove temporary files for `path` whose writers were killed."""
     if fcntl is None:
         return
     start = f".{_short(path)}."

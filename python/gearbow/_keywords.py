@@ -43,6 +43,8 @@ _SYNONYMS = {
     "k": ("stiffness",),
     "cxx": ("damping",),
     "c": ("damping",),
+    "stiffness": ("torsional_stiffness",),
+    "damping": ("torsional_damping",),
     "rpm": ("speed",),
     "omega": ("speed",),
 }
@@ -84,10 +86,7 @@ class CheckedKeywords(CheckedMethods):
 
 
 def checked(function: _Call) -> _Call:
-    """Let a function refuse an unknown keyword argument with a suggestion.
-
-    A function that takes any keyword, or none, or that is checked already, is returned itself.
-    """
+    """Let a function refuse an unknown keyword argument with a suggestion."""
     code = function.__code__
     first = code.co_posonlyargcount
     names = code.co_varnames[first : code.co_argcount + code.co_kwonlyargcount]
@@ -105,10 +104,7 @@ def checked(function: _Call) -> _Call:
 
 
 def _check(where: str, names: Iterable[str], given: Mapping[str, object]) -> None:
-    """Refuse a keyword argument that a class or a function does not have.
-
-    It is a `TypeError`, as for every function of Python, whose own message has no suggestion.
-    """
+    """Refuse a keyword argument that a class or a function does not have."""
     for name in given:
         if name not in names:
             raise TypeError(

@@ -1,8 +1,8 @@
-"""Look up names and places, and suggest similar names."""
+"""Look up names, and suggest similar ones."""
 
 from collections.abc import Iterable, Sequence
 
-from gearbow._convert import real, shown, text
+from gearbow._convert import shown
 from gearbow._types import Dof, NodalDof
 from gearbow.errors import SceneError
 
@@ -27,15 +27,3 @@ def one_of(given: object, names: Iterable[str], path: str) -> str:
 def nodal(dofs: Sequence[Dof]) -> list[NodalDof]:
     """Give the degrees of freedom of the nodes, which precede those within the elements."""
     return [(shaft, x, direction) for shaft, x, direction in dofs if not isinstance(x, tuple)]
-
-
-def locate(places: Sequence[tuple[str, float]], shaft: str, position: float) -> int | None:
-    """Find (shaft, position) in a list of places.
-
-    Positions are equal if their relative difference is at most 1e-9, or 1 nm below 1 m.
-    """
-    shaft, position = text(shaft, "shaft"), real(position, "position")
-    for i, (other, x) in enumerate(places):
-        if other == shaft and abs(x - position) <= 1e-9 * max(1.0, abs(x)):
-            return i
-    return None

@@ -9,6 +9,7 @@ import queue
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
 from functools import cache
 from itertools import islice
 from types import TracebackType
@@ -66,10 +67,7 @@ def _call(groups: tuple[str, ...], function: Callable[..., Any], arguments: tupl
 
 @cache
 def _end_with_parent() -> None:
-    """End this process when the process that started it ends, also if that was killed.
-
-    A worker of a `ProcessPoolExecutor` would finish its call, and then wait for ever.
-    """
+    """End this process when the process that started it ends, also if that was killed."""
     import multiprocessing  # noqa: PLC0415
 
     parent = multiprocessing.parent_process()
@@ -84,26 +82,7 @@ def _end_with_parent() -> None:
 
 
 class ParallelCalls:
-    """Calls of one function with many arguments, in the order of their completion.
-
-    The ``with`` statement stops all calls at its end, also after an exception. Iteration gives the
-    number and the future of each call; `finished` gives those that ended before or during the stop
-    and that the iteration has not given.
-
-    Parameters
-    ----------
-    function : callable
-        The function; an executor of processes imports it.
-    arguments : iterable of tuple
-        Arguments of each call. It is read as the calls are submitted.
-    executor : Executor, optional
-        Runs the calls; None is one thread for each core.
-
-    Raises
-    ------
-    SceneError
-        If the executor has no method `submit`.
-    """
+    """Calls of one function with many arguments, in the order of their completion."""
 
     def __init__(
         self,
@@ -111,7 +90,8 @@ class ParallelCalls:
         arguments: Iterable[tuple[Any, ...]],
         executor: Executor | None = None,
     ) -> None:
-        if executor is not None and not callable(getattr(executor, "submit", None)):
+        is_one = callable(getattr(executor, "submit", None)) and not isinstance(executor, type)
+        if executor is not None and not is_one:
             raise SceneError(
                 "executor: must be an executor of concurrent.futures, or None for threads, got "
                 f"{shown(executor)}"
@@ -175,15 +155,18 @@ class ParallelCalls:
         if ended:
             _stopped.discard(self._group)
 
-    def finished(self) -> Iterator[tuple[int, "Future[Any]"]]:
-        """Give the remaining calls that returned a result.
-
-        Yields
-        ------
-        tuple of (int, Future)
-            Number and future of a call. The last call that the iteration gave may be among them.
-        """
-        for future, number in list(self._pending.items()):
-            if future.done() and not future.cancelled() and future.exception() is None:
-                del self._pending[future]
-                yield number, future
+    def collect(
+        self, keep: Callable[[int, "Future[Any]"], None], report: Callable[[], object]
+    ) -> None:
+        """Keep every call that ends, after an exception also those that returned meanwhile."""
+        try:
+            with self:
+                for number, future in self:
+                    keep(number, future)
+                    report()
+        except BaseException:
+            with suppress(OSError):  # the exception may be that of a full disk
+                for future, number in self._pending.items():
+                    if future.done() and not future.cancelled() and future.exception() is None:
+                        keep(number, future)
+            raise

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from gearbow._convert import function
 from gearbow._types import Progress
-from gearbow.errors import RunTimeWarning, outside
+from gearbow.errors import AccuracyWarning, outside
 
 #: A run with a longer estimated duration gives a warning [s].
 LONG_RUN = 3600.0
@@ -24,11 +24,7 @@ def reported(
     estimate: bool = True,
     numbers: str = ".3g",
 ) -> Iterator[Progress | None]:
-    """Give the callable that receives the completed fraction; True makes a progress bar.
-
-    With `estimate`, the fraction is that of a run: a run of more than one hour gives a
-    `RunTimeWarning`. `numbers` is the format of the completed and the total amount.
-    """
+    """Give the callable that receives the completed fraction; True makes a progress bar."""
     if progress is not True:
         is_off = progress is None or progress is False
         report = None if is_off else function(progress, "progress")
@@ -78,6 +74,6 @@ class _Estimate:
                 f"simulate: takes about {(elapsed + left) / 3600.0:.3g} h at the rate of the first "
                 f"{elapsed:.2g} s; reduce the duration, increase rtol, use fewer elements, or save "
                 'the run in a file by checkpoint="run.npz"',
-                RunTimeWarning,
+                AccuracyWarning,
                 stacklevel=outside(),
             )

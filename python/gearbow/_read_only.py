@@ -11,11 +11,7 @@ T = TypeVar("T")
 
 
 def read_only(data: T) -> T:
-    """Make all arrays in (nested) mappings and sequences read-only, and return the data.
-
-    A simulation can continue from a result, and a result can be saved: a changed array would make
-    later results wrong. Views of a read-only array are read-only too. To change an array, copy it.
-    """
+    """Make all arrays in (nested) mappings and sequences read-only, and return the data."""
     if isinstance(data, np.ndarray):
         data.setflags(write=False)
     elif isinstance(data, Mapping):

@@ -60,11 +60,7 @@ class ModesData(TypedDict):
 
 
 class CampbellData(TypedDict):
-    """Modes at k speeds, (k, m), their intersections with excitation lines, and thresholds.
-
-    A threshold has the mode, its speed and frequency [rad/s], the whirl, whether the mode is
-    unstable above it, and the residual.
-    """
+    """Modes at k speeds, (k, m), their intersections with excitation lines, and thresholds."""
 
     eigenvalues: ComplexArray
     whirl: list[list[str]]
@@ -111,10 +107,7 @@ class FilmData(TypedDict):
 
 
 class MeshGeometry(TypedDict):
-    """Geometry of one mesh at rest, in m and rad; radii of driver and driven gear.
-
-    The pressure angle is the operating one, in the transverse section.
-    """
+    """Geometry of one mesh at rest, in m and rad; radii of driver and driven gear."""
 
     centre_distance: float
     pressure_angle: float

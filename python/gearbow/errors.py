@@ -17,7 +17,6 @@ __all__ = [
     "ConvergenceError",
     "GearbowError",
     "MissingExtraError",
-    "RunTimeWarning",
     "SceneError",
     "SceneWarning",
     "StabilityError",
@@ -86,22 +85,15 @@ class SceneWarning(UserWarning):
     """A valid scene with a probable mistake, e.g. different base pitches."""
 
 
-class RunTimeWarning(RuntimeWarning):
-    """A run with an estimated duration of more than one hour, based on its first second.
-
-    The message gives the estimate. `warnings.simplefilter("error", gb.RunTimeWarning)` turns the
-    warning into an error, which ends the run; its attribute `response` contains the results so far.
-    """
-
-
 class AccuracyWarning(UserWarning):
-    """A result with reduced accuracy: ill-conditioning, large displacements, unstable motion.
+    """A result with reduced accuracy, or a run that takes more than an hour for its accuracy.
 
     Possible causes: the frequencies differ so much that round-off reduces the accuracy of the slow
     motions; a tolerance is below round-off; a displacement exceeds the size of the shafts,
     although the equations assume small displacements; the motion is unstable at the speed of a
     steady response; or orders contain only a small part of a signal. The message gives the amount
-    and the cause.
+    and the cause. The time of a run is estimated from its first second. A filter "error" ends the
+    run there, and the attribute `response` of the warning contains the results so far.
 
     Examples
     --------
@@ -118,13 +110,7 @@ class AccuracyWarning(UserWarning):
 
 
 def outside() -> int:
-    """Count the stack frames up to the first one outside the package: the line of the user.
-
-    Returns
-    -------
-    int
-        The `stacklevel` of a warning by the caller.
-    """
+    """Count the stack frames up to the first one outside the package: the line of the user."""
     level = 0
     frame: FrameType | None = sys._getframe(1)
     while frame is not None and frame.f_globals.get("__name__", "").split(".")[0] == "gearbow":

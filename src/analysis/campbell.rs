@@ -11,7 +11,6 @@
 //!
 //! Of a large model only the lowest modes are computed at each speed, a few more than are tracked.
 
-mod assignment;
 mod state;
 mod threshold;
 
@@ -19,12 +18,11 @@ use std::rc::Rc;
 
 use nalgebra::Complex;
 
+use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{lowest_modes, require, uses_bands};
 use super::{AnalysisError, Interrupt};
 use crate::modal::{self, AtSpeed, CachedModel, Forces, Mode, OrderIntersection, Quadratic, Whirl};
 use crate::scene::EntryPath;
-use assignment::MIN_CORRELATION;
-pub(super) use assignment::{Assignment, equal};
 use state::State;
 pub use threshold::Threshold;
 

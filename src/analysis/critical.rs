@@ -21,52 +21,52 @@ pub struct Critical {
     pub speed: f64,
     /// Direction of whirl of the mode.
     pub whirl: Whirl,
-    /// Residual of the undamped mode with the frequency `excitation`·Ω.
+    /// Residual of the undamped mode with the frequency `order`·Ω.
     pub residual: f64,
 }
 
-/// The lowest speeds Ω, in ascending order and at most `count`, at which an undamped mode has the frequency `excitation`·Ω (Nelson and McVaugh, J. Eng.
+/// The lowest speeds Ω, in ascending order and at most `count`, at which an undamped mode has the frequency `order`·Ω (Nelson and McVaugh, J. Eng.
 /// Ind. 98, 1976, who use the whirl ratio instead).
 ///
 /// Where bearings depend on the speed, each critical speed is found with the stiffness at that same speed; a table that
 /// does not hold its end values has no critical speeds outside its range.
 ///
 /// # Errors
-/// [`AnalysisError`] if `excitation` is not positive, a decomposition fails, or `interrupt` requests a stop.
+/// [`AnalysisError`] if `order` is not positive, a decomposition fails, or `interrupt` requests a stop.
 pub fn critical_speeds(
     cached: &CachedModel,
-    excitation: f64,
+    order: f64,
     count: usize,
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
-    EntryPath::root("excitation").positive(excitation)?;
+    EntryPath::root("order").positive(order)?;
     if let Some(journal) = cached.model.nonlinear_bearings.iter().find(|bearing| bearing.film().is_some()) {
         let message =
             "the damping of an oil film is too large for undamped critical speeds; use campbell() or synchronous()";
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
     let lowest = cached.model.lowest_speed().unwrap_or(SLOW);
-    let at_speed = cached.with_points_of(lowest)?;
+    let at_speed = cached.with_operating_points_of(lowest)?;
     let cached = &*at_speed;
     if !cached.model.bearings.is_empty() {
-        let mut found = speed_dependent::critical_speeds(cached, excitation, interrupt)?;
+        let mut found = speed_dependent::critical_speeds(cached, order, interrupt)?;
         found.truncate(count);
         return Ok(found);
     }
-    modes(cached, excitation, count)?.into_iter().map(|met| named(cached, &met, interrupt)).collect()
+    modes(cached, order, count)?.into_iter().map(|met| named(cached, &met, interrupt)).collect()
 }
 
 /// The `count` lowest critical speeds of a model whose coefficients do not depend on the speed, with their modes.
-fn modes(cached: &CachedModel, excitation: f64, count: usize) -> Result<Vec<OrderIntersection>, AnalysisError> {
+fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<OrderIntersection>, AnalysisError> {
     let mut found = None;
     if has_structure(&cached.model, count) {
-        found = modal::lowest_critical(cached, excitation, count)?;
+        found = modal::lowest_critical(cached, order, count)?;
     }
     let mut found = match found {
         Some(found) => found,
         None => {
             Dense::Undamped.require(&cached.model)?;
-            Quadratic::new(cached, 1.0)?.critical(excitation)?
+            Quadratic::new(cached, 1.0)?.critical(order)?
         }
     };
     found.truncate(count);

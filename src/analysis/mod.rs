@@ -1,5 +1,6 @@
 //! Analyses of a model: Campbell diagram, critical speeds, equilibrium, synchronous response and simulation.
 
+mod assignment;
 mod campbell;
 mod critical;
 mod diagnostics;
@@ -12,7 +13,6 @@ mod modes;
 mod peaks;
 mod resolution;
 mod responses;
-mod root;
 pub mod simulate;
 mod stability;
 pub mod steady;

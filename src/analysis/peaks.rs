@@ -11,6 +11,7 @@ use nalgebra::Complex;
 use super::instability::is_unstable;
 use super::{AnalysisError, ExcitationPart, Interrupt, Responses};
 use crate::modal::CachedModel;
+use crate::numerics::{Sample, bisect, maximum};
 
 /// Relative tolerance of the speed of a peak. A maximum is flat; round-off prevents a smaller tolerance.
 const PEAK_TOLERANCE: f64 = 1e-9;
@@ -61,10 +62,10 @@ pub fn peaks(
         let amplitudes = &responses.at(speed, &[probe.source], probe.part)?[0].phasors;
         Ok([amplitudes[probe.index], amplitudes[probe.index + 1]])
     };
-    let run_out = probe.slow_roll.map(displacement).transpose()?.unwrap_or_default();
+    let runout = probe.slow_roll.map(displacement).transpose()?.unwrap_or_default();
     let size = |speed: f64| -> Result<f64, AnalysisError> {
         let [v, w] = displacement(speed)?;
-        let (v, w) = (v - run_out[0], (w - run_out[1]) * Complex::i());
+        let (v, w) = (v - runout[0], (w - runout[1]) * Complex::i());
         Ok(f64::midpoint((v + w).norm(), (v - w).norm()))
     };
     let backward: Vec<f64> = speeds.iter().rev().filter(|speed| **speed <= 0.0).map(|speed| -speed).collect();
@@ -94,7 +95,7 @@ fn peaks_from_zero_speed(
         if sizes[at] <= sizes[at - 1] || sizes[at] < sizes[at + 1] {
             continue;
         }
-        let (speed, amplitude) = maximum(size, speeds[at - 1], speeds[at + 1])?;
+        let Sample { at: speed, value: amplitude } = maximum(speeds[at - 1], speeds[at + 1], PEAK_TOLERANCE, size)?;
         let half = FRAC_1_SQRT_2 * amplitude;
         let below = (0..=at).rev().find(|index| speeds[*index] < speed && sizes[*index] < half);
         let above = (at..sizes.len()).find(|index| speeds[*index] > speed && sizes[*index] < half);
@@ -108,30 +109,6 @@ fn peaks_from_zero_speed(
     Ok(peaks)
 }
 
-/// Finds the maximum between two speeds by golden-section search.
-fn maximum(
-    size: &impl Fn(f64) -> Result<f64, AnalysisError>,
-    low: f64,
-    high: f64,
-) -> Result<(f64, f64), AnalysisError> {
-    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-    let (mut low, mut high) = (low, high);
-    let mut inner = [high - golden * (high - low), low + golden * (high - low)];
-    let mut sizes = [size(inner[0])?, size(inner[1])?];
-    while high - low > PEAK_TOLERANCE * high.abs() {
-        if sizes[0] > sizes[1] {
-            high = inner[1];
-            inner = [high - golden * (high - low), inner[0]];
-            sizes = [size(inner[0])?, sizes[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + golden * (high - low)];
-            sizes = [sizes[1], size(inner[1])?];
-        }
-    }
-    Ok(if sizes[0] > sizes[1] { (inner[0], sizes[0]) } else { (inner[1], sizes[1]) })
-}
-
 /// Finds the speed at which the response falls to `level`, by bisection between `inside`, where it is larger, and
 /// `outside`.
 fn half_power_speed(
@@ -140,17 +117,7 @@ fn half_power_speed(
     inside: f64,
     outside: f64,
 ) -> Result<f64, AnalysisError> {
-    let (mut inside, mut outside) = (inside, outside);
-    while (outside - inside).abs() > HALF_POWER_TOLERANCE * outside.abs().max(inside.abs()) {
-        let middle = f64::midpoint(inside, outside);
-        if middle == inside || middle == outside {
-            break;
-        }
-        if size(middle)? < level {
-            outside = middle;
-        } else {
-            inside = middle;
-        }
-    }
+    let resolution = HALF_POWER_TOLERANCE * outside.abs().max(inside.abs());
+    let [inside, outside] = bisect(inside, outside, resolution, |speed| Ok::<_, AnalysisError>(size(speed)? < level))?;
     Ok(f64::midpoint(inside, outside))
 }

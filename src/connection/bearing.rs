@@ -1,11 +1,13 @@
 //! A bearing whose stiffness or damping depends on the speed of its shaft: f = −K(Ω_s) u − C(Ω_s) u̇ over u = (v, w).
 //!
-//! At a constant speed K and C are constant, and `Model::at_speed` includes the bearing in the matrices. At a variable
-//! speed every evaluation computes K and C for the current speed. The energy ½uᵀKu then also changes with K. The drive
-//! prescribes the speed and therefore supplies this power: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
+//! At a constant speed K and C are constant, and `Model::with_tables_at` includes the bearing in the matrices. At a changing
+//! speed every evaluation computes K and C for the current speed. The linear motion of the exponential method contains K
+//! and C at one speed; the remainder is a load like that of any other connection. The energy ½uᵀKu also changes with K.
+//! The drive prescribes the speed and therefore supplies this power: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
 
 use nalgebra::{DMatrix, DVector};
 
+use super::instant::{Instant, InterfaceOptions};
 use super::{Bounds, Coefficients, Row};
 use crate::scene::{Bearing, EntryPath, Matrix2, SceneError, outside_table};
 
@@ -59,8 +61,13 @@ impl SpeedDependentBearing {
     /// Stiffness [N/m] and damping [N s/m] over (v, w) at a speed of the reference shaft, rad/s.
     #[inline]
     pub fn at(&self, speed: f64) -> [Matrix2; 2] {
-        let own = self.ratio * speed;
-        [self.bearing.stiffness.at(own), self.bearing.damping.at(own)]
+        self.at_spin(self.ratio * speed)
+    }
+
+    /// Stiffness [N/m] and damping [N s/m] over (v, w) at a speed of its own shaft, rad/s.
+    #[inline]
+    fn at_spin(&self, spin: f64) -> [Matrix2; 2] {
+        [self.bearing.stiffness.at(spin), self.bearing.damping.at(spin)]
     }
 
     /// Stiffness and damping as matrices over the scalars, at a speed of the reference shaft, rad/s.
@@ -113,6 +120,54 @@ impl SpeedDependentBearing {
         let stiffening = form(&self.bearing.stiffness.slope(own), u) * faster / 2.0;
         let circulating = (k[0][1] - k[1][0]) / 2.0 * (rate[0] * u[1] - rate[1] * u[0]);
         [stiffening, form(&c, rate) + circulating]
+    }
+}
+
+/// A bearing with speed-dependent coefficients in a run at a changing speed.
+#[derive(Clone, Debug)]
+pub struct BearingInterface {
+    pub(super) bearing: SpeedDependentBearing,
+    /// Stiffness, N/m, and damping, N s/m, over (v, w) that the linear motion contains.
+    contained: [Matrix2; 2],
+    /// Displacements (v, w) at the reference, m.
+    reference: [f64; 2],
+    /// Generalised forces at the reference with the contained stiffness, N.
+    pub(super) reference_force: [f64; 2],
+}
+
+impl BearingInterface {
+    pub(super) fn new(bearing: &SpeedDependentBearing, options: InterfaceOptions<'_>) -> Self {
+        let (contained, reference) = (bearing.at(options.bearing_speed), bearing.scalars(options.reference));
+        let reference_force = contained[0].map(|row| -(row[0] * reference[0] + row[1] * reference[1]));
+        Self { bearing: bearing.clone(), contained, reference, reference_force }
+    }
+
+    /// Stiffness and damping at an instant beyond those that the linear motion contains.
+    #[inline]
+    fn remainder(&self, instant: &Instant) -> [Matrix2; 2] {
+        let mut remainder = self.bearing.at_spin(instant.phases[0].spin);
+        for (value, contained) in remainder.as_flattened_mut().iter_mut().zip(self.contained.as_flattened()) {
+            for (value, contained) in value.iter_mut().zip(contained) {
+                *value -= contained;
+            }
+        }
+        remainder
+    }
+
+    #[inline]
+    pub(super) fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) {
+        let [stiffness, damping] = self.remainder(instant);
+        let displacement = [self.reference[0] + u[0], self.reference[1] + u[1]];
+        for ((k, c), load) in stiffness.iter().zip(&damping).zip(load) {
+            *load = -(k[0] * displacement[0] + k[1] * displacement[1] + c[0] * rates[0] + c[1] * rates[1]);
+        }
+    }
+
+    #[inline]
+    pub(super) fn residual_tangent(&self, instant: &Instant, [stiffness, damping]: [&mut [f64]; 2]) {
+        let [k, c] = self.remainder(instant);
+        stiffness.copy_from_slice(k.as_flattened());
+        damping.copy_from_slice(c.as_flattened());
     }
 }
 

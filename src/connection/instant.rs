@@ -7,8 +7,8 @@ use crate::mesh::{ContactMode, Geometry, Overlap, ShaftPhase};
 pub struct Instant {
     /// Time, s.
     pub time: f64,
-    /// Angles and spins of the two shafts of a mesh; the first one is the shaft of a load, the shaft of an oil film or the cage
-    /// of rolling elements.
+    /// Angles and spins of the two shafts of a mesh; the first one is the shaft of a load, of a
+    /// speed-dependent bearing or of an oil film, or the cage of rolling elements.
     pub phases: [ShaftPhase; 2],
     /// Contact mode of a mesh.
     pub contact_mode: ContactMode,
@@ -65,6 +65,8 @@ pub struct InterfaceOptions<'a> {
     pub contained: bool,
     /// Speed of the reference shaft in the linear motion, rad/s.
     pub speed: f64,
+    /// Speed of the reference shaft whose coefficients of speed-dependent bearings the linear motion contains, rad/s.
+    pub bearing_speed: f64,
     /// Highest angular frequency of the gear oscillation on the mesh stiffness, rad/s.
     pub highest_frequency: f64,
     /// Acceleration of the teeth along the line of action per unit of mesh force, 1/kg.

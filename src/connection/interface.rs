@@ -1,14 +1,15 @@
 //! A connection in a run: the loads that act on the linear motion through its scalars.
 //!
-//! The linear motion may contain the linear part of a connection. Deviations are measured from a reference: the static
-//! equilibrium, if it exists. A load is the force of the connection minus its force at the reference and minus the
-//! linear part that the motion contains.
+//! Deviations are measured from a reference: the static equilibrium, if it exists. The linear motion may contain a linear
+//! part of a connection: the mean stiffness and the damping of a mesh, the coefficients of a bearing at one speed or at its
+//! operating point, the slope of a torque over the speed. The load on a scalar is the generalised force of the connection at
+//! the instant, minus [`Interface::reference_force`], minus that of the linear part at the deviations.
 
+use super::bearing::BearingInterface;
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange};
 use super::load::LoadInterface;
 use super::mesh::MeshInterface;
 use super::nonlinear_bearing::NonlinearInterface;
-use super::spring::SpringInterface;
 use super::{Connection, Direction, Row};
 use crate::mesh::{Contact, ContactMode, Overlap};
 
@@ -17,31 +18,27 @@ use crate::mesh::{Contact, ContactMode, Overlap};
 pub enum Interface {
     /// A pair of gears.
     Mesh(Box<MeshInterface>),
-    /// A spring with a cubic term.
-    Spring(SpringInterface),
+    /// A bearing whose coefficients depend on the speed, in a run at a changing speed.
+    Bearing(Box<BearingInterface>),
     /// An oil film or rolling elements.
     Nonlinear(Box<NonlinearInterface>),
     /// A load that depends on time, angle or speed.
-    Load(LoadInterface),
+    Load(Box<LoadInterface>),
 }
 
 impl Interface {
-    /// Creates the interface of a connection; none if the linear motion contains the connection at a constant speed.
+    /// Creates the interface of a connection.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles at the reference.
-    pub fn new(connection: Connection<'_>, options: InterfaceOptions<'_>) -> Result<Option<Self>, Overlap> {
+    pub fn new(connection: Connection<'_>, options: InterfaceOptions<'_>) -> Result<Self, Overlap> {
         match connection {
             Connection::Mesh(index, mesh, sigma) => {
-                MeshInterface::new(index, mesh, sigma, options).map(|interface| Some(Self::Mesh(Box::new(interface))))
+                MeshInterface::new(index, mesh, sigma, options).map(|interface| Self::Mesh(Box::new(interface)))
             }
-            // A run in modal coordinates has a constant speed.
-            Connection::Bearing(_) => Ok(None),
-            Connection::Spring(spring) => Ok(Some(Self::Spring(SpringInterface::new(spring, options)))),
-            Connection::Nonlinear(bearing) => {
-                Ok(Some(Self::Nonlinear(Box::new(NonlinearInterface::new(bearing, options)))))
-            }
-            Connection::Load(load) => Ok(Some(Self::Load(LoadInterface::new(load, options)))),
+            Connection::Bearing(bearing) => Ok(Self::Bearing(Box::new(BearingInterface::new(bearing, options)))),
+            Connection::Nonlinear(bearing) => Ok(Self::Nonlinear(Box::new(NonlinearInterface::new(bearing, options)))),
+            Connection::Load(load) => Ok(Self::Load(Box::new(LoadInterface::new(load, options)))),
         }
     }
 
@@ -50,16 +47,17 @@ impl Interface {
     pub fn mesh(&self) -> Option<usize> {
         match self {
             Self::Mesh(interface) => Some(interface.mesh),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => None,
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => None,
         }
     }
 
     /// Index, among the shafts and, after them, the nonlinear bearings, of that on whose angle and speed it depends; none for
-    /// a mesh, which depends on two shafts, and for a spring.
+    /// a mesh, which depends on two shafts.
     #[inline(always)]
     pub fn turning(&self) -> Option<usize> {
         match self {
-            Self::Mesh(_) | Self::Spring(_) => None,
+            Self::Mesh(_) => None,
+            Self::Bearing(interface) => Some(interface.bearing.bearing.node.shaft),
             Self::Nonlinear(interface) => Some(interface.bearing.turning),
             Self::Load(interface) => Some(interface.load.shaft),
         }
@@ -70,8 +68,7 @@ impl Interface {
     pub fn scalars(&self) -> usize {
         match self {
             Self::Mesh(interface) => interface.scalars(),
-            Self::Spring(interface) => interface.spring.rows.len(),
-            Self::Nonlinear(_) => 2,
+            Self::Bearing(_) | Self::Nonlinear(_) => 2,
             Self::Load(interface) => interface.load.rows.len(),
         }
     }
@@ -80,8 +77,7 @@ impl Interface {
     pub fn has_rates(&self) -> bool {
         match self {
             Self::Mesh(interface) => interface.has_rates(),
-            Self::Spring(interface) => interface.has_rates(),
-            Self::Nonlinear(_) => true,
+            Self::Bearing(_) | Self::Nonlinear(_) => true,
             Self::Load(interface) => interface.has_rates(),
         }
     }
@@ -90,8 +86,7 @@ impl Interface {
     pub fn is_affine(&self) -> bool {
         match self {
             Self::Mesh(interface) => interface.is_affine(),
-            Self::Spring(interface) => interface.is_affine(),
-            Self::Nonlinear(_) => false,
+            Self::Bearing(_) | Self::Nonlinear(_) => false,
             Self::Load(interface) => interface.is_affine(),
         }
     }
@@ -101,17 +96,18 @@ impl Interface {
     pub fn rows(&self) -> Vec<Row> {
         match self {
             Self::Mesh(interface) => interface.rows(),
-            Self::Spring(interface) => interface.spring.rows.clone(),
+            Self::Bearing(interface) => interface.bearing.rows.to_vec(),
             Self::Nonlinear(interface) => interface.bearing.rows.to_vec(),
             Self::Load(interface) => interface.load.rows.clone(),
         }
     }
 
-    /// Generalised forces on the scalars at the reference.
+    /// Generalised forces on the scalars at the reference and at rest: the mean over the angle for a mesh or rolling elements;
+    /// for a bearing without the coefficients at its operating point.
     pub fn reference_force(&self) -> &[f64] {
         match self {
             Self::Mesh(interface) => interface.reference_force(),
-            Self::Spring(interface) => &interface.reference_force,
+            Self::Bearing(interface) => &interface.reference_force,
             Self::Nonlinear(interface) => &interface.reference_force,
             Self::Load(interface) => &interface.reference_force,
         }
@@ -122,7 +118,7 @@ impl Interface {
     pub fn direction_count(&self) -> usize {
         match self {
             Self::Mesh(_) => 1,
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => self.scalars(),
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => self.scalars(),
         }
     }
 
@@ -131,9 +127,8 @@ impl Interface {
     pub fn directions(&self) -> Vec<Direction> {
         match self {
             Self::Mesh(interface) => vec![interface.direction()],
-            Self::Spring(interface) => Direction::of_scalars(&interface.spring.linear().stiffness),
-            Self::Nonlinear(interface) => Direction::of_scalars(&interface.linear().stiffness),
-            Self::Load(interface) => Direction::of_scalars(&interface.load.linear(0.0).stiffness),
+            // The energy of the linear motion contains the stiffness of bearings, and a load has none.
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Direction::of_scalars(self.scalars()),
         }
     }
 
@@ -146,8 +141,8 @@ impl Interface {
     pub fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<Contact, OutOfRange> {
         match self {
             Self::Mesh(interface) => Ok(interface.load(instant, u, rates, load)?),
-            Self::Spring(interface) => {
-                interface.load(u, rates, load);
+            Self::Bearing(interface) => {
+                interface.load(instant, u, rates, load);
                 Ok(Contact::default())
             }
             Self::Nonlinear(interface) => {
@@ -178,7 +173,7 @@ impl Interface {
                 stiffness[0] = k;
                 damping.fill(c);
             }
-            Self::Spring(interface) => interface.residual_tangent(u, [stiffness, damping]),
+            Self::Bearing(interface) => interface.residual_tangent(instant, [stiffness, damping]),
             Self::Nonlinear(interface) => interface.residual_tangent(instant, (u, rates), [stiffness, damping]),
             Self::Load(interface) => {
                 stiffness.fill(0.0);
@@ -188,22 +183,23 @@ impl Interface {
         }
     }
 
-    /// Interval in which the flanks keep the state that they have in `contact`.
+    /// Interval in which the flanks of a mesh keep the state that they have in `contact`; infinite for another connection.
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => {
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => {
                 GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 }
             }
         }
     }
 
-    /// Distances of the drive flank and of the back flank from a change of the contact mode, m. A distance is positive
+    /// Distances of the drive flank and of the back flank of a mesh from a change of the contact mode, m; infinite for another
+    /// connection. A distance is positive
     /// while the flank keeps its state; for a pressed flank it is the remaining deflection.
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
         match self {
             Self::Mesh(interface) => interface.margins(contact_mode.flank, contact),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => [f64::INFINITY; 2],
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => [f64::INFINITY; 2],
         }
     }
 
@@ -221,19 +217,19 @@ impl Interface {
     ) -> Result<Option<ContactMode>, Overlap> {
         match self {
             Self::Mesh(interface) => interface.contact_mode(instant, u, rates, unchanged).map(Some),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(None),
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(None),
         }
     }
 
-    /// Appends the ends of the path of contact, in base pitches among the tooth pairs with sharp engagement, to `ends`:
-    /// each with the pair that is the first or the last in contact, flank by flank.
+    /// Appends the ends of the path of contact of a mesh with sharp engagement, in base pitches, to `ends`: each with the tooth
+    /// pair that is the first or the last in contact, flank by flank. Another connection has none.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn ends(&self, instant: &Instant, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Overlap> {
         match self {
             Self::Mesh(interface) => interface.ends(instant, u, ends),
-            Self::Spring(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(()),
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(()),
         }
     }
 }

@@ -74,7 +74,7 @@ impl MeshInterface {
         // The back flank has another line of action, unless there is no bending.
         let frozen = geometry == Geometry::Frozen && gear_mesh.backlash.is_none();
         let flat = frozen || gear_mesh.coordinates.translation.is_none();
-        let scalars = match (follows_twist || gear_mesh.has_run_out(), flat, gear_mesh.helix.is_some()) {
+        let scalars = match (follows_twist || gear_mesh.has_runout(), flat, gear_mesh.helix.is_some()) {
             (true, _, false) => Scalars::PlaneAndTwists,
             (true, _, true) => Scalars::SpaceAndTwists,
             (false, true, _) => Scalars::Deflection,
@@ -130,7 +130,7 @@ impl MeshInterface {
     pub(super) fn has_rates(&self) -> bool {
         let contained =
             self.contained[1] > 0.0 && self.gear_mesh.backlash.is_none() && self.scalars == Scalars::Deflection;
-        self.gear_mesh.damping > 0.0 && !contained || self.gear_mesh.has_run_out()
+        self.gear_mesh.damping > 0.0 && !contained || self.gear_mesh.has_runout()
     }
 
     pub(super) fn is_affine(&self) -> bool {
@@ -174,31 +174,44 @@ impl MeshInterface {
 
     /// The relative motion of the gears for these scalars, or for their rates.
     #[inline(always)]
-    fn relative(&self, [a, b, c, d, e, f, g]: [f64; MAX_SCALARS]) -> RelativeMotion {
-        let [ra, rb] = self.gear_mesh.involute.base_radius;
+    fn relative(&self, scalars: [f64; MAX_SCALARS]) -> RelativeMotion {
+        let [driver_radius, driven_radius] = self.gear_mesh.involute.base_radius;
         match self.scalars {
-            Scalars::Deflection => RelativeMotion { rolling_displacement: self.sigma * a, ..RelativeMotion::default() },
-            Scalars::Plane => {
-                RelativeMotion { relative_displacement: [a, b], rolling_displacement: c, ..RelativeMotion::default() }
+            Scalars::Deflection => {
+                let [deflection, ..] = scalars;
+                RelativeMotion { rolling_displacement: self.sigma * deflection, ..RelativeMotion::default() }
             }
-            Scalars::PlaneAndTwists => RelativeMotion {
-                relative_displacement: [a, b],
-                rolling_displacement: ra * c + rb * d,
-                twist: [c, d],
-                tilt: [0.0; 2],
-            },
-            Scalars::Space => RelativeMotion {
-                relative_displacement: [a, b],
-                rolling_displacement: c,
-                tilt: [d, e],
-                ..RelativeMotion::default()
-            },
-            Scalars::SpaceAndTwists => RelativeMotion {
-                relative_displacement: [a, b],
-                rolling_displacement: ra * c + rb * d + g,
-                twist: [c, d],
-                tilt: [e, f],
-            },
+            Scalars::Plane => {
+                let [y, z, rolling_displacement, ..] = scalars;
+                RelativeMotion { relative_displacement: [y, z], rolling_displacement, ..RelativeMotion::default() }
+            }
+            Scalars::PlaneAndTwists => {
+                let [y, z, driver, driven, ..] = scalars;
+                RelativeMotion {
+                    relative_displacement: [y, z],
+                    rolling_displacement: driver_radius * driver + driven_radius * driven,
+                    twist: [driver, driven],
+                    tilt: [0.0; 2],
+                }
+            }
+            Scalars::Space => {
+                let [y, z, rolling_displacement, tilt_y, tilt_z, ..] = scalars;
+                RelativeMotion {
+                    relative_displacement: [y, z],
+                    rolling_displacement,
+                    tilt: [tilt_y, tilt_z],
+                    ..RelativeMotion::default()
+                }
+            }
+            Scalars::SpaceAndTwists => {
+                let [y, z, driver, driven, tilt_y, tilt_z, axial] = scalars;
+                RelativeMotion {
+                    relative_displacement: [y, z],
+                    rolling_displacement: driver_radius * driver + driven_radius * driven + axial,
+                    twist: [driver, driven],
+                    tilt: [tilt_y, tilt_z],
+                }
+            }
         }
     }
 

@@ -14,7 +14,7 @@
 //! | What can a run record, in which unit? | [`Connection::channels`] | recorder, files, spectra and figures |
 //!
 //! A bearing with constant coefficients is linear: it is part of the matrices and is not a connection. At a constant
-//! speed a [`SpeedDependentBearing`] is also part of the matrices.
+//! speed a [`SpeedDependentBearing`] is also part of the matrices; only runs at a changing speed have its [`Interface`].
 //!
 //! The `match` over the variants has no wildcard. An analysis that does not handle a new variant does not compile.
 
@@ -25,18 +25,16 @@ mod interface;
 mod load;
 mod mesh;
 mod nonlinear_bearing;
-mod spring;
 
 use nalgebra::DMatrix;
 
-pub use bearing::SpeedDependentBearing;
+pub use bearing::{BearingInterface, SpeedDependentBearing};
 pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, ROLLING_CHANNELS, mesh_values};
 pub use instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Touch};
 pub use interface::Interface;
 pub use load::{AppliedLoad, LoadInterface};
 pub use mesh::MeshInterface;
 pub use nonlinear_bearing::{BearingLaw, NonlinearBearing, NonlinearInterface, OperatingPoint};
-pub use spring::{Spring, SpringInterface};
 
 use crate::mesh::GearMesh;
 
@@ -52,8 +50,6 @@ pub enum Connection<'m> {
     Bearing(&'m SpeedDependentBearing),
     /// The force of an oil film or of rolling elements beyond its part in the matrices.
     Nonlinear(&'m NonlinearBearing),
-    /// A spring with a cubic term.
-    Spring(&'m Spring),
     /// A load that depends on time, angle or speed.
     Load(&'m AppliedLoad),
 }
@@ -85,16 +81,15 @@ impl Coefficients {
 pub struct Direction {
     /// Gradient g over the scalars, shape (r,).
     pub gradient: Vec<f64>,
-    /// Linear stiffness along the direction, N/m.
+    /// Stiffness along the direction that the linear motion may lack, N/m.
     pub stiffness: f64,
 }
 
 impl Direction {
-    /// Every scalar as one direction, with the diagonal of the linear stiffness over the scalars.
-    fn of_scalars(stiffness: &DMatrix<f64>) -> Vec<Self> {
-        let count = stiffness.ncols();
+    /// Every scalar as one direction, without stiffness beyond that of the linear motion.
+    fn of_scalars(count: usize) -> Vec<Self> {
         let unit = |at: usize| (0..count).map(|k| if k == at { 1.0 } else { 0.0 }).collect();
-        (0..count).map(|at| Self { gradient: unit(at), stiffness: stiffness[(at, at)] }).collect()
+        (0..count).map(|at| Self { gradient: unit(at), stiffness: 0.0 }).collect()
     }
 }
 
@@ -118,7 +113,6 @@ impl Connection<'_> {
             }
             Self::Bearing(bearing) => bearing.rows.to_vec(),
             Self::Nonlinear(bearing) => bearing.rows.to_vec(),
-            Self::Spring(spring) => spring.rows.clone(),
             Self::Load(load) => load.rows.clone(),
         }
     }
@@ -135,7 +129,6 @@ impl Connection<'_> {
             Self::Mesh(_, mesh, _) => Coefficients::isotropic(1, mesh.stiffness, mesh.damping),
             Self::Bearing(bearing) => bearing.linear(speed),
             Self::Nonlinear(bearing) => bearing.linear(),
-            Self::Spring(spring) => spring.linear(),
             Self::Load(load) => load.linear(speed),
         }
     }
@@ -149,7 +142,6 @@ impl Connection<'_> {
             }
             Self::Bearing(bearing) => bearing.bounds(speed),
             Self::Nonlinear(bearing) => bearing.bounds(),
-            Self::Spring(spring) => spring.bounds(),
             Self::Load(load) => load.bounds(),
         }
     }
@@ -159,8 +151,8 @@ impl Connection<'_> {
         match self {
             Self::Mesh(..) => &MESH_CHANNELS,
             Self::Bearing(_) | Self::Nonlinear(_) => &BEARING_CHANNELS,
-            // A scene cannot contain a spring, and a run knows its loads.
-            Self::Spring(_) | Self::Load(_) => &[],
+            // A run knows its loads.
+            Self::Load(_) => &[],
         }
     }
 
@@ -170,7 +162,6 @@ impl Connection<'_> {
         match self {
             Self::Mesh(index, mesh, _) => Some(format!("meshes[{index}], of {:.3e} N/m", mesh.normal_stiffness())),
             Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => None,
-            Self::Spring(spring) => Some(format!("a spring of {:.3e} N/m", spring.stiffness)),
         }
     }
 }

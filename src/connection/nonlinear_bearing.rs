@@ -278,10 +278,6 @@ impl NonlinearInterface {
         Self { bearing: bearing.clone(), reference, reference_force: force.map(|force| -force) }
     }
 
-    pub(super) fn linear(&self) -> Coefficients {
-        self.bearing.linear()
-    }
-
     fn displacement(&self, u: &[f64]) -> Vector {
         [self.reference[0] + u[0], self.reference[1] + u[1]]
     }

@@ -82,7 +82,8 @@ pub fn deflection(element: &Element, material: &Material, shear: bool, ends: Vec
     displacement(xi, l, section.phi).dot(&ends) + bent + sheared
 }
 
-/// Nodes in [0, 1] and weights of the four-point Gauss rule. It is exact for the products of shape functions, whose
+/// Nodes in [0, 1] and weights of the four-point Gauss rule, to the last bit: round-off of [`crate::numerics::gauss`] would make the
+/// matrices of an element unsymmetric about its middle. The rule is exact for the products of shape functions, whose
 /// degree is at most six.
 const GAUSS: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),

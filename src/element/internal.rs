@@ -12,7 +12,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::beam::{Section, displacement, rotation};
-use super::legendre::{gauss, integrated, integrated_slope, twice_integrated};
+use crate::numerics::{gauss, integrated, integrated_slope, twice_integrated};
 use crate::scene::{Element, Material, Shaft};
 
 /// An internal shape function of bending, with its degree.

@@ -3,9 +3,7 @@
 mod beam;
 mod elastic;
 mod internal;
-mod legendre;
 
 pub use beam::{Beam, RodMatrices, deflection, flexural_rigidity, shear_coefficient};
 pub use elastic::{Bending, Elastic, Rod, Values};
 pub use internal::{BendingFunction, InternalBeam, InternalBlocks, InternalRod, rod_degrees};
-pub use legendre::gauss;

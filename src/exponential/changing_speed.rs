@@ -4,33 +4,22 @@
 //!
 //! - the gyroscopic difference −(Ω − Ω_ref) G q̇, as a few couplings between two scalars of the velocities
 //!   ([`crate::modal::gyroscopic_pairs`]);
-//! - the difference of every speed-dependent bearing, −ΔK(Ω) u − ΔC(Ω) u̇;
-//! - bow and unbalance, with the exact angle of the shaft: Re e^{iϑ} and Im e^{iϑ} for a bow, and the same of
-//!   (Ω_s² − iΩ̇_s) e^{iϑ} for an unbalance. There is no synchronous motion.
+//! - bow and unbalance: real and imaginary part of the phasor of every [`RotatingLoad`], with the exact angle of the shaft.
+//!   There is no synchronous motion.
 //!
-//! The first two depend on the motion: their loads take part in the solution of the stage equations and in the error
-//! estimate. Their scalars follow those of the connections in the interface state.
-
-use nalgebra::DVector;
-use num_complex::Complex64;
+//! The gyroscopic loads depend on the motion: they take part in the solution of the stage equations and in the error
+//! estimate. Their scalars follow those of the connections in the interface state. Speed-dependent bearings are
+//! connections.
 
 use super::interface_maps::InterfaceMaps;
-use crate::connection::SpeedDependentBearing;
 use crate::modal::{GyroscopicPair, ModalStateSpace};
-use crate::model::{Excitation, Model, ShaftModel};
-use crate::motion::{EquationOfMotion, RotationState};
-use crate::scene::Matrix2;
-
-/// Interface scalars of a bearing: v, w and their rates.
-const BEARING_SCALARS: usize = 4;
+use crate::motion::{EquationOfMotion, RotatingLoad, RotationState};
 
 /// What the loads of a changing speed are made of.
 #[derive(Clone, Debug)]
 pub struct SpeedChange {
     /// Speed of the reference shaft in the linear motion, rad/s.
     pub reference_speed: f64,
-    /// Speed of the reference shaft whose bearing coefficients the linear motion contains, rad/s.
-    pub bearing_speed: f64,
     /// The gyroscopic couplings.
     pub pairs: Vec<GyroscopicPair>,
     /// Rotation of the reference shaft within the longest step, rad; infinite for fixed steps.
@@ -46,45 +35,19 @@ pub(super) struct ChangingSpeedLoads {
     longest_rotation: f64,
     /// Number of gyroscopic couplings.
     pairs: usize,
-    bearings: Vec<BearingDifference>,
-    sources: Vec<Source>,
+    /// Bow, unbalance and turning forces; each has two loads.
+    rotating: Vec<RotatingLoad>,
 }
 
-/// A bearing with its coefficients in the linear motion.
-#[derive(Clone, Debug)]
-struct BearingDifference {
-    bearing: SpeedDependentBearing,
-    /// Stiffness, N/m, and damping, N s/m, in the linear motion.
-    contained: [Matrix2; 2],
-    /// Displacements (v, w) at the reference, m.
-    reference: [f64; 2],
-}
-
-/// A shaft with bow or unbalance.
-#[derive(Clone, Debug)]
-struct Source {
-    /// Ratio of its speed to that of the reference shaft.
-    ratio: f64,
-    /// e^{iϑ} at the origin of the elapsed time.
-    at_origin: Complex64,
-    has_bow: bool,
-    has_unbalance: bool,
-}
-
-impl Source {
-    fn new(shaft: &ShaftModel, at_origin: Complex64) -> Self {
-        Self {
-            ratio: shaft.ratio,
-            at_origin,
-            has_bow: shaft.excitations.iter().any(|excitation| excitation.steady_amplitude() != Complex64::ZERO),
-            has_unbalance: shaft.excitations.iter().any(|excitation| excitation.unbalance != Complex64::ZERO),
-        }
-    }
-
-    /// Number of loads.
-    fn loads(&self) -> usize {
-        2 * (usize::from(self.has_bow) + usize::from(self.has_unbalance))
-    }
+/// Numbers of the loads of a changing speed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LoadCounts {
+    /// Interface scalars.
+    pub scalars: usize,
+    /// Loads that depend on the motion.
+    pub coupled_loads: usize,
+    /// All loads.
+    pub loads: usize,
 }
 
 impl ChangingSpeedLoads {
@@ -93,23 +56,10 @@ impl ChangingSpeedLoads {
     pub fn new(
         motion: &EquationOfMotion<'_>,
         linear: &ModalStateSpace,
-        reference: &DVector<f64>,
         change: &SpeedChange,
         maps: &mut InterfaceMaps,
     ) -> Self {
-        let model = motion.model();
         let mut columns = Vec::new();
-        let mut bearings = Vec::with_capacity(model.bearings.len());
-        for bearing in &model.bearings {
-            let entries = &bearing.rows;
-            maps.rows.extend([false, true].iter().flat_map(|rate| entries.iter().map(|row| linear.row(row, *rate))));
-            columns.extend(entries.iter().map(|row| linear.column(row)));
-            bearings.push(BearingDifference {
-                bearing: bearing.clone(),
-                contained: bearing.at(change.bearing_speed),
-                reference: bearing.scalars(reference.as_slice()),
-            });
-        }
         for vector in change.pairs.iter().flat_map(|pair| &pair.vectors) {
             let entries: Vec<(usize, f64)> = vector.iter().copied().enumerate().collect();
             maps.rows.push(linear.row(&entries, true));
@@ -117,30 +67,22 @@ impl ChangingSpeedLoads {
         }
         let at = maps.meshes;
         maps.meshes += columns.len();
-        let sources = sources(model, motion, linear, &mut columns);
+        let rotating = motion.rotating_loads().to_vec();
+        let rotating_columns = rotating.iter().flat_map(RotatingLoad::columns);
+        columns.extend(rotating_columns.map(|column| linear.column(&column)));
         maps.columns.splice(at..at, columns);
         Self {
             reference_speed: change.reference_speed,
             longest_rotation: change.longest_rotation,
             pairs: change.pairs.len(),
-            bearings,
-            sources,
+            rotating,
         }
     }
 
-    /// Number of interface scalars.
-    pub fn scalars(&self) -> usize {
-        BEARING_SCALARS * self.bearings.len() + 2 * self.pairs
-    }
-
-    /// Number of loads that depend on the motion.
-    pub fn coupled(&self) -> usize {
-        2 * (self.bearings.len() + self.pairs)
-    }
-
-    /// Number of all loads.
-    pub fn load_count(&self) -> usize {
-        self.coupled() + self.sources.iter().map(Source::loads).sum::<usize>()
+    /// Numbers of the loads.
+    pub fn counts(&self) -> LoadCounts {
+        let coupled = 2 * self.pairs;
+        LoadCounts { scalars: coupled, coupled_loads: coupled, loads: coupled + 2 * self.rotating.len() }
     }
 
     /// Longest step at a speed of the reference shaft, s.
@@ -148,82 +90,17 @@ impl ChangingSpeedLoads {
         self.longest_rotation / speed.abs()
     }
 
-    /// Writes the loads at the interface scalars `u`, with the reference shaft at an instant.
-    pub fn load(&self, shaft: &RotationState, u: &[f64], loads: &mut [f64]) {
-        let (of_bearings, of_pairs) = u.split_at(BEARING_SCALARS * self.bearings.len());
-        let (bearing_loads, loads) = loads.split_at_mut(2 * self.bearings.len());
-        let (pair_loads, mut rest) = loads.split_at_mut(2 * self.pairs);
-        let each = of_bearings.chunks_exact(BEARING_SCALARS).zip(bearing_loads.chunks_exact_mut(2));
-        for (bearing, (u, load)) in self.bearings.iter().zip(each) {
-            bearing.load(shaft.speed, u, load);
-        }
+    /// Writes the loads at the interface scalars `u`, with the reference shaft at this instant.
+    pub fn load(&self, elapsed: f64, shaft: &RotationState, u: &[f64], loads: &mut [f64]) {
+        let (pair_loads, rotating_loads) = loads.split_at_mut(2 * self.pairs);
         let difference = shaft.speed - self.reference_speed;
-        for (scalars, load) in of_pairs.chunks_exact(2).zip(pair_loads.chunks_exact_mut(2)) {
+        for (scalars, load) in u.chunks_exact(2).zip(pair_loads.chunks_exact_mut(2)) {
             load[0] = difference * scalars[1];
             load[1] = -difference * scalars[0];
         }
-        for source in &self.sources {
-            let phasor = source.at_origin * Complex64::from_polar(1.0, source.ratio * shaft.angle);
-            if source.has_bow {
-                let (own, others) = rest.split_at_mut(2);
-                own.copy_from_slice(&[phasor.re, phasor.im]);
-                rest = others;
-            }
-            if source.has_unbalance {
-                let (own, others) = rest.split_at_mut(2);
-                let spin = source.ratio * shaft.speed;
-                let force = phasor * Complex64::new(spin * spin, -source.ratio * shaft.acceleration);
-                own.copy_from_slice(&[force.re, force.im]);
-                rest = others;
-            }
+        for (rotating, load) in self.rotating.iter().zip(rotating_loads.chunks_exact_mut(2)) {
+            let phasor = rotating.phasor(elapsed, Some(shaft));
+            load.copy_from_slice(&[phasor.re, phasor.im]);
         }
     }
-}
-
-impl BearingDifference {
-    /// Writes the difference to the force in the linear motion at deviations (v, w) from the reference and their rates.
-    fn load(&self, speed: f64, u: &[f64], load: &mut [f64]) {
-        let [[stiffness, damping], [k, c]] = [self.bearing.at(speed), self.contained];
-        for (row, load) in load.iter_mut().enumerate() {
-            *load = 0.0;
-            for column in 0..2 {
-                let (deviation, rate) = (u[column], u[2 + column]);
-                let whole = self.reference[column] + deviation;
-                *load += k[row][column] * deviation - stiffness[row][column] * whole;
-                *load += (c[row][column] - damping[row][column]) * rate;
-            }
-        }
-    }
-}
-
-/// The shafts with bow or unbalance. Appends the columns of their loads: those at ϑ = 0 and at ϑ = π/2 of bow and unbalance.
-fn sources(
-    model: &Model,
-    motion: &EquationOfMotion<'_>,
-    linear: &ModalStateSpace,
-    columns: &mut Vec<Vec<f64>>,
-) -> Vec<Source> {
-    let mut sources = Vec::new();
-    for (index, shaft) in model.shafts.iter().enumerate() {
-        let source = Source::new(shaft, motion.phasor(index, 0.0));
-        let mut push = |amplitude: fn(&Excitation) -> Complex64| {
-            let (mut cosine, mut sine) = (Vec::new(), Vec::new());
-            for excitation in &shaft.excitations {
-                let (at, amplitude) = (excitation.index, amplitude(excitation));
-                cosine.extend([(at, amplitude.re), (at + 1, amplitude.im)]);
-                sine.extend([(at, -amplitude.im), (at + 1, amplitude.re)]);
-            }
-            columns.extend([linear.column(&cosine), linear.column(&sine)]);
-        };
-        if source.has_bow {
-            push(Excitation::steady_amplitude);
-        }
-        if source.has_unbalance {
-            push(|excitation| excitation.unbalance);
-        }
-        if source.loads() > 0 {
-            sources.push(source);
-        }
-    }
-    sources
 }

@@ -11,6 +11,7 @@ use super::step::Stepper;
 use super::substep::SubstepSampler;
 use super::trajectory::CompletedStep;
 use crate::integrate::{FirstOrderSystem as _, Halt, State, Statistics};
+use crate::numerics::bisect;
 
 /// The instant is located to this fraction of the step.
 const RESOLUTION: f64 = 1e-12;
@@ -204,10 +205,7 @@ impl ExponentialEventLocator {
                 None => return Ok(Some(begin)),
             }
         }
-        while high - low > RESOLUTION {
-            let middle = (low + high) / 2.0;
-            if self.differs_on_motion(step, sampler, middle)? { high = middle } else { low = middle }
-        }
+        let [_, high] = bisect(low, high, RESOLUTION, |middle| self.differs_on_motion(step, sampler, middle))?;
         self.differs_on_motion(step, sampler, high)?;
         self.modes_after_change.clone_from(&self.new_contact_modes);
         Ok(Some(high))

@@ -9,12 +9,10 @@ use std::ops::Range;
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::changing_speed::{ChangingSpeedLoads, SpeedChange};
+use super::changing_speed::{ChangingSpeedLoads, LoadCounts, SpeedChange};
 use super::interface_maps::{InterfaceMaps, LinearizedContact};
 use super::prescribed::{Prescribed, prescribed_loads};
-use super::rotating_source::{
-    RotatingSource, add_rotated, interface_amplitudes, rotating_sources, synchronous_amplitudes,
-};
+use super::rotating_source::{add_rotated, interface_amplitudes, synchronous_amplitudes};
 use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, ContactMode, Overlap};
@@ -34,7 +32,6 @@ pub struct NonlinearLoads<'m> {
     scalars: usize,
     /// Whether the interface state also contains the rates of the scalars.
     has_rates: bool,
-    sources: Vec<RotatingSource>,
     /// Complex synchronous amplitudes of all displacements, m or rad, one column for each source.
     amplitudes: DMatrix<Complex<f64>>,
     /// Complex synchronous amplitudes of the scalars and rates, source after source.
@@ -42,8 +39,7 @@ pub struct NonlinearLoads<'m> {
     prescribed: Vec<Prescribed>,
     /// Loads of a changing speed.
     changing: Option<Box<ChangingSpeedLoads>>,
-    /// Numbers of their interface scalars, of those of their loads that depend on the motion, and of all their loads.
-    changing_counts: [usize; 3],
+    changing_counts: LoadCounts,
     /// Energy norm of the synchronous motion, averaged over the angles of the sources.
     pub synchronous_size: f64,
 }
@@ -69,23 +65,20 @@ impl<'m> NonlinearLoads<'m> {
             kinds.iter().flat_map(|rate| entries.iter().map(|entry| linear.row(entry, *rate))).collect();
         let mesh_columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
         let tangents = LinearizedContact::all(&interfaces, linear.includes_meshes);
-        let sources = rotating_sources(&motion);
-        let (prescribed, prescribed_columns) =
-            prescribed_loads(&motion, linear, (&interfaces, &entries), &sources, &reference);
-        let amplitudes = synchronous_amplitudes(&motion, linear, &sources, synchronous);
-        let interface_amplitudes = interface_amplitudes(&sources, kinds, &entries, &amplitudes);
+        let (prescribed, prescribed_columns) = prescribed_loads(&motion, linear, (&interfaces, &entries), &reference);
+        let amplitudes = synchronous_amplitudes(linear, motion.sources(), synchronous);
+        let interface_amplitudes = interface_amplitudes(motion.sources(), kinds, &entries, &amplitudes);
         let mut nonlinear_loads = Self {
             scalars: entries.len(),
             motion,
             reference,
             interfaces,
             has_rates,
-            sources,
             amplitudes,
             interface_amplitudes,
             prescribed,
             changing: None,
-            changing_counts: [0; 3],
+            changing_counts: LoadCounts::default(),
             synchronous_size: 0.0,
         };
         nonlinear_loads.synchronous_size = nonlinear_loads.size_of_synchronous(linear.includes_meshes);
@@ -97,8 +90,8 @@ impl<'m> NonlinearLoads<'m> {
 
     /// Adds the loads of a changing speed, and their rows and columns to the maps.
     pub fn add_changing_speed(&mut self, linear: &ModalStateSpace, change: &SpeedChange, maps: &mut InterfaceMaps) {
-        let loads = ChangingSpeedLoads::new(&self.motion, linear, &self.reference, change, maps);
-        self.changing_counts = [loads.scalars(), loads.coupled(), loads.load_count()];
+        let loads = ChangingSpeedLoads::new(&self.motion, linear, change, maps);
+        self.changing_counts = loads.counts();
         self.changing = Some(Box::new(loads));
     }
 
@@ -115,12 +108,12 @@ impl<'m> NonlinearLoads<'m> {
 
     /// Length of the interface state: number of scalars and rates.
     pub fn interface_len(&self) -> usize {
-        self.scalars * if self.has_rates { 2 } else { 1 } + self.changing_counts[0]
+        self.scalars * if self.has_rates { 2 } else { 1 } + self.changing_counts.scalars
     }
 
     /// Number of loads.
     pub fn load_count(&self) -> usize {
-        self.scalars + self.changing_counts[2] + self.prescribed.len()
+        self.scalars + self.changing_counts.loads + self.prescribed.len()
     }
 
     /// Number of connections with an interface.
@@ -131,7 +124,7 @@ impl<'m> NonlinearLoads<'m> {
     /// Number of loads that depend on the motion: those of connections, one for each interface scalar, and those of a
     /// changing speed.
     pub fn mesh_load_count(&self) -> usize {
-        self.scalars + self.changing_counts[1]
+        self.scalars + self.changing_counts.coupled_loads
     }
 
     /// Number of interface scalars of the connections.
@@ -146,7 +139,7 @@ impl<'m> NonlinearLoads<'m> {
 
     /// Angular velocities of the sources, rad/s.
     pub fn spins(&self) -> Vec<f64> {
-        self.sources.iter().map(|source| source.spin).collect()
+        self.motion.sources().iter().map(|source| source.spin).collect()
     }
 
     /// Whether bow and unbalance of a shaft act as prescribed loads.
@@ -156,8 +149,8 @@ impl<'m> NonlinearLoads<'m> {
 
     /// Writes e^{iϑ} of every source.
     pub fn phasors(&self, elapsed: f64, phasors: &mut [Complex64]) {
-        for (phasor, source) in phasors.iter_mut().zip(&self.sources) {
-            *phasor = source.phasor(elapsed);
+        for (phasor, source) in phasors.iter_mut().zip(self.motion.sources()) {
+            *phasor = source.phasor(elapsed, None);
         }
     }
 
@@ -170,13 +163,13 @@ impl<'m> NonlinearLoads<'m> {
 
     /// Whether every mesh has one scalar and its load is an affine function of it.
     pub fn is_affine(&self) -> bool {
-        self.changing_counts[1] == 0 && self.interfaces.iter().all(Interface::is_affine)
+        self.changing_counts.coupled_loads == 0 && self.interfaces.iter().all(Interface::is_affine)
     }
 
     /// Adds the synchronous motion at a time for which no phasors are stored.
     pub fn add_synchronous_at(&self, elapsed: f64, u: &mut [f64]) {
-        for (index, source) in self.sources.iter().enumerate() {
-            self.add_source(index, source.phasor(elapsed), u);
+        for (index, source) in self.motion.sources().iter().enumerate() {
+            self.add_source(index, source.phasor(elapsed, None), u);
         }
     }
 
@@ -210,8 +203,8 @@ impl<'m> NonlinearLoads<'m> {
             from = to;
         }
         if let (Some(changing), Some(shaft)) = (&self.changing, self.motion.reference_shaft(elapsed)) {
-            changing.load(&shaft, &u[u.len() - self.changing_counts[0]..], &mut loads[from..]);
-            from += self.changing_counts[2];
+            changing.load(elapsed, &shaft, &u[u.len() - self.changing_counts.scalars..], &mut loads[from..]);
+            from += self.changing_counts.loads;
         }
         for (load, prescribed) in loads[from..].iter_mut().zip(&self.prescribed) {
             *load = prescribed.value(phasors);
@@ -285,7 +278,7 @@ impl<'m> NonlinearLoads<'m> {
     /// The scalars of the connections in an interface state, and their rates; no rates if loads do not depend on them.
     #[inline(always)]
     fn split<'a>(&self, u: &'a [f64]) -> (&'a [f64], &'a [f64]) {
-        u[..u.len() - self.changing_counts[0]].split_at(self.scalars)
+        u[..u.len() - self.changing_counts.scalars].split_at(self.scalars)
     }
 
     /// Writes the contact modes at the interface state `u` as integer codes. The flank contact of meshes that are
@@ -332,9 +325,9 @@ impl<'m> NonlinearLoads<'m> {
     /// Displacements and velocities of the reference plus the synchronous motion.
     pub fn reference_motion(&self, elapsed: f64) -> (DVector<f64>, DVector<f64>) {
         let (mut q, mut v) = (self.reference.clone(), DVector::zeros(self.reference.len()));
-        let mut phasors = vec![Complex64::ZERO; self.sources.len()];
+        let mut phasors = vec![Complex64::ZERO; self.motion.sources().len()];
         self.phasors(elapsed, &mut phasors);
-        for (index, (source, phasor)) in self.sources.iter().zip(&phasors).enumerate() {
+        for (index, (source, phasor)) in self.motion.sources().iter().zip(&phasors).enumerate() {
             for (i, amplitude) in self.amplitudes.column(index).iter().enumerate() {
                 let rotated = amplitude * phasor;
                 q[i] += rotated.re;
@@ -347,12 +340,12 @@ impl<'m> NonlinearLoads<'m> {
     /// Complex synchronous amplitude of one displacement, or of its rate, for one source.
     pub fn amplitude(&self, source: usize, index: usize, rate: bool) -> Complex64 {
         let amplitude = self.amplitudes[(index, source)];
-        if rate { amplitude * Complex64::new(0.0, self.sources[source].spin) } else { amplitude }
+        if rate { amplitude * Complex64::new(0.0, self.motion.sources()[source].spin) } else { amplitude }
     }
 
     /// Number of rotating sources.
     pub fn source_count(&self) -> usize {
-        self.sources.len()
+        self.motion.sources().len()
     }
 
     /// √(Σ (aᴴKa + Ω²aᴴMa)/2) over the sources: the root mean square over their angles.
@@ -363,7 +356,7 @@ impl<'m> NonlinearLoads<'m> {
             false => model.elastic_form_without_meshes(vector),
         };
         let mut sum = 0.0;
-        for (index, source) in self.sources.iter().enumerate() {
+        for (index, source) in self.motion.sources().iter().enumerate() {
             for part in [|value: &Complex<f64>| value.re, |value: &Complex<f64>| value.im] {
                 let vector: Vec<f64> = self.amplitudes.column(index).iter().map(part).collect();
                 sum += (elastic_form(&vector) + source.spin * source.spin * model.kinetic_form(&vector)) / 2.0;
@@ -373,7 +366,7 @@ impl<'m> NonlinearLoads<'m> {
     }
 }
 
-/// The interfaces of all connections that the linear motion does not replace.
+/// The interfaces of all connections.
 fn interfaces(
     motion: &EquationOfMotion,
     reference: &DVector<f64>,
@@ -386,11 +379,12 @@ fn interfaces(
             reference: reference.as_slice(),
             contained,
             speed: motion.linear_speed(),
+            bearing_speed: motion.largest_speed(),
             highest_frequency: motion.highest_mesh_frequency(),
             mobility: if index < motion.model().meshes.len() { motion.mobility(index) } else { 0.0 },
         };
         // Only meshes have base circles, and they come first.
-        interfaces.extend(Interface::new(connection, options).map_err(|overlap| (index, overlap))?);
+        interfaces.push(Interface::new(connection, options).map_err(|overlap| (index, overlap))?);
     }
     Ok(interfaces)
 }

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-use super::rotating_source::{RotatingSource, is_resonant};
+use super::rotating_source::is_resonant;
 use crate::connection::{Interface, Row};
 use crate::modal::ModalStateSpace;
 use crate::model::{Dof, DofKind};
@@ -41,7 +41,6 @@ pub(super) fn prescribed_loads(
     motion: &EquationOfMotion,
     linear: &ModalStateSpace,
     (interfaces, entries): (&[Interface], &[Row]),
-    sources: &[RotatingSource],
     reference: &DVector<f64>,
 ) -> (Vec<Prescribed>, Vec<Vec<f64>>) {
     let (mut prescribed, mut columns) = (Vec::new(), Vec::new());
@@ -50,10 +49,10 @@ pub(super) fn prescribed_loads(
         prescribed.push(Prescribed::Constant);
         columns.push(linear.column(&constant));
     }
-    for (index, source) in sources.iter().enumerate().filter(|(_, source)| is_resonant(linear, source.spin)) {
+    let sources = motion.sources().iter().enumerate();
+    for (index, source) in sources.filter(|(_, source)| is_resonant(linear, source.spin)) {
         prescribed.extend([Prescribed::Cosine(index), Prescribed::Sine(index)]);
-        let [cosine, sine] = motion.rotating_forces(source.shaft);
-        columns.extend([linear.column(&cosine), linear.column(&sine)]);
+        columns.extend(source.columns().iter().map(|column| linear.column(column)));
     }
     (prescribed, columns)
 }

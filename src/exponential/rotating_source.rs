@@ -1,32 +1,14 @@
-//! Shafts that excite the motion at their speed, and the synchronous motion that they cause.
+//! The synchronous motion that rotating loads cause at a constant speed.
 
 use nalgebra::{Complex, DMatrix};
 use num_complex::Complex64;
 
 use crate::modal::ModalStateSpace;
-use crate::motion::EquationOfMotion;
+use crate::motion::RotatingLoad;
 
 /// Relative distance of an eigenvalue from iΩ below which a shaft is resonant. Nearer to resonance, the synchronous motion
 /// would lose more than five digits.
 const RESONANCE_DISTANCE: f64 = 1e-5;
-
-/// A shaft with bow or unbalance.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RotatingSource {
-    /// Index of the shaft.
-    pub shaft: usize,
-    /// Angular velocity, rad/s.
-    pub spin: f64,
-    /// e^{iϑ} at the origin of the elapsed time.
-    at_origin: Complex64,
-}
-
-impl RotatingSource {
-    /// e^{iϑ}.
-    pub fn phasor(&self, elapsed: f64) -> Complex64 {
-        self.at_origin * Complex64::from_polar(1.0, self.spin * elapsed)
-    }
-}
 
 /// Adds the real parts of amplitudes times a phasor to `values`.
 #[inline]
@@ -41,21 +23,14 @@ pub fn is_resonant(linear: &ModalStateSpace, spin: f64) -> bool {
     linear.resonance_distance(spin) < RESONANCE_DISTANCE * spin.abs()
 }
 
-/// The shafts that excite the motion.
-pub(super) fn rotating_sources(motion: &EquationOfMotion) -> Vec<RotatingSource> {
-    let source = |shaft| RotatingSource { shaft, spin: motion.spin(shaft), at_origin: motion.phasor(shaft, 0.0) };
-    motion.sources().map(source).collect()
-}
-
 /// Synchronous amplitudes of all displacements, one column for each source; zero at resonance. `synchronous` has one
 /// column for each shaft.
 pub(super) fn synchronous_amplitudes(
-    motion: &EquationOfMotion,
     linear: &ModalStateSpace,
-    sources: &[RotatingSource],
+    sources: &[RotatingLoad],
     synchronous: &DMatrix<Complex<f64>>,
 ) -> DMatrix<Complex<f64>> {
-    let mut amplitudes = DMatrix::zeros(motion.model().len(), sources.len());
+    let mut amplitudes = DMatrix::zeros(synchronous.nrows(), sources.len());
     for (index, source) in sources.iter().enumerate().filter(|(_, source)| !is_resonant(linear, source.spin)) {
         amplitudes.set_column(index, &synchronous.column(source.shaft));
     }
@@ -64,7 +39,7 @@ pub(super) fn synchronous_amplitudes(
 
 /// Synchronous amplitudes of the interface scalars and, where needed, of their rates, source after source.
 pub(super) fn interface_amplitudes(
-    sources: &[RotatingSource],
+    sources: &[RotatingLoad],
     kinds: &[bool],
     entries: &[Vec<(usize, f64)>],
     amplitudes: &DMatrix<Complex<f64>>,

@@ -8,6 +8,7 @@
 //! at units of a time grid.
 
 use super::{FirstOrderSystem, Halt, Span, State};
+use crate::numerics::bisect;
 
 /// Fractions of the step at which the contact mode is evaluated.
 const EVALUATED_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
@@ -67,14 +68,10 @@ impl RungeKuttaEventLocator {
                 break;
             }
         }
-        let Some(mut high) = first else {
+        let Some(first) = first else {
             return Ok(None);
         };
-        let mut low = 0.0;
-        while high - low > RESOLUTION {
-            let middle = (low + high) / 2.0;
-            if self.differs(system, state, span, middle)? { high = middle } else { low = middle }
-        }
+        let [_, high] = bisect(0.0, first, RESOLUTION, |part| self.differs(system, state, span, part))?;
         self.differs(system, state, span, high)?;
         Ok(Some(match high {
             high if high <= MIN_FRACTION => ChangeLocation::AtBeginning,

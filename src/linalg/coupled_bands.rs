@@ -28,7 +28,7 @@ use num_complex::Complex64;
 
 use super::band::{Band, BandLu, Number, Singular};
 use super::couplings::{Couplings, chain_of};
-use super::dense::ComplexLu;
+use super::dense::{ComplexLu, NEGLIGIBLE};
 use super::determinant::Determinant;
 
 /// Matrix of one chain.
@@ -42,9 +42,6 @@ const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 const REFINED_ONCE: f64 = 1e-12;
 /// Largest componentwise backward error of a solution.
 const MAX_BACKWARD_ERROR: f64 = 1e-11;
-/// Fraction of ‖S_i‖‖x‖∞ that is added to |S_i||x| of each row i: an entry of x that is zero up to round-off has no
-/// relative accuracy.
-pub(super) const NEGLIGIBLE: f64 = 1e-8;
 /// Largest number of refinements. One is enough unless a chain is close to singular.
 const MAX_REFINEMENTS: usize = 4;
 

@@ -11,7 +11,6 @@ use thiserror::Error;
 
 use super::band::Singular;
 use super::convert::{copy, view};
-use super::coupled_bands::NEGLIGIBLE;
 use super::inverse_iteration::refine_eigenvectors;
 
 /// Failure of a dense decomposition.
@@ -36,6 +35,10 @@ impl From<Singular> for DecompositionError {
         Self::Singular
     }
 }
+
+/// Fraction of ‖A_i‖‖x‖∞ that is added to |A_i||x| of each row i: an entry of x that is zero up to round-off has no
+/// relative accuracy.
+pub(super) const NEGLIGIBLE: f64 = 1e-8;
 
 /// Componentwise backward error max |f − A x|/(|A||x| + |f|) of a solution x of A x = f (Oettli and Prager, Numer. Math. 6,
 /// 1964).

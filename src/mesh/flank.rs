@@ -16,7 +16,7 @@ pub(super) struct GearKinematics<'a> {
     velocity: RelativeMotion,
     /// Run-out vectors of both gears, m, and the relative velocity of the centres that the spins cause, m/s.
     eccentric: Option<[[f64; 2]; 2]>,
-    run_out_velocity: [f64; 2],
+    runout_velocity: [f64; 2],
     pub centre_geometry: Option<CentreGeometry>,
 }
 
@@ -41,7 +41,7 @@ impl GearMesh {
     pub(super) fn gear_kinematics<'a>(&self, pose: &'a MeshPose<'a>) -> Result<GearKinematics<'a>, Overlap> {
         let &MeshPose { geometry, phases, mut position, mut velocity, .. } = pose;
         let eccentric = self.eccentric(phases, position.twist);
-        let mut run_out_velocity = [0.0; 2];
+        let mut runout_velocity = [0.0; 2];
         if let Some([ea, eb]) = eccentric {
             let [a, b] = velocity.twist;
             let (rate_a, rate_b) = (phases[0].spin + a, phases[1].spin + b);
@@ -50,10 +50,10 @@ impl GearMesh {
             velocity.relative_displacement[0] += rate_a * ea[1] - rate_b * eb[1];
             velocity.relative_displacement[1] += rate_b * eb[0] - rate_a * ea[0];
             let (spin_a, spin_b) = (phases[0].spin, phases[1].spin);
-            run_out_velocity = [spin_a * ea[1] - spin_b * eb[1], spin_b * eb[0] - spin_a * ea[0]];
+            runout_velocity = [spin_a * ea[1] - spin_b * eb[1], spin_b * eb[0] - spin_a * ea[0]];
         }
         let centre_geometry = self.centre_geometry(geometry, position.relative_displacement)?;
-        Ok(GearKinematics { pose, position, velocity, eccentric, run_out_velocity, centre_geometry })
+        Ok(GearKinematics { pose, position, velocity, eccentric, runout_velocity, centre_geometry })
     }
 
     /// Kinematics of the drive flank or of the back flank.
@@ -139,7 +139,7 @@ impl GearMesh {
     /// Evaluates the contact of one flank with the elastic `state` of its teeth.
     #[inline(always)]
     fn flank_force(&self, gears: &GearKinematics<'_>, flank: &FlankKinematics, state: ElasticState) -> Contact {
-        let GearKinematics { pose: MeshPose { geometry, phases, .. }, velocity, eccentric, run_out_velocity, .. } =
+        let GearKinematics { pose: MeshPose { geometry, phases, .. }, velocity, eccentric, runout_velocity, .. } =
             gears;
         let FlankKinematics { sigma, line, deflection, rate, error_rate, .. } = *flank;
         let ElasticState { energy, force: elastic, stiffness, by_position, by_tangent } = state;
@@ -171,7 +171,7 @@ impl GearMesh {
         if let Some([ea, eb]) = eccentric {
             moments[0] += centre_force[0] * ea[1] - centre_force[1] * ea[0];
             moments[1] += centre_force[1] * eb[0] - centre_force[0] * eb[1];
-            drive_power -= dot(centre_force, *run_out_velocity);
+            drive_power -= dot(centre_force, *runout_velocity);
         }
         let damping_power = self.damping * rate * rate;
         let back_flank_deflection = f64::NEG_INFINITY;

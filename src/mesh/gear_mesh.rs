@@ -50,7 +50,7 @@ pub struct GearMesh {
     pub shafts: [usize; 2],
     pub(super) error: Option<ErrorCurve>,
     /// Run-out of driver and driven gear: amplitude, m, and angle in the shaft, rad; none if neither gear has run-out.
-    run_out: Option<[(f64, f64); 2]>,
+    runout: Option<[(f64, f64); 2]>,
     /// Line of action of the centres at rest, for σ = −1 and σ = +1.
     pub(super) at_rest: [LineOfAction; 2],
 }
@@ -75,7 +75,7 @@ impl GearMesh {
         let flanks = if mesh.teeth.backlash.is_some() { 2.0 } else { 1.0 };
         let helix = |axial: [usize; 2], v: [usize; 2]| Helix::new(&involute, base_helix.tan(), axial, v);
         let helical = if base_helix == 0.0 { None } else { coordinates.axial.zip(coordinates.translation) };
-        let out = [a, b].map(|gear| (gear.run_out.norm(), gear.run_out.arg()));
+        let out = [a, b].map(|gear| (gear.runout.norm(), gear.runout.arg()));
         Self {
             at_rest: [-1.0, 1.0].map(|sigma| involute.line_at_rest(sigma)),
             coordinates,
@@ -91,7 +91,7 @@ impl GearMesh {
             backlash: mesh.teeth.backlash.map(|backlash| backlash / base_helix_cosine),
             shafts: [a.body.node.shaft, b.body.node.shaft],
             error: mesh.teeth.error.as_ref().map(|error| ErrorCurve::new(error, a.teeth)),
-            run_out: out.iter().any(|(size, _)| *size > 0.0).then_some(out),
+            runout: out.iter().any(|(size, _)| *size > 0.0).then_some(out),
         }
     }
 
@@ -112,12 +112,12 @@ impl GearMesh {
 
     /// Whether the tooth engagement depends on the motion, by the twist or by run-out.
     pub fn engagement_follows_motion(&self) -> bool {
-        self.phase == Phase::Twist || self.run_out.is_some()
+        self.phase == Phase::Twist || self.runout.is_some()
     }
 
     /// Whether a gear has run-out.
-    pub fn has_run_out(&self) -> bool {
-        self.run_out.is_some()
+    pub fn has_runout(&self) -> bool {
+        self.runout.is_some()
     }
 
     /// Position of the centres of the base circles.
@@ -154,7 +154,7 @@ impl GearMesh {
 
     /// Whether the force does not depend on the angles of the shafts.
     fn is_autonomous(&self) -> bool {
-        self.teeth.is_constant() && self.error.is_none() && self.run_out.is_none()
+        self.teeth.is_constant() && self.error.is_none() && self.runout.is_none()
     }
 
     /// Relative motion of the gears for displacements or velocities of the whole model; without the product τ·c of helical
@@ -223,7 +223,7 @@ impl GearMesh {
 
     /// Run-out vectors of driver and driven gear over (y, z), m.
     pub(super) fn eccentric(&self, phases: &[ShaftPhase; 2], twist: [f64; 2]) -> Option<[[f64; 2]; 2]> {
-        let out = self.run_out?;
+        let out = self.runout?;
         let at = |i: usize| {
             let (size, phase): (f64, f64) = out[i];
             let (sin, cos) = (phases[i].angle + twist[i] + phase).sin_cos();

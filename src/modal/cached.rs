@@ -168,22 +168,23 @@ impl CachedModel {
         self.linear_part.get_or_init(Arc::default)
     }
 
-    /// The model at a constant speed of the reference shaft, rad/s; see [`Model::at_speed`]. Nonlinear bearings have the
+    /// The model at a constant speed of the reference shaft, rad/s; see [`Model::with_tables_at`]. Nonlinear bearings have the
     /// coefficients of the static equilibrium at that speed, with live geometry of the meshes.
     ///
     /// # Errors
     /// [`EquilibriumError`] if a bearing has no coefficients, or a torque no value, at the speed, or nonlinear bearings have
     /// no equilibrium.
     pub fn at_speed(&self, speed: f64) -> Result<AtSpeed<'_>, EquilibriumError> {
-        if self.model.is_at(speed) {
+        if self.model.is_at_speed(speed) {
             self.model.check_speed(speed)?;
             return Ok(AtSpeed::Same(self));
         }
         if let Some(known) = self.at_speeds.get(&speed) {
             return Ok(AtSpeed::Specialised(known));
         }
-        let model = self.model.at_speed(speed)?;
-        let model = if model.is_at(speed) { Self::new(model) } else { at_operating_point(model, speed)? };
+        self.model.check_speed(speed)?;
+        let model = self.model.with_tables_at(speed)?;
+        let model = if model.is_at_speed(speed) { Self::new(model) } else { at_equilibrium(model, speed)? };
         model.linear_part.get_or_init(|| self.linear_part().at_speed(speed));
         let model = Arc::new(model);
         self.at_speeds.insert(speed, Arc::clone(&model));
@@ -195,7 +196,7 @@ impl CachedModel {
     ///
     /// # Errors
     /// As [`Self::at_speed`].
-    pub fn with_points_of(&self, speed: f64) -> Result<AtSpeed<'_>, EquilibriumError> {
+    pub fn with_operating_points_of(&self, speed: f64) -> Result<AtSpeed<'_>, EquilibriumError> {
         if self.model.nonlinear_bearings.is_empty() {
             return Ok(AtSpeed::Same(self));
         }
@@ -204,7 +205,7 @@ impl CachedModel {
         let model = self.model.clone();
         let points: Vec<_> = model.nonlinear_bearings.iter().map(|bearing| bearing.number).zip(&mut points).collect();
         let of = |number: usize| points.iter().find(|(known, _)| *known == number).map(|(_, point)| *point);
-        let model = model.with_points(|bearing| of(bearing.number).unwrap_or_default());
+        let model = model.with_operating_points(|bearing| of(bearing.number).unwrap_or_default());
         Ok(AtSpeed::Specialised(Arc::new(Self::new(model))))
     }
 
@@ -228,7 +229,7 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if the decomposition fails, or a bearing depends on the speed.
     pub fn real_modes(&self, speed: f64) -> Result<&RealModes, DecompositionError> {
-        if self.model.lacks_coefficients() {
+        if self.model.needs_speed() {
             return Err(DecompositionError::SpeedDependent);
         }
         let rotation = self.model.rotation(speed);
@@ -241,7 +242,7 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if an iteration fails, or a bearing depends on the speed.
     pub fn spectral_range(&self, speed: f64) -> Result<&SpectralRange, DecompositionError> {
-        if self.model.lacks_coefficients() {
+        if self.model.needs_speed() {
             return Err(DecompositionError::SpeedDependent);
         }
         let rotation = self.model.rotation(speed);
@@ -393,10 +394,10 @@ impl CachedModel {
 }
 
 /// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s, which it keeps.
-fn at_operating_point(model: Model, speed: f64) -> Result<CachedModel, EquilibriumError> {
-    let model = model.with_provisional_points();
+fn at_equilibrium(model: Model, speed: f64) -> Result<CachedModel, EquilibriumError> {
+    let model = model.with_initial_operating_points();
     let q = equilibrium(&model, Geometry::Live, speed.into())?;
-    let cached = CachedModel::new(model.with_points_at(speed, q.as_slice()));
+    let cached = CachedModel::new(model.with_operating_points_at(speed, q.as_slice()));
     cached.equilibria.insert(EquilibriumKey { geometry: Geometry::Live, speeds: speed.into() }, q);
     Ok(cached)
 }

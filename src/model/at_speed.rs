@@ -1,4 +1,4 @@
-//! Connections of the model, and the model at a constant speed.
+//! Connections of the model, and the coefficients of bearings at a speed.
 
 use nalgebra::DVector;
 
@@ -54,53 +54,53 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
 }
 
 impl Model {
-    /// Whether the matrices lack the coefficients of some bearings. These coefficients depend on the speed, and the model has
-    /// no speed yet.
-    pub fn lacks_coefficients(&self) -> bool {
+    /// Whether the matrices need a speed: they lack the coefficients of bearings that depend on the speed.
+    pub fn needs_speed(&self) -> bool {
         !self.bearings.is_empty() || self.nonlinear_bearings.iter().any(|bearing| bearing.point.is_none())
     }
 
     /// Whether this is the model at a speed of the reference shaft, rad/s.
-    pub fn is_at(&self, speed: f64) -> bool {
+    pub fn is_at_speed(&self, speed: f64) -> bool {
         let is_at = |bearing: &NonlinearBearing| bearing.point.is_some_and(|point| point.speed == Some(speed));
         self.bearings.is_empty() && self.nonlinear_bearings.iter().all(is_at)
     }
 
     /// The model with coefficients of its nonlinear bearings in the matrices, one for each.
-    pub fn with_points(self, point: impl Fn(&NonlinearBearing) -> OperatingPoint) -> Self {
-        let mut model = self.without_points();
+    pub fn with_operating_points(self, point: impl Fn(&NonlinearBearing) -> OperatingPoint) -> Self {
+        let mut model = self.without_operating_points();
         for bearing in &mut model.nonlinear_bearings {
             bearing.point = Some(point(bearing));
         }
-        model.add_points();
+        model.add_operating_points();
         model
     }
 
     /// The model without coefficients of its nonlinear bearings in the matrices.
-    pub fn without_points(mut self) -> Self {
-        let number = |bearing: &NonlinearBearing| bearing.point.map(|_| bearing.number);
-        let with_point: Vec<usize> = self.nonlinear_bearings.iter().filter_map(number).collect();
-        let on_ground = with_point.iter().filter(|number| self.scene.bearings[**number].attachment.is_none()).count();
-        self.supports.truncate(self.supports.len() - on_ground);
-        self.links.truncate(self.links.len() - (with_point.len() - on_ground));
+    pub fn without_operating_points(mut self) -> Self {
+        self.supports.retain(|support| !support.is_operating_point);
+        self.links.retain(|link| !link.local.is_operating_point);
         self.nonlinear_bearings.iter_mut().for_each(|bearing| bearing.point = None);
         self
     }
 
-    /// Adds the coefficients of the nonlinear bearings to the matrices: after the supports for a bearing on the ground, after
-    /// the links for another one.
-    fn add_points(&mut self) {
+    /// Adds the coefficients of the nonlinear bearings to the matrices: to the supports for a bearing on the ground, to the
+    /// links for another one.
+    fn add_operating_points(&mut self) {
         for bearing in &self.nonlinear_bearings {
             let Some(OperatingPoint { stiffness, damping, .. }) = bearing.point else {
                 continue;
             };
             let given = &self.scene.bearings[bearing.number];
             match given.attachment {
-                None => self.supports.push(Support::new(bearing.rows[0][0].0, stiffness, damping)),
+                None => {
+                    let support = Support::new(bearing.rows[0][0].0, stiffness, damping);
+                    self.supports.push(Support { is_operating_point: true, ..support });
+                }
                 Some(_) => {
                     let name = format!("bearings[{}]", bearing.number);
                     let link = Link::new(name, bearing.rows.to_vec(), stiffness, damping);
-                    self.links.push(Link { bearing: Some(given.node), ..link });
+                    let local = Support { is_operating_point: true, ..link.local };
+                    self.links.push(Link { bearing: Some(given.node), local, ..link });
                 }
             }
         }
@@ -118,8 +118,8 @@ impl Model {
     }
 
     /// The model with the stiffness of its nonlinear bearings with which the search of the equilibrium starts.
-    pub fn with_provisional_points(self) -> Self {
-        self.with_points(|bearing| {
+    pub fn with_initial_operating_points(self) -> Self {
+        self.with_operating_points(|bearing| {
             let stiffness = [[bearing.initial_stiffness, 0.0], [0.0, bearing.initial_stiffness]];
             OperatingPoint { speed: None, stiffness, damping: [[0.0; 2]; 2] }
         })
@@ -137,8 +137,8 @@ impl Model {
     }
 
     /// The model with the coefficients of its nonlinear bearings at the displacements q of the equilibrium at a speed, rad/s.
-    pub fn with_points_at(self, speed: f64, q: &[f64]) -> Self {
-        self.with_points(|bearing| bearing.point_at(speed, q))
+    pub fn with_operating_points_at(self, speed: f64, q: &[f64]) -> Self {
+        self.with_operating_points(|bearing| bearing.point_at(speed, q))
     }
 
     /// Force of the shaft on the bearings at a node in the directions (y, z), N, for displacements q of a system at rest and
@@ -182,7 +182,6 @@ impl Model {
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
         let nonlinear = self.nonlinear_bearings.iter().map(Connection::Nonlinear);
         let others = self.bearings.iter().map(Connection::Bearing).chain(nonlinear);
-        let others = others.chain(self.springs.iter().map(Connection::Spring));
         meshes.chain(others).chain(self.loads.iter().map(Connection::Load))
     }
 
@@ -207,21 +206,12 @@ impl Model {
         })
     }
 
-    /// The model at a constant speed of the reference shaft [rad/s]: every bearing has constant coefficients and belongs
-    /// to the matrices.
-    ///
-    /// # Errors
-    /// [`SceneError`] where [`Self::check_speed`] refuses the speed.
-    pub fn at_speed(&self, speed: f64) -> Result<Self, SceneError> {
-        self.check_speed(speed)?;
-        self.at_tabulated_speed(speed)
-    }
-
-    /// The same for the bearings with tables only.
+    /// The model whose bearings with tables have the coefficients of a constant speed of the reference shaft [rad/s] and
+    /// belong to the matrices.
     ///
     /// # Errors
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
-    pub fn at_tabulated_speed(&self, speed: f64) -> Result<Self, SceneError> {
+    pub fn with_tables_at(&self, speed: f64) -> Result<Self, SceneError> {
         self.check_tables(speed)?;
         let mut model = self.clone();
         for bearing in &self.bearings {
@@ -232,7 +222,7 @@ impl Model {
         }
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
         model.links = links(&model.scene, &model.numbering);
-        model.add_points();
+        model.add_operating_points();
         Ok(model)
     }
 
@@ -245,7 +235,7 @@ impl Model {
     /// Whether stiffness or damping depend on the speed: those of bearings, or the slope of a torque over the speed.
     pub fn depends_on_speed(&self) -> bool {
         let is_over_speed = |load: &AppliedLoad| matches!(load.law, LoadLaw::SpeedTorque { .. });
-        self.lacks_coefficients() || self.loads.iter().any(is_over_speed)
+        self.needs_speed() || self.loads.iter().any(is_over_speed)
     }
 
     /// Torques over the speed at a speed of the reference shaft, rad/s, n entries, N m.

@@ -5,12 +5,15 @@
 //! coordinates are ∫EI φ_i' b'' dx, with the curvature φ_i' of their shape functions. The internal coordinates of the
 //! shape are K_ii⁻¹ times these forces: the shape of the elements that is closest to b(x) in strain energy.
 
+use std::convert::Infallible;
+
 use nalgebra::{DMatrix, Vector4};
 use num_complex::Complex64;
 
-use crate::element::{BendingFunction, deflection, flexural_rigidity, gauss};
+use crate::element::{BendingFunction, deflection, flexural_rigidity};
 use crate::linalg::ChainMatrix;
-use crate::scene::{Bow, Element, Scene, SceneError, Shaft};
+use crate::numerics::{Sample, gauss, maximum};
+use crate::scene::{Bow, BowCurve, Element, Scene, SceneError, Shaft};
 
 /// Stiffness of a rigid bearing relative to the largest diagonal entry of the shaft stiffness.
 const RIGID_STIFFNESS: f64 = 1e8;
@@ -21,9 +24,8 @@ const POINTS: usize = 16;
 
 /// Number of parts of an element between whose ends the largest deflection is searched.
 const SAMPLES: usize = 16;
-/// Number of steps of the ternary search: each divides the interval by 1.5, and the deflection at its maximum is accurate to
-/// round-off if the position is accurate to 1e-8.
-const TERNARY_STEPS: usize = 48;
+/// Relative error of the position of the largest deflection: the deflection there is accurate to its square.
+const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// u, m, and φ, rad, at the nodes of shaft `index`, then the internal coordinates of bending; `None` for a straight shaft.
 ///
@@ -35,52 +37,47 @@ pub(super) fn shape(
     stiffness: &ChainMatrix<2>,
 ) -> Result<Option<Vec<Complex64>>, SceneError> {
     let shaft = &scene.shafts[index];
-    let along = |bow: &Bow, at: &dyn Fn(f64) -> (Complex64, Complex64), curvature: &dyn Fn(f64) -> Complex64| {
-        let mut shape: Vec<Complex64> = Vec::with_capacity(stiffness.len());
-        for x in &shaft.nodes {
-            let (value, slope) = at(*x);
-            shape.extend([value, slope]);
-        }
-        let rule = if stiffness.internal.is_empty() { Vec::new() } else { gauss(POINTS) };
-        for (element, blocks) in stiffness.internal.iter().enumerate() {
-            shape.extend(internal(shaft, bow, curvature, (element, &rule), &blocks.block));
-        }
-        shape
-    };
-    Ok(match &shaft.bow {
-        None => None,
-        Some(bow @ Bow::Waves { amplitude, wave_number }) => {
-            let at = |x: f64| {
-                let (sin, cos) = (wave_number * x).sin_cos();
-                (*amplitude * sin, *amplitude * (wave_number * cos))
-            };
-            Some(along(bow, &at, &|x| *amplitude * (-wave_number * wave_number * (wave_number * x).sin())))
-        }
-        Some(bow @ Bow::Points(spline)) => Some(along(bow, &|x| spline.at(x), &|x| spline.curvature(x))),
+    match &shaft.bow {
+        None => Ok(None),
+        Some(Bow::Curve(curve)) => Ok(Some(shape_of_curve(shaft, curve, stiffness))),
         Some(Bow::Sag { amplitude }) => {
             let sag = unit_sag(scene, index, mass, stiffness)?;
-            Some(sag.iter().map(|value| *amplitude * *value).collect())
+            Ok(Some(sag.iter().map(|value| *amplitude * *value).collect()))
         }
-    })
+    }
 }
 
-/// Internal coordinates of bending of one element of a shaft, for a bow with the curvature b''(x), 1/m. `rule` holds
-/// points and weights on (0, 1), `stiffness` is the stiffness matrix of these coordinates.
+/// (u, φ) of a curve at the nodes, then its internal coordinates.
+fn shape_of_curve(shaft: &Shaft, curve: &BowCurve, stiffness: &ChainMatrix<2>) -> Vec<Complex64> {
+    let mut shape = Vec::with_capacity(stiffness.len());
+    for x in &shaft.nodes {
+        let (deflection, slope) = curve.at(*x);
+        shape.extend([deflection, slope]);
+    }
+    let rule = if stiffness.internal.is_empty() { Vec::new() } else { gauss(POINTS) };
+    for (element, blocks) in stiffness.internal.iter().enumerate() {
+        shape.extend(internal(shaft, curve, element, &rule, &blocks.block));
+    }
+    shape
+}
+
+/// Internal coordinates of bending of one element of a shaft, for the curve of a bow. `rule` holds points and weights on
+/// (0, 1), `stiffness` is the stiffness matrix of these coordinates.
 fn internal(
     shaft: &Shaft,
-    bow: &Bow,
-    curvature: &dyn Fn(f64) -> Complex64,
-    (element, rule): (usize, &[(f64, f64)]),
+    curve: &BowCurve,
+    element: usize,
+    rule: &[(f64, f64)],
     stiffness: &DMatrix<f64>,
 ) -> Vec<Complex64> {
     let functions = BendingFunction::all(shaft.degree, shaft.shear);
     let (start, length) = (shaft.nodes[element], shaft.elements[element].length);
     let rigidity = flexural_rigidity(&shaft.elements[element], &shaft.material);
     let mut forces = DMatrix::<f64>::zeros(functions.len(), 2);
-    for piece in bow.pieces(start, start + length).windows(2) {
+    for piece in curve.pieces(start, start + length).windows(2) {
         for (at, weight) in rule {
             let x = piece[0] + at * (piece[1] - piece[0]);
-            let moment = curvature(x) * (rigidity * weight * (piece[1] - piece[0]));
+            let moment = curve.curvature(x) * (rigidity * weight * (piece[1] - piece[0]));
             for (i, function) in functions.iter().enumerate() {
                 let shape = function.curvature(2.0 * (x - start) / length - 1.0, length);
                 forces[(i, 0)] += shape * moment.re;
@@ -144,17 +141,10 @@ fn largest_deflection(shaft: &Shaft, nodes: &[f64]) -> f64 {
         let at = |xi: f64| deflection(element, &shaft.material, shaft.shear, ends, xi).abs();
         let point = |i: usize| i as f64 / SAMPLES as f64;
         let best = (0..=SAMPLES).max_by(|a, b| at(point(*a)).total_cmp(&at(point(*b)))).unwrap_or_default();
-        // Ternary search: between two samples the deflection has one maximum.
-        let (mut low, mut high) = (point(best.saturating_sub(1)), point((best + 1).min(SAMPLES)));
-        for _ in 0..TERNARY_STEPS {
-            let third = (high - low) / 3.0;
-            if at(low + third) < at(high - third) {
-                low += third;
-            } else {
-                high -= third;
-            }
-        }
-        at(point(best)).max(at((low + high) / 2.0))
+        // Between two samples the deflection has one maximum.
+        let ends = [best.saturating_sub(1), (best + 1).min(SAMPLES)].map(point);
+        let found: Result<Sample, Infallible> = maximum(ends[0], ends[1], POSITION_TOLERANCE, |xi| Ok(at(xi)));
+        found.map_or(0.0, |top| top.value).max(at(point(best)))
     };
     shaft.elements.iter().enumerate().map(within).fold(0.0, f64::max)
 }

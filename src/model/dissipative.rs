@@ -15,7 +15,7 @@ impl Model {
     /// over the speed (Ziegler, Principles of Structural Stability, 1968).
     pub fn is_dissipative(&self, speed: f64) -> bool {
         let elements = self.supports.iter().chain(self.links.iter().map(|link| &link.local));
-        !self.lacks_coefficients()
+        !self.needs_speed()
             && elements.into_iter().all(is_passive)
             && self.loads.iter().all(|load| load.linear(speed).damping[(0, 0)] >= 0.0)
     }

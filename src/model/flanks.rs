@@ -104,9 +104,9 @@ impl Model {
                 }
             }
         }
-        for Coupling { hubs: [a, b], stiffness: [.., torsional], .. } in &self.scene.couplings {
+        for Coupling { hubs: [a, b], torsional, .. } in &self.scene.couplings {
             for (row, column, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
-                stiffness[(row.shaft, column.shaft)] += sign * torsional;
+                stiffness[(row.shaft, column.shaft)] += sign * torsional.stiffness;
             }
         }
         for drive in &self.scene.drives {

@@ -237,29 +237,28 @@ pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> 
 /// Springs and dampers of a coupling, over the displacements of hub a relative to hub b.
 fn join(coupling: &Coupling, number: usize, numbering: &Numbering, links: &mut Vec<Link>) {
     let (name, [a, b]) = (format!("couplings[{number}]"), coupling.hubs);
-    let [axial, lateral, tilting, torsional] =
-        std::array::from_fn(|kind| [coupling.stiffness[kind], coupling.damping[kind]]);
-    let both = |[k, c]: [f64; 2]| [k, c].map(|value| [[value, 0.0], [0.0, value]]);
+    let isotropic = |value: f64| [[value, 0.0], [0.0, value]];
+    let single = |value: f64| [[value, 0.0], [0.0, 0.0]];
     let relative = |a: usize, b: usize| vec![(a, 1.0), (b, -1.0)];
     if let (Some(v), Some(w)) = (numbering.translation(a), numbering.translation(b)) {
         let misaligned = [
-            (lateral, 0, coupling.offset, coupling.runout),
+            (coupling.lateral, 0, coupling.offset, coupling.runout),
             // The slopes along y and z are Γ and −B.
-            (tilting, 2, coupling.angle, Complex64::ZERO),
+            (coupling.tilting, 2, coupling.angle, Complex64::ZERO),
         ];
         for (coefficients, at, fixed, turning) in misaligned {
-            let [stiffness, damping] = both(coefficients);
+            let [stiffness, damping] = [coefficients.stiffness, coefficients.damping].map(isotropic);
             let rows = vec![relative(v + at, w + at), relative(v + at + 1, w + at + 1)];
             let rest = Rest { fixed, turning, shaft: a.shaft };
             let rest = (fixed != Complex64::ZERO || turning != Complex64::ZERO).then_some(rest);
             links.push(Link { rest, ..Link::new(name.clone(), rows, stiffness, damping) });
         }
     }
-    let twists = (numbering.twist(a), numbering.twist(b), torsional);
-    let along = (numbering.displacement_along(a), numbering.displacement_along(b), axial);
+    let twists = (numbering.twist(a), numbering.twist(b), coupling.torsional);
+    let along = (numbering.displacement_along(a), numbering.displacement_along(b), coupling.axial);
     for (a, b, coefficients) in [twists, along] {
         if let (Some(a), Some(b)) = (a, b) {
-            let [stiffness, damping] = coefficients.map(|value| [[value, 0.0], [0.0, 0.0]]);
+            let [stiffness, damping] = [coefficients.stiffness, coefficients.damping].map(single);
             links.push(Link::new(name.clone(), vec![relative(a, b)], stiffness, damping));
         }
     }

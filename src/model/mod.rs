@@ -31,7 +31,7 @@ pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
 
-use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing, Spring};
+use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -49,12 +49,14 @@ pub struct Support {
     pub symmetric_part: [[f64; 2]; 2],
     /// Damping matrix over (v, w), N s/m.
     pub damping: [[f64; 2]; 2],
+    /// Whether it has the coefficients of a nonlinear bearing at its operating point.
+    pub is_operating_point: bool,
 }
 
 impl Support {
     /// A bearing with constant coefficients at the coordinates `index` (v) and `index` + 1 (w).
     pub fn new(index: usize, stiffness: Matrix2, damping: Matrix2) -> Self {
-        Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping }
+        Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping, is_operating_point: false }
     }
 
     /// Orthogonal unit vectors over (v, w) in which the bearing has stiffness.
@@ -135,15 +137,13 @@ pub struct Model {
     /// Inertia of supports and housings.
     pub housings: HousingInertia,
     /// Bearings whose coefficients depend on the speed; empty in a scene without bending and in a model
-    /// [`at_speed`](Self::at_speed).
+    /// [with the tables at a speed](Self::with_tables_at).
     pub bearings: Vec<SpeedDependentBearing>,
-    /// Bearings with oil films or rolling elements. In a model at a speed, the last entries of `supports` and `links` are their
-    /// coefficients.
+    /// Bearings with oil films or rolling elements. In a model at a speed, `supports` and `links` contain their coefficients at
+    /// the operating point.
     pub nonlinear_bearings: Vec<NonlinearBearing>,
     /// Gear meshes.
     pub meshes: Vec<GearMesh>,
-    /// Springs between coordinates, which no scene describes: see [`Self::with_springs`].
-    pub springs: Vec<Spring>,
     /// Forces and torques that depend on time, angle or speed.
     pub loads: Vec<AppliedLoad>,
     /// Constant load of torques, forces, gravity and misaligned couplings, n entries, N or N m.
@@ -192,7 +192,6 @@ impl Model {
             bearings,
             nonlinear_bearings,
             meshes,
-            springs: Vec::new(),
             loads: Vec::new(),
         };
         model.set_initial_stiffness();
@@ -214,12 +213,6 @@ impl Model {
     /// depend on the loads of a scene.
     pub fn has_coordinates_of(&self, other: &Self) -> bool {
         loads::has_same_coordinates(&self.scene, &other.scene) && self.sigma_standing == other.sigma_standing
-    }
-
-    /// The same model with springs between its coordinates.
-    pub fn with_springs(mut self, springs: Vec<Spring>) -> Self {
-        self.springs = springs;
-        self
     }
 
     /// Force of the shaft on the bearings with constant coefficients at a node in the directions (y, z), N, for

@@ -44,13 +44,12 @@ impl Model {
         sum + self.sum_over_supports(v, |support| &support.damping)
     }
 
-    /// qᵀKq of shafts, springs, meshes at rest and the symmetric part of the stiffness of bearings with constant
+    /// qᵀKq of shafts, meshes at rest and the symmetric part of the stiffness of bearings with constant
     /// coefficients, J; `sigma` gives the loaded flank of each mesh.
     pub fn elastic_form(&self, q: &[f64], sigma: impl Fn(usize) -> f64) -> f64 {
         let meshes = self.meshes.iter().enumerate();
         let mesh_forms = meshes.map(|(index, mesh)| mesh.stiffness * mesh.deflection_at_rest(sigma(index), q).powi(2));
-        let springs = self.springs.iter().map(|spring| spring.stiffness * spring.square(q));
-        self.elastic_form_without_meshes(q) + mesh_forms.sum::<f64>() + springs.sum::<f64>()
+        self.elastic_form_without_meshes(q) + mesh_forms.sum::<f64>()
     }
 
     /// qᵀKq of shafts and the symmetric part of the bearing stiffness, J.

@@ -166,13 +166,12 @@ impl ShaftModel {
                 Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
             }
         };
-        let twist =
-            RodParts { of: |beam| &beam.torsion, inner: |inner| &inner.torsion, body: |body| body.polar_inertia };
-        let axial = RodParts { of: |beam| &beam.axial, inner: |inner| &inner.axial, body: |body| body.mass };
-        let rod = |start: Option<usize>, parts: &RodParts| {
-            start.map(|start| rod(scene, index, start, parts, (&beams, &inner))).transpose()
+        let elements = ShaftElements { beams: &beams, inner: &inner };
+        let rod = |motion: RodMotion, start: Option<usize>| {
+            start.map(|start| rod(scene, index, start, motion, &elements)).transpose()
         };
-        let (twist, axial) = (rod(numbering.torsion(index), &twist)?, rod(numbering.axial(index), &axial)?);
+        let twist = rod(RodMotion::Torsion, numbering.torsion(index))?;
+        let axial = rod(RodMotion::Axial, numbering.axial(index))?;
         let ratio = scene.speed_ratios[index];
         let mut shaft = Self { ratio, bending, gyroscopic, twist, axial, excitations: Vec::new(), bow: None };
         shaft.set_bow_and_unbalance(scene, index)?;
@@ -218,12 +217,43 @@ impl ShaftModel {
     }
 }
 
-/// Where the matrices of torsion or of axial motion come from.
-struct RodParts {
-    of: fn(&Beam) -> &RodMatrices,
-    inner: fn(&InternalBeam) -> &InternalRod,
-    /// Inertia of a body.
-    body: fn(&Body) -> f64,
+/// Elements of a shaft, and the matrices of their internal coordinates.
+struct ShaftElements<'a> {
+    beams: &'a [Beam],
+    inner: &'a [InternalBeam],
+}
+
+/// A motion of a shaft with one coordinate at each node.
+#[derive(Clone, Copy)]
+enum RodMotion {
+    Torsion,
+    Axial,
+}
+
+impl RodMotion {
+    /// Matrices of an element.
+    fn matrices(self, beam: &Beam) -> &RodMatrices {
+        match self {
+            Self::Torsion => &beam.torsion,
+            Self::Axial => &beam.axial,
+        }
+    }
+
+    /// Matrices of the internal coordinates of an element.
+    fn internal(self, inner: &InternalBeam) -> &InternalRod {
+        match self {
+            Self::Torsion => &inner.torsion,
+            Self::Axial => &inner.axial,
+        }
+    }
+
+    /// Inertia of a body, kg m² or kg.
+    fn inertia(self, body: &Body) -> f64 {
+        match self {
+            Self::Torsion => body.polar_inertia,
+            Self::Axial => body.mass,
+        }
+    }
 }
 
 /// The chain of torsion or of axial motion of shaft `index`, whose coordinates begin at `start`.
@@ -231,24 +261,25 @@ fn rod(
     scene: &Scene,
     index: usize,
     start: usize,
-    parts: &RodParts,
-    (beams, inner): (&[Beam], &[InternalBeam]),
+    motion: RodMotion,
+    elements: &ShaftElements<'_>,
 ) -> Result<RodChain, SceneError> {
     let [alpha, beta] = scene.rayleigh;
+    let ShaftElements { beams, inner } = *elements;
     let mut mass =
-        assemble(beams, |beam, i, j| (parts.of)(beam).mass[(i, j)], inner, |inner| &(parts.inner)(inner).mass);
+        assemble(beams, |beam, i, j| motion.matrices(beam).mass[(i, j)], inner, |inner| &motion.internal(inner).mass);
     let stiffness = assemble(
         beams,
-        |beam, i, j| (parts.of)(beam).stiffness[(i, j)],
+        |beam, i, j| motion.matrices(beam).stiffness[(i, j)],
         inner,
-        |inner| &(parts.inner)(inner).stiffness,
+        |inner| &motion.internal(inner).stiffness,
     );
     let damping = rayleigh(alpha, &mass, beta, &stiffness);
     for body in scene.bodies().filter(|body| body.node.shaft == index) {
-        mass.nodal.add_at_node(body.node.node, 0, 0, (parts.body)(body));
+        mass.nodal.add_at_node(body.node.node, 0, 0, motion.inertia(body));
     }
     let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
-    let elements = beams.iter().map(|beam| (parts.of)(beam).rod).collect();
+    let elements = beams.iter().map(|beam| motion.matrices(beam).rod).collect();
     Ok(Chain { start, nodes: beams.len() + 1, mass, mass_factor, elements, stiffness, damping })
 }
 

@@ -32,7 +32,6 @@ pub fn connected_coordinates(model: &Model) -> Vec<usize> {
     let mut coordinates = of_rows(&mut model.links.iter().flat_map(|link| &link.rows));
     coordinates.extend(of_rows(&mut model.bearings.iter().flat_map(|bearing| &bearing.rows)));
     coordinates.extend(of_rows(&mut model.nonlinear_bearings.iter().flat_map(|bearing| &bearing.rows)));
-    coordinates.extend(of_rows(&mut model.springs.iter().flat_map(|spring| &spring.rows)));
     coordinates.extend(model.supports.iter().flat_map(|support| [support.index, support.index + 1]));
     coordinates.extend(model.meshes.iter().flat_map(|mesh| mesh.indices()));
     coordinates.sort_unstable();
@@ -67,7 +66,7 @@ impl<'m> EquationOfMotion<'m> {
     /// [`Overlap`] of the base circles of the mesh named.
     pub fn connection_energies(&self, elapsed: f64, q: &[f64], v: &[f64]) -> Result<[f64; 2], (usize, Overlap)> {
         let meshes = self.mesh_energy(elapsed, q, v)?;
-        let links = self.bearing_energy(elapsed, q) + self.rest_energy(elapsed, q);
+        let links = self.other_connection_energy(elapsed, q) + self.rest_energy(elapsed, q);
         Ok([self.model.support_form(q) / 2.0 + links, meshes])
     }
 
@@ -79,12 +78,11 @@ impl<'m> EquationOfMotion<'m> {
     }
 
     /// Elastic energy of all connections except meshes, J.
-    fn bearing_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
+    fn other_connection_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
         let energy = |connection: Connection<'_>| match connection {
             Connection::Mesh(..) | Connection::Load(_) => 0.0,
             Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
             Connection::Nonlinear(bearing) => bearing.energy(&self.phase(bearing.turning, elapsed), q),
-            Connection::Spring(spring) => spring.energy(q),
         };
         self.connections().map(energy).sum()
     }

@@ -10,37 +10,19 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
+use super::rotating_load::RotatingLoad;
 use super::shaft_rotation::{RotationState, ShaftRotation, VariableSpeed};
 use crate::connection::{AppliedLoad, Connection, Instant};
 use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
 use crate::modal::CachedModel;
-use crate::model::{Link, Model, ShaftModel};
+use crate::model::{Link, Model};
 use crate::scene::LoadLaw;
-
-/// A force on the coordinates (v, w) of a node that rotates with its shaft.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RotatingForce {
-    pub index: usize,
-    pub amplitude: Complex64,
-}
-
-/// The rotating forces of one shaft.
-#[derive(Clone, Debug)]
-pub(super) struct RotatingForces {
-    /// Index of the shaft.
-    pub shaft: usize,
-    /// Signed spin, rad/s.
-    pub spin: f64,
-    /// Phasor e^{iϑ} at elapsed time zero.
-    pub at_origin: Complex64,
-    pub forces: Vec<RotatingForce>,
-}
 
 /// Numbers that a run does not change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RunConstants {
-    /// Speed of the reference shaft, rad/s, if it is constant.
+    /// Speed of the reference shaft, rad/s, or the largest one of the run if it changes.
     pub speed: f64,
     /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.
     pub linear_speed: f64,
@@ -70,8 +52,8 @@ pub struct EquationOfMotion<'m> {
     pub(super) contact_modes: Vec<ContactMode>,
     /// Indices of the coordinates of meshes with several contact modes.
     pub(super) switching: Vec<usize>,
-    /// Rotating forces of the shafts with bow or unbalance; empty if the speed is variable.
-    pub(super) rotating_forces: Vec<RotatingForces>,
+    /// Bow, unbalance and turning forces of the shafts.
+    pub(super) rotating_loads: Vec<RotatingLoad>,
     /// Matrix of modal damping, N s/m, shape (n, n); none without modal damping, or if nothing needs it.
     pub(super) modal_damping: Option<DMatrix<f64>>,
     /// Speed-dependent bearings at the largest speed of the run. They define the energy norm of the tolerances, which
@@ -120,22 +102,11 @@ impl<'m> EquationOfMotion<'m> {
             || (0..model.shafts.len() + model.nonlinear_bearings.len()).map(|index| model.turning_ratio(index));
         let spins: Vec<f64> = ratios().map(|ratio| ratio * speed).collect();
         let at_origin: Vec<_> = ratios().map(|ratio| rotation.phasor_at_origin(ratio)).collect();
-        let excited = |(index, shaft): (usize, &ShaftModel)| RotatingForces {
-            shaft: index,
-            spin: spins[index],
-            at_origin: at_origin[index],
-            forces: shaft
-                .excitations
-                .iter()
-                .map(|excitation| RotatingForce {
-                    index: excitation.index,
-                    amplitude: excitation.amplitude(spins[index], 0.0),
-                })
-                .collect(),
+        let rotating_loads = if rotation.is_constant() {
+            RotatingLoad::at_constant_speed(model, &spins, &at_origin)
+        } else {
+            RotatingLoad::at_changing_speed(model, &spins, &at_origin)
         };
-        let excited = model.shafts.iter().enumerate().map(excited);
-        let rotating_forces: Vec<_> =
-            excited.filter(|excited| rotation.is_constant() && !excited.forces.is_empty()).collect();
         let norm_bearings = model.bearings.iter().map(|bearing| {
             let [stiffness, damping] = bearing.at(speed);
             Link::new(String::new(), bearing.rows.to_vec(), stiffness, damping)
@@ -157,7 +128,7 @@ impl<'m> EquationOfMotion<'m> {
             at_origin,
             contact_modes: vec![ContactMode::ALWAYS; model.meshes.len()],
             switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(GearMesh::indices).collect(),
-            rotating_forces,
+            rotating_loads,
             modal_damping: None,
             norm_bearings: norm_bearings.collect(),
             equilibrium,
@@ -310,21 +281,14 @@ impl<'m> EquationOfMotion<'m> {
         self.model.meshes.iter().any(|mesh| mesh.backlash.is_some() && !mesh.teeth.is_constant())
     }
 
-    /// Indices of the shafts with rotating forces.
-    pub fn sources(&self) -> impl Iterator<Item = usize> + '_ {
-        self.rotating_forces.iter().map(|excited| excited.shaft)
+    /// Bow, unbalance and turning forces of the shafts.
+    pub fn rotating_loads(&self) -> &[RotatingLoad] {
+        &self.rotating_loads
     }
 
-    /// Rotating force of a shaft at ϑ = 0 and at ϑ = π/2, the factors of cos ϑ and sin ϑ, as entries (index, force).
-    pub fn rotating_forces(&self, shaft: usize) -> [Vec<(usize, f64)>; 2] {
-        let forces =
-            self.rotating_forces.iter().filter(|excited| excited.shaft == shaft).flat_map(|excited| &excited.forces);
-        let (mut cosine, mut sine) = (Vec::new(), Vec::new());
-        for RotatingForce { index, amplitude } in forces {
-            cosine.extend([(*index, amplitude.re), (*index + 1, amplitude.im)]);
-            sine.extend([(*index, -amplitude.im), (*index + 1, amplitude.re)]);
-        }
-        [cosine, sine]
+    /// The rotating loads to which there is a synchronous motion: all at a constant speed, none at a changing one.
+    pub fn sources(&self) -> &[RotatingLoad] {
+        if self.variable_speed.is_none() { &self.rotating_loads } else { &[] }
     }
 
     /// Angles and spins of the two shafts of a mesh.
@@ -339,6 +303,11 @@ impl<'m> EquationOfMotion<'m> {
     pub(super) fn phase(&self, turning: usize, elapsed: f64) -> ShaftPhase {
         let (angle, spin) = self.angle_and_spin(turning, elapsed);
         ShaftPhase { angle: self.angles[turning] + angle, spin }
+    }
+
+    /// Speed of the reference shaft, rad/s, or the largest one of the run if it changes: see [`super::Speed::fastest`].
+    pub fn largest_speed(&self) -> f64 {
+        self.constants.speed
     }
 
     /// Speed of the reference shaft at which the linear motion contains the connections, rad/s.

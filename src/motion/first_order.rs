@@ -3,40 +3,20 @@
 //! The stiffness, damping and mass of a chain act node by node, in a time proportional to its number of nodes. Terms that a
 //! scene does not have (spin, damping, bow) are skipped.
 
-use num_complex::Complex64;
-
-use super::equation::{EquationOfMotion, RotatingForce};
+use super::equation::EquationOfMotion;
 use crate::connection::Connection;
 use crate::integrate::{FirstOrderSystem, Halt};
 use crate::mesh::ContactMode;
 use crate::model::ShaftModel;
 
 impl EquationOfMotion<'_> {
-    /// Adds the rotating forces of shafts with a variable speed.
-    fn add_rotating_forces(&self, elapsed: f64, force: &mut [f64]) {
-        for (index, shaft) in self.model.shafts.iter().enumerate().filter(|(_, shaft)| !shaft.excitations.is_empty()) {
-            let ((spin, rate), phasor) = (self.spin_at(index, elapsed), self.phasor(index, elapsed));
-            for excitation in &shaft.excitations {
-                let rotated = excitation.amplitude(spin, rate) * phasor;
-                force[excitation.index] += rotated.re;
-                force[excitation.index + 1] += rotated.im;
-            }
-        }
-    }
-
     /// Writes the external forces and the forces of all connections into `force`.
     #[inline(always)]
     fn loads(&self, elapsed: f64, q: &[f64], v: &[f64], force: &mut [f64]) -> Result<(), Halt> {
         force.copy_from_slice(self.model.constant_load.as_slice());
-        if self.variable_speed.is_some() {
-            self.add_rotating_forces(elapsed, force);
-        }
-        for excited in &self.rotating_forces {
-            let phasor = excited.at_origin * Complex64::from_polar(1.0, excited.spin * elapsed);
-            for RotatingForce { index, amplitude } in &excited.forces {
-                force[*index] += amplitude.re * phasor.re - amplitude.im * phasor.im;
-                force[*index + 1] += amplitude.re * phasor.im + amplitude.im * phasor.re;
-            }
+        let reference = self.reference_shaft(elapsed);
+        for load in &self.rotating_loads {
+            load.apply(load.phasor(elapsed, reference.as_ref()), force);
         }
         for support in &self.model.supports {
             for (row, value) in support.force(q, v).into_iter().enumerate() {
@@ -66,7 +46,6 @@ impl EquationOfMotion<'_> {
                         row.iter().for_each(|(index, coefficient)| force[*index] -= coefficient * value);
                     }
                 }
-                Connection::Spring(spring) => spring.apply(q, v, force),
                 Connection::Load(load) => load.apply(&self.instant(None, Some(load.shaft), elapsed), v, force),
             }
             Ok(())

@@ -5,6 +5,7 @@ mod equation;
 mod first_order;
 mod phase;
 mod power;
+mod rotating_load;
 mod shaft_rotation;
 mod speed;
 
@@ -12,5 +13,6 @@ pub use energy::{Energies, connected_coordinates};
 pub use equation::EquationOfMotion;
 pub use phase::{DoubleDouble, phasor};
 pub use power::{PowerCoordinates, PowerLoads, SOURCES};
+pub use rotating_load::RotatingLoad;
 pub use shaft_rotation::{Anchor, RotationState, ShaftRotation};
 pub use speed::{Profile, Speed};

@@ -37,8 +37,7 @@ impl PowerCoordinates {
         let lateral = |index: usize| [index, index + 1];
         let (mut displacements, mut velocities) = (Vec::new(), Vec::new());
         let of_meshes = model.meshes.iter().flat_map(|mesh| mesh.indices());
-        let of_springs = model.springs.iter().flat_map(|spring| spring.rows.iter().flatten().map(|(index, _)| *index));
-        displacements.extend(of_meshes.chain(of_springs));
+        displacements.extend(of_meshes);
         displacements.extend(model.bearings.iter().flat_map(|bearing| bearing.rows.iter().flatten().map(|(i, _)| *i)));
         let nonlinear = model.nonlinear_bearings.iter().flat_map(|bearing| bearing.rows.iter().flatten());
         displacements.extend(nonlinear.map(|(index, _)| *index));
@@ -193,7 +192,6 @@ impl EquationOfMotion<'_> {
                     drive += turned;
                     damping += damped;
                 }
-                Connection::Spring(spring) => damping += spring.damping_power(v),
                 Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),
             }
         }

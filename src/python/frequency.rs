@@ -106,13 +106,13 @@ pub fn whirl_classes() -> Vec<&'static str> {
 pub fn critical_speeds(
     model: &PyModel,
     py: Python<'_>,
-    excitation: f64,
+    order: f64,
     count: Option<usize>,
 ) -> PyResult<Vec<(f64, String)>> {
     let count = count.unwrap_or(usize::MAX);
     let memory = analysis::memory_of_critical_speeds(model.model(), count);
-    let found = model
-        .run(py, memory, move |cached, interrupt| analysis::critical_speeds(cached, excitation, count, interrupt))?;
+    let found =
+        model.run(py, memory, move |cached, interrupt| analysis::critical_speeds(cached, order, count, interrupt))?;
     Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
 }
 
@@ -121,7 +121,7 @@ pub fn critical_speed_map(
     model: &PyModel,
     py: Python<'_>,
     stiffnesses: &PyReadonlyArray1<'_, f64>,
-    excitation: f64,
+    order: f64,
     count: Option<usize>,
 ) -> PyResult<Vec<Vec<CriticalRow>>> {
     let (stiffnesses, count) = (stiffnesses.as_array().to_vec(), count.unwrap_or(usize::MAX));
@@ -138,7 +138,7 @@ pub fn critical_speed_map(
     let found = model.run(py, memory, move |_, interrupt| {
         let description = analysis::resolve(&given, interrupt)?.description;
         let at = |stiffness: f64| Ok(CachedModel::new(Model::new(Scene::new(&with(&description, stiffness))?)?));
-        analysis::critical_speed_map(at, &stiffnesses, excitation, count, interrupt)
+        analysis::critical_speed_map(at, &stiffnesses, order, count, interrupt)
     })?;
     let row = |point: &analysis::CriticalPoint| {
         (point.critical.speed, point.critical.whirl.to_string(), point.critical.residual, point.line)

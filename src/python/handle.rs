@@ -121,7 +121,7 @@ impl PyModel {
     /// torques have values.
     pub fn representative_speed(&self, fastest: f64) -> f64 {
         let model = self.model();
-        if model.lacks_coefficients() || !model.loads.is_empty() { fastest } else { 0.0 }
+        if model.needs_speed() || !model.loads.is_empty() { fastest } else { 0.0 }
     }
 
     /// Name of the shaft or housing and position x, m, of a node.

@@ -281,21 +281,21 @@ impl PyModel {
         frequency::campbell(self, py, &speeds, count, harmonics)
     }
 
-    #[pyo3(signature = (excitation, count=None))]
-    fn critical_speeds(&self, py: Python<'_>, excitation: f64, count: Option<usize>) -> PyResult<Vec<(f64, String)>> {
-        frequency::critical_speeds(self, py, excitation, count)
+    #[pyo3(signature = (order, count=None))]
+    fn critical_speeds(&self, py: Python<'_>, order: f64, count: Option<usize>) -> PyResult<Vec<(f64, String)>> {
+        frequency::critical_speeds(self, py, order, count)
     }
 
-    #[pyo3(signature = (stiffnesses, excitation, count=None))]
+    #[pyo3(signature = (stiffnesses, order, count=None))]
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn critical_speed_map(
         &self,
         py: Python<'_>,
         stiffnesses: PyReadonlyArray1<'_, f64>,
-        excitation: f64,
+        order: f64,
         count: Option<usize>,
     ) -> PyResult<Vec<Vec<frequency::CriticalRow>>> {
-        frequency::critical_speed_map(self, py, &stiffnesses, excitation, count)
+        frequency::critical_speed_map(self, py, &stiffnesses, order, count)
     }
 
     #[pyo3(signature = (speeds, excitation="both"))]

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use super::RollingElements;
 use crate::bearing_force::{BearingForce, Vector};
-use crate::element::gauss;
+use crate::numerics::gauss;
 
 /// Points of the Gauss rule. The substitution makes the integrands smooth, so that the error is round-off.
 const POINTS: usize = 48;

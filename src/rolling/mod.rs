@@ -46,13 +46,13 @@ impl RollingElements {
     /// The elements of a checked bearing with the damping over (y, z), N s/m.
     pub fn new(rolling: &Rolling, damping: Matrix) -> Self {
         let place = |j: u32| {
-            let (sine, cosine) = (rolling.phase + TAU * f64::from(j) / f64::from(rolling.balls)).sin_cos();
+            let (sine, cosine) = (rolling.phase + TAU * f64::from(j) / f64::from(rolling.elements)).sin_cos();
             [cosine, sine]
         };
         let exponent = if rolling.line_contact { LINE_CONTACT } else { POINT_CONTACT };
         let cosine = rolling.contact_angle.cos();
         Self {
-            places: (0..rolling.balls).map(place).collect(),
+            places: (0..rolling.elements).map(place).collect(),
             stiffness: rolling.hertz_stiffness * cosine.powf(exponent + 1.0),
             exponent,
             gap: rolling.clearance / 2.0,
@@ -131,9 +131,9 @@ impl RollingElements {
 mod tests {
     use super::*;
 
-    fn elements(balls: u32, clearance: f64, line_contact: bool) -> RollingElements {
+    fn rolling_elements(elements: u32, clearance: f64, line_contact: bool) -> RollingElements {
         let rolling = Rolling {
-            balls,
+            elements,
             diameter_ratio: 0.2,
             clearance,
             hertz_stiffness: 1e10,
@@ -148,7 +148,7 @@ mod tests {
     fn stiffness_and_energy_are_derivatives() {
         for line in [false, true] {
             for clearance in [2e-5, -1e-5] {
-                let (elements, u, rates, h) = (elements(9, clearance, line), [2e-5, -3e-5], [1e-3, 2e-3], 1e-9);
+                let (elements, u, rates, h) = (rolling_elements(9, clearance, line), [2e-5, -3e-5], [1e-3, 2e-3], 1e-9);
                 let found = elements.at(u, rates, 0.7);
                 let moved = |j: usize, h: f64| {
                     let mut u = u;
@@ -176,7 +176,7 @@ mod tests {
         for line in [false, true] {
             for (clearance, u) in [(2e-5, [2e-5, -3e-5]), (0.0, [1e-5, 2e-5]), (-1e-5, [1e-6, 2e-6]), (-1e-5, [0.0; 2])]
             {
-                let elements = elements(7, clearance, line);
+                let elements = rolling_elements(7, clearance, line);
                 let mean = elements.mean(u);
                 let count = 20000;
                 let mut sum = BearingForce::default();

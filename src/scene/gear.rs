@@ -44,7 +44,7 @@ pub struct Gear {
     /// Face width, m, if the description gives it.
     pub face_width: Option<f64>,
     /// Run-out: offset of the base circle from the axis of the shaft, m, with its angle in the shaft.
-    pub run_out: Complex64,
+    pub runout: Complex64,
     /// Module, m, and pressure angle, rad, of the basic rack, if the description gives the module.
     pub(super) rack: Option<(f64, f64)>,
 }
@@ -157,7 +157,7 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
         profile_shift,
         face_width,
         rack: module_given.map(|module| (module, pressure_angle)),
-        run_out: complex(given.run_out, &at.field("run_out"))?,
+        runout: complex(given.runout, &at.field("runout"))?,
     })
 }
 

@@ -12,16 +12,29 @@ use super::{EntryPath, Node, SceneError, Shaft, complex};
 pub struct Coupling {
     /// Nodes of the hubs a and b.
     pub hubs: [Node; 2],
-    /// Axial, lateral [N/m], tilting and torsional [N m/rad] stiffness.
-    pub stiffness: [f64; 4],
-    /// Axial, lateral [N s/m], tilting and torsional [N m s/rad] damping.
-    pub damping: [f64; 4],
+    /// Along the axis: N/m and N s/m.
+    pub axial: SpringDamper,
+    /// Across the axis: N/m and N s/m.
+    pub lateral: SpringDamper,
+    /// Against tilting: N m/rad and N m s/rad.
+    pub tilting: SpringDamper,
+    /// Against twist: N m/rad and N m s/rad.
+    pub torsional: SpringDamper,
     /// Parallel misalignment of the axis of b to that of a, y + iz, m.
     pub offset: Complex64,
     /// Angular misalignment of the axis of b to that of a, slopes along y + iz, rad.
     pub angle: Complex64,
     /// Eccentricity of the hub of b, m, with its angle in the rotating shaft.
     pub runout: Complex64,
+}
+
+/// Stiffness and damping of a coupling in one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct SpringDamper {
+    /// Stiffness.
+    pub stiffness: f64,
+    /// Damping.
+    pub damping: f64,
 }
 
 /// A torsional spring and damper between a shaft and its prescribed angle.
@@ -111,14 +124,25 @@ pub(super) fn couplings(
             let name = &shafts[hubs[0].shaft].name;
             return Err(at.field("b").error(format!("is on \"{name}\", as a is; a coupling joins two shafts")));
         }
-        for (field, values) in [("stiffness", given.stiffness), ("damping", given.damping.unwrap_or_default())] {
-            let place = at.field(field);
-            values.iter().enumerate().try_for_each(|(i, value)| place.index(i).non_negative(*value).map(drop))?;
-        }
+        let coefficient = |field, value: Option<f64>| at.field(field).non_negative(value.unwrap_or(0.0));
         Ok(Coupling {
             hubs,
-            stiffness: given.stiffness,
-            damping: given.damping.unwrap_or_default(),
+            axial: SpringDamper {
+                stiffness: coefficient("axial_stiffness", given.axial_stiffness)?,
+                damping: coefficient("axial_damping", given.axial_damping)?,
+            },
+            lateral: SpringDamper {
+                stiffness: coefficient("lateral_stiffness", given.lateral_stiffness)?,
+                damping: coefficient("lateral_damping", given.lateral_damping)?,
+            },
+            tilting: SpringDamper {
+                stiffness: coefficient("tilting_stiffness", given.tilting_stiffness)?,
+                damping: coefficient("tilting_damping", given.tilting_damping)?,
+            },
+            torsional: SpringDamper {
+                stiffness: coefficient("torsional_stiffness", Some(given.torsional_stiffness))?,
+                damping: coefficient("torsional_damping", given.torsional_damping)?,
+            },
             offset: complex(given.offset, &at.field("offset"))?,
             angle: complex(given.angle, &at.field("angle"))?,
             runout: complex(given.runout, &at.field("runout"))?,

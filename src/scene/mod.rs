@@ -32,7 +32,7 @@ mod train;
 use num_complex::Complex64;
 
 pub use bearing::Bearing;
-pub use bow::Bow;
+pub use bow::{Bow, BowCurve};
 pub(crate) use contact::path_of_contact;
 pub use curve::Curve;
 pub use description::{Foundation, MotionKind, SceneDescription};
@@ -41,7 +41,7 @@ pub use gear::Gear;
 pub use hertz::{LINE_CONTACT, POINT_CONTACT};
 pub use housing::{Attachment, Housing};
 pub use journal::{FilmKind, Journal};
-pub use loads::{Coupling, Drive, Force, LoadLaw, VaryingLoad};
+pub use loads::{Coupling, Drive, Force, LoadLaw, SpringDamper, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use nonlinear::{Nonlinear, bearing};

@@ -7,6 +7,9 @@ use super::description::{Base, Place, SceneDescription, Support};
 use super::shaft::Station;
 use super::{EntryPath, Node, SceneError, Shaft, nearest};
 
+/// Characters that separate the names of a mesh, "driver/driven", and the kind of a recorded item, "bearing:shaft".
+const SEPARATORS: [char; 2] = ['/', ':'];
+
 /// A name, with the list, index and field of its entry.
 struct NamePlace<'a> {
     list: &'static str,
@@ -15,7 +18,7 @@ struct NamePlace<'a> {
     name: &'a str,
 }
 
-/// The names of a description. Each name is unique.
+/// The names of a description. Each name is unique, and contains no separator.
 pub(super) struct Names<'a> {
     shafts: HashMap<&'a str, usize>,
     bodies: HashMap<&'a str, (&'a str, f64)>,
@@ -37,6 +40,12 @@ impl<'a> Names<'a> {
             let field = |message: String| EntryPath::entry(place.list, place.index).field(&place.field).error(message);
             if place.name.is_empty() {
                 return Err(field("must not be empty".to_owned()));
+            }
+            if let Some(sign) = place.name.chars().find(|sign| SEPARATORS.contains(sign)) {
+                let (name, other) = (place.name, place.name.replace(SEPARATORS, "-"));
+                return Err(field(format!(
+                    "must not contain \"{sign}\", got \"{name}\"; texts such as \"driver/driven\" join names with it, so write \"{other}\""
+                )));
             }
             if let Some(NamePlace { list, index, field: part, name }) = used.get(place.name) {
                 let first = EntryPath::entry(list, *index);

@@ -17,7 +17,7 @@ const GROOVE: f64 = 0.52;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rolling {
     /// Number n of rolling elements.
-    pub balls: u32,
+    pub elements: u32,
     /// Diameter of an element over the pitch diameter, d/D.
     pub diameter_ratio: f64,
     /// Radial internal clearance, the free motion of the shaft from side to side, m; negative for a preload.
@@ -44,7 +44,7 @@ impl Rolling {
         }
         for (name, is_given) in given.film_entries().into_iter().chain([("stiffness", given.stiffness.is_some())]) {
             if is_given && name != "clearance" {
-                let message = "a rolling bearing takes none; leave it out, or leave out balls, ball_diameter, pitch_diameter and the other entries of a rolling bearing";
+                let message = "a rolling bearing takes none; leave it out, or leave out elements, element_diameter, pitch_diameter and the other entries of a rolling bearing";
                 return Err(at.field(name).error(message));
             }
         }
@@ -52,14 +52,14 @@ impl Rolling {
             let missing = || at.error(format!("missing field `{name}` of the rolling bearing"));
             value.ok_or_else(missing)
         };
-        let balls = given.balls.ok_or_else(|| at.error("missing field `balls` of the rolling bearing"))?;
-        let diameter = at.field("ball_diameter").positive(needed("ball_diameter", given.ball_diameter)?)?;
+        let elements = given.elements.ok_or_else(|| at.error("missing field `elements` of the rolling bearing"))?;
+        let diameter = at.field("element_diameter").positive(needed("element_diameter", given.element_diameter)?)?;
         let pitch = at.field("pitch_diameter").positive(needed("pitch_diameter", given.pitch_diameter)?)?;
-        check_fit(balls, diameter, pitch, at)?;
+        check_fit(elements, diameter, pitch, at)?;
         let clearance = at.field("clearance").finite(needed("clearance", given.clearance)?)?;
         if clearance.abs() >= diameter {
             let message = format!(
-                "must be below ball_diameter, {diameter} m, in size, got {clearance}; usual are 5e-6 to 1e-4 m, and a negative one is a preload"
+                "must be below element_diameter, {diameter} m, in size, got {clearance}; usual are 5e-6 to 1e-4 m, and a negative one is a preload"
             );
             return Err(at.field("clearance").error(message));
         }
@@ -77,29 +77,29 @@ impl Rolling {
         };
         let phase = at.field("phase").finite(given.phase.unwrap_or(0.0))?;
         let known =
-            Self { balls, diameter_ratio: ratio, clearance, hertz_stiffness, line_contact, contact_angle, phase };
+            Self { elements, diameter_ratio: ratio, clearance, hertz_stiffness, line_contact, contact_angle, phase };
         Ok(Some(known))
     }
 }
 
 /// Refuses elements that do not fit on the pitch circle.
-fn check_fit(balls: u32, diameter: f64, pitch: f64, at: &EntryPath) -> Result<(), SceneError> {
-    if !(FEWEST..=MOST).contains(&balls) {
-        let message = format!("must be between {FEWEST} and {MOST}, got {balls}; fewer do not hold the shaft");
-        return Err(at.field("balls").error(message));
+fn check_fit(elements: u32, diameter: f64, pitch: f64, at: &EntryPath) -> Result<(), SceneError> {
+    if !(FEWEST..=MOST).contains(&elements) {
+        let message = format!("must be between {FEWEST} and {MOST}, got {elements}; fewer do not hold the shaft");
+        return Err(at.field("elements").error(message));
     }
     if diameter >= pitch {
         let message =
             format!("must be below pitch_diameter, {pitch} m, got {diameter}; pitch_diameter goes through the centres");
-        return Err(at.field("ball_diameter").error(message));
+        return Err(at.field("element_diameter").error(message));
     }
-    let distance = pitch * (PI / f64::from(balls)).sin();
+    let distance = pitch * (PI / f64::from(elements)).sin();
     if distance < diameter {
         let most = (PI / (diameter / pitch).asin()).floor();
         let message = format!(
-            "{balls} elements of {diameter} m overlap on a pitch circle of {pitch} m, where their centres are {distance:.6} m apart; at most {most} fit"
+            "{elements} elements of {diameter} m overlap on a pitch circle of {pitch} m, where their centres are {distance:.6} m apart; at most {most} fit"
         );
-        return Err(at.field("balls").error(message));
+        return Err(at.field("elements").error(message));
     }
     Ok(())
 }
@@ -120,8 +120,9 @@ fn point_stiffness(
         if found > 0.5 {
             return Ok(found);
         }
-        let message =
-            format!("radius of the groove over ball_diameter must be above 0.5, got {found}; usual are 0.515 to 0.53");
+        let message = format!(
+            "radius of the groove over element_diameter must be above 0.5, got {found}; usual are 0.515 to 0.53"
+        );
         Err(at.field(name).error(message))
     };
     let groove = [radius("inner_groove", given.inner_groove)?, radius("outer_groove", given.outer_groove)?];

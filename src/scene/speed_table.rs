@@ -1,12 +1,11 @@
 //! Coefficients of a bearing over the speed of its shaft: monotone cubic interpolation between given speeds.
 //!
-//! Each entry of the 2×2 coefficient is interpolated on its own by the piecewise cubic Hermite polynomial of Fritsch and
-//! Carlson (SIAM J. Numer. Anal. 17, 1980) with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 1984):
-//! the weighted harmonic mean of the two secants, zero at an extremum. Between two knots an entry is monotone, so no
-//! stiffness lies outside the values of its neighbours. `scipy.interpolate.PchipInterpolator` is the same function.
+//! Each entry of the 2×2 coefficient is interpolated on its own. Between two knots an entry is monotone, so no stiffness lies
+//! outside the values of its neighbours.
 
 use super::description::{self, Coefficient, Outside};
 use super::{EntryPath, SceneError};
+use crate::numerics::{PiecewiseCubic, Place, monotone_slopes};
 
 /// A 2×2 coefficient over (y, z): stiffness [N/m] or damping [N s/m].
 pub type Matrix2 = [[f64; 2]; 2];
@@ -26,12 +25,10 @@ pub enum BearingCoefficient {
 /// Coefficients over the magnitude of a speed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpeedTable {
-    /// Speeds, rad/s, ascending.
-    speeds: Vec<f64>,
     /// Coefficient at each speed.
     values: Vec<Matrix2>,
-    /// Derivative over the speed at each speed.
-    slopes: Vec<Matrix2>,
+    /// The coefficient over the speed, rad/s.
+    curve: PiecewiseCubic<nalgebra::Matrix2<f64>>,
     /// Whether the first and the last value hold outside the speeds.
     holds: bool,
 }
@@ -87,7 +84,7 @@ impl BearingCoefficient {
     pub fn speeds(&self) -> &[f64] {
         match self {
             Self::Constant(_) => &[],
-            Self::Table(table) => &table.speeds,
+            Self::Table(table) => &table.curve.x,
         }
     }
 
@@ -130,31 +127,21 @@ impl SpeedTable {
         }
         let value = |(index, value): (usize, &Coefficient)| checked(*value, &place.index(index));
         let values = given.values.iter().enumerate().map(value).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { slopes: slopes(&speeds, &values), speeds, values, holds: given.outside == Outside::Hold })
+        Ok(Self { curve: curve(speeds, &values), values, holds: given.outside == Outside::Hold })
     }
 
     /// The coefficient and its derivative at a speed that is not negative. At a knot the coefficient is the given value.
     fn at(&self, speed: f64) -> [Matrix2; 2] {
-        let above = self.speeds.partition_point(|knot| *knot <= speed);
-        let last = self.speeds.len() - 1;
-        if above == 0 || speed >= self.speeds[last] {
-            let end = if above == 0 { 0 } else { last };
-            let slope = if speed == self.speeds[end] { self.slopes[end] } else { [[0.0; 2]; 2] };
-            return [self.values[end], slope];
-        }
-        let (left, right) = (above - 1, above);
-        let (width, t) = (self.speeds[right] - self.speeds[left], speed - self.speeds[left]);
-        let entry = |i: usize, j: usize| {
-            let (y, m, n) = (self.values[left][i][j], self.slopes[left][i][j], self.slopes[right][i][j]);
-            let secant = (self.values[right][i][j] - y) / width;
-            let (c, d) = ((3.0 * secant - 2.0 * m - n) / width, (m + n - 2.0 * secant) / (width * width));
-            [y + t * (m + t * (c + t * d)), m + t * (2.0 * c + t * 3.0 * d)]
+        let [value, slope] = match self.curve.at(speed) {
+            Place::Within { cubic, fraction, width } => [cubic.value(fraction), cubic.slope(fraction) / width],
+            Place::Behind(end) if speed == self.curve.range()[1] => [end.value, end.slope],
+            Place::Before(end) | Place::Behind(end) => [end.value, nalgebra::Matrix2::zeros()],
         };
-        std::array::from_fn(|of| std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)[of])))
+        [value.into(), slope.into()]
     }
 
     fn excludes(&self, speed: f64) -> Option<[f64; 2]> {
-        let [first, last] = [self.speeds[0], self.speeds[self.speeds.len() - 1]];
+        let [first, last] = self.curve.range();
         let slack = ROUND_OFF * last;
         let inside = speed >= first - slack && speed <= last + slack;
         (!self.holds && !inside).then_some([first, last])
@@ -182,52 +169,17 @@ pub(super) fn checked(given: Coefficient, at: &EntryPath) -> Result<Matrix2, Sce
     Ok(rows)
 }
 
-/// Slopes at the knots, entry by entry.
-fn slopes(speeds: &[f64], values: &[Matrix2]) -> Vec<Matrix2> {
-    let mut found = vec![[[0.0; 2]; 2]; speeds.len()];
-    for i in 0..2 {
-        for j in 0..2 {
-            let entry: Vec<f64> = values.iter().map(|value| value[i][j]).collect();
-            for (slopes, slope) in found.iter_mut().zip(slopes_of_entry(speeds, &entry)) {
-                slopes[i][j] = slope;
-            }
+/// The monotone interpolation of each entry.
+fn curve(speeds: Vec<f64>, values: &[Matrix2]) -> PiecewiseCubic<nalgebra::Matrix2<f64>> {
+    let values: Vec<nalgebra::Matrix2<f64>> = values.iter().map(|value| (*value).into()).collect();
+    let mut slopes = vec![nalgebra::Matrix2::zeros(); speeds.len()];
+    for entry in 0..4 {
+        let of_entry: Vec<f64> = values.iter().map(|value| value[entry]).collect();
+        for (slopes, slope) in slopes.iter_mut().zip(monotone_slopes(&speeds, &of_entry)) {
+            slopes[entry] = slope;
         }
     }
-    found
-}
-
-/// Slopes of a monotone cubic at the points (x, y).
-pub(super) fn slopes_of_entry(x: &[f64], y: &[f64]) -> Vec<f64> {
-    let widths: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let secants: Vec<f64> = y.windows(2).zip(&widths).map(|(pair, width)| (pair[1] - pair[0]) / width).collect();
-    let last = secants.len() - 1;
-    if last == 0 {
-        return vec![secants[0]; 2];
-    }
-    let inner = (1..=last).map(|k| {
-        let (left, right) = (secants[k - 1], secants[k]);
-        if left * right <= 0.0 {
-            return 0.0;
-        }
-        let (w, v) = (2.0 * widths[k] + widths[k - 1], widths[k] + 2.0 * widths[k - 1]);
-        (w + v) / (w / left + v / right)
-    });
-    let begin = end_slope([widths[0], widths[1]], [secants[0], secants[1]]);
-    let end = end_slope([widths[last], widths[last - 1]], [secants[last], secants[last - 1]]);
-    std::iter::once(begin).chain(inner).chain([end]).collect()
-}
-
-/// The slope at an end of the table: that of the parabola through three knots, limited so that the first cubic is
-/// monotone. Widths and secants count from the end inwards.
-fn end_slope(widths: [f64; 2], secants: [f64; 2]) -> f64 {
-    let slope = ((2.0 * widths[0] + widths[1]) * secants[0] - widths[0] * secants[1]) / (widths[0] + widths[1]);
-    if slope * secants[0] <= 0.0 {
-        0.0
-    } else if secants[0] * secants[1] < 0.0 && slope.abs() > 3.0 * secants[0].abs() {
-        3.0 * secants[0]
-    } else {
-        slope
-    }
+    PiecewiseCubic::new(speeds, values, slopes)
 }
 
 #[cfg(test)]

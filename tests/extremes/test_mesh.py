@@ -33,7 +33,7 @@ def exact_and_found(
     _, force = propagate(scene, teeth, pair, SPEED, times)
     options = {"rtol": 1e-10, "initial": "rest", "geometry": "frozen", "times": times} | options
     run = scene.package().simulate(times[-1], SPEED, **options)
-    return force, run.mesh("ga", "gb").force
+    return force, run.mesh(("ga", "gb")).force
 
 
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
@@ -86,7 +86,7 @@ def test_unequal_tooth_numbers(hold: Hold):
             warnings.simplefilter("ignore", gb.SceneWarning)
             static = train(teeth=teeth, torque=1e-3).static()
         base = 3e-3 * teeth[0] / 2 * np.cos(np.radians(20.0))
-        worst = max(worst, abs(static.mesh("ga", "gb").force / (1e-3 / base) - 1))
+        worst = max(worst, abs(static.mesh(("ga", "gb")).force / (1e-3 / base) - 1))
     hold(
         "The static mesh force equals torque / base radius",
         "tooth number ratio 1:400 to 400:1",
@@ -106,7 +106,7 @@ def test_unequal_tooth_numbers(hold: Hold):
             system.simulate(
                 5e-3, 100.0, initial="rest", record=["meshes"], method=method, rtol=1e-9
             )
-            .mesh("ga", "gb")
+            .mesh(("ga", "gb"))
             .force
             for method in ("exponential", "rk45")
         ]
@@ -179,5 +179,5 @@ def test_unloaded_contact_does_not_stop_a_run():
     for torque in (0.0, 1e-12, 1e-6):
         system = train(torque=torque, backlash=0.0)
         run = system.simulate(2e-3, 100.0)
-        assert np.isfinite(run.mesh("ga", "gb").force).all()
+        assert np.isfinite(run.mesh(("ga", "gb")).force).all()
         assert run.statistics.steps < 10_000

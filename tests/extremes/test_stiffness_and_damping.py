@@ -57,8 +57,8 @@ def test_soft_bearings_balance_a_stiff_mesh(hold: Hold):
     for soft, stiff in ((1e2, 2e8), (1e2, 2e12), (1e4, 2e14)):
         system = train(soft, 0.0, torque=1e-3, stiffness=stiff)
         static = system.static()
-        force = static.mesh("ga", "gb").force
-        carried = sum(np.hypot(*static.bearing_force("a", x)) for x in (0.0, 0.5))
+        force = static.mesh(("ga", "gb")).force
+        carried = sum(np.hypot(*static.bearing_force(("a", x))) for x in (0.0, 0.5))
         worst = max(worst, abs(carried / force - 1))
         assert system.modes().frequencies_hz[0] == 0.0
         assert system.modes().frequencies_hz[1] > 0.0

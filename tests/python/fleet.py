@@ -50,16 +50,6 @@ REFUSALS: dict[tuple[str, str], tuple[type[Exception], str]] = {
 }
 
 
-#: What is wrong with the result of (machine, analysis at a sense of rotation).
-FAULTS: dict[tuple[str, str], str] = {
-    (
-        "turbine_generator",
-        f"changing {sense}",
-    ): "the modes chosen at a changing speed leave an error of 50 %"
-    for sense in "+-"
-}
-
-
 @dataclass(eq=False)
 class Machine:
     """One machine, with the results that its tests share."""

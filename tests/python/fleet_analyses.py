@@ -64,7 +64,7 @@ def varied(system: gb.RotorSystem, share: float) -> dict[str, Any]:
 
 def quantity(system: gb.RotorSystem) -> str:
     """Quantity of a place that every run of the system has."""
-    return "w" if lateral(system) else "twist"
+    return "z" if lateral(system) else "twist"
 
 
 def turn(system: gb.RotorSystem, speed: float) -> float:
@@ -87,7 +87,7 @@ def close(system: gb.RotorSystem, one: gb.Response, other: gb.Response) -> None:
     pairs = [
         (read(one, name), read(other, name)) for name in places(system) for read in motions(system)
     ]
-    forces = [(r.mesh(m.driver, m.driven).force for r in (one, other)) for m in system.meshes]
+    forces = [(r.mesh((m.driver, m.driven)).force for r in (one, other)) for m in system.meshes]
     # the smallest motions of a train carry the error of the largest ones
     scale = max(rms(values) for values, _ in pairs)
     for values, others in pairs:
@@ -113,7 +113,7 @@ def compute_run(system: gb.RotorSystem, speed: float) -> gb.Response:
     return system.simulate(2.0 * turn(system, speed), speed, record=recorded(system))
 
 
-def check_static(system: gb.RotorSystem, speed: float, static: gb.Static) -> None:
+def check_static(system: gb.RotorSystem, speed: float, static: gb.results.Static) -> None:
     balance = Balance(system, static, speed)
     for body in balance.terms:
         # round-off reaches 1e-14
@@ -121,7 +121,7 @@ def check_static(system: gb.RotorSystem, speed: float, static: gb.Static) -> Non
     assert set(balance.terms) >= {shaft.name for shaft in system.shafts}
 
 
-def check_modes(system: gb.RotorSystem, speed: float, modes: gb.Modes) -> None:
+def check_modes(system: gb.RotorSystem, speed: float, modes: gb.results.Modes) -> None:
     equations = Equations(system, speed)
     assert len(modes.eigenvalues) == COUNT
     for value, shape in zip(modes.eigenvalues, modes.shapes, strict=True):
@@ -136,7 +136,7 @@ def check_modes(system: gb.RotorSystem, speed: float, modes: gb.Modes) -> None:
             assert near or abs(value) < 1e-3, f"{value} is missing"
 
 
-def check_campbell(system: gb.RotorSystem, _: float, campbell: gb.Campbell) -> None:
+def check_campbell(system: gb.RotorSystem, _: float, campbell: gb.results.Campbell) -> None:
     assert campbell.eigenvalues.shape == (len(SHARES), COUNT)
     for speed, values in zip(campbell.speeds, campbell.eigenvalues, strict=True):
         equations = Equations(system, speed)
@@ -151,7 +151,7 @@ def check_campbell(system: gb.RotorSystem, _: float, campbell: gb.Campbell) -> N
         assert Equations(system, crossing.speed).eigenvalue_residual(value) < 1e-8, crossing
 
 
-def check_map(system: gb.RotorSystem, _: float, found: gb.CriticalSpeedMap) -> None:
+def check_map(system: gb.RotorSystem, _: float, found: gb.results.CriticalSpeedMap) -> None:
     for stiffness, speeds in zip(found.stiffnesses, found.speeds, strict=True):
         bearings = [
             gb.Bearing(
@@ -172,7 +172,7 @@ def check_map(system: gb.RotorSystem, _: float, found: gb.CriticalSpeedMap) -> N
             assert equations.eigenvalue_residual(1j * speed) < 1e-3, (stiffness, speed)
 
 
-def check_synchronous(system: gb.RotorSystem, _: float, found: gb.Synchronous) -> None:
+def check_synchronous(system: gb.RotorSystem, _: float, found: gb.results.Synchronous) -> None:
     excited = False
     for speed, amplitudes in zip(found.speeds, found.amplitudes, strict=True):
         equations = Equations(system, speed)
@@ -193,14 +193,18 @@ def check_synchronous(system: gb.RotorSystem, _: float, found: gb.Synchronous) -
     assert excited
 
 
-def compute_peaks(system: gb.RotorSystem, speed: float) -> tuple[gb.Synchronous, list[gb.Peak]]:
+def compute_peaks(
+    system: gb.RotorSystem, speed: float
+) -> tuple[gb.results.Synchronous, list[gb.results.Peak]]:
     found = system.synchronous(speed * np.linspace(0.3, 1.2, 31))
     shaft = next(s for s in system.shafts if rotating_force(system, s, speed).any())
     return found, found.peaks(bodies_on(system, shaft)[0], operating=speed)
 
 
 def check_peaks(
-    system: gb.RotorSystem, speed: float, result: tuple[gb.Synchronous, list[gb.Peak]]
+    system: gb.RotorSystem,
+    speed: float,
+    result: tuple[gb.results.Synchronous, list[gb.results.Peak]],
 ) -> None:
     _, peaks = result
     at = next(i for i, s in enumerate(system.shafts) if rotating_force(system, s, speed).any())
@@ -220,12 +224,12 @@ def check_peaks(
             assert half == pytest.approx(amplitude / np.sqrt(2.0), rel=1e-4)
 
 
-def compute_balance(system: gb.RotorSystem, speed: float) -> gb.Balance:
+def compute_balance(system: gb.RotorSystem, speed: float) -> gb.results.Balance:
     planes = bodies_on(system, balanced_shaft(system))[:2]
     return system.balance(planes, speed, points=planes)
 
 
-def check_balance(system: gb.RotorSystem, speed: float, found: gb.Balance) -> None:
+def check_balance(system: gb.RotorSystem, speed: float, found: gb.results.Balance) -> None:
     source = [shaft.name for shaft in system.shafts].index(balanced_shaft(system).name)
 
     def amplitudes(corrected: gb.RotorSystem) -> Any:
@@ -268,9 +272,9 @@ def check_run(system: gb.RotorSystem, speed: float, run: gb.Response) -> None:
     static = system.static(speed=speed)
     for mesh in system.meshes:
         pair = (mesh.driver, mesh.driven)
-        mean = run.mesh(*pair).force[turn].mean()
+        mean = run.mesh(pair).force[turn].mean()
         # equal torques, and radii that the bow does not change: 1e-4 is reached
-        assert mean == pytest.approx(static.mesh(*pair).force, rel=1e-3)
+        assert mean == pytest.approx(static.mesh(pair).force, rel=1e-3)
 
 
 def compute_changing(system: gb.RotorSystem, speed: float) -> tuple[gb.Response, gb.Response]:
@@ -348,13 +352,18 @@ class Part:
     def twist(self, name: str) -> Any:
         return self.run.twist(name)[: self.count]
 
-    def mesh(self, driver: str, driven: str) -> Any:
-        return SimpleNamespace(force=self.run.mesh(driver, driven).force[: self.count])
+    def mesh(self, at: tuple[str, str]) -> Any:
+        return SimpleNamespace(force=self.run.mesh(at).force[: self.count])
 
 
 def compute_branch(system: gb.RotorSystem, speed: float) -> gb.Continuation:
     return system.continuation(
-        "speed", speed, 1.01 * speed, step=1.0, max_points=2, record=["gears", "disks", "meshes"]
+        "speed",
+        speed,
+        1.01 * speed,
+        first_step=1.0,
+        max_points=2,
+        record=["gears", "disks", "meshes"],
     )
 
 
@@ -406,7 +415,7 @@ def check_many(system: gb.RotorSystem, speed: float, runs: list[gb.Response]) ->
 
 def compute_waterfall(
     system: gb.RotorSystem, speed: float
-) -> tuple[list[gb.Response], gb.Waterfall]:
+) -> tuple[list[gb.Response], gb.results.Waterfall]:
     time = 0.5 * turn(system, speed)
     name = places(system)[0]
     runs = [
@@ -417,7 +426,7 @@ def compute_waterfall(
 
 
 def check_waterfall(
-    system: gb.RotorSystem, _: float, result: tuple[list[gb.Response], gb.Waterfall]
+    system: gb.RotorSystem, _: float, result: tuple[list[gb.Response], gb.results.Waterfall]
 ) -> None:
     runs, found = result
     assert np.all(np.diff(found.speeds) > 0.0)
@@ -444,7 +453,7 @@ def hann_amplitudes(values: Any) -> Any:
     return sums * np.where(2 * lines == count, 1.0, 2.0)
 
 
-def compute_orders(system: gb.RotorSystem, speed: float) -> tuple[gb.Response, gb.Orders]:
+def compute_orders(system: gb.RotorSystem, speed: float) -> tuple[gb.Response, gb.results.Orders]:
     name = places(system)[0]
     run = system.simulate(2.0 * turn(system, speed), speed, record=[name])
     return run, run.orders(
@@ -457,7 +466,9 @@ def compute_orders(system: gb.RotorSystem, speed: float) -> tuple[gb.Response, g
     )
 
 
-def check_orders(system: gb.RotorSystem, _: float, result: tuple[gb.Response, gb.Orders]) -> None:
+def check_orders(
+    system: gb.RotorSystem, _: float, result: tuple[gb.Response, gb.results.Orders]
+) -> None:
     run, found = result
     values = signal_of(system, run)
     phase = np.exp(2j * pi * np.outer(run.time, found.frequencies_hz))
@@ -471,7 +482,7 @@ def check_orders(system: gb.RotorSystem, _: float, result: tuple[gb.Response, gb
 def sensors_of(system: gb.RotorSystem) -> list[Any]:
     body = next(b for b in (*system.gears, *system.disks) if b.name == places(system)[0])
     return [
-        gb.Probe(body.shaft, body.position, angle=0.7, run_out=2e-6j),
+        gb.Probe(body.shaft, body.position, angle=0.7, runout=2e-6j),
         gb.Accelerometer((body.shaft, body.position), angle=0.7),
         gb.Tacho(body.shaft, 61),
     ]
@@ -523,7 +534,7 @@ class Analysis:
 
 ANALYSES = {
     "static": Analysis(lambda s, speed: s.static(speed=speed), check_static),
-    "modes": Analysis(lambda s, speed: s.modes(speed, COUNT), check_modes, largest=1000),
+    "modes": Analysis(lambda s, speed: s.modes(speed, count=COUNT), check_modes, largest=1000),
     # the speeds of a diagram are not negative
     "campbell": Analysis(
         lambda s, speed: s.campbell(SHARES * speed, count=COUNT), check_campbell, (1,), 400

@@ -1,64 +1,56 @@
-//! Every analysis includes connections: springs modelled as connections give the same results as a bearing in the
-//! matrices.
+//! Every analysis and every method contains connections. A table with the same coefficients at all speeds gives the results
+//! of a bearing in the matrices; tables, rolling elements and oil films give the same motion by every method.
 
-use crate::common::{largest, model, train};
+use crate::common::{Noise, largest, model, train};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, Response, simulate};
-use gearbow::analysis::{
-    ExcitationPart, Interrupt, Spectrum, campbell, critical_speeds, equilibrium, ill_conditioning, synchronous,
-};
-use gearbow::connection::{Connection, Row, Spring};
+use gearbow::analysis::{ExcitationPart, Interrupt, Spectrum, campbell, critical_speeds, equilibrium, synchronous};
+use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions};
 use gearbow::integrate::Statistics;
-use gearbow::mesh::Geometry;
+use gearbow::mesh::{Contact, ContactMode, Geometry, ShaftPhase};
 use gearbow::modal::{CachedModel, modes};
-use gearbow::motion::Energies;
+use gearbow::motion::{Energies, Profile, Speed};
 use gearbow::scene::SceneDescription;
-use gearbow::scene::description::{Coefficient, Gravity};
+use gearbow::scene::description::Gravity;
 
-const STIFFNESS: f64 = 1e8;
-const DAMPING: f64 = 500.0;
 /// Round-off of sums in a different order, in a problem with a condition number of 1e5.
 const ROUND_OFF: f64 = 1e-9;
 
-/// The model of a scene with springs instead of its first bearing. `rows` gives the scalars of each spring from the index
-/// of v of the bearing's node.
-fn without_bearing(
-    system: &SceneDescription,
-    rows: impl Fn(usize) -> Vec<Vec<Row>>,
-    stiffness: f64,
-    cubic: f64,
-) -> CachedModel {
+/// A bearing with the coefficients of the other bearings, and the same in a table over the speed.
+const CONSTANT: &str = "stiffness = 1e8, damping = 500.0";
+const SAME_AT_ALL_SPEEDS: &str = "stiffness = { speeds = [0.0, 1e4], values = [1e8, 1e8] }, damping = 500.0";
+/// A bearing whose stiffness and cross-coupling rise by a factor of three from 100 to 120 rad/s.
+const STIFFENING: &str = "stiffness = { speeds = [0.0, 100.0, 120.0, 1e4], values = [[[1e8, 2e7], [-2e7, 8e7]], \
+    [[1e8, 2e7], [-2e7, 8e7]], [[3e8, 6e7], [-6e7, 2.4e8]], [[3e8, 6e7], [-6e7, 2.4e8]]] }, \
+    damping = { speeds = [0.0, 1e4], values = [500.0, 2e4] }";
+/// Rolling elements with a clearance, whose force grows with the power 3/2 of the deflection.
+const ROLLING: &str = "elements = 8, element_diameter = 0.01, pitch_diameter = 0.06, clearance = 2e-6, hertz_stiffness = 1e10, \
+    damping = 500.0";
+/// The oil film of a journal bearing.
+const JOURNAL: &str = "diameter = 0.05, length = 0.02, clearance = 5e-5, viscosity = 0.02";
+
+/// The system with other entries of its first bearing.
+fn with_bearing(system: &SceneDescription, entries: &str) -> SceneDescription {
+    let text = format!(r#"bearing = {{ shaft = "input", position = 0.0, {entries} }}"#);
+    let parsed: toml::Table = toml::from_str(&text).unwrap();
     let mut system = system.clone();
-    system.bearings[0].stiffness = Some(Coefficient::Isotropic(0.0).into());
-    system.bearings[0].damping = None;
-    let model = model(&system);
-    let first = model.numbering.translation(model.scene.bearings[0].node).unwrap();
-    let springs = rows(first).into_iter().map(|rows| Spring { rows, stiffness, cubic, damping: DAMPING });
-    CachedModel::new(model.with_springs(springs.collect()))
+    system.bearings[0] = parsed["bearing"].clone().try_into().unwrap();
+    system
 }
 
-/// Two springs on one scalar each.
-fn with_springs(system: &SceneDescription, stiffness: f64, cubic: f64) -> CachedModel {
-    without_bearing(system, |v| vec![vec![vec![(v, 1.0)]], vec![vec![(v + 1, 1.0)]]], stiffness, cubic)
-}
-
-/// One isotropic spring on two scalars.
-fn with_isotropic_spring(system: &SceneDescription, stiffness: f64, cubic: f64) -> CachedModel {
-    without_bearing(system, |v| vec![vec![vec![(v, 1.0)], vec![(v + 1, 1.0)]]], stiffness, cubic)
-}
-
-/// The scene with its first bearing in the matrices, as two springs on one scalar each, and as one spring on two scalars.
-fn forms(system: &SceneDescription) -> [CachedModel; 3] {
-    [
-        CachedModel::new(model(system)),
-        with_springs(system, STIFFNESS, 0.0),
-        with_isotropic_spring(system, STIFFNESS, 0.0),
-    ]
+/// The system with its first bearing in the matrices, and as a connection.
+fn forms(system: &SceneDescription) -> [CachedModel; 2] {
+    [CONSTANT, SAME_AT_ALL_SPEEDS].map(|entries| CachedModel::new(model(&with_bearing(system, entries))))
 }
 
 fn heavy() -> SceneDescription {
     let mut system = train();
     system.gravity = Some(Gravity::Down(9.81));
     system
+}
+
+/// A run-up from 100 to 120 rad/s in 0.02 s.
+fn run_up() -> Speed {
+    Speed::Changing(Profile::new(vec![0.0, 1.0], &[[100.0, 1000.0, 0.0, 0.0]]).unwrap())
 }
 
 /// Largest difference of two lists relative to their largest entry.
@@ -68,10 +60,10 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     largest(&gap) / largest(a)
 }
 
-fn options(method: Method, step: Option<f64>) -> Options {
+fn options(speed: Speed, method: Method, step: Option<f64>) -> Options {
     Options {
         duration: 0.02,
-        speed: 100.0.into(),
+        speed,
         method,
         step,
         rtol: matches!(method, Method::Rk45).then_some(1e-11),
@@ -95,84 +87,54 @@ fn run(cached: &CachedModel, options: &Options) -> Response {
 #[test]
 fn modes_and_critical_speeds_contain_connections() {
     let interrupt = Interrupt::default();
-    let [matrices, springs @ ..] = forms(&train());
-    let frequencies = |cached: &CachedModel| cached.real_modes(100.0).unwrap().frequencies.as_slice().to_vec();
+    let [matrices, table] = forms(&train());
     let eigenvalues = |cached: &CachedModel| -> Vec<f64> {
-        modes(cached, 100.0, usize::MAX).unwrap().iter().map(|mode| mode.eigenvalue.im).take(20).collect()
-    };
-    let damping = |cached: &CachedModel| -> Vec<f64> {
-        modes(cached, 100.0, usize::MAX).unwrap().iter().map(|mode| mode.eigenvalue.re).take(20).collect()
-    };
-    let critical = |cached: &CachedModel| -> Vec<f64> {
-        critical_speeds(cached, 1.0, usize::MAX, &interrupt)
+        modes(&cached.at_speed(100.0).unwrap(), 100.0, usize::MAX)
             .unwrap()
             .iter()
-            .map(|critical| critical.speed)
-            .take(8)
+            .map(|mode| mode.eigenvalue.im)
+            .take(20)
             .collect()
+    };
+    let damping = |cached: &CachedModel| -> Vec<f64> {
+        modes(&cached.at_speed(100.0).unwrap(), 100.0, usize::MAX)
+            .unwrap()
+            .iter()
+            .map(|mode| mode.eigenvalue.re)
+            .take(20)
+            .collect()
+    };
+    let critical = |cached: &CachedModel| -> Vec<f64> {
+        let found = critical_speeds(cached, 1.0, usize::MAX, &interrupt).unwrap();
+        found.iter().map(|critical| critical.speed).take(8).collect()
     };
     let meetings = |cached: &CachedModel| -> Vec<f64> {
         let diagram = campbell(cached, &[10.0, 200.0, 400.0], 6, 1, &interrupt).unwrap();
         diagram.intersections.iter().map(|meeting| meeting.speed).collect()
     };
-    for springs in &springs {
-        assert!(difference(&frequencies(&matrices), &frequencies(springs)) < ROUND_OFF);
-        assert!(difference(&eigenvalues(&matrices), &eigenvalues(springs)) < ROUND_OFF);
-        assert!(difference(&damping(&matrices), &damping(springs)) < 1e-6);
-        assert!(difference(&critical(&matrices), &critical(springs)) < ROUND_OFF);
-        assert!(difference(&meetings(&matrices), &meetings(springs)) < ROUND_OFF);
-    }
+    assert!(difference(&eigenvalues(&matrices), &eigenvalues(&table)) < ROUND_OFF);
+    assert!(difference(&damping(&matrices), &damping(&table)) < 1e-6);
+    assert!(difference(&critical(&matrices), &critical(&table)) < ROUND_OFF);
+    assert!(difference(&meetings(&matrices), &meetings(&table)) < ROUND_OFF);
 }
 
 #[test]
 fn equilibrium_synchronous_response_and_step_limit_contain_connections() {
-    let [matrices, springs @ ..] = forms(&heavy());
-    for springs in &springs {
-        for geometry in [Geometry::Live, Geometry::Frozen] {
-            let rest = [&matrices, springs].map(|cached| equilibrium(cached, geometry, 100.0).unwrap());
-            assert!(difference(rest[0].as_slice(), rest[1].as_slice()) < ROUND_OFF);
-        }
-        let response = [&matrices, springs].map(|cached| synchronous(cached, 100.0, ExcitationPart::Both).unwrap());
-        assert!((&response[0] - &response[1]).norm() < ROUND_OFF * response[0].norm());
-        let spectrum = [&matrices, springs].map(|cached| Spectrum::new(cached, 100.0).unwrap());
-        assert!((spectrum[0].omega_max / spectrum[1].omega_max - 1.0).abs() < ROUND_OFF);
-        // The norm that bounds a damping matrix is √2 times that of its two dampers.
-        let ratio = spectrum[0].damping / spectrum[1].damping;
-        assert!((1.0 - ROUND_OFF..1.5).contains(&ratio), "{ratio}");
+    let forms = forms(&heavy());
+    for geometry in [Geometry::Live, Geometry::Frozen] {
+        let rest = forms.each_ref().map(|cached| equilibrium(cached, geometry, 100.0).unwrap());
+        assert!(difference(rest[0].as_slice(), rest[1].as_slice()) < ROUND_OFF);
     }
+    let response = forms.each_ref().map(|cached| synchronous(cached, 100.0, ExcitationPart::Both).unwrap());
+    assert!((&response[0] - &response[1]).norm() < ROUND_OFF * response[0].norm());
+    let spectrum = forms.each_ref().map(|cached| Spectrum::new(cached, 100.0).unwrap());
+    assert!((spectrum[0].omega_max / spectrum[1].omega_max - 1.0).abs() < ROUND_OFF);
+    // The norm that bounds a damping matrix is √2 times that of its two dampers.
+    let ratio = spectrum[0].damping / spectrum[1].damping;
+    assert!((1.0 / 1.5..1.5).contains(&ratio), "{ratio}");
 }
 
-#[test]
-fn diagnostics_name_the_connection_that_causes_round_off() {
-    let stiff = with_springs(&train(), 1e19, 0.0);
-    let message = ill_conditioning(&stiff, 100.0).unwrap().unwrap();
-    assert!(message.ends_with("a spring of 1.000e19 N/m"), "{message}");
-}
-
-#[test]
-fn runs_of_every_method_contain_connections() {
-    for (method, step) in
-        [(Method::Exponential, None), (Method::ExactRk4, Some(1e-6)), (Method::Rk45, None), (Method::Rk4, None)]
-    {
-        let [matrices, springs @ ..] = forms(&heavy()).map(|cached| run(&cached, &options(method, step)));
-        for springs in &springs {
-            let (a, b) = (&matrices.record, &springs.record);
-            // The steps of adaptive methods may differ. The results agree to the tolerance.
-            let tolerance = if method == Method::Exponential { 1e-6 } else { 1e-8 };
-            assert!(difference(&a.displacement, &b.displacement) < tolerance, "{}", method.name());
-            let energy = |response: &Response| -> Vec<f64> {
-                response.record.energy.iter().map(|(energies, _)| energies.total()).collect()
-            };
-            assert!(difference(&energy(&matrices), &energy(springs)) < tolerance, "{}", method.name());
-            let works = |response: &Response| -> Vec<f64> {
-                response.record.energy.iter().map(|(_, works)| works.iter().sum::<f64>()).collect()
-            };
-            assert!(difference(&works(&matrices), &works(springs)) < 10.0 * tolerance, "{}", method.name());
-        }
-    }
-}
-
-/// The heavy train with backlash and tooth pairs in its first mesh, so that the linear motion excludes all connections.
+/// The train with backlash and tooth pairs in its first mesh, so that the linear motion excludes all connections.
 fn with_backlash() -> SceneDescription {
     let mut system = heavy();
     let teeth = r#"{ model = "parabolic", pair = 2e8, engagement = 0.2 }"#;
@@ -185,18 +147,35 @@ fn with_backlash() -> SceneDescription {
 }
 
 #[test]
-fn connections_act_as_loads_if_the_linear_motion_excludes_the_meshes() {
-    let [matrices, springs @ ..] = forms(&with_backlash());
-    let expected = run(&matrices, &options(Method::Exponential, None));
-    assert!(expected.statistics.events > 0);
-    for springs in springs {
-        assert!(springs.linear_without_meshes(100.0).unwrap().is_some());
-        let found = run(&springs, &options(Method::Exponential, None));
-        let gap = difference(&expected.record.displacement, &found.record.displacement);
-        // Both results are accurate to their tolerance of 1e-6.
-        assert!(gap < 1e-5, "{gap:e}");
-        assert_eq!(expected.statistics.events, found.statistics.events);
+fn runs_of_every_method_contain_connections() {
+    // ETDRK4 needs a constant speed, at which a table belongs to the matrices.
+    for (method, step) in [(Method::Exponential, None), (Method::Rk45, None), (Method::Rk4, None)] {
+        let [matrices, table] = forms(&heavy()).map(|cached| run(&cached, &options(run_up(), method, step)));
+        let (a, b) = (&matrices.record, &table.record);
+        // The steps of adaptive methods may differ. The results agree to the tolerance.
+        let tolerance = if method == Method::Exponential { 1e-6 } else { 1e-8 };
+        assert!(difference(&a.displacement, &b.displacement) < tolerance, "{}", method.name());
+        let energy = |response: &Response| -> Vec<f64> {
+            response.record.energy.iter().map(|(energies, _)| energies.total()).collect()
+        };
+        assert!(difference(&energy(&matrices), &energy(&table)) < tolerance, "{}", method.name());
+        let works = |response: &Response| -> Vec<f64> {
+            response.record.energy.iter().map(|(_, works)| works.iter().sum::<f64>()).collect()
+        };
+        assert!(difference(&works(&matrices), &works(&table)) < 10.0 * tolerance, "{}", method.name());
     }
+}
+
+#[test]
+fn connections_act_as_loads_if_the_linear_motion_excludes_the_meshes() {
+    let [matrices, table] = forms(&with_backlash());
+    let [expected, found] =
+        [&matrices, &table].map(|cached| run(cached, &options(run_up(), Method::Exponential, None)));
+    assert!(expected.statistics.events > 0);
+    let gap = difference(&expected.record.displacement, &found.record.displacement);
+    // Both results are accurate to their tolerance of 1e-6.
+    assert!(gap < 1e-5, "{gap:e}");
+    assert_eq!(expected.statistics.events, found.statistics.events);
 }
 
 /// Largest difference between the sum of the works and the change of energy, relative to the initial energy.
@@ -206,120 +185,157 @@ fn imbalance(response: &Response) -> f64 {
     response.record.energy.iter().map(left).fold(0.0_f64, |most, left| most.max(left.abs())) / first.abs()
 }
 
-#[test]
-fn exponential_method_and_runge_kutta_agree_for_a_cubic_spring() {
-    // At the equilibrium displacements of about 1e-5 m, the cubic term is one third of the force.
-    let cached = with_springs(&heavy(), STIFFNESS, 3e17);
-    let rest = equilibrium(&cached, Geometry::Live, 100.0).unwrap();
-    let square = cached.model.springs[0].square(rest.as_slice());
-    assert!(3e17 * square > 0.01 * STIFFNESS, "{square:e}");
-    let exact = run(&cached, &options(Method::Rk45, None));
-    for method in [Method::Exponential, Method::ExactRk4] {
-        let step = matches!(method, Method::ExactRk4).then_some(1e-6);
-        let found = run(&cached, &options(method, step));
-        let gap = difference(&exact.record.displacement, &found.record.displacement);
-        assert!(gap < 1e-5, "{}: {gap:e}", method.name());
-    }
-    assert!(imbalance(&exact) < 1e-6);
-}
-
-#[test]
-fn the_tangent_of_a_spring_on_two_scalars_is_the_derivative_of_its_force() {
-    let rows = vec![vec![(0, 1.0), (2, -1.0)], vec![(1, 1.0), (3, -1.0)]];
-    let spring = Spring { rows, stiffness: 2.0, cubic: 3.0, damping: 0.0 };
-    let q = [0.7, -0.4, 0.2, 0.5];
-    let (force, tangent) = spring.static_tangent(&q);
-    assert!(tangent[(0, 1)].abs() > 1.0 && tangent.determinant() > 1.0, "{tangent}");
-    for k in 0..2 {
-        let shifted = |by: f64| {
-            let mut q = q;
-            q[k] += by;
-            spring.static_tangent(&q).0
-        };
-        // Central differences of a cubic polynomial err by h²k₃; round-off is ε/h.
-        let slope = (shifted(1e-5) - shifted(-1e-5)) / 2e-5;
-        assert!((slope - tangent.column(k)).norm() < 1e-8 * tangent.norm());
-    }
-    let mut out = [0.0; 4];
-    spring.apply(&q, &[0.0; 4], &mut out);
-    assert_eq!(out, [-force[0], -force[1], force[0], force[1]]);
-}
-
-#[test]
-fn equilibrium_carries_gravity_by_a_hardening_spring_on_two_scalars() {
-    // Gravity and torques press the shaft in both directions, so that the tangent has entries off the diagonal.
-    for cubic in [3e17, 1e21] {
-        let cached = with_isotropic_spring(&heavy(), STIFFNESS, cubic);
-        let (model, spring) = (&cached.model, &cached.model.springs[0]);
-        let q = equilibrium(&cached, Geometry::Frozen, 100.0).unwrap();
-        let (_, tangent) = spring.static_tangent(q.as_slice());
-        assert!(tangent[(0, 1)].abs() > 1e-3 * tangent[(0, 0)], "{tangent}");
-        let meshes = model.connections(100.0).filter(|connection| matches!(connection, Connection::Mesh(..)));
-        let mut left = &model.constant_load - model.static_force(&q);
-        for mesh in meshes {
-            let (rows, stiffness) = (mesh.rows(), mesh.linear(100.0).stiffness[(0, 0)]);
-            let deflection: f64 = rows[0].iter().map(|(index, factor)| factor * q[*index]).sum();
-            rows[0].iter().for_each(|(index, factor)| left[*index] -= factor * stiffness * deflection);
-        }
-        spring.apply(q.as_slice(), &vec![0.0; model.len()], left.as_mut_slice());
-        assert!(left.norm() < 1e-9 * model.constant_load.norm(), "{:e}", left.norm());
-    }
-}
-
 /// Options of a short run with a tight tolerance.
-fn tight(method: Method) -> Options {
+fn tight(speed: Speed, method: Method) -> Options {
     Options {
         duration: 5e-3,
         times: (0..=5).map(|k| f64::from(k) * 1e-3).collect(),
         rtol: matches!(method, Method::Exponential | Method::Rk45).then_some(1e-11),
-        ..options(method, matches!(method, Method::ExactRk4 | Method::Rk4).then_some(1e-6))
+        ..options(speed, method, matches!(method, Method::ExactRk4 | Method::Rk4).then_some(1e-6))
     }
 }
 
 #[test]
-fn every_method_agrees_for_a_hardening_spring_on_two_scalars() {
+fn every_method_gives_the_same_motion() {
     let mut damped = heavy();
     // With modal damping, Runge–Kutta methods also integrate in modes.
     damped.modal_damping = Some(0.01);
-    // With backlash, the linear motion excludes stiffness and damping of the spring.
-    for system in [heavy(), damped, with_backlash()] {
-        let cached = with_isotropic_spring(&system, STIFFNESS, 3e17);
-        let exact = run(&cached, &tight(Method::Rk45));
-        assert!(imbalance(&exact) < 1e-6);
-        // The step of rk4 is near its stability limit, so that its fast modes are less accurate.
-        for (method, tolerance) in [(Method::Exponential, 1e-8), (Method::ExactRk4, 1e-8), (Method::Rk4, 1e-6)] {
-            let found = run(&cached, &tight(method));
-            let gap = difference(&exact.record.displacement, &found.record.displacement);
-            assert!(gap < tolerance, "{}: {gap:e}", method.name());
-            assert!(imbalance(&found) < 1e-6);
+    let constant = || Speed::Constant(100.0);
+    for (entries, speed) in [(STIFFENING, run_up()), (ROLLING, constant()), (ROLLING, run_up()), (JOURNAL, constant())]
+    {
+        // With backlash, the linear motion excludes the meshes.
+        for system in [heavy(), damped.clone(), with_backlash()] {
+            let cached = CachedModel::new(model(&with_bearing(&system, entries)));
+            let exact = run(&cached, &tight(speed.clone(), Method::Rk45));
+            assert!(imbalance(&exact) < 1e-6, "{entries}");
+            // The damping of a film over the mass of a node is 3e7 1/s: the order of ETDRK4 falls (3e-5 at this step, 9e-7 at an
+            // eighth of it), and rk4 is not stable. The step of rk4 is near its stability limit for the other bearings, so that
+            // its fast modes are less accurate. ETDRK4 needs a constant speed.
+            let methods = match (entries, &speed) {
+                (JOURNAL, _) => vec![(Method::Exponential, 1e-8), (Method::ExactRk4, 1e-4)],
+                (_, Speed::Changing(_)) => vec![(Method::Exponential, 1e-8), (Method::Rk4, 1e-6)],
+                _ => vec![(Method::Exponential, 1e-8), (Method::ExactRk4, 1e-8), (Method::Rk4, 1e-6)],
+            };
+            for (method, tolerance) in methods {
+                let found = run(&cached, &tight(speed.clone(), method));
+                let gap = difference(&exact.record.displacement, &found.record.displacement);
+                assert!(gap < tolerance, "{entries} {}: {gap:e}", method.name());
+                assert!(imbalance(&found) < 1e-6, "{entries} {}", method.name());
+            }
         }
     }
 }
 
 #[test]
-fn a_spring_between_two_shafts_acts_on_both() {
-    let other = model(&heavy());
-    let other = other.numbering.translation(other.scene.bearings[4].node).unwrap();
-    let rows = |v: usize| {
-        let between = |lane: usize| vec![(v + lane, 1.0), (other + lane, -1.0)];
-        vec![vec![vec![(v, 1.0)], vec![(v + 1, 1.0)]], vec![between(0), between(1)]]
-    };
-    let cached = without_bearing(&heavy(), rows, STIFFNESS, 3e17);
-    let [exact, found] = [Method::Rk45, Method::Exponential].map(|method| run(&cached, &tight(method)));
-    let gap = difference(&exact.record.displacement, &found.record.displacement);
-    assert!(gap < 1e-8, "{gap:e}");
-    assert!(imbalance(&found) < 1e-6);
+fn the_tangent_is_the_derivative_of_the_load() {
+    let mut noise = Noise::new(11);
+    for entries in [STIFFENING, ROLLING, JOURNAL] {
+        let model = model(&with_bearing(&heavy(), entries));
+        let cached = CachedModel::new(model);
+        let at_speed = cached.at_speed(110.0).unwrap();
+        // A table stays a connection; a nonlinear bearing needs its coefficients in the matrices.
+        let model = if entries == STIFFENING { &cached.model } else { &at_speed.model };
+        let reference = equilibrium(&cached, Geometry::Live, 110.0).unwrap();
+        let options = InterfaceOptions {
+            geometry: Geometry::Live,
+            reference: reference.as_slice(),
+            contained: true,
+            speed: 110.0,
+            bearing_speed: 110.0,
+            highest_frequency: 0.0,
+            mobility: 0.0,
+        };
+        let bearing =
+            model.connections(110.0).find(|one| matches!(one, Connection::Bearing(_) | Connection::Nonlinear(_)));
+        let interface = Interface::new(bearing.unwrap(), options).unwrap();
+        let phase = ShaftPhase { angle: 0.7, spin: 115.0 };
+        let instant = Instant { time: 0.0, phases: [phase, ShaftPhase::default()], contact_mode: ContactMode::ALWAYS };
+        let (u, rates) = (noise.vector(2, 1e-6), noise.vector(2, 1e-3));
+        let load = |u: &[f64], rates: &[f64]| {
+            let mut load = [0.0; 2];
+            interface.load(&instant, u, rates, &mut load).unwrap();
+            load
+        };
+        let [mut stiffness, mut damping] = [[0.0; 4]; 2];
+        interface.residual_tangent(&instant, (&u, &rates), &Contact::default(), [&mut stiffness, &mut damping]);
+        for k in 0..2 {
+            let shifted = |values: &[f64], by: f64| -> Vec<f64> {
+                values.iter().enumerate().map(|(i, value)| value + if i == k { by } else { 0.0 }).collect()
+            };
+            let steps = [1e-9, 1e-6];
+            let differences = [(steps[0], true), (steps[1], false)].map(|(by, moves)| {
+                let [after, before] = [by, -by].map(|by| match moves {
+                    true => load(&shifted(&u, by), &rates),
+                    false => load(&u, &shifted(&rates, by)),
+                });
+                [0, 1].map(|i| -(after[i] - before[i]) / (2.0 * by))
+            });
+            for ((tangent, difference), by) in [stiffness, damping].iter().zip(differences).zip(steps) {
+                // Round-off of a force of 10 kN over the step.
+                let round_off = f64::EPSILON * 1e4 / by;
+                for i in 0..2 {
+                    let gap = (tangent[2 * i + k] - difference[i]).abs();
+                    assert!(
+                        gap <= 1e-5 * largest(tangent) + round_off,
+                        "{entries} {k} {i}: {tangent:?} {difference:?}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 #[test]
-fn the_full_tangent_saves_iterations_of_stiff_hardening_springs() {
-    let cached = with_isotropic_spring(&heavy(), 1e7, 1e20);
-    let q = equilibrium(&cached, Geometry::Live, 100.0).unwrap();
-    // The cubic term is a hundred times the linear one.
-    assert!(1e20 * cached.model.springs[0].square(q.as_slice()) > 50.0 * 1e7);
-    let Statistics { steps, rejected, evaluations, .. } = run(&cached, &options(Method::Exponential, None)).statistics;
-    // A step evaluates three stages in each iteration, and its end.
-    let iterations = (evaluations as f64 / (steps + rejected) as f64 - 1.0) / 3.0;
-    // One iteration is the least. Only the diagonal of the tangent needs 1.6, no tangent 2.4.
-    assert!(iterations < 1.3, "{iterations}");
+fn equilibrium_carries_gravity_by_a_hardening_bearing() {
+    for entries in [ROLLING, JOURNAL] {
+        let cached = CachedModel::new(model(&with_bearing(&heavy(), entries)));
+        let q = equilibrium(&cached, Geometry::Frozen, 100.0).unwrap();
+        let at_speed = cached.at_speed(100.0).unwrap();
+        let model = &at_speed.model;
+        let mut left = &model.constant_load - model.static_force(&q);
+        for connection in model.connections(100.0) {
+            let (rows, force) = match connection {
+                Connection::Mesh(_, mesh, sigma) => {
+                    (connection.rows(), vec![mesh.stiffness * mesh.deflection_at_rest(sigma, q.as_slice())])
+                }
+                Connection::Nonlinear(bearing) => {
+                    (connection.rows(), bearing.static_tangent(100.0, q.as_slice()).0.as_slice().to_vec())
+                }
+                Connection::Bearing(_) | Connection::Load(_) => continue,
+            };
+            for (row, force) in rows.iter().zip(force) {
+                row.iter().for_each(|(index, factor)| left[*index] -= factor * force);
+            }
+        }
+        assert!(left.norm() < 1e-9 * model.constant_load.norm(), "{entries}: {:e}", left.norm());
+    }
+}
+
+#[test]
+fn a_bearing_on_a_housing_acts_on_shaft_and_housing() {
+    for (entries, speed) in [(STIFFENING, run_up()), (ROLLING, Speed::Constant(100.0))] {
+        let mut system = with_bearing(&heavy(), &format!(r#"{entries}, support = "housing""#));
+        let housing = r#"housing = { name = "housing", mass = 20.0, stiffness = 5e7, damping = 1e3 }"#;
+        let parsed: toml::Table = toml::from_str(housing).unwrap();
+        system.housings = vec![parsed["housing"].clone().try_into().unwrap()];
+        let cached = CachedModel::new(model(&system));
+        let [exact, found] =
+            [Method::Rk45, Method::Exponential].map(|method| run(&cached, &tight(speed.clone(), method)));
+        let gap = difference(&exact.record.displacement, &found.record.displacement);
+        assert!(gap < 1e-8, "{entries}: {gap:e}");
+        assert!(imbalance(&found) < 1e-6, "{entries}");
+    }
+}
+
+#[test]
+fn the_full_tangent_saves_iterations() {
+    for (entries, speed) in [(STIFFENING, run_up()), (ROLLING, Speed::Constant(100.0))] {
+        let cached = CachedModel::new(model(&with_bearing(&heavy(), entries)));
+        let run = run(&cached, &options(speed, Method::Exponential, None));
+        let Statistics { steps, rejected, evaluations, .. } = run.statistics;
+        // A step evaluates three stages in each iteration, and its end.
+        let iterations = (evaluations as f64 / (steps + rejected) as f64 - 1.0) / 3.0;
+        // One iteration is the least; these need 1.2 and 1.04.
+        assert!(iterations < 1.3, "{entries}: {iterations}");
+    }
 }

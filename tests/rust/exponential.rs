@@ -174,9 +174,9 @@ fn field<'m>(
     let motion = motion(cached, geometry, SPEED, 0.0);
     let mut amplitudes = synchronous(cached, SPEED, ExcitationPart::Both).unwrap();
     if !linear.includes_meshes {
-        for shaft in motion.sources() {
-            let amplitude = linear.synchronous(motion.spin(shaft), &motion.rotating_forces(shaft));
-            amplitudes.set_column(shaft, &amplitude.unwrap());
+        for source in motion.sources() {
+            let amplitude = linear.synchronous(source.spin, &source.columns());
+            amplitudes.set_column(source.shaft, &amplitude.unwrap());
         }
     }
     NonlinearLoads::new(motion, linear, reference, &amplitudes).unwrap()

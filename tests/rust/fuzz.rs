@@ -60,7 +60,7 @@ module = 3e-3
 face_width = 0.02
 pressure_angle = 0.3490658503988659
 profile_shift = 0.1
-run_out = [1e-5, 0.0]
+runout = [1e-5, 0.0]
 [[gears]]
 name = "g2"
 shaft = "b"

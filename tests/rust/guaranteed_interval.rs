@@ -35,11 +35,12 @@ fn pressed(cached: &CachedModel, back: bool) -> (EquationOfMotion<'_>, Interface
         reference: reference.as_slice(),
         contained: true,
         speed: 100.0,
+        bearing_speed: 100.0,
         highest_frequency: motion.highest_mesh_frequency(),
         mobility: motion.mobility(0),
     };
     let connection = cached.model.connections(100.0).next().unwrap();
-    let interface = Interface::new(connection, options).unwrap().unwrap();
+    let interface = Interface::new(connection, options).unwrap();
     (motion, interface)
 }
 

@@ -31,10 +31,10 @@ const STIFFNESSES: [&str; 9] = [
 ];
 const ERRORS: [&str; 2] =
     ["", ", error = { tooth = [[5e-6, 0.4], [1e-6, 1.0]], driver = [[8e-6, 0.2]], driven = [[6e-6, -0.7]] }"];
-const RUN_OUTS: [&str; 2] = ["0.0, 0.0", "2e-5, -1e-5"];
+const RUNOUTS: [&str; 2] = ["0.0, 0.0", "2e-5, -1e-5"];
 
-fn gear_mesh(stiffness: &str, error: &str, run_out: &str, damping: f64) -> GearMesh {
-    let gears = TEETH.map(|teeth| format!("teeth = {teeth}, module = 3e-3, run_out = [{run_out}]"));
+fn gear_mesh(stiffness: &str, error: &str, runout: &str, damping: f64) -> GearMesh {
+    let gears = TEETH.map(|teeth| format!("teeth = {teeth}, module = 3e-3, runout = [{runout}]"));
     let mesh = format!("damping = {damping}, centre_line_angle = 0.4, backlash = {BACKLASH:e}, {stiffness}{error}");
     crate::common::mesh([&gears[0], &gears[1]], &mesh)
 }
@@ -102,10 +102,10 @@ proptest! {
 
     #[test]
     fn energy_is_accounted_for(
-        rotation in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, run_out in 0..2_usize,
+        rotation in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, runout in 0..2_usize,
         flank in 0..FLANKS.len(),
     ) {
-        let gear_mesh = gear_mesh(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[run_out], DAMPING);
+        let gear_mesh = gear_mesh(STIFFNESSES[stiffness], ERRORS[error], RUNOUTS[runout], DAMPING);
         let contact_mode = rotation.contact_mode(&gear_mesh, FLANKS[flank]);
         let contact = rotation.contact(&gear_mesh, &contact_mode, 0.0);
         let mut forces = [0.0; 6];
@@ -127,7 +127,7 @@ proptest! {
         rotation in courses(), stiffness in 0..STIFFNESSES.len(), error in 0..2_usize, flank in 0..FLANKS.len(),
     ) {
         // The twist of the driven gear does not move the engagement. Without run-out it changes only the deflection.
-        let gear_mesh = gear_mesh(STIFFNESSES[stiffness], ERRORS[error], RUN_OUTS[0], 0.0);
+        let gear_mesh = gear_mesh(STIFFNESSES[stiffness], ERRORS[error], RUNOUTS[0], 0.0);
         let contact_mode = rotation.contact_mode(&gear_mesh, FLANKS[flank]);
         let contact = rotation.contact(&gear_mesh, &contact_mode, 0.0);
         let turned = |by: f64| {
@@ -149,7 +149,7 @@ proptest! {
         rotation in courses(), stiffness in 0..STIFFNESSES.len(), flank in 0..FLANKS.len(),
     ) {
         let [with, without] =
-            [DAMPING, 0.0].map(|damping| gear_mesh(STIFFNESSES[stiffness], "", RUN_OUTS[0], damping));
+            [DAMPING, 0.0].map(|damping| gear_mesh(STIFFNESSES[stiffness], "", RUNOUTS[0], damping));
         let contact_mode = rotation.contact_mode(&with, FLANKS[flank]);
         let [damped, elastic] = [&with, &without].map(|gear_mesh| rotation.contact(gear_mesh, &contact_mode, 0.0));
         let mut forces = [0.0; 6];

@@ -160,7 +160,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                         diametral_inertia: size.map(|size| size * 1e-3),
                         polar_inertia: size.map(|size| size * 2e-3),
                         unbalance,
-                        run_out: None,
+                        runout: None,
                     }
                 };
             let (stiffness, damped, damping, angle) = mesh;

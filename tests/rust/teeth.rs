@@ -155,8 +155,8 @@ fn every_error_rotates_with_its_own_shaft() {
 }
 
 #[test]
-fn run_out_shifts_the_centres_of_a_constant_mesh_too() {
-    let scene = scene(", run_out = [2e-5, 1e-5]", ", run_out = [0.0, -3e-5]", "stiffness = 3e8");
+fn runout_shifts_the_centres_of_a_constant_mesh_too() {
+    let scene = scene(", runout = [2e-5, 1e-5]", ", runout = [0.0, -3e-5]", "stiffness = 3e8");
     let gear_mesh = GearMesh::new(&scene.meshes[0], &scene.gears, COORDINATES);
     let turned = |[y, z]: [f64; 2], angle: f64| {
         let (sin, cos) = angle.sin_cos();
@@ -168,7 +168,7 @@ fn run_out_shifts_the_centres_of_a_constant_mesh_too() {
         let found = touch(&gear_mesh, &ContactMode::ALWAYS, &standing(angles), &AT_REST, &AT_REST).deflection;
         assert!((found + ny * (by - ay) + nz * (bz - az)).abs() < 1e-18, "{found:e}");
     }
-    assert!(gear_mesh.engagement_follows_motion() && gear_mesh.has_run_out());
+    assert!(gear_mesh.engagement_follows_motion() && gear_mesh.has_runout());
 }
 
 #[test]

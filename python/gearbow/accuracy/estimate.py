@@ -25,7 +25,7 @@ from gearbow._types import Array, RunData
 from gearbow.accuracy.initial import check_initial_state
 from gearbow.accuracy.refine import refined
 from gearbow.accuracy.scale import root_mean_square, unit_of_errors, variation
-from gearbow.errors import AccuracyWarning, RunTimeWarning
+from gearbow.errors import AccuracyWarning
 from gearbow.recording.errors import ErrorEstimate, Errors
 from gearbow.recording.request import RunRequest
 from gearbow.recording.tables import optional_arrays
@@ -71,25 +71,7 @@ class _Signal:
 
 
 def estimate_errors(request: RunRequest, modes: int | None) -> Errors:
-    """Estimate the errors of a run by more accurate runs.
-
-    Parameters
-    ----------
-    request : RunRequest
-        Scene and options of the run.
-    modes : int, optional
-        Number of modes that the run kept; None is all.
-
-    Returns
-    -------
-    Errors
-        Errors of displacements, recorded rates and mesh forces.
-
-    Raises
-    ------
-    ConvergenceError
-        If the initial state does not satisfy its equations.
-    """
+    """Estimate the errors of a run by more accurate runs."""
     model = Model(dict(request.description))
     options = dict(request.options)
     window = _window(model, options)
@@ -97,8 +79,7 @@ def estimate_errors(request: RunRequest, modes: int | None) -> Errors:
     options |= {"duration": window, "modes": modes or options["modes"]}
     with warnings.catch_warnings():
         # The run itself gave these warnings.
-        for category in (AccuracyWarning, RunTimeWarning):
-            warnings.simplefilter("ignore", category)
+        warnings.simplefilter("ignore", AccuracyWarning)
         times = _times(model, options)
         check_initial_state(model, options)
         runs = list(_runs(request, model, options, times))
@@ -152,11 +133,7 @@ def _run(model: Model, options: Mapping[str, Any], times: Array, record: list[An
 
 
 def _embedded(fine: Model, model: Model, initial: Any) -> Any:
-    """Give the initial state of a run in the coordinates of a model of higher degree.
-
-    The internal functions of the elements are hierarchical: the state is the same motion, with
-    zeros for the additional coordinates. Without its memory, a method starts from the state.
-    """
+    """Give the initial state of a run in the coordinates of a model of higher degree."""
     if not isinstance(initial, Mapping):
         return initial
     state = fine.embed(model, initial["state"])
@@ -169,10 +146,7 @@ def _recorded(request: RunRequest) -> list[Any]:
 
 
 def _items(data: RunData) -> list[Any]:
-    """Give the recorded places, meshes and rates, which exist in a finer model.
-
-    A group of a finer model has more members.
-    """
+    """Give the recorded places, meshes and rates, which exist in a finer model."""
     places = [names[0] if names else (shaft, x) for shaft, x, names in data["points"]]
     return [*places, *data["meshes"], *(name for name in _RATES if name in data)]
 
@@ -186,11 +160,7 @@ def _tighter(options: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _window(model: Model, options: Mapping[str, Any]) -> float:
-    """Find the time over which errors are averaged [s].
-
-    It is 0.1 s, or the time in which damping reduces the slowest decaying mode that moves gears or
-    disks to 5 %, if this is longer. A mode that takes more than 1 s counts as undamped.
-    """
+    """Find the time over which errors are averaged [s]."""
     duration: float = options["duration"]
     if duration <= _WINDOW:
         return duration

@@ -23,24 +23,7 @@ _LIMIT = 1e-6
 
 
 def check_initial_state(model: Model, options: Mapping[str, Any]) -> None:
-    """Check that the initial state of a run satisfies its equations.
-
-    The forces on each shaft balance at the static equilibrium, the synchronous response satisfies
-    the linear equations of motion, and the state is the sum of both. A state that continues another
-    run is any displacement and velocity, and so is rest: there is nothing to check.
-
-    Parameters
-    ----------
-    model : Model
-        The system.
-    options : mapping
-        The options of the run.
-
-    Raises
-    ------
-    ConvergenceError
-        If a residual exceeds 1e-6.
-    """
+    """Check that the initial state of a run satisfies its equations."""
     initial, begin = options["initial"], options["start"]
     if not isinstance(initial, str) or initial == "rest":
         return

@@ -26,19 +26,7 @@ CHANGES_OF_CONTACT = {"separation": "flanks separated", "tight": "both flanks to
 
 @dataclass(frozen=True)
 class Level:
-    """An accuracy level.
-
-    Parameters
-    ----------
-    name : str
-        Name of the level.
-    rtol : float
-        Tolerance of the time integration.
-    displacement : float
-        Largest total error of a displacement.
-    mesh_force : float
-        Largest total error of a mesh force.
-    """
+    """An accuracy level."""
 
     name: str
     rtol: float
@@ -47,32 +35,13 @@ class Level:
 
     @property
     def reduction(self) -> tuple[float, float] | None:
-        """Give the largest errors from a reduction to fewer modes.
-
-        Returns
-        -------
-        tuple of float, optional
-            Errors of displacements and of mesh forces; None keeps all modes.
-        """
+        """Give the largest errors from a reduction to fewer modes."""
         if self.name == "reference":
             return None
         return REDUCTION_SHARE * self.displacement, REDUCTION_SHARE * self.mesh_force
 
     def explanation(self, events: Iterable[Event], coarse: str | None) -> str:
-        """Say what the level promises for a run.
-
-        Parameters
-        ----------
-        events : iterable of Event
-            Events of the run.
-        coarse : str or None
-            Why the elements do not keep the promise; None if they do.
-
-        Returns
-        -------
-        str
-            Largest errors, and where they hold.
-        """
+        """Say what the level promises for a run."""
         sentence = (
             f"{self.name}: total error at most {self.displacement:.0e} of the RMS about the mean "
             f"of displacements and {self.mesh_force:.0e} of mesh forces (where the RMS is below "
@@ -93,21 +62,7 @@ class Level:
         return sentence
 
     def coarse(self, model: Model, speed: float | None) -> str | None:
-        """Say why the elements of a system are too coarse for the level.
-
-        Parameters
-        ----------
-        model : Model
-            The system.
-        speed : float or None
-            Constant speed of the reference shaft [rad/s]; None if the speed changes, so that
-            resonances are passed.
-
-        Returns
-        -------
-        str or None
-            The reason; None if the elements are fine enough.
-        """
+        """Say why the elements of a system are too coarse for the level."""
         permitted = self.mesh_force if model.has_meshes else self.displacement
         expected = model.expected_error()
         if model.choice is not None:
@@ -126,22 +81,11 @@ class Level:
         return f"{reason}, and an expected error of {expected:.0e}"
 
     def finer(self, model: Model) -> str:
-        """Say how to get elements that are fine enough for the level.
-
-        Parameters
-        ----------
-        model : Model
-            A system whose elements are too coarse.
-
-        Returns
-        -------
-        str
-            The advice.
-        """
+        """Say how to get elements that are fine enough for the level."""
         if model.choice is not None and LEVELS[model.choice[0]].mesh_force <= self.mesh_force:
             finer = [name for name in LEVELS if LEVELS[name].mesh_force < self.mesh_force]
             more = f"resolution={finer[0]!r} to RotorSystem, or " if finer else ""
-            advice = "compare `response.errors`, which often is below it"
+            advice = "compare `response.errors()`, which often is below it"
             return f"{advice}, or give {more}the shafts elements"
         return (
             f"leave out the numbers of elements, and give resolution={self.name!r} to RotorSystem"
@@ -162,25 +106,7 @@ DEFAULT = "engineering"
 
 
 def find_level(name: object, given: Mapping[str, Any]) -> Level | None:
-    """Find the accuracy level of a run.
-
-    Parameters
-    ----------
-    name : str or None
-        Name of the level; None is the default level, if no option determines the accuracy.
-    given : mapping
-        Other options that determine the accuracy; None if not given.
-
-    Returns
-    -------
-    Level or None
-        The level; None if other options determine the accuracy.
-
-    Raises
-    ------
-    SceneError
-        If the level is unknown, or another option determines the accuracy.
-    """
+    """Find the accuracy level of a run."""
     other = next((option for option, value in given.items() if value is not None), None)
     if name is None:
         return LEVELS[DEFAULT] if other is None else None
@@ -192,22 +118,7 @@ def find_level(name: object, given: Mapping[str, Any]) -> Level | None:
 
 
 def check_reduction(statistics: Statistics, level: Level | None, *, given: bool) -> None:
-    """Warn if the error of a reduction to fewer modes exceeds an accuracy level.
-
-    Parameters
-    ----------
-    statistics : Statistics
-        Statistics of the run.
-    level : Level, optional
-        Accuracy level of the run; None is the default level.
-    given : bool
-        Whether the user gave the number of modes.
-
-    Warns
-    -----
-    AccuracyWarning
-        If the error of displacements or of mesh forces is above the level.
-    """
+    """Warn if the error of a reduction to fewer modes exceeds an accuracy level."""
     if statistics.modes_error is None:
         return
     level = level or LEVELS[DEFAULT]

@@ -12,21 +12,7 @@ MAX_DEGREE = 8
 
 
 def refined(description: Mapping[str, Plain]) -> dict[str, Plain]:
-    """Increase the degree of the elements of every shaft.
-
-    Degree 1 becomes 3, because degree 2 improves the lowest frequencies of few elements too little.
-    All others increase by 1. Elements of the largest degree are divided in two instead.
-
-    Parameters
-    ----------
-    description : mapping
-        The scene as plain data, with numbers of elements.
-
-    Returns
-    -------
-    dict
-        The finer scene. All nodes of the given scene are nodes of the finer scene.
-    """
+    """Increase the degree of the elements of every shaft."""
     return {**description, "shafts": [_shaft(shaft) for shaft in description["shafts"]]}
 
 

@@ -18,50 +18,17 @@ _VARIES = 1e-9
 
 
 def unit_of_errors(values: Array) -> float:
-    """Give the number by which the RMS of a difference is divided.
-
-    Parameters
-    ----------
-    values : ndarray, shape (k, components)
-        The signal at k instants.
-
-    Returns
-    -------
-    float
-        RMS of the signal about its mean, or 2 % of its mean if this is larger.
-    """
+    """Give the number by which the RMS of a difference is divided."""
     mean = float(np.linalg.norm(values.mean(axis=0)))
     return max(root_mean_square(values - values.mean(axis=0)), SHARE_OF_MEAN * mean)
 
 
 def variation(values: Array) -> float:
-    """Give the RMS of a signal about its mean; 0 if it is constant to round-off.
-
-    Parameters
-    ----------
-    values : ndarray, shape (k, components)
-        The signal at k instants.
-
-    Returns
-    -------
-    float
-        The RMS.
-    """
+    """Give the RMS of a signal about its mean; 0 if it is constant to round-off."""
     found = root_mean_square(values - values.mean(axis=0))
     return found if found > _VARIES * root_mean_square(values) else 0.0
 
 
 def root_mean_square(values: Array) -> float:
-    """Give the root mean square over time of the vector length.
-
-    Parameters
-    ----------
-    values : ndarray, shape (k, components)
-        Values at k instants.
-
-    Returns
-    -------
-    float
-        The root mean square.
-    """
+    """Give the root mean square over time of the vector length."""
     return float(np.sqrt(np.mean(np.sum(values**2, axis=1))))

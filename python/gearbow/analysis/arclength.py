@@ -48,81 +48,22 @@ class Map(Protocol):
     """A map of states over a parameter."""
 
     def images(self, states: Array, value: float, *, adapt: bool = False) -> Array:
-        """Give the images of states at one value of the parameter.
-
-        Parameters
-        ----------
-        states : ndarray, shape (k, n)
-            States.
-        value : float
-            The parameter.
-        adapt : bool
-            Choose the steps of the integration for the first state, and keep them.
-
-        Returns
-        -------
-        ndarray, shape (k, n)
-            Their images.
-        """
+        """Give the images of states at one value of the parameter."""
 
     def observed(self, state: Array, value: float) -> tuple[Any, float]:
-        """Observe a fixed point.
-
-        Parameters
-        ----------
-        state : ndarray, shape (n,)
-            The fixed point.
-        value : float
-            The parameter.
-
-        Returns
-        -------
-        kept : object
-            What to keep of it.
-        margin : float
-            Distance from the first contact loss.
-        """
+        """Observe a fixed point."""
 
     def multipliers(self, kept: Any, value: float) -> ComplexArray:
-        """Compute the largest multipliers of a fixed point.
-
-        Parameters
-        ----------
-        kept : object
-            What `observed` gave.
-        value : float
-            The parameter.
-
-        Returns
-        -------
-        ndarray
-            Multipliers, the largest first: all outside the unit circle and those near it.
-        """
+        """Compute the largest multipliers of a fixed point."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of a branch.
+    """Settings of a branch."""
 
-    Parameters
-    ----------
-    start, stop : float
-        Interval of the parameter.
-    step : float
-        First step over the interval.
-    max_points : int
-        Largest number of points.
-    tolerance : float
-        Largest |N(x) − x| over |x|.
-    floor : float
-        Smallest |x| that differences and tolerances are relative to.
-    largest, smallest : float
-        Largest and smallest step along the branch.
-    """
-
-    start: float
-    stop: float
-    step: float = 0.02
+    begin: float
+    end: float
+    first_step: float = 0.02
     max_points: int = 400
     tolerance: float = 1e-8
     floor: float = 1e-300
@@ -131,43 +72,17 @@ class Settings:
 
     @property
     def span(self) -> float:
-        """Length of the interval.
-
-        Returns
-        -------
-        float
-            |stop − start|.
-        """
-        return abs(self.stop - self.start)
+        """Length of the interval."""
+        return abs(self.end - self.begin)
 
 
 def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]:
-    """Follow a branch until the parameter leaves the interval.
-
-    Parameters
-    ----------
-    map_ : Map
-        The map.
-    state : ndarray, shape (n,)
-        A state near the fixed point at the start.
-    settings : Settings
-        Interval, steps and tolerances.
-
-    Yields
-    ------
-    BranchPoint
-        The points in their order along the branch, with the located ones between them.
-
-    Raises
-    ------
-    ConvergenceError
-        If no step is short enough; all points so far are given before.
-    """
+    """Follow a branch until the parameter leaves the interval."""
     follower = _Follower(map_, settings)
     last = follower.first(state)
     yield last
-    step = settings.step
-    low, high = sorted((settings.start, settings.stop))
+    step = settings.first_step
+    low, high = sorted((settings.begin, settings.end))
     for _ in range(settings.max_points):
         found, step = follower.advance(last, step)
         ends = not low <= found.value <= high
@@ -194,8 +109,8 @@ class _Follower:
         """Correct the first point at the start of the interval."""
         self.scale = self.size(state)
         forward = np.zeros(state.size + 1)
-        forward[-1] = np.sign(self.settings.stop - self.settings.start)
-        value = self.settings.start
+        forward[-1] = np.sign(self.settings.end - self.settings.begin)
+        value = self.settings.begin
         image = self.map.images(state[None], value, adapt=True)[0]
         derivative = LowRank.identity(self.slope(state, value, image))
         guess = BranchPoint(state, value, self.scale, derivative)
@@ -243,10 +158,7 @@ class _Follower:
     def corrected(
         self, base: BranchPoint, state: Array, value: float, along: Array
     ) -> tuple[BranchPoint, int]:
-        """Correct a predicted point in the plane across a direction.
-
-        Returns the point and its number of corrections.
-        """
+        """Correct a predicted point in the plane across a direction."""
         size, scale, derivative = self.size(state), base.scale, base.derivative
         image = self.map.images(state[None], value, adapt=True)[0]
         before, last, step = np.inf, np.zeros(0), np.zeros(0)
@@ -282,11 +194,7 @@ class _Follower:
         system: tuple[Array, Array, float],
         rtol: float,
     ) -> tuple[LowRank, Array]:
-        """Solve with the derivative at a point, which is measured along the solution.
-
-        The derivative is exact in the space of the measured directions, in which the solution
-        comes to lie: the method is a Krylov method that begins with a known matrix of low rank.
-        """
+        """Solve with the derivative at a point, which is measured along the solution."""
         measured = np.zeros((derivative.slope.size, 0))
         for _ in range(_DIRECTIONS):
             step = derivative.solve(*system)

@@ -42,7 +42,7 @@ class Balance(ReadOnly, Generic[S]):
     target : {"total", "elastic"}
         Balanced quantity: displacement, or elastic deflection (displacement minus bow).
     before : ndarray, shape (speeds, points, 2)
-        Amplitudes of v and w [m] without the correction, the shaft of the planes as the source.
+        Amplitudes along y and z [m] without the correction, the shaft of the planes as the source.
     residual : ndarray, shape (speeds, points, 2)
         Predicted amplitudes with the correction [m].
     system : RotorSystem

@@ -16,29 +16,7 @@ KINDS = ("fold", "flip", "contact loss")
 
 @dataclass
 class BranchPoint:
-    """A fixed point with its derivative.
-
-    Parameters
-    ----------
-    state : ndarray, shape (n,)
-        The fixed point.
-    value : float
-        The parameter.
-    scale : float
-        Size of the states.
-    derivative : LowRank
-        Derivative of N(x) − x over states / scale and parameter / interval.
-    tangent : ndarray, shape (n + 1,)
-        Unit tangent of the branch over the same.
-    margin : float
-        Distance from the first contact loss.
-    kept : object
-        What the map keeps of the point.
-    multipliers : ndarray
-        The largest multipliers.
-    kind : str
-        "" or one of `KINDS` for a located point.
-    """
+    """A fixed point with its derivative."""
 
     state: Array
     value: float
@@ -52,20 +30,7 @@ class BranchPoint:
 
 
 def critical(point: BranchPoint, kind: str) -> float:
-    """Give the function whose sign changes at a kind of special points.
-
-    Parameters
-    ----------
-    point : BranchPoint
-        A point.
-    kind : str
-        One of `KINDS`.
-
-    Returns
-    -------
-    float
-        Its value.
-    """
+    """Give the function whose sign changes at a kind of special points."""
     if kind == "fold":
         return float(point.tangent[-1])
     if kind == "contact loss":

@@ -22,15 +22,7 @@ _DEPENDENT = 1e-10
 
 @dataclass(frozen=True)
 class LowRank:
-    """The derivative [−I + L Rᵀ, s] with respect to n states and a parameter.
-
-    Parameters
-    ----------
-    left, right : ndarray, shape (n, k)
-        L and R; the columns of R are orthonormal.
-    slope : ndarray, shape (n,)
-        Derivative s with respect to the parameter.
-    """
+    """The derivative [−I + L Rᵀ, s] with respect to n states and a parameter."""
 
     left: Array
     right: Array
@@ -38,52 +30,17 @@ class LowRank:
 
     @classmethod
     def identity(cls, slope: Array) -> "LowRank":
-        """Give the derivative without a matrix of low rank.
-
-        Parameters
-        ----------
-        slope : ndarray, shape (n,)
-            Derivative with respect to the parameter.
-
-        Returns
-        -------
-        LowRank
-            [−I, s].
-        """
+        """Give the derivative without a matrix of low rank."""
         return cls(np.zeros((slope.size, 0)), np.zeros((slope.size, 0)), slope)
 
     def product(self, step: Array) -> Array:
-        """Multiply by a step.
-
-        Parameters
-        ----------
-        step : ndarray, shape (n + 1,)
-            Step of states and parameter.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            The change of the residual.
-        """
+        """Multiply by a step."""
         states, value = step[:-1], step[-1]
         change: Array = self.left @ (self.right.T @ states) - states + self.slope * value
         return change
 
     def updated(self, step: Array, change: Array) -> "LowRank":
-        """Agree with the change of the residual along a step.
-
-        Parameters
-        ----------
-        step : ndarray, shape (n + 1,)
-            Step of states and parameter.
-        change : ndarray, shape (n,)
-            The change of the residual.
-
-        Returns
-        -------
-        LowRank
-            The closest derivative with this change.
-        """
+        """Agree with the change of the residual along a step."""
         length = float(step @ step)
         if not length > 0.0:
             return self
@@ -102,22 +59,7 @@ class LowRank:
         return LowRank(left, right, self.slope + error * step[-1])
 
     def solve(self, row: Array, change: Array, length: float) -> Array:
-        """Find the step with a change of the residual and a length along a row.
-
-        Parameters
-        ----------
-        row : ndarray, shape (n + 1,)
-            The row below the derivative.
-        change : ndarray, shape (n,)
-            The change of the residual.
-        length : float
-            Product of the row and the step.
-
-        Returns
-        -------
-        ndarray, shape (n + 1,)
-            The step.
-        """
+        """Find the step with a change of the residual and a length along a row."""
         left, right, slope = self.left, self.right, self.slope
         count = left.shape[1]
         # The states of the step are L c + s λ − change with c = Rᵀ states.

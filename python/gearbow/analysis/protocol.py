@@ -4,8 +4,14 @@ import warnings
 from collections.abc import Mapping
 from typing import Any, Protocol, TypeVar
 
-from gearbow._types import Array, Dof
+from gearbow._core import Model
+from gearbow._types import Array, Dof, Plain
+from gearbow.description.coordinates import Coordinates
+from gearbow.description.couplings import Coupling, Force
 from gearbow.description.gears import Disk, Gear, Mesh
+from gearbow.description.journal import JournalBearing
+from gearbow.description.loads import Bearing, Torque
+from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
 from gearbow.errors import SceneWarning
 from gearbow.results.discretisation import Discretisation
@@ -22,7 +28,27 @@ class System(Protocol):
     shafts: tuple[Shaft, ...]
     gears: tuple[Gear, ...]
     meshes: tuple[Mesh, ...]
+    bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
+    torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
+    couplings: tuple[Coupling, ...]
+    forces: tuple[Force, ...]
+    _model: Model
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> Any:
+        """Make a system that was checked before, without warnings."""
+
+    @property
+    def description(self) -> dict[str, Plain]:
+        """Plain description."""
+
+    @property
+    def coordinates(self) -> Coordinates:
+        """Degrees of freedom by name and place."""
+
+    def _over_time(self, begin: float, duration: float) -> Any:
+        """Replace functions of time by their samples over a run."""
 
     @property
     def dofs(self) -> tuple[Dof, ...]:
@@ -47,7 +73,7 @@ class System(Protocol):
     ) -> None:
         """Refuse runs whose records do not fit into memory together."""
 
-    def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
+    def static(self, speed: float = 0.0, *, geometry: str = "live") -> Static:
         """Find the static equilibrium."""
 
     def synchronous(self, speeds: Any, *, excitation: str = "both") -> Synchronous:
@@ -64,20 +90,7 @@ S = TypeVar("S", bound=System)
 
 
 def variant(system: S, **changes: Any) -> S:
-    """Make a variant of a checked system without plausibility warnings.
-
-    Parameters
-    ----------
-    system : System
-        The system.
-    **changes
-        Parts and options, as for `gearbow.RotorSystem.replace`.
-
-    Returns
-    -------
-    System
-        The variant. Without changes it is a copy that shares no stored results.
-    """
+    """Make a variant of a checked system without plausibility warnings."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
         made: S = system.replace(**changes)

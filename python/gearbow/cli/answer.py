@@ -19,27 +19,13 @@ __all__ = ["Answer", "Drawing"]
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure that a command draws after it has printed its answer.
-
-    Parameters
-    ----------
-    draw : callable
-        Draws the figure.
-    path : Path
-        Its file.
-    """
+    """A figure that a command draws after it has printed its answer."""
 
     draw: "Callable[[], Figure]"
     path: Path
 
     def save(self) -> None:
-        """Draw the figure and write the file.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written. An existing file is unchanged.
-        """
+        """Draw the figure and write the file."""
         figure = self.draw()
         with replacing(self.path) as file:
             figure.savefig(file, format=self.path.suffix[1:].lower())
@@ -47,30 +33,14 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command prints.
-
-    Parameters
-    ----------
-    text : str
-        Lines for a person.
-    data : mapping
-        The same as plain data; units are SI units, or the ending of a key (`_hz`).
-    drawing : Drawing, optional
-        The figure of the command.
-    """
+    """What a command prints."""
 
     text: str
     data: Mapping[str, Any]
     drawing: Drawing | None = None
 
     def json(self) -> str:
-        """Format the data as JSON in ASCII; numbers that JSON lacks (NaN, infinity) become null.
-
-        Returns
-        -------
-        str
-            One JSON object.
-        """
+        """Format the data as JSON in ASCII; numbers that JSON lacks (NaN, infinity) become null."""
         return json.dumps(_plain(self.data), indent=2, allow_nan=False)
 
 

@@ -35,30 +35,11 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 def add_command(
     commands: Commands,
     name: str,
-    call: Callable[[argparse.Namespace], Answer | None],
+    call: Callable[[argparse.Namespace], Answer],
     text: str,
     examples: str,
 ) -> argparse.ArgumentParser:
-    """Add a command.
-
-    Parameters
-    ----------
-    commands : subparsers
-        The commands of the program.
-    name : str
-        Name of the command.
-    call : callable
-        Carries out the command, and returns what it prints.
-    text : str
-        One sentence for the help.
-    examples : str
-        Command lines for the help.
-
-    Returns
-    -------
-    argparse.ArgumentParser
-        The parser of the command.
-    """
+    """Add a command."""
     parser = commands.add_parser(
         name,
         help=text,
@@ -71,13 +52,7 @@ def add_command(
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
-    """Add the scene file and the option for JSON.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser of a command.
-    """
+    """Add the scene file and the option for JSON."""
     parser.add_argument(
         "scene", type=Path, help="TOML file of the system; `gearbow new` writes one"
     )
@@ -85,13 +60,7 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
 
 
 def add_duration(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of a run: duration, speed and progress.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser of a command.
-    """
+    """Add the arguments of a run: duration, speed and progress."""
     parser.add_argument(
         "--duration", type=quantity("duration"), required=True, help='for example 0.5 or "500 ms"'
     )
@@ -99,13 +68,7 @@ def add_duration(parser: argparse.ArgumentParser) -> None:
 
 
 def add_speed(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of a computation at a speed: speed and progress.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser of a command.
-    """
+    """Add the arguments of a computation at a speed: speed and progress."""
     parser.add_argument(
         "--speed",
         type=quantity("speed"),
@@ -120,34 +83,12 @@ def add_speed(parser: argparse.ArgumentParser) -> None:
 
 
 def shows(given: argparse.Namespace) -> bool:
-    """Return whether to show a progress bar.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    bool
-        Whether to show it.
-    """
+    """Return whether to show a progress bar."""
     return bool(sys.stderr.isatty() if given.progress is None else given.progress)
 
 
 def quantity(field: str) -> Callable[[str], float]:
-    """Make the type of an argument with a unit.
-
-    Parameters
-    ----------
-    field : str
-        Name of the argument, which determines its unit.
-
-    Returns
-    -------
-    callable
-        Converts a text to the SI unit.
-    """
+    """Make the type of an argument with a unit."""
 
     def read(text: str) -> float:  # numpydoc ignore=GL08
         try:
@@ -159,45 +100,12 @@ def quantity(field: str) -> Callable[[str], float]:
 
 
 def output(text: str) -> Path:
-    """Read the name of a file for signals, and check that it can be written.
-
-    Parameters
-    ----------
-    text : str
-        The name.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        If the suffix is unknown, a library for the format is missing, or the file cannot be
-        written.
-    """
+    """Read the name of a file for signals, and check that it can be written."""
     return _writable(lambda: suffix(text)[0])
 
 
 def figure(text: str) -> Path:
-    """Read the name of a file for a figure, and check that it can be drawn and written.
-
-    Parameters
-    ----------
-    text : str
-        The name.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        If the suffix is unknown, matplotlib is missing, or the file cannot be written.
-    """
+    """Read the name of a file for a figure, and check that it can be drawn and written."""
     return _writable(partial(_check_figure, text))
 
 
@@ -221,25 +129,7 @@ def _writable(check: Callable[[], Path]) -> Path:
 
 
 def item(system: RotorSystem, text: str) -> Any:
-    """Read one recorded item.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system, whose names have precedence.
-    text : str
-        A name or group, "shaft@position", "driver/driven" or "bearing:shaft@position".
-
-    Returns
-    -------
-    str or tuple
-        The item as `RotorSystem.simulate` takes it.
-
-    Raises
-    ------
-    SceneError
-        If the position is not a length.
-    """
+    """Read one recorded item."""
     parts: tuple[Any, ...] = (*system.shafts, *system.gears, *system.disks)
     parts += (*system.supports, *system.housings)
     if text in {part.name for part in parts}:

@@ -16,13 +16,7 @@ __all__ = ["add"]
 
 
 def add(commands: Commands) -> None:
-    """Add the commands.
-
-    Parameters
-    ----------
-    commands : subparsers
-        The commands of the program.
-    """
+    """Add the commands."""
     parser = add_command(
         commands,
         "check",
@@ -83,18 +77,7 @@ def add(commands: Commands) -> None:
 
 
 def check(given: argparse.Namespace) -> Answer:
-    """Check a scene.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        Parts, speed ratios and warnings.
-    """
+    """Check a scene."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         system = RotorSystem.load(given.scene)
@@ -122,35 +105,13 @@ _LISTS = (
 
 
 def plot(given: argparse.Namespace) -> Answer:
-    """Draw the train.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        Name of the file, and its figure.
-    """
+    """Draw the train."""
     system: Any = RotorSystem.load(given.scene)
     return Answer("", {"file": str(given.out)}, Drawing(system.plot, given.out))
 
 
 def modes(given: argparse.Namespace) -> Answer:
-    """Find modes.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        A row for each mode.
-    """
+    """Find modes."""
     found = RotorSystem.load(given.scene).modes(given.speed, count=given.count)
     rows = zip(found.frequencies_hz, found.damping_ratios, found.whirl, found.names(), strict=True)
     keys = ("frequency_hz", "damping_ratio", "whirl", "name")
@@ -159,23 +120,7 @@ def modes(given: argparse.Namespace) -> Answer:
 
 
 def campbell(given: argparse.Namespace) -> Answer:
-    """Find the Campbell diagram.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        A row for each intersection, and the diagram.
-
-    Raises
-    ------
-    SceneError
-        If there are fewer than two speeds.
-    """
+    """Find the Campbell diagram."""
     if given.points < 2 or not given.last > given.first:
         raise SceneError(
             f"speeds: need --points of at least 2 and --to above --from, got {given.points} points "

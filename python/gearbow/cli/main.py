@@ -16,9 +16,7 @@ from typing import Any
 from gearbow._core import __version__
 from gearbow.cli import linear, new, runs
 from gearbow.cli.answer import Answer
-from gearbow.cli.arguments import add_command
 from gearbow.errors import GearbowError, SceneError
-from gearbow.study import command as study
 
 __all__ = ["FAILED", "INVALID", "STOPPED", "TERMINATED", "main"]
 
@@ -35,18 +33,7 @@ class _PrintError(Exception):
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run a command, and exit with its code: 0 is fine.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        The arguments; None is those of the program.
-
-    Raises
-    ------
-    SystemExit
-        With the exit code.
-    """
+    """Run a command, and exit with its code: 0 is fine."""
     _prepare_output()
     given = _parser().parse_args(arguments)
     with warnings.catch_warnings(), _stopped_by_sigterm():
@@ -55,10 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _prepare_output() -> None:
-    """Refuse a closed stdout before a computation; write other encodings than UTF-8 with escapes.
-
-    A closed stream is None. The number of a closed stdout is that of the next file that opens.
-    """
+    """Refuse a closed stdout before a computation; escape characters outside its encoding."""
     if sys.stderr is None:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115  # until the end
     if sys.stdout is None:
@@ -103,9 +87,6 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for module in (new, linear, runs):
         module.add(commands)
-    text = "compute what bent shafts do to a double-stage train: runs, tables and figures"
-    examples = "  gearbow study --quick --out study\n  gearbow study --print runs"
-    study.add(add_command(commands, "study", study.main, text, examples))
     return parser
 
 
@@ -136,7 +117,6 @@ def _code(given: argparse.Namespace) -> int:
 def _write(answer: Answer | None, given: argparse.Namespace) -> None:
     """Print an answer, then draw its figure: an error of the figure must not lose the answer."""
     if answer is None:
-        _print("")  # a command that prints itself
         return
     text = answer.json() if given.json else answer.text
     _print(f"{text}\n" if text else "")

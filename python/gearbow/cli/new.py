@@ -15,13 +15,7 @@ EXAMPLE = Path(__file__).with_name("example.toml")
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : subparsers
-        The commands of the program.
-    """
+    """Add the command."""
     parser = add_command(
         commands,
         "new",
@@ -35,23 +29,7 @@ def add(commands: Commands) -> None:
 
 
 def new(given: argparse.Namespace) -> Answer:
-    """Write the example.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        What to do next.
-
-    Raises
-    ------
-    SceneError
-        If the file exists, or its name does not end with ".toml".
-    """
+    """Write the example."""
     path, _ = check_name(given.path, [".toml"])
     if path.exists() and not given.force:
         raise SceneError(f"{path}: exists; give another name, or --force to replace it")

@@ -30,13 +30,7 @@ __all__ = ["add"]
 
 
 def add(commands: Commands) -> None:
-    """Add the commands.
-
-    Parameters
-    ----------
-    commands : subparsers
-        The commands of the program.
-    """
+    """Add the commands."""
     parser = add_command(
         commands,
         "run",
@@ -90,13 +84,7 @@ def add(commands: Commands) -> None:
 
 
 def add_signals(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a command that records signals.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The command.
-    """
+    """Add the options of a command that records signals."""
     parser.add_argument(
         "--accuracy", choices=["draft", "engineering", "reference"], help="default: engineering"
     )
@@ -113,23 +101,7 @@ def add_signals(parser: argparse.ArgumentParser) -> None:
 
 
 def run(given: argparse.Namespace) -> Answer:
-    """Simulate.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        Size of the recorded signals.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        At Ctrl-C. Its `answer` is that of the signals so far, which are saved.
-    """
+    """Simulate."""
     system = RotorSystem.load(given.scene)
     speed: float | SpeedProfile = given.speed
     if given.end_speed is not None:
@@ -170,18 +142,7 @@ def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> 
 
 
 def steady(given: argparse.Namespace) -> Answer:
-    """Find the steady state.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        Period, stability and size of the signals.
-    """
+    """Find the steady state."""
     system = RotorSystem.load(given.scene)
     found = system.steady_state(
         given.speed,
@@ -189,20 +150,21 @@ def steady(given: argparse.Namespace) -> Answer:
         record=[item(system, text) for text in given.record],
         progress=shows(given),
     )
-    largest = float(abs(found.multipliers[0])) if found.multipliers.size else None
+    multipliers = found.multipliers()
+    largest = float(abs(multipliers[0])) if multipliers.size else None
     if given.out is not None:
         found.save(given.out)
     data = {
         "period": None if math.isinf(found.period) else found.period,
         "residual": found.residual,
         "method": found.method,
-        "stable": found.stable,
-        "instability": found.instability,
+        "stable": found.is_stable(),
+        "instability": found.instability(),
         "largest_multiplier": largest,
         **_signals(found.response),
         "file": None if given.out is None else str(given.out),
     }
-    state = "stable" if found.stable else f"unstable: {found.instability}"
+    state = "stable" if found.is_stable() else f"unstable: {found.instability()}"
     size = "below 0.9" if largest is None else f"{largest:.6g}"
     lines = [str(found), f"{state}; magnitude of the largest multiplier {size}"]
     return Answer("\n".join([*lines, *_lines(data), *_file_line(data)]), data)
@@ -220,12 +182,12 @@ def _signals(response: Response) -> dict[str, Any]:
         }
     meshes = {}
     for driver, driven in filter(is_pair, recorded):
-        mesh = response.mesh(driver, driven)
+        mesh = response.mesh((driver, driven))
         sizes = {"force": _size(mesh.force), "contact_ratio": _size(mesh.contact_ratio)}
         meshes[f"{driver}/{driven}"] = sizes
     bearings = {}
     for shaft, x in [one[1:] for one in recorded if isinstance(one, tuple) and len(one) == 3]:
-        force = np.linalg.norm(response.bearing_force(shaft, x), axis=1)
+        force = np.linalg.norm(response.bearing_force((shaft, x)), axis=1)
         bearings[place_label((shaft, x))] = {"force": _size(force)}
     return {"points": points, "meshes": meshes, "bearings": bearings}
 
@@ -261,23 +223,7 @@ def _size(values: Array) -> dict[str, float]:
 
 
 def tradeoff(given: argparse.Namespace) -> Answer:
-    """Measure error and CPU time of many settings.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        Values of the options.
-
-    Returns
-    -------
-    Answer
-        A row for each setting.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        At Ctrl-C. Its `answer` is that of the settings so far.
-    """
+    """Measure error and CPU time of many settings."""
     system = RotorSystem.load(given.scene)
     signals = None if given.signals is None else [item(system, text) for text in given.signals]
     try:

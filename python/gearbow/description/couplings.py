@@ -1,13 +1,13 @@
 """Couplings, drives and forces."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
 from gearbow._convert import complex_number, real
 from gearbow._types import At, Plain
 from gearbow.description.load_values import described_value
-from gearbow.description.part import Part, freeze
+from gearbow.description.part import Part
 from gearbow.description.places import place
 from gearbow.description.time_series import TimeSeries
 
@@ -26,11 +26,16 @@ class Coupling(Part):
     ----------
     a, b : str or tuple of (str, float)
         Hubs: a gear or disk by name, or (shaft, position [m]), on two shafts.
-    stiffness : (float, float, float, float)
-        Axial and lateral [N/m], tilting and torsional [N m/rad] stiffness.
-    damping : (float, float, float, float)
-        Axial and lateral [N s/m], tilting and torsional [N m s/rad] damping. It acts on the
-        velocities of the shafts relative to each other.
+    torsional_stiffness : float
+        Stiffness against the twist of hub a relative to hub b [N m/rad].
+    axial_stiffness, lateral_stiffness : float
+        Stiffness along and across the axis [N/m].
+    tilting_stiffness : float
+        Stiffness against the angle between the axes of the shafts [N m/rad].
+    axial_damping, lateral_damping : float
+        Damping along and across the axis [N s/m].
+    tilting_damping, torsional_damping : float
+        Damping of the angle between the axes and of the twist [N m s/rad].
     offset : complex
         Parallel misalignment y + iz of the axis of b to that of a, fixed in space [m].
     angle : complex
@@ -46,8 +51,10 @@ class Coupling(Part):
     >>> coupling = gb.Coupling(
     ...     ("motor", 0.4),
     ...     ("pump", 0.0),
-    ...     stiffness=(0.0, 1e6, 1e3, 5e4),
-    ...     damping=(0.0, 50.0, 0.1, 5.0),
+    ...     lateral_stiffness=1e6,
+    ...     tilting_stiffness=1e3,
+    ...     torsional_stiffness=5e4,
+    ...     torsional_damping=5.0,
     ...     offset=1e-4,
     ... )
     """
@@ -55,14 +62,17 @@ class Coupling(Part):
     a: At
     b: At
     _: KW_ONLY
-    stiffness: Sequence[float]
-    damping: Sequence[float] | None = None
+    torsional_stiffness: float
+    axial_stiffness: float = 0.0
+    lateral_stiffness: float = 0.0
+    tilting_stiffness: float = 0.0
+    axial_damping: float = 0.0
+    lateral_damping: float = 0.0
+    tilting_damping: float = 0.0
+    torsional_damping: float = 0.0
     offset: complex = 0.0
     angle: complex = 0.0
     runout: complex = 0.0
-
-    def __post_init__(self) -> None:
-        freeze(self, "stiffness", "damping")
 
     def _describe(self, path: str) -> dict[str, Plain]:
         at = {name: place(getattr(self, name), f"{path}.{name}") for name in ("a", "b")}

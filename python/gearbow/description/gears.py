@@ -19,7 +19,7 @@ class _Body(Part):
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> Any:
         given = dict(description)
-        for key in ("unbalance", "run_out"):
+        for key in ("unbalance", "runout"):
             if isinstance(given.get(key), (list, tuple)):
                 given[key] = complex(*given[key])
         return cls(**given)
@@ -101,7 +101,7 @@ class Gear(_Body):
         Moment of inertia about the axis [kg m²].
     unbalance : complex
         Mass times eccentricity [kg m]; its argument is the angle in the shaft.
-    run_out : complex
+    runout : complex
         Eccentricity of the base circle relative to the axis of the shaft [m]; its argument is the
         angle in the shaft.
 
@@ -127,7 +127,7 @@ class Gear(_Body):
     diametral_inertia: float | None = None
     polar_inertia: float | None = None
     unbalance: complex = 0.0
-    run_out: complex = 0.0
+    runout: complex = 0.0
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Journal bearings: the oil film between a shaft and its bearing."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
@@ -8,14 +8,12 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import number
 from gearbow._core import film_coefficients
-from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze
 from gearbow.description.supports import Support, with_support
-from gearbow.errors import ChannelError
 
-__all__ = ["FilmCoefficients", "JournalBearing", "JournalMotion"]
+__all__ = ["FilmCoefficients", "JournalBearing"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,76 +166,3 @@ class JournalBearing(Part):
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "JournalBearing":
         return cls(**with_support(description))
-
-
-@dataclass(frozen=True, eq=False)
-class JournalMotion(ReadOnly):
-    """Force on a journal bearing and place of the journal in its clearance.
-
-    Parameters
-    ----------
-    force : ndarray, shape (2,) or (k, 2)
-        Force of the shaft on the bearing along y and z [N].
-    eccentricity_ratio : float or ndarray, shape (k,)
-        Displacement of the journal over the radial clearance.
-    attitude_angle : float or ndarray, shape (k,)
-        Angle from the force to the displacement, from y towards z [rad], between −π and π. In a
-        steady film it has the sign of the rotation of the shaft.
-
-    Examples
-    --------
-    >>> import gearbow as gb
-    >>> size = {"diameter": 0.05, "length": 0.02, "clearance": 5e-5}
-    >>> films = [gb.JournalBearing("rotor", x, viscosity=0.02, **size) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    >>> system = gb.RotorSystem([rotor], bearings=films, gravity=9.81)
-    >>> print(f"{system.static(speed=300.0).journal('rotor', 0.0).eccentricity_ratio:.3f}")
-    0.185
-    """
-
-    force: Array
-    eccentricity_ratio: Array
-    attitude_angle: Array
-
-    @classmethod
-    def of(
-        cls,
-        bearings: Iterable[Mapping[str, Plain]],
-        place: tuple[str, float],
-        displacement: Array,
-        force: Array,
-    ) -> "JournalMotion":
-        """Find the motion of a journal from the displacement of the shaft.
-
-        Parameters
-        ----------
-        bearings : iterable of mapping
-            Plain descriptions of the bearings.
-        place : tuple of (str, float)
-            Shaft and position of the bearing [m].
-        displacement : ndarray, shape (2,) or (k, 2)
-            Displacements v and w of the shaft relative to what the bearing stands on [m].
-        force : ndarray, shape (2,) or (k, 2)
-            Force of the shaft on the bearing [N].
-
-        Returns
-        -------
-        JournalMotion
-            The motion.
-
-        Raises
-        ------
-        ChannelError
-            If no journal bearing stands there; the message lists them.
-        """
-        journals = [bearing for bearing in bearings if "viscosity" in bearing]
-        places = [(bearing["shaft"], float(bearing["position"])) for bearing in journals]
-        i = locate(places, *place)
-        if i is None:
-            raise ChannelError(f"no journal bearing at {place!r}; there are {places}")
-        (y, z), (along_y, along_z) = np.moveaxis(displacement, -1, 0), np.moveaxis(force, -1, 0)
-        return cls(
-            force=force,
-            eccentricity_ratio=np.hypot(y, z) / float(journals[i]["clearance"]),
-            attitude_angle=np.arctan2(along_y * z - along_z * y, along_y * y + along_z * z),
-        )

@@ -60,7 +60,7 @@ class Order(Shown):
     Examples
     --------
     >>> import gearbow as gb
-    >>> order = gb.Order(25.0, ("1× mesh g1–g2", "25× input"))
+    >>> order = gb.results.Order(25.0, ("1× mesh g1–g2", "25× input"))
     >>> print(order)
     1× mesh g1–g2 = 25× input
     """
@@ -114,18 +114,7 @@ class Kinematics(Shown):
 
     @classmethod
     def of(cls, system: Train) -> "Kinematics":
-        """Find the kinematics of a system.
-
-        Parameters
-        ----------
-        system : RotorSystem
-            The system.
-
-        Returns
-        -------
-        Kinematics
-            Speed ratios and tooth frequencies.
-        """
+        """Find the kinematics of a system."""
         signed = {
             shaft.name: float(ratio)
             for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True)
@@ -161,18 +150,7 @@ class Kinematics(Shown):
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any] | None) -> "Kinematics | None":
-        """Read the kinematics from plain data, the inverse of `dataclasses.asdict`.
-
-        Parameters
-        ----------
-        plain : dict or None
-            Lists under the keys "shafts", "meshes", "bearings" and "forces".
-
-        Returns
-        -------
-        Kinematics or None
-            The kinematics; None for None.
-        """
+        """Read the kinematics from plain data, the inverse of `dataclasses.asdict`."""
         if plain is None:
             return None
         keys = ("shafts", "meshes", "bearings", "forces")
@@ -185,23 +163,7 @@ class Kinematics(Shown):
         sidebands: int = 1,
         bearing_harmonics: int = 3,
     ) -> tuple[Order, ...]:
-        """List the orders. Equal orders are merged. The orders of forces are always among them.
-
-        Parameters
-        ----------
-        shaft_harmonics, mesh_harmonics : int
-            Number of harmonics of each shaft and of each tooth frequency.
-        sidebands : int
-            Number of sidebands on each side of a tooth frequency, for each of the two shafts.
-        bearing_harmonics : int
-            Number of harmonics of each ball-pass frequency; with one or more, also the order of the
-            cage.
-
-        Returns
-        -------
-        tuple of Order
-            In ascending order.
-        """
+        """List the orders. Equal orders are merged. The orders of forces are always among them."""
         shaft_harmonics = whole(shaft_harmonics, "shaft_harmonics", 0, MOST_HARMONICS)
         mesh_harmonics = whole(mesh_harmonics, "mesh_harmonics", 0, MOST_HARMONICS)
         sidebands = whole(sidebands, "sidebands", 0, MOST_HARMONICS)

@@ -21,22 +21,7 @@ __all__ = ["BodyOutline", "Layout", "ShaftOutline", "layout", "reference_radius"
 
 @dataclass(frozen=True, eq=False)
 class ShaftOutline(ReadOnly):
-    """Outline of one shaft.
-
-    Parameters
-    ----------
-    name : str
-        Name of the shaft.
-    origin : ndarray, shape (3,)
-        Position (x, y, z) of the left end [m].
-    steps : tuple of (float, float)
-        End [m] and outer radius [m] of each segment, from the left.
-    bores : tuple of float
-        Inner radius of each segment [m]; 0 for a solid one.
-    shear_lengths : tuple of float
-        Length √(12EI/(κGA)) of each segment [m], the element length with the shear parameter 1;
-        0 without shear deformation.
-    """
+    """Outline of one shaft."""
 
     name: str
     origin: Array
@@ -46,43 +31,15 @@ class ShaftOutline(ReadOnly):
 
     @property
     def length(self) -> float:
-        """Length of the shaft.
-
-        Returns
-        -------
-        float
-            Length [m].
-        """
+        """Length of the shaft."""
         return self.steps[-1][0]
 
     def outer_radius(self, position: float) -> float:
-        """Look up the outer radius at a position.
-
-        Parameters
-        ----------
-        position : float
-            Position on the shaft [m].
-
-        Returns
-        -------
-        float
-            Radius [m]; at a step, that of the segment on the left.
-        """
+        """Look up the outer radius at a position."""
         return self.steps[self._segment(position)][1]
 
     def shear_length(self, position: float) -> float:
-        """Look up the shear length at a position.
-
-        Parameters
-        ----------
-        position : float
-            Position on the shaft [m].
-
-        Returns
-        -------
-        float
-            Length √(12EI/(κGA)) [m]; at a step, that of the segment on the left.
-        """
+        """Look up the shear length at a position."""
         return self.shear_lengths[self._segment(position)]
 
     def _segment(self, position: float) -> int:
@@ -93,19 +50,7 @@ class ShaftOutline(ReadOnly):
 
 @dataclass(frozen=True)
 class BodyOutline(Shown):
-    """Outline of one gear or disk.
-
-    Parameters
-    ----------
-    name : str
-        Name of the body.
-    shaft : str
-        Name of its shaft.
-    position : float
-        Position on the shaft [m].
-    radius : float
-        Reference pitch radius of a gear, radius of a thin disk with the inertia of a disk [m].
-    """
+    """Outline of one gear or disk."""
 
     name: str
     shaft: str
@@ -115,35 +60,14 @@ class BodyOutline(Shown):
 
 @dataclass(frozen=True, eq=False)
 class Layout(Shown):
-    """Geometry of a train at rest.
-
-    Parameters
-    ----------
-    shafts : tuple of ShaftOutline
-        The shafts.
-    bodies : tuple of BodyOutline
-        The gears, then the disks.
-    bearings : tuple of (str, float)
-        Shaft and position [m] of each bearing.
-    """
+    """Geometry of a train at rest."""
 
     shafts: tuple[ShaftOutline, ...]
     bodies: tuple[BodyOutline, ...]
     bearings: tuple[tuple[str, float], ...]
 
     def shaft(self, name: str) -> ShaftOutline:
-        """Look up a shaft.
-
-        Parameters
-        ----------
-        name : str
-            Name of the shaft.
-
-        Returns
-        -------
-        ShaftOutline
-            The outline.
-        """
+        """Look up a shaft."""
         return next(shaft for shaft in self.shafts if shaft.name == name)
 
 
@@ -157,33 +81,7 @@ def layout(
     centre_distances: Sequence[float],
     couplings: Sequence[Coupling] = (),
 ) -> Layout:
-    """Find the geometry of a train at rest.
-
-    The first shaft begins at the origin. Meshes and couplings give the positions of the shafts
-    relative to each other; a shaft without them begins at the origin too.
-
-    Parameters
-    ----------
-    shafts : sequence of Shaft
-        The shafts.
-    gears : sequence of Gear
-        The gears.
-    disks : sequence of Disk
-        The disks.
-    meshes : sequence of Mesh
-        The meshes.
-    bearings : sequence of Bearing
-        The bearings.
-    centre_distances : sequence of float
-        Distance of the centres of each mesh at rest [m].
-    couplings : sequence of Coupling
-        The couplings.
-
-    Returns
-    -------
-    Layout
-        The geometry.
-    """
+    """Find the geometry of a train at rest."""
     by_name = {gear.name: gear for gear in gears}
     origins = {shafts[0].name: np.zeros(3)}
     given: list[Gear | Disk] = [*gears, *disks]
@@ -215,19 +113,7 @@ def layout(
 
 
 def reference_radius(body: Gear | Disk) -> float:
-    """Give the radius at which a gear or disk is drawn.
-
-    Parameters
-    ----------
-    body : Gear or Disk
-        The body.
-
-    Returns
-    -------
-    float
-        Reference pitch radius of a gear; radius of a thin disk with the same mass and polar moment
-        of inertia for a disk, 0 without mass [m].
-    """
+    """Give the radius at which a gear or disk is drawn."""
     if isinstance(body, Disk):
         return float(np.sqrt(2.0 * body.polar_inertia / body.mass)) if body.mass > 0.0 else 0.0
     helix = float(np.cos(body.helix_angle))

@@ -22,11 +22,7 @@ _OUTLINE, _SAMPLES = 0.1, 4097
 
 
 def described_value(value: object, path: str, read: Callable[[object, str], Plain]) -> Plain:
-    """Convert the value of a load to plain data.
-
-    A function of time has no plain form: a run replaces it by its samples. A few samples of its
-    beginning, from which the elements of the shafts are chosen, stand for it in a system.
-    """
+    """Convert the value of a load to plain data."""
     if isinstance(value, Part):
         return value._describe(path)
     if callable(value):

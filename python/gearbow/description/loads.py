@@ -69,7 +69,7 @@ class Bearing(Part):
     def _from_description(  # type: ignore[override]  # one list holds several classes
         cls, description: Mapping[str, Plain]
     ) -> "Bearing | JournalBearing | RollingBearing":
-        if "balls" in description:
+        if "elements" in description:
             return RollingBearing._from_description(description)
         if "stiffness" not in description:
             return JournalBearing._from_description(description)

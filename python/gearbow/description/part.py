@@ -27,11 +27,7 @@ class Part(CheckedKeywords, Shown):
     """Base of every dataclass that describes a piece of a system."""
 
     def _describe(self, path: str) -> dict[str, Plain]:
-        """Give the fields that differ from their default as plain data.
-
-        The core supplies the defaults: they are defined only once, and a default cannot contradict
-        a given option. The annotation of a field determines its valid types.
-        """
+        """Give the fields that differ from their default as plain data."""
         given = {}
         kinds = _kinds(type(self))  # type: ignore[arg-type]  # classes have hashes
         for field in dataclasses.fields(self):  # type: ignore[arg-type]  # every Part is a dataclass
@@ -131,10 +127,7 @@ def _plain(value: Any) -> Any:
 
 
 def freeze(part: Part, *names: str) -> None:
-    """Convert sequences in the named fields of a part to tuples, so that they compare and hash.
-
-    Quantities stay: the unit of a field can depend on the part that contains this one.
-    """
+    """Convert sequences in the named fields of a part to tuples, so that they compare and hash."""
     for field in names:
         value = getattr(part, field)
         if value is not None and not has_quantity(value):

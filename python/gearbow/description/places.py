@@ -1,29 +1,91 @@
-"""Names and places: a gear or disk by its name, or a position on a shaft."""
+"""Places: names, positions on shafts and meshes, found among known ones."""
 
 import numbers
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from gearbow._convert import real, shown
+from gearbow._convert import BYTES, real, shown
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError
 from gearbow.units.convert import is_quantity
 
-__all__ = ["is_pair", "is_place", "names_of_bases", "place", "place_label", "places"]
+__all__ = [
+    "Places",
+    "is_pair",
+    "is_place",
+    "names_of_bases",
+    "place",
+    "place_label",
+    "places",
+]
+
+#: Positions with a smaller difference [m], or relative to a position above 1 m, are equal.
+_SAME_POSITION = 1e-9
+#: Forms of a place, by what is there.
+_FORMS = {
+    "item": "a name or a tuple such as (shaft, position)",
+    "place": "a name or (shaft, position)",
+    "bearing": "(shaft, position)",
+    "mesh": '(driver, driven) or "driver/driven"',
+}
 
 
-def place(at: object, path: str = "at") -> Any:
-    """Convert a name, (shaft, position) or another recorded item to plain Python."""
+class Places:
+    """Known places, each with all its forms: names, (shaft, position) or (driver, driven)."""
+
+    def __init__(self, kind: str, known: Iterable[Sequence[Any]]) -> None:
+        self.kind = kind
+        self.known = [tuple(forms) for forms in known]
+        self._named: dict[Any, int] = {}
+        self._along: dict[str, list[tuple[float, int]]] = {}
+        for i, forms in enumerate(self.known):
+            for form in forms:
+                if is_place(form):
+                    self._along.setdefault(form[0], []).append((float(form[1]), i))
+                    continue
+                self._named.setdefault(form, i)
+                if is_pair(form):
+                    self._named.setdefault(form[::-1], i)
+
+    def find(self, at: object, path: str = "at") -> int | None:
+        """Give the index of a place; None if it is none of the known ones."""
+        wanted = place(at, path, self.kind)
+        if not is_place(wanted):
+            return self._named.get(wanted)
+        position = wanted[1]
+        for x, i in self._along.get(wanted[0], ()):
+            if abs(x - position) <= _SAME_POSITION * max(1.0, abs(x)):
+                return i
+        return None
+
+    def positions(self, shaft: str) -> list[float]:
+        """Give the known positions on a shaft [m]."""
+        return [x for x, _ in self._along.get(shaft, ())]
+
+    def __str__(self) -> str:
+        return ", ".join(repr(forms[-1]) for forms in self.known) or "none"
+
+
+def place(at: object, path: str = "at", kind: str = "item") -> Any:
+    """Convert a name, (shaft, position), a mesh or another recorded item to plain Python."""
+    found: Any = None
     if isinstance(at, str):
-        return at
-    if isinstance(at, (tuple, list)) and len(at) in (2, 3) and isinstance(at[0], str):
-        return tuple(
+        driver, slash, driven = at.partition("/")
+        found = (driver, driven) if slash else at
+    elif isinstance(at, (tuple, list)) and len(at) in (2, 3) and isinstance(at[0], str):
+        found = tuple(
             item if isinstance(item, str) else real(item, f"{path}[{i}]", "a name or a number")
             for i, item in enumerate(at)
         )
-    raise SceneError(
-        f"{path}: must be a name or a tuple such as (shaft, position), got {shown(at)}"
-    )
+    suits = {
+        "item": found is not None,
+        "place": isinstance(found, str) or is_place(found),
+        "bearing": is_place(found),
+        "mesh": is_pair(found),
+    }
+    if not suits[kind]:
+        raise SceneError(f"{path}: must be {_FORMS[kind]}, got {shown(at)}")
+    return found
 
 
 def is_place(at: object) -> bool:
@@ -41,13 +103,13 @@ def is_pair(at: object) -> bool:
     return isinstance(at, tuple) and len(at) == 2 and all(isinstance(name, str) for name in at)
 
 
-def places(given: object, path: str) -> tuple[Any, ...]:
-    """Convert one name or (shaft, position) pair, or several."""
-    if isinstance(given, str) or is_place(given):
-        return (place(given, path),)
-    if not isinstance(given, Iterable):
+def places(given: object, path: str = "at", kind: str = "place") -> tuple[Any, ...]:
+    """Convert one place, or several."""
+    if isinstance(given, str) or is_place(given) or (is_pair(given) and kind == "mesh"):
+        return (place(given, path, kind),)
+    if not isinstance(given, Iterable) or isinstance(given, (Mapping, *BYTES)):
         raise SceneError(f"{path}: must be a list of names or tuples, got {shown(given)}")
-    found = tuple(place(at, f"{path}[{i}]") for i, at in enumerate(given))
+    found = tuple(place(at, f"{path}[{i}]", kind) for i, at in enumerate(given))
     if not found:
         raise SceneError(f"{path}: must name at least one gear, disk or (shaft, position)")
     return found

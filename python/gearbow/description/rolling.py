@@ -13,7 +13,7 @@ from gearbow._types import Array, Plain
 from gearbow.description.part import Part
 from gearbow.description.supports import Support, with_support
 
-__all__ = ["RollingBearing", "RollingCoefficients", "RollingMotion"]
+__all__ = ["RollingBearing", "RollingCoefficients"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class RollingCoefficients(ReadOnly):
     --------
     >>> import gearbow as gb
     >>> bearing = gb.RollingBearing(
-    ...     "rotor", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
+    ...     "rotor", 0.0, elements=9, element_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
     ... )
     >>> print(f"{bearing.coefficients(load=500.0).stiffness[1, 1]:.3g} N/m")
     9.79e+07 N/m
@@ -45,36 +45,6 @@ class RollingCoefficients(ReadOnly):
     stiffness: Array
     damping: Array
     contact_forces: Array
-
-
-@dataclass(frozen=True, eq=False)
-class RollingMotion(ReadOnly):
-    """Force on a rolling bearing and load of its elements, at the k times of a response.
-
-    Parameters
-    ----------
-    force : ndarray, shape (k, 2)
-        Force of the shaft on the bearing along y and z [N].
-    loaded_elements : ndarray, shape (k,)
-        Number of rolling elements that carry load.
-    largest_contact_force : ndarray, shape (k,)
-        Contact force of the most loaded element [N].
-
-    Examples
-    --------
-    >>> import gearbow as gb
-    >>> size = {"balls": 9, "ball_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 1e-5}
-    >>> bearings = [gb.RollingBearing("rotor", x, **size, damping=100.0) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    >>> system = gb.RotorSystem([rotor], bearings=bearings, gravity=9.81)
-    >>> response = system.simulate(0.01, 300.0, record=["bearings"])
-    >>> response.rolling("rotor", 0.0).force.shape == (response.time.size, 2)
-    True
-    """
-
-    force: Array
-    loaded_elements: Array
-    largest_contact_force: Array
 
 
 @dataclass(frozen=True)
@@ -92,9 +62,9 @@ class RollingBearing(Part):
         Name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
-    balls : int
+    elements : int
         Number n of rolling elements, balls or rollers.
-    ball_diameter : float
+    element_diameter : float
         Diameter d of a ball or roller [m].
     pitch_diameter : float
         Diameter D of the circle through the centres of the elements [m].
@@ -145,7 +115,7 @@ class RollingBearing(Part):
     --------
     >>> import gearbow as gb
     >>> bearing = gb.RollingBearing(
-    ...     "rotor", 0.0, balls=9, ball_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
+    ...     "rotor", 0.0, elements=9, element_diameter=0.0127, pitch_diameter=0.065, clearance=1e-5
     ... )
     >>> print(f"{bearing.cage_order:.4f} {bearing.ball_pass_order:.3f}")
     0.4023 3.621
@@ -154,8 +124,8 @@ class RollingBearing(Part):
     shaft: str
     position: float
     _: KW_ONLY
-    balls: int
-    ball_diameter: float
+    elements: int
+    element_diameter: float
     pitch_diameter: float
     clearance: float
     hertz_stiffness: float | None = None
@@ -235,7 +205,7 @@ class RollingBearing(Part):
         float
             The number of elements times `cage_order`.
         """
-        return self.balls * self.cage_order
+        return self.elements * self.cage_order
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "RollingBearing":

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, function, matrix, number, shown
+from gearbow._convert import array, function, matrix, number, real, shown
 from gearbow._core import check_speed
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
@@ -164,18 +164,7 @@ class SpeedProfile(ReadOnly):
         return cls(np.append(left, begin + duration), coefficients)
 
     def __call__(self, times: ArrayLike) -> Array:
-        """Evaluate the speed.
-
-        Parameters
-        ----------
-        times : array_like, shape (k,) or scalar
-            Times [s].
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Speeds [rad/s].
-        """
+        """Evaluate the speed."""
         t = np.clip(matrix(times, "times"), self.breaks[0], self.breaks[-1])
         piece = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, self.breaks.size - 2)
         since = t - self.breaks[piece]
@@ -223,65 +212,19 @@ def _polynomial(coefficients: Array, piece: NDArray[np.intp], since: Array) -> A
 
 
 def plain_speed(speed: float | SpeedProfile) -> Plain:
-    """Give a speed as plain data.
-
-    Parameters
-    ----------
-    speed : float or SpeedProfile
-        A constant speed [rad/s] or a profile.
-
-    Returns
-    -------
-    float or dict
-        The constant speed, or the breaks and coefficients of the profile.
-    """
+    """Give a speed as plain data."""
     if isinstance(speed, SpeedProfile):
         return {"breaks": speed.breaks.tolist(), "coefficients": speed.coefficients.tolist()}
     return speed
 
 
 def read_speed(plain: Plain) -> float | SpeedProfile:
-    """Read a speed from plain data, the inverse of `plain_speed`.
-
-    Parameters
-    ----------
-    plain : float or dict
-        Plain data.
-
-    Returns
-    -------
-    float or SpeedProfile
-        A constant speed [rad/s] or a profile.
-    """
+    """Read a speed from plain data, the inverse of `plain_speed`."""
     return SpeedProfile(**plain) if isinstance(plain, dict) else float(plain)
 
 
 def sampled(f: Callable[[Any], Any], breaks: Array, path: str) -> tuple[Array, Array]:
-    """Approximate a function by cubic pieces, each through four of its values.
-
-    A piece is bisected until it agrees with the function at two further points.
-
-    Parameters
-    ----------
-    f : callable
-        Gives a real number at a time [s], or at an array of times.
-    breaks : ndarray, shape (m + 1,)
-        Ends of the first pieces, ascending [s].
-    path : str
-        Beginning of error messages.
-
-    Returns
-    -------
-    left : ndarray, shape (p,)
-        Beginning of each piece [s].
-    coefficients : ndarray, shape (4, p)
-        Coefficients in the time since the beginning of the piece, the highest power first.
-
-    Raises
-    ------
-    SceneError
-        If the function is discontinuous, or has a value that is not finite.
-    """
+    """Approximate a function by cubic pieces, each through four of its values."""
     shortest = max(_SHORTEST * (breaks[-1] - breaks[0]), 1e-15 * np.abs(breaks).max())
     left, right = breaks[:-1], breaks[1:]
     done: list[tuple[Array, Array]] = []
@@ -323,41 +266,26 @@ def sampled(f: Callable[[Any], Any], breaks: Array, path: str) -> tuple[Array, A
 
 
 def evaluated(f: Callable[[Any], Any], times: Array, path: str) -> Array:
-    """Evaluate a function that takes one time or an array of times.
-
-    Parameters
-    ----------
-    f : callable
-        Gives a real number at a time [s], or at an array of times.
-    times : ndarray
-        Times [s].
-    path : str
-        Beginning of error messages.
-
-    Returns
-    -------
-    ndarray, shape of times
-        The values.
-
-    Raises
-    ------
-    SceneError
-        If a value is no finite number.
-    """
+    """Evaluate a function that takes one time or an array of times."""
     flat = times.reshape(-1)
     try:
         values: NDArray[Any] = np.asarray(f(flat))
-    except (TypeError, ValueError):  # the function takes a single time
+    except (TypeError, ValueError, OverflowError):  # the function takes a single time
         values = np.empty(0)
-    if values.shape != flat.shape:
-        values = np.array([f(float(t)) for t in flat])
-    if values.shape != flat.shape:
-        raise SceneError(f"{path}: the function must give a number, got {shown(f(float(flat[0])))}")
-    try:
-        values = values.astype(np.float64)
-    except (TypeError, ValueError):
-        raise SceneError(f"{path}: the function must give a number, got {values[0]!r}") from None
+    if values.shape != flat.shape or values.dtype.kind not in "iuf":
+        values = np.array([_value(f(float(t)), path) for t in flat])
+    values = values.astype(np.float64)
     if not np.isfinite(values).all():
         at = int(np.argmin(np.isfinite(values)))
         raise SceneError(f"{path}: the function gives {values[at]} at {flat[at]:g} s")
     return values.reshape(times.shape)
+
+
+def _value(value: object, path: str) -> float:
+    """Check one value of a function of time."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    try:
+        return float(real(value, path))
+    except SceneError:
+        raise SceneError(f"{path}: the function must give a number, got {shown(value)}") from None

@@ -39,13 +39,13 @@ class Stiffness(Part):
         Phases of the harmonics [rad], for "fourier".
     bore_radii : pair of float, optional
         Radii at which the bodies of driver and driven gear are fixed [m], for "potential_energy".
-    foundation : {"separate", "shared"}, optional
-        Whether pairs in simultaneous contact share the compliance of fillet and gear body, for
-        "potential_energy".
     engagement : "sharp" or float, optional
         Engagement of a tooth pair, for the models that consist of pairs.
     phase : {"twist", "prescribed"}, optional
         What determines the position of the teeth on the path of contact.
+    foundation : {"separate", "shared"}, optional
+        Whether pairs in simultaneous contact share the compliance of fillet and gear body, for
+        "potential_energy".
 
     Notes
     -----

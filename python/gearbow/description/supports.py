@@ -57,18 +57,7 @@ class Support(Part):
 
 
 def with_support(bearing: Mapping[str, Plain]) -> dict[str, Any]:
-    """Replace the description of the support of a bearing by the support.
-
-    Parameters
-    ----------
-    bearing : mapping
-        Plain description of a bearing.
-
-    Returns
-    -------
-    dict
-        The arguments of the bearing.
-    """
+    """Replace the description of the support of a bearing by the support."""
     given = dict(bearing)
     if isinstance(given.get("support"), Mapping):
         given["support"] = Support._from_description(given["support"])

@@ -38,18 +38,7 @@ PARTS: dict[str, type[Part]] = {
 
 
 def parts_of(description: Mapping[str, Plain]) -> dict[str, tuple[Any, ...]]:
-    """Make the parts of a system from its plain description.
-
-    Parameters
-    ----------
-    description : mapping
-        A description that the core has checked.
-
-    Returns
-    -------
-    dict of {str: tuple of Part}
-        The parts by the names of the parameters of `gearbow.RotorSystem`.
-    """
+    """Make the parts of a system from its plain description."""
     return {
         key: tuple(kind._from_description(part) for part in description.get(key, ()))
         for key, kind in PARTS.items()
@@ -58,22 +47,7 @@ def parts_of(description: Mapping[str, Plain]) -> dict[str, tuple[Any, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Train(ReadOnly):
-    """A train at rest: parts, positions, senses of rotation and bows.
-
-    Parameters
-    ----------
-    parts : mapping of {str: tuple of Part}
-        The parts by the names of the parameters of `gearbow.RotorSystem`.
-    layout : Layout
-        Positions of shafts, gears, disks and bearings.
-    ratios : mapping of {str: float}
-        Signed speed of each shaft over that of the reference shaft.
-    dofs : tuple of (str, float or (float, float), str)
-        Degrees of freedom of the bowed shafts.
-    bow : ndarray, shape (n,)
-        Amplitudes of these degrees of freedom without load. The real parts of those of v and w are
-        the bow b_y and b_z [m].
-    """
+    """A train at rest: parts, positions, senses of rotation and bows."""
 
     parts: Mapping[str, tuple[Any, ...]]
     layout: Layout
@@ -83,20 +57,7 @@ class Train(ReadOnly):
 
     @classmethod
     def of(cls, description: Mapping[str, Plain], ratios: Array) -> "Train":
-        """Make the train of a plain description.
-
-        Parameters
-        ----------
-        description : mapping
-            A description that the core has checked.
-        ratios : ndarray, shape (shafts,)
-            Signed speed of each shaft over that of the reference shaft.
-
-        Returns
-        -------
-        Train
-            The train.
-        """
+        """Make the train of a plain description."""
         parts = parts_of(description)
         lists = ("shafts", "gears", "disks", "meshes", "bearings")
         bows = [_bow(description, shaft.name) for shaft in parts["shafts"] if shaft.bow is not None]

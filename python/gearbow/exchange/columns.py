@@ -21,7 +21,7 @@ __all__ = ["read_columns"]
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 
 #: Heading with a unit: "speed [rpm]" or "speed (rpm)".
-_HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:[\[(](.*)[\])])?\s*")
+_HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
 
 
 def read_columns(
@@ -29,32 +29,7 @@ def read_columns(
     known: Mapping[str, str],
     hints: Mapping[str, str] | None = None,
 ) -> dict[str, Array]:
-    """Read the columns of a CSV file in SI units.
-
-    Columns are separated by commas, semicolons or tabs. Lines that begin with ``#`` are comments.
-    A heading without a unit is in SI units.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-    known : mapping of {str: str}
-        Name of each possible column, and the path of a field that has its unit.
-    hints : mapping of {str: str}, optional
-        What a message adds about the names of other columns.
-
-    Returns
-    -------
-    dict of {str: ndarray}
-        The columns, each of shape (k,).
-
-    Raises
-    ------
-    SceneError
-        If a heading, a unit or a number is invalid. The message names line and column.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read the columns of a CSV file in SI units."""
     with reading(path) as text:
         lines = text.splitlines()
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip()]
@@ -95,15 +70,16 @@ def _headings(
         heading = _HEADING.fullmatch(cell)
         name = "" if heading is None else heading[1].lower().replace(" ", "_")
         if heading is None or name not in known:
-            hint = hints.get(name) or _of_unit(cell.strip(), known) or nearest(name, known)
+            hint = hints.get(name) or _of_unit(cell.strip(), known) or _behind(cell, known)
+            hint = hint or nearest(name, known)
             raise SceneError(
                 f"{where}: {cell.strip()!r} is not a column; there are {', '.join(known)}{hint}"
             )
         if name in units:
             raise SceneError(f"{where}: the column {name!r} occurs twice")
         try:
-            units[name] = heading[2] or ""
-            parsed(f"1 {heading[2] or unit_of(known[name])}", known[name])
+            units[name] = heading[2] or heading[3] or ""
+            parsed(f"1 {units[name] or unit_of(known[name])}", known[name])
         except SceneError as error:
             raise SceneError(f'{where}, column "{name}": {str(error).partition(": ")[2]}') from None
     return units
@@ -118,6 +94,14 @@ def _of_unit(cell: str, known: Mapping[str, str]) -> str:
             continue
         return f'; a unit stands in brackets behind its column, for example "{name} [{cell}]"'
     return ""
+
+
+def _behind(cell: str, known: Mapping[str, str]) -> str:
+    """Give the end of a message for a column whose unit stands in no or in wrong brackets."""
+    found = re.fullmatch(r"\s*(\w+)\s*[^\w\s]?\s*([^\[\](){}]+?)\s*\W?\s*", cell)
+    if found is None or found[1].lower() not in known:
+        return ""
+    return f'; write the unit in brackets: "{found[1].lower()} [{found[2]}]"'
 
 
 def _number(cell: str, unit: str, field: str, where: str) -> float:

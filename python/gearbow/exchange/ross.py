@@ -6,6 +6,7 @@ segment with one element. https://ross.readthedocs.io
 
 import json
 import os
+import re
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -53,26 +54,7 @@ class _File:
 
 
 def read_ross(path: str | os.PathLike[str]) -> dict[str, Plain]:
-    """Read a rotor that ROSS saved.
-
-    Parameters
-    ----------
-    path : str or path-like
-        A file of ``rotor.save`` of ROSS 2, ``.toml`` or ``.json``.
-
-    Returns
-    -------
-    dict
-        Plain description of the rotor.
-
-    Raises
-    ------
-    SceneError
-        If the file is not one of ROSS, or has an element that gearbow cannot represent; the message
-        names it.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read a rotor that ROSS saved."""
     file = _read(path)
     shaft, positions = _shaft(file)
     masses = {mass["n"]: (name, mass) for name, mass in file.all("PointMass")}
@@ -173,7 +155,8 @@ def _position(file: _File, name: str, n: int, positions: list[float]) -> dict[st
 
 
 def _named(name: str, element: Mapping[str, Any]) -> dict[str, Plain]:
-    return {"name": str(element.get("tag") or name)}
+    # Names of gearbow contain neither "/" nor ":".
+    return {"name": re.sub("[/:]", "-", str(element.get("tag") or name))}
 
 
 def _mass(file: _File, name: str, mass: Mapping[str, Any]) -> float:

@@ -1,14 +1,16 @@
 """One recorded signal with its label and unit."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from gearbow._convert import text
 from gearbow._shown import Shown
 from gearbow._types import Array, Record
-from gearbow.description.places import place, place_label
+from gearbow.description.places import is_pair, place, place_label
 from gearbow.errors import ChannelError
-from gearbow.recording.channels import BEARING, MESH, POINT
-from gearbow.recording.recording import Recording
+from gearbow.recording import access
+from gearbow.recording.channels import BEARING, MESH, POINT, RATES
+from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
 
 __all__ = ["Channel", "channel"]
@@ -19,92 +21,65 @@ _BEARING = {name.removeprefix("force_"): unit for name, unit in BEARING.items()}
 
 @dataclass(frozen=True, eq=False)
 class Channel(Shown):
-    """A signal over time.
-
-    Parameters
-    ----------
-    label : str
-        Name of the signal, e.g. "g1 v".
-    unit : str
-        Unit of the signal.
-    values : ndarray, shape (k,)
-        The signal.
-    """
+    """A signal over time."""
 
     label: str
     unit: str
     values: Array
 
 
-def channel(
-    recording: Recording, of: Record | SignalSensor, quantity: str | None = None
-) -> Channel:
-    """Find one recorded signal.
+#: Quantities of the motion of a place: array and component.
+_MOTION: dict[str, tuple[Any, int | None]] = {
+    "y": ("displacement", 0),
+    "z": ("displacement", 1),
+    "twist": ("twist", None),
+    "x": ("axial", None),
+    **{
+        quantity: (array, component if len(quantities) > 1 else None)
+        for array, quantities in RATES.items()
+        for component, quantity in enumerate(quantities)
+    },
+}
 
-    Parameters
-    ----------
-    recording : Recording
-        The recorded run.
-    of : str, tuple or SignalSensor
-        A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m]),
-        "energy", or a probe or accelerometer.
-    quantity : str, optional
-        "v", "w", "twist", "u", "velocity_v", "velocity_w", "velocity_u", "twist_rate",
-        "acceleration_v", "acceleration_w" or "acceleration_u" of a place, "y", "z" or "x" of the
-        force on a bearing, or a number field of `MeshResponse`. None is "v", "y" or the mesh force.
 
-    Returns
-    -------
-    Channel
-        The signal.
-
-    Raises
-    ------
-    ChannelError
-        If it was not recorded, or there is no such quantity.
-    """
-    if isinstance(of, SignalSensor):
+def channel(run: RunRecord, at: Record | SignalSensor, quantity: str | None = None) -> Channel:
+    """Find one recorded signal."""
+    if isinstance(at, SignalSensor):
         if quantity is not None:
             raise ChannelError(f"quantity: a sensor has one signal; leave out {quantity!r}")
-        return Channel(of.label, of.unit, of.measure(recording))
-    item: Record = place(of, "of")
+        return Channel(at.label, at.unit, at.measure(run))
+    item: Any = place(at)
     if isinstance(item, tuple) and len(item) == 3:
-        values: Array
-        name, component = _chosen(item, quantity, _BEARING)
-        if name == "x":
-            values = recording.axial_bearing_force(item[1], item[2])
-        else:
-            values = recording.bearing_force(item[1], item[2])[:, component]
-        return Channel(f"bearing {item[1]} at {item[2]:g} m {name}", _BEARING[name], values)
+        return _of_bearing(run, item, quantity)
     if item == "energy":
         _chosen(item, quantity, {"energy": "J"})
-        return Channel("energy", "J", recording.energy)
-    if isinstance(item, tuple) and isinstance(item[1], str):
+        return Channel("energy", "J", access.energy(run))
+    if is_pair(item):
         name, _ = _chosen(item, quantity, {"force": MESH["force"], **MESH})
-        values = getattr(recording.mesh(item[0], item[1]), name)
-        return Channel(f"{item[0]}/{item[1]} {name.replace('_', ' ')}", MESH[name], values)
+        values = getattr(access.mesh(run, item), name)
+        driver, driven = access.mesh_names(run, item)
+        return Channel(f"{driver}/{driven} {name.replace('_', ' ')}", MESH[name], values)
     name, _ = _chosen(item, quantity, POINT)
-    at = item if isinstance(item, str) else (item[0], float(item[1]))
-    single = {
-        "twist": recording.twist,
-        "u": recording.axial,
-        "twist_rate": recording.twist_rate,
-        "velocity_u": recording.axial_velocity,
-        "acceleration_u": recording.axial_acceleration,
-    }
-    lateral = {
-        "": recording.displacement,
-        "velocity": recording.velocity,
-        "acceleration": recording.acceleration,
-    }
-    kind, _, axis = name.rpartition("_")
-    motion = single[name](at) if name in single else lateral[kind](at)[:, "vw".index(axis)]
-    return Channel(f"{place_label(at)} {name}", POINT[name], motion)
+    array, component = _MOTION[name]
+    motion = access.motion(run, array, item)
+    values = motion if component is None else motion[:, component]
+    return Channel(f"{place_label(item)} {name}", POINT[name], values)
 
 
-def _chosen(of: Record, quantity: str | None, known: dict[str, str]) -> tuple[str, int]:
+def _of_bearing(run: RunRecord, item: tuple[str, str, float], quantity: str | None) -> Channel:
+    """Find a component of the force on a bearing, ("bearing", shaft, position)."""
+    _, shaft, position = item
+    name, component = _chosen(item, quantity, _BEARING)
+    if name == "x":
+        values = access.axial_bearing_force(run, (shaft, position))
+    else:
+        values = access.bearing_force(run, (shaft, position))[:, component]
+    return Channel(f"bearing {shaft} at {position:g} m {name}", _BEARING[name], values)
+
+
+def _chosen(at: Record, quantity: str | None, known: dict[str, str]) -> tuple[str, int]:
     names = list(known)
     name = names[0] if quantity is None else quantity
     if text(name, "quantity") not in names:
-        raise ChannelError(f"quantity: {of!r} has {', '.join(names)}, got {quantity!r}")
+        raise ChannelError(f"quantity: {at!r} has {', '.join(names)}, got {quantity!r}")
     return name, names.index(name)

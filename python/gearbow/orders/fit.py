@@ -23,7 +23,7 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
 from gearbow.orders.channel import channel
 from gearbow.orders.harmonics import ALWAYS, MOST_HARMONICS, SEPARATION, significant
-from gearbow.recording.recording import Recording
+from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
@@ -214,8 +214,8 @@ class Orders(ReadOnly):
 
 
 def orders(
-    recording: Recording,
-    of: Record | SignalSensor,
+    run: RunRecord,
+    at: Record | SignalSensor,
     quantity: str | None = None,
     *,
     shaft_harmonics: int = 4,
@@ -224,45 +224,22 @@ def orders(
     bearing_harmonics: int = 3,
     skip_time: float = 0.0,
 ) -> Orders:
-    """Fit the orders of a train to a recorded signal.
-
-    Parameters
-    ----------
-    recording : Recording
-        The recorded run.
-    of : str, tuple or SignalSensor
-        Owner of the signal, as in `gearbow.Response.orders`.
-    quantity : str, optional
-        Quantity, as in `gearbow.Response.orders`.
-    shaft_harmonics : int
-        Number of harmonics of each shaft.
-    mesh_harmonics : int, optional
-        Number of harmonics of each tooth frequency; None chooses, as in `gearbow.Response.orders`.
-    sidebands, bearing_harmonics : int
-        Numbers of orders, as in `gearbow.Response.orders`.
-    skip_time : float
-        Time at the beginning that is ignored [s].
-
-    Returns
-    -------
-    Orders
-        The amplitudes.
-    """
-    if recording.kinematics is None:
+    """Fit the orders of a train to a recorded signal."""
+    if run.kinematics is None:
         raise GearbowError("the orders are unknown, because the response has no kinematics")
-    if isinstance(recording.speed, SpeedProfile):
+    if isinstance(run.speed, SpeedProfile):
         raise GearbowError("orders need a constant speed; the speed of this run changes")
-    signal = channel(recording, of, quantity)
-    begin = recording.time[0] if recording.time.size else 0.0
-    kept = recording.time >= begin + number(skip_time, "skip_time")
-    time, values = recording.time[kept], signal.values[kept]
-    hertz = abs(recording.speed) / (2.0 * np.pi)
+    signal = channel(run, at, quantity)
+    begin = run.time[0] if run.time.size else 0.0
+    kept = run.time >= begin + number(skip_time, "skip_time")
+    time, values = run.time[kept], signal.values[kept]
+    hertz = abs(run.speed) / (2.0 * np.pi)
     meshes = ALWAYS if mesh_harmonics is None else mesh_harmonics
-    found = recording.kinematics.orders(shaft_harmonics, meshes, sidebands, bearing_harmonics)
+    found = run.kinematics.orders(shaft_harmonics, meshes, sidebands, bearing_harmonics)
     _check(time, hertz * np.array([order.value for order in found]), found)
     fitted = _fit(time, values, found, hertz)
     if mesh_harmonics is None:
-        more = _more(recording.kinematics, sidebands, found)
+        more = _more(run.kinematics, sidebands, found)
         fitted = _extended(time, values, fitted, more, hertz)
     result = Orders(
         fitted.orders,

@@ -23,27 +23,7 @@ _SIGNIFICANT = 0.01
 def significant(
     time: Array, remainder: Array, candidates: Sequence[Order], hertz: float, fitted: Array
 ) -> list[int]:
-    """Choose orders that carry a significant part of what a fit leaves.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Times [s].
-    remainder : ndarray, shape (k,)
-        The signal minus the fitted orders.
-    candidates : sequence of Order
-        Orders that may be added, without those that the fit contains.
-    hertz : float
-        Frequency of the order 1 [Hz].
-    fitted : ndarray, shape (n, 2)
-        Frequencies [Hz] and amplitudes of the fitted orders.
-
-    Returns
-    -------
-    list of int
-        Indices of the chosen candidates. The record resolves them, and separates them from each
-        other and from the fitted orders.
-    """
+    """Choose orders that carry a significant part of what a fit leaves."""
     frequencies = np.array([order.value for order in candidates]) * hertz
     span, step = float(time[-1] - time[0]), float(np.diff(time).max())
     resolved = np.flatnonzero(frequencies * step < 0.5)

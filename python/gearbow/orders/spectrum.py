@@ -12,7 +12,7 @@ from gearbow._types import Array, Record
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
-from gearbow.recording.recording import Recording
+from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Spectrum(ReadOnly):
     >>> middle = ("rotor", 0.5)
     >>> response = system.simulate(0.5, 100.0, record=[middle], output_step=1e-3)
     >>> response.spectrum(middle)
-    Spectrum(rotor at 0.5 m v [m]; 250 frequencies)
+    Spectrum(rotor at 0.5 m y [m]; 250 frequencies)
     """
 
     frequencies_hz: Array
@@ -70,7 +70,7 @@ class Spectrum(ReadOnly):
     unit: str
     orders: tuple[tuple[str, float], ...] = field(default=(), repr=False)
 
-    def plot(self, ax: Any = None) -> "Figure":
+    def plot(self, *, ax: Any = None) -> "Figure":
         """Draw the spectrum on a logarithmic scale, up to the highest frequency with a signal.
 
         Parameters
@@ -102,29 +102,7 @@ class Spectrum(ReadOnly):
 
 
 def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array, Array]:
-    """Find the amplitude spectra of signals along the first axis.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Equally spaced times [s].
-    values : ndarray, shape (k, ...)
-        The signals.
-    window : {"hann", "flat top", "none"}
-        Window function.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Frequencies above zero [Hz].
-    ndarray, shape (n, ...)
-        Amplitudes.
-
-    Raises
-    ------
-    GearbowError
-        If the times are not equally spaced, or there is no such window.
-    """
+    """Find the amplitude spectra of signals along the first axis."""
     one_of(window, WINDOWS, "window")
     steps = np.diff(time)
     if steps.size < 2 or np.ptp(steps) > 1e-6 * abs(steps[0]) or steps[0] <= 0.0:
@@ -142,52 +120,23 @@ def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array,
 
 
 def spectrum(
-    recording: Recording,
-    of: Record | SignalSensor,
+    run: RunRecord,
+    at: Record | SignalSensor,
     quantity: str | None = None,
     *,
     window: str = "hann",
 ) -> Spectrum:
-    """Find the amplitude spectrum of a recorded signal.
-
-    Parameters
-    ----------
-    recording : Recording
-        The recorded run.
-    of : str, tuple or SignalSensor
-        Owner of the signal, as in `gearbow.Response.spectrum`.
-    quantity : str, optional
-        Quantity, as in `gearbow.Response.spectrum`.
-    window : {"hann", "flat top", "none"}
-        Window function.
-
-    Returns
-    -------
-    Spectrum
-        The spectrum.
-    """
-    signal = channel(recording, of, quantity)
-    frequencies, amplitude = amplitudes(recording.time, signal.values, window)
-    named = order_frequencies(recording)
+    """Find the amplitude spectrum of a recorded signal."""
+    signal = channel(run, at, quantity)
+    frequencies, amplitude = amplitudes(run.time, signal.values, window)
+    named = order_frequencies(run)
     return Spectrum(frequencies, amplitude, signal.label, signal.unit, named)
 
 
-def order_frequencies(recording: Recording) -> tuple[tuple[str, float], ...]:
-    """List the orders of a train with their frequencies.
-
-    Parameters
-    ----------
-    recording : Recording
-        The recorded run.
-
-    Returns
-    -------
-    tuple of (str, float)
-        Simplest name and frequency [Hz] of each order; none if the speed changes or the train is
-        unknown.
-    """
-    if recording.kinematics is None or isinstance(recording.speed, SpeedProfile):
+def order_frequencies(run: RunRecord) -> tuple[tuple[str, float], ...]:
+    """List the orders of a train with their frequencies."""
+    if run.kinematics is None or isinstance(run.speed, SpeedProfile):
         return ()
-    turns = abs(recording.speed) / (2.0 * np.pi)
-    found = recording.kinematics.orders(mesh_harmonics=_NAMED_HARMONICS)
+    turns = abs(run.speed) / (2.0 * np.pi)
+    found = run.kinematics.orders(mesh_harmonics=_NAMED_HARMONICS)
     return tuple((each.names[0], each.value * turns) for each in found)

@@ -15,7 +15,7 @@ from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.spectrum import spectrum
-from gearbow.recording.recording import Recording
+from gearbow.recording.record import Recorded, RunRecord, recorded_run
 from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:
@@ -100,8 +100,8 @@ class Waterfall(ReadOnly):
 
 @checked
 def waterfall(
-    responses: Sequence[Recording],
-    of: Record | SignalSensor,
+    responses: Sequence[Recorded],
+    at: Record | SignalSensor,
     quantity: str | None = None,
     *,
     window: str = "hann",
@@ -112,7 +112,7 @@ def waterfall(
     ----------
     responses : sequence of Response
         Runs at constant speeds, in any order, with equal output steps and numbers of times.
-    of : str, tuple or SignalSensor
+    at : str, tuple or SignalSensor
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
     quantity : str, optional
@@ -151,20 +151,13 @@ def waterfall(
     >>> result.amplitudes.shape
     (2, 500)
     """
-    try:
-        runs = list(responses)
-    except TypeError:
-        runs = []
-    if not runs or not all(isinstance(run, Recording) for run in runs):
-        raise SceneError(
-            f"responses: must be a list of at least one response, got {shown(responses)}"
-        )
+    runs = _runs(responses)
     speeds = []
     for run in runs:
         if isinstance(run.speed, SpeedProfile):
             raise GearbowError("a waterfall needs constant speeds; the speed of one run changes")
         speeds.append(abs(run.speed))
-    spectra = [spectrum(run, of, quantity, window=window) for run in runs]
+    spectra = [spectrum(run, at, quantity, window=window) for run in runs]
     first = spectra[0]
     for other in spectra[1:]:
         if other.frequencies_hz.shape != first.frequencies_hz.shape or not np.allclose(
@@ -183,3 +176,16 @@ def waterfall(
         first.unit,
         runs[0].kinematics,
     )
+
+
+def _runs(responses: object) -> list[RunRecord]:
+    """Give the data of at least one response."""
+    try:
+        runs = [recorded_run(each, "responses") for each in responses]  # type: ignore[attr-defined]
+    except (TypeError, SceneError):
+        runs = []
+    if not runs:
+        raise SceneError(
+            f"responses: must be a list of at least one response, got {shown(responses)}"
+        )
+    return runs

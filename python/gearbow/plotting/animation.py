@@ -29,15 +29,7 @@ _LARGEST = 0.35
 
 @dataclass(frozen=True)
 class MeshMotion:
-    """One mesh at the times of the frames.
-
-    Parameters
-    ----------
-    driver, driven : str
-        Names of the gears.
-    pressure_angle, centre_line_angle : ndarray, shape (f,)
-        Operating pressure angle and angle of the line of centres [rad].
-    """
+    """One mesh at the times of the frames."""
 
     driver: str
     driven: str
@@ -47,27 +39,7 @@ class MeshMotion:
 
 @dataclass(frozen=True)
 class Motion:
-    """Motion of a train at the times of the frames.
-
-    Parameters
-    ----------
-    train : Train
-        The train at rest.
-    time, speed : ndarray, shape (f,)
-        Times [s] and speeds of the reference shaft [rad/s].
-    angles : mapping of {str: ndarray of shape (f,)}
-        Angle of each shaft without its twist [rad].
-    centres : mapping of {str: ndarray of shape (f, 2)}
-        Displacement of each recorded gear and disk about its mean [m].
-    twists : mapping of {str: ndarray of shape (f,)}
-        Twist of each recorded gear and disk [rad].
-    mesh : MeshMotion or None
-        The mesh whose line of action is drawn.
-    curves : mapping of {str: (ndarray of shape (k,), ndarray of shape (k,))}
-        Times [s] and values of the curves beside the view, by name and unit.
-    slow : float
-        Time of the animation over the time that it shows.
-    """
+    """Motion of a train at the times of the frames."""
 
     train: Train
     time: Array
@@ -81,20 +53,7 @@ class Motion:
 
 
 def frames(motion: Motion, magnify: float | None) -> Iterator[Image.Image]:
-    """Draw all frames.
-
-    Parameters
-    ----------
-    motion : Motion
-        The motion.
-    magnify : float or None
-        Factor that enlarges displacements and bows; None chooses it.
-
-    Yields
-    ------
-    Image
-        The frames in order.
-    """
+    """Draw all frames."""
     factor = _factor(motion) if magnify is None else magnify
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=_SIZE, dpi=_DPI)

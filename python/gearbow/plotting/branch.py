@@ -25,26 +25,7 @@ def branch(
     labels: tuple[str, str],
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw a branch: stable parts solid, unstable ones dashed, special points with markers.
-
-    Parameters
-    ----------
-    values, amplitudes : ndarray, shape (p,)
-        Parameter and signal along the branch.
-    stable : ndarray of bool, shape (p,)
-        Stability of each point.
-    kinds : sequence of str
-        Kind of each special point, "" for others.
-    labels : tuple of str
-        Labels of both axes.
-    ax : Axes, optional
-        Panel of the user; None makes a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
-    """
+    """Draw a branch: stable parts solid, unstable ones dashed, special points with markers."""
     with panels(1, 4.5, columns=1, width=7.0, ax=ax) as (drawing, (axes,)):
         named = set()
         for is_stable, group in groupby(

@@ -71,39 +71,7 @@ def campbell(
     speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw frequencies and damping ratios against the speed.
-
-    Parameters
-    ----------
-    speeds : ndarray, shape (k,)
-        Speeds of the reference shaft [rad/s].
-    frequencies_hz : ndarray, shape (k, m)
-        Natural frequencies [Hz].
-    damping_ratios : ndarray, shape (k, m)
-        Damping ratios.
-    whirl : ndarray of str, shape (k, m)
-        Whirl of each mode.
-    lines : sequence of (str, float)
-        Name and order of each excitation line.
-    intersections : sequence of (int, float, float, float)
-        Mode, speed [rad/s], frequency [Hz] and damping ratio of each intersection.
-    thresholds : sequence of (int, float, float)
-        Mode, speed [rad/s] and frequency [Hz] of each stability threshold.
-    unstable : sequence of (float, float)
-        Ranges of speeds [rad/s] at which a mode is unstable.
-    operating : (float, float), optional
-        Lowest and highest operating speed [rad/s].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of the axis of speeds.
-    ax : Axes or sequence of two Axes, optional
-        Panels of the user.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Frequencies with excitation lines, intersections and thresholds above, damping ratios
-        below. The curves go through all of them; marks stand at `speeds`.
-    """
+    """Draw frequencies and damping ratios against the speed."""
     factor, label = speed_axis(speed_unit)
     top = 1.08 * float(frequencies_hz.max(initial=1.0))
     last = max(float(speeds[-1]), *(operating or (0.0,)))
@@ -214,17 +182,7 @@ def _signed_scale(panel: Axes, damping: Array) -> None:
 
 @dataclass
 class _Above:
-    """Names of excitation lines above the panel.
-
-    Parameters
-    ----------
-    reach : float
-        Speed at which the flattest line leaves the panel, in the unit of the axis.
-    left : float
-        Left end of the longest name, in the unit of the axis.
-    names : list of str
-        The names, the steepest line first.
-    """
+    """Names of excitation lines above the panel."""
 
     reach: float
     left: float
@@ -232,11 +190,7 @@ class _Above:
 
 
 def _excitation_lines(panel: Axes, lines: Sequence[tuple[str, float]]) -> None:
-    """Draw excitation lines within a panel with final limits, with their names at the ends.
-
-    The slope of a line is 2π times the frequency [Hz] over the speed in the unit of the axis. Lines
-    outside the panel are left out.
-    """
+    """Draw excitation lines within a panel with final limits, with their names at the ends."""
     (first, last), top = panel.get_xlim(), panel.get_ylim()[1]
     style: dict[str, Any] = {"fontsize": text_size(0.86)}
     shift: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": False}
@@ -276,11 +230,7 @@ def _by_whirl(
     known: tuple[Array, Array],
     whirl: NDArray[np.str_],
 ) -> None:
-    """Draw a curve in pieces with the style of their whirl.
-
-    The curve goes through the `computed` values at the speeds of the diagram and further `known`
-    points. Marks stand at the computed values.
-    """
+    """Draw a curve in pieces with the style of their whirl."""
     speeds, values = computed
     x, y = smooth(np.concatenate([speeds, known[0]]), np.concatenate([values, known[1]]))
     changes = [0, *(np.flatnonzero(whirl[1:] != whirl[:-1]) + 1), len(whirl)]

@@ -13,23 +13,7 @@ _SAME = 1e-9
 
 
 def smooth(x: Array, y: Array) -> tuple[Array, Array]:
-    """Draw a monotone cubic through points, so that a curve has no corners and no overshoot.
-
-    Parameters
-    ----------
-    x : ndarray, shape (k,)
-        Abscissas in any order; the first of equal ones counts.
-    y : ndarray, shape (k,)
-        Ordinates.
-
-    Returns
-    -------
-    x : ndarray, shape (m,)
-        Ascending abscissas: those of the points, and 15 between two of them.
-    y : ndarray, shape (m,)
-        The curve. Its slopes at the points are weighted harmonic means of the neighbouring secants
-        (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), and the secants at the ends.
-    """
+    """Draw a monotone cubic through points, so that a curve has no corners and no overshoot."""
     order = np.argsort(x, kind="stable")
     x, y = x[order], y[order]
     distinct = np.diff(x, prepend=-np.inf) > _SAME * np.ptp(x) if x.size else np.empty(0, bool)

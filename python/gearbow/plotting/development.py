@@ -29,17 +29,7 @@ _TOUCH = 0.05
 
 @dataclass(frozen=True)
 class Development:
-    """Heights of the shafts.
-
-    Parameters
-    ----------
-    heights : dict of {str: float}
-        Height of each shaft [m].
-    true : bool
-        Whether the heights are the positions y of the shafts at rest.
-    moved : tuple of str
-        Shafts that are farther away than their centre distance.
-    """
+    """Heights of the shafts."""
 
     heights: dict[str, float]
     true: bool
@@ -47,18 +37,7 @@ class Development:
 
 
 def developed(train: Train) -> Development:
-    """Find the heights.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-
-    Returns
-    -------
-    Development
-        The heights.
-    """
+    """Find the heights."""
     first = train.layout.shafts[0]
     heights = {first.name: 0.0}
     placed = list(_boxes(train, first, 0.0))
@@ -85,20 +64,7 @@ def developed(train: Train) -> Development:
 
 
 def width(train: Train, body: BodyOutline) -> float:
-    """Give the width at which a gear or disk is drawn.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-    body : BodyOutline
-        The gear or disk.
-
-    Returns
-    -------
-    float
-        Face width of a gear; otherwise the width of a solid steel disk of its mass [m].
-    """
+    """Give the width at which a gear or disk is drawn."""
     part = next(p for p in (*train.parts["gears"], *train.parts["disks"]) if p.name == body.name)
     if not isinstance(part, Disk) and part.face_width is not None:
         return float(part.face_width)
@@ -108,22 +74,7 @@ def width(train: Train, body: BodyOutline) -> float:
 
 
 def body_box(train: Train, body: BodyOutline, height: float) -> Box:
-    """Give the box of a gear or disk in the side view.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-    body : BodyOutline
-        The gear or disk.
-    height : float
-        Height of its shaft [m].
-
-    Returns
-    -------
-    tuple of float
-        Left, bottom, right, top [m].
-    """
+    """Give the box of a gear or disk in the side view."""
     x = float(train.layout.shaft(body.shaft).origin[0]) + body.position
     half = width(train, body) / 2.0
     return x - half, height - body.radius, x + half, height + body.radius

@@ -22,35 +22,13 @@ _AROUND = np.radians([90, 270, 45, 135, 225, 315, 0, 180, 67, 113, 247, 293])
 
 
 def circles(train: Train) -> list[BodyOutline]:
-    """List the gears and disks that are drawn as circles, the largest first.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-
-    Returns
-    -------
-    list of BodyOutline
-        Gears and disks with a radius.
-    """
+    """List the gears and disks that are drawn as circles, the largest first."""
     bodies = [body for body in train.layout.bodies if body.radius > 0.0]
     return sorted(bodies, key=lambda body: -body.radius)
 
 
 def extent(train: Train) -> Box:
-    """Give the box of the view.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-
-    Returns
-    -------
-    tuple of float
-        Left, bottom, right, top [m].
-    """
+    """Give the box of the view."""
     found = [(train.layout.shaft(body.shaft).origin, body.radius) for body in circles(train)]
     found += [
         (shaft.origin, max(radius for _, radius in shaft.steps)) for shaft in train.layout.shafts
@@ -61,22 +39,7 @@ def extent(train: Train) -> Box:
 
 
 def line_of_action(pressure_angle: Any, centre_line_angle: Any, sense: float) -> Array:
-    """Give the direction of the force on the driven gear.
-
-    Parameters
-    ----------
-    pressure_angle : float or ndarray, shape (k,)
-        Operating pressure angle α [rad].
-    centre_line_angle : float or ndarray, shape (k,)
-        Angle γ of the line of centres, driver to driven [rad].
-    sense : float
-        Sense of rotation σ of the driver, +1 or -1.
-
-    Returns
-    -------
-    ndarray, shape (..., 2)
-        Unit vector n = σ cos α (-sin γ, cos γ) + sin α (cos γ, sin γ) of the drive flank.
-    """
+    """Give the direction of the force on the driven gear."""
     along = np.stack([np.cos(centre_line_angle), np.sin(centre_line_angle)], axis=-1)
     across = np.stack([-np.sin(centre_line_angle), np.cos(centre_line_angle)], axis=-1)
     cosine = sense * np.cos(pressure_angle)[..., np.newaxis]
@@ -85,19 +48,7 @@ def line_of_action(pressure_angle: Any, centre_line_angle: Any, sense: float) ->
 
 
 def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> None:
-    """Draw the view into a panel with final limits.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-    train : Train
-        The train.
-    shades : mapping of {str: str}
-        Colour of each shaft.
-    point : float
-        Size of a printed point, 1/72 in, in the units of the axes [m].
-    """
+    """Draw the view into a panel with final limits."""
     labels = Labels(panel, point)
     for body in circles(train):
         y, z = train.layout.shaft(body.shaft).origin[1:]

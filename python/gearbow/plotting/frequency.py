@@ -26,34 +26,13 @@ __all__ = ["bode", "critical_speed_map", "synchronous"]
 def critical_speed_map(
     stiffnesses: Array,
     lines: Mapping[str, Array],
-    excitation: float,
+    order: float,
     *,
     actual: Sequence[float] = (),
     speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw critical speeds against the bearing stiffness.
-
-    Parameters
-    ----------
-    stiffnesses : ndarray, shape (k,)
-        Stiffness of every bearing [N/m].
-    lines : mapping of {str: ndarray of shape (k, m)}
-        Critical speeds [rad/s] of each whirl.
-    excitation : float
-        Order of the excitation.
-    actual : sequence of float
-        Stiffnesses of the bearings of the system [N/m].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of the axis of speeds.
-    ax : Axes, optional
-        Panel of the user.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Critical speeds against stiffness, both axes logarithmic.
-    """
+    """Draw critical speeds against the bearing stiffness."""
     factor, _ = speed_axis(speed_unit)
     with panels(1, 6.0, columns=1, width=9.0, ax=ax) as (figure, (panel,)):
         for whirl, (shade, line, mark) in MARKS.items():
@@ -69,7 +48,7 @@ def critical_speed_map(
         if actual:
             _span(panel, min(actual), max(actual), "stiffness of the system")
         panel.set(xlabel="stiffness of every bearing [N/m]")
-        panel.set(ylabel=f"critical speed [{speed_unit}]", title=f"ω = {excitation:g} Ω")
+        panel.set(ylabel=f"critical speed [{speed_unit}]", title=f"ω = {order:g} Ω")
         legend(figure, panel, ax=ax)
     return figure
 
@@ -81,25 +60,7 @@ def bode(
     speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw phase and amplitude against the speed.
-
-    Parameters
-    ----------
-    speeds : ndarray, shape (speeds,)
-        Speeds of the reference shaft [rad/s].
-    lines : mapping of {str: tuple of ndarray of shape (speeds,)}
-        Phase [rad] and major semi-axis of the orbit [m] by label.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of the axis of speeds.
-    ax : sequence of two Axes, optional
-        Panels of the user.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Phase [°] above, major semi-axis of the orbits [µm] below. The title names what is not
-        excited.
-    """
+    """Draw phase and amplitude against the speed."""
     factor, label = speed_axis(speed_unit)
     with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         upper, lower = axes
@@ -136,26 +97,7 @@ def synchronous(
     speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw the major semi-axis of the orbits against the speed.
-
-    Parameters
-    ----------
-    speeds : ndarray, shape (speeds,)
-        Speeds of the reference shaft [rad/s].
-    orbits : mapping of {str: ndarray of shape (speeds, shafts)}
-        Major semi-axis of the orbit [m] for each shaft as the source, by label.
-    shafts : sequence of str
-        Names of the shafts.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of the axis of speeds.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user, one for each label.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each label, one line for each shaft as the source.
-    """
+    """Draw the major semi-axis of the orbits against the speed."""
     factor, label = speed_axis(speed_unit)
     with panels(len(orbits), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (name, orbit) in zip(axes, orbits.items(), strict=True):

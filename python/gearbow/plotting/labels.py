@@ -44,26 +44,7 @@ _CENTRED = 0.4
 
 @dataclass(frozen=True)
 class _Label:
-    """A label with the places that it may take.
-
-    Parameters
-    ----------
-    text : str
-        The label.
-    style : dict
-        Properties of the text.
-    anchors : ndarray, shape (places, 2)
-        Points to which the label belongs, in coordinates of the data.
-    ways : ndarray, shape (places, 2)
-        Direction of the text from its anchor.
-    gaps : ndarray, shape (places,)
-        Distance of the text from its anchor [pt].
-    boxes : ndarray, shape (places, 4)
-        Left, bottom, right and top of the text [pixel].
-    leaders : ndarray, shape (places, points, 4)
-        Boxes around points of the line from the anchor to the text [pixel]; without a size where
-        there is no line.
-    """
+    """A label with the places that it may take."""
 
     text: str
     style: dict[str, Any]
@@ -75,17 +56,7 @@ class _Label:
 
 
 class Labels:
-    """Labels of a panel whose limits are final.
-
-    All labels are given first; `place` then finds their places together.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-    point : float
-        Size of a printed point, 1/72 in, in the units of the axes [m].
-    """
+    """Labels of a panel whose limits are final."""
 
     def __init__(self, panel: Axes, point: float) -> None:
         self.panel, self.point = panel, point
@@ -95,32 +66,14 @@ class Labels:
         self._labels: list[_Label] = []
 
     def avoid(self, *boxes: Box, strictly: bool = False) -> None:
-        """Keep labels away from boxes.
-
-        Parameters
-        ----------
-        *boxes : tuple of float
-            Left, bottom, right and top in coordinates of the data.
-        strictly : bool
-            Whether a box counts as much as another label.
-        """
+        """Keep labels away from boxes."""
         for left, bottom, right, top in boxes:
             corners = self.panel.transData.transform([(left, bottom), (right, top)])
             self._boxes.append(tuple(corners.ravel().tolist()))
             self._weights.append(_TEXT if strictly else 1.0)
 
     def add(self, text: str, places: Iterable[Place], **style: Any) -> None:
-        """Add a label.
-
-        Parameters
-        ----------
-        text : str
-            The label.
-        places : iterable of ((float, float), (float, float))
-            Anchors, each with the direction of the text; preferred places first.
-        **style
-            Properties of the text.
-        """
+        """Add a label."""
         style = {"fontsize": text_size(_SIZE), **style}
         extent = text_extent(self.panel, text, **style)
         given = list(places)
@@ -178,11 +131,7 @@ class Labels:
         )
 
     def _fixed_costs(self, label: _Label) -> Array:
-        """Give the costs of the places of a label without the other labels, shape (places,).
-
-        They are the weighted area that overlaps obstacles or lies outside the panel, and the
-        distance from the anchor.
-        """
+        """Give the costs of the places of a label without the other labels, shape (places,)."""
         panel = np.array([self.panel.bbox.extents])
         size = np.prod(label.boxes[:, 2:] - label.boxes[:, :2], axis=1)
         outside = size - _areas(label.boxes, panel)[:, 0]
@@ -197,20 +146,7 @@ class Labels:
 def around(
     left: float, bottom: float, right: float, top: float, ways: Iterable[tuple[float, float]]
 ) -> Iterator[Place]:
-    """Give places of a label around a box.
-
-    Parameters
-    ----------
-    left, bottom, right, top : float
-        The box.
-    ways : iterable of (float, float)
-        Directions from the middle of the box, with components between -1 and 1.
-
-    Yields
-    ------
-    ((float, float), (float, float))
-        Point of the edge in this direction, and the direction.
-    """
+    """Give places of a label around a box."""
     for way in ways:
         x = (left + right) / 2.0 + way[0] * (right - left) / 2.0
         y = (bottom + top) / 2.0 + way[1] * (top - bottom) / 2.0
@@ -218,10 +154,7 @@ def around(
 
 
 def _mutual_costs(label: _Label, others: Sequence[tuple[Array, Array]]) -> Array:
-    """Give the weighted area that each place of a label shares with other labels and their lines.
-
-    `others` are the box of each other label, shape (4,), and those of its line, shape (points, 4).
-    """
+    """Give the weighted area that each place of a label shares with labels and their lines."""
     if not others:
         return np.zeros(len(label.boxes))
     texts = np.array([box for box, _ in others])

@@ -20,22 +20,7 @@ _WAYS = ((0, 1), (0, -1), (1, 0.7), (1, -0.7), (-1, 0.7), (-1, -0.7))
 
 
 def place(train: Train, heights: Mapping[str, float], at: At) -> tuple[float, float, float]:
-    """Find a place in the side view.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-    heights : mapping of {str: float}
-        Height of each shaft [m].
-    at : str or (str, float)
-        Gear or disk, or shaft and position [m].
-
-    Returns
-    -------
-    tuple of float
-        Position along the train, height of the axis and radius of the shaft [m].
-    """
+    """Find a place in the side view."""
     if isinstance(at, str):
         body = next(body for body in train.layout.bodies if body.name == at)
         name, position = body.shaft, body.position
@@ -46,17 +31,7 @@ def place(train: Train, heights: Mapping[str, float], at: At) -> tuple[float, fl
 
 
 def draw(labels: Labels, train: Train, heights: Mapping[str, float]) -> None:
-    """Draw all torques, drives and forces with their values.
-
-    Parameters
-    ----------
-    labels : Labels
-        Labels of the panel.
-    train : Train
-        The train.
-    heights : mapping of {str: float}
-        Height of each shaft [m].
-    """
+    """Draw all torques, drives and forces with their values."""
     for torque in train.parts["torques"]:
         value = _value(train, torque)
         text = "torque" if value is None else quantity(value, "N m")

@@ -53,27 +53,7 @@ def draw(
     *,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw one mode of the train.
-
-    Parameters
-    ----------
-    title : str
-        Title of the figure.
-    shape : ndarray, shape (n,)
-        Complex mode shape.
-    dofs : sequence of (str, float, str)
-        Shaft, position [m] and direction of each degree of freedom of the nodes.
-    layout : Layout
-        Geometry of the train at rest.
-    ax : Axes3D, optional
-        Panel of the user in three dimensions.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Shafts with a line along their surface that shows the twist, gears and disks with a spoke
-        and their orbits, and bearings as triangles. Thin lines show the train at rest.
-    """
+    """Draw one mode of the train."""
     extent = _extent(layout)
     moving = shape * np.array([_lever(layout, dof) for dof in dofs])
     twists = [abs(x) for x, dof in zip(shape, dofs, strict=True) if dof[2] == "twist"]

@@ -20,26 +20,7 @@ def overview(
     *,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw mode shapes along the shafts.
-
-    Parameters
-    ----------
-    titles : sequence of str
-        Titles of the panels. Their number is the number of modes in the figure.
-    shapes : ndarray, shape (m, n)
-        Complex mode shapes.
-    dofs : sequence of (str, float, str)
-        Shaft, position [m] and direction of each degree of freedom of the nodes.
-    drawn : sequence of {"lateral", "twist", "u"}, length m
-        What to draw of each mode: its lateral displacement, its twist or its axial displacement.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user, one for each mode.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each mode: v (solid) and w (dashed), the twist or u, with the maximum 1.
-    """
+    """Draw mode shapes along the shafts."""
     shafts = list(dict.fromkeys(shaft for shaft, _, _ in dofs))
     with panels(len(titles), 3.5, columns=2, width=13.0, ax=ax) as (figure, axes):
         for mode, (panel, title) in enumerate(zip(axes, titles, strict=True)):

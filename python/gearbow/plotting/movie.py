@@ -41,17 +41,7 @@ show(0);
 
 
 def write_gif(frames: Sequence[Image.Image], file: BinaryIO, *, fps: float) -> None:
-    """Write an animated GIF, which repeats.
-
-    Parameters
-    ----------
-    frames : sequence of Image
-        The frames.
-    file : binary file
-        The file.
-    fps : float
-        Frames per second; the format rounds the time of a frame to 0.01 s.
-    """
+    """Write an animated GIF, which repeats."""
     first, *others = _reduced(frames)
     first.save(
         file,
@@ -65,19 +55,7 @@ def write_gif(frames: Sequence[Image.Image], file: BinaryIO, *, fps: float) -> N
 
 
 def write_html(frames: Sequence[Image.Image], file: BinaryIO, *, fps: float, title: str) -> None:
-    """Write a page that contains all frames and shows them, with a button and a slider.
-
-    Parameters
-    ----------
-    frames : sequence of Image
-        The frames.
-    file : binary file
-        The file.
-    fps : float
-        Frames per second.
-    title : str
-        Title of the page.
-    """
+    """Write a page that contains all frames and shows them, with a button and a slider."""
     encoded = []
     for frame in _reduced(frames):
         data = BytesIO()

@@ -42,18 +42,7 @@ FAMILIES: dict[str, tuple[str, str]] = {
 
 
 def family(name: str) -> str:
-    """Give the family of an order.
-
-    Parameters
-    ----------
-    name : str
-        Name of the order.
-
-    Returns
-    -------
-    str
-        "shaft", "mesh", "sideband" or "bearing".
-    """
+    """Give the family of an order."""
     if "× mesh" in name:
         return "sideband" if " + " in name or " − " in name else "mesh"
     return "bearing" if "× ball pass " in name or "× cage " in name else "shaft"
@@ -67,26 +56,7 @@ def spectrum(
     orders: Sequence[tuple[str, float]] = (),
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw one spectrum.
-
-    Parameters
-    ----------
-    frequencies_hz : ndarray, shape (n,)
-        Frequencies [Hz].
-    amplitudes : ndarray, shape (n,)
-        Amplitudes.
-    label : str
-        Name and unit of the signal.
-    orders : sequence of (str, float)
-        Names and frequencies [Hz] of the orders of the train.
-    ax : Axes, optional
-        Panel of the user.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Amplitude against frequency, with the names of the orders at the largest peaks.
-    """
+    """Draw one spectrum."""
     with panels(1, 4.8, columns=1, ax=ax) as (figure, (panel,)):
         panel.semilogy(frequencies_hz, amplitudes, color=PALETTE[0], linewidth=1.2)
         highest = spectrum_limits(panel, frequencies_hz, amplitudes)
@@ -100,23 +70,7 @@ def spectrum(
 
 
 def spectrum_limits(panel: Axes, frequencies_hz: Array, amplitudes: Array) -> float:
-    """Limit the amplitudes of a panel to those above round-off, and find the last frequency.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-    frequencies_hz : ndarray, shape (n,)
-        Frequencies [Hz].
-    amplitudes : ndarray, shape (n,) or (n, m)
-        Amplitudes in the unit of the panel.
-
-    Returns
-    -------
-    float
-        A frequency above that of every amplitude larger than 1e-4 of the largest [Hz]; 0 without a
-        signal.
-    """
+    """Limit the amplitudes of a panel to those above round-off, and find the last frequency."""
     top = float(amplitudes.max(initial=0.0))
     if not top > 0.0:
         return 0.0
@@ -137,25 +91,7 @@ def name_orders(
     most: int = 12,
     sidebands: bool = True,
 ) -> None:
-    """Mark the peaks of a spectrum at orders of the train, and name the largest.
-
-    Orders that the spectrum does not resolve have neither mark nor name.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel with logarithmic amplitudes and final limits of the frequency.
-    frequencies_hz : ndarray, shape (n,)
-        Frequencies [Hz].
-    amplitudes : ndarray, shape (n,)
-        Amplitudes in the unit of the panel.
-    orders : sequence of (str, float)
-        Names and frequencies [Hz] of the orders.
-    most : int
-        Largest number of names.
-    sidebands : bool
-        Whether sidebands have names too, which are long.
-    """
+    """Mark the peaks of a spectrum at orders of the train, and name the largest."""
     found = _peaks(panel, frequencies_hz, amplitudes, _distinct(frequencies_hz, orders))
     if not found:
         return
@@ -203,11 +139,7 @@ def name_orders(
 
 
 def _resolution(frequencies_hz: Array) -> float:
-    """Give the distance at which two tones have separate peaks [Hz].
-
-    It is half the width of the peak of a tone with a Hann window: two lines (Heinzel, Rüdiger and
-    Schilling, 2002).
-    """
+    """Give the distance at which two tones have separate peaks [Hz]."""
     return 2.0 * float(frequencies_hz[1] - frequencies_hz[0]) if frequencies_hz.size > 1 else 0.0
 
 
@@ -224,17 +156,7 @@ def _distinct(
 
 
 def say_resolution(panel: Axes, frequencies_hz: Array, orders: Sequence[tuple[str, float]]) -> None:
-    """Say in the title below which distance orders have no name, if there are such orders.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel with final limits of the frequency.
-    frequencies_hz : ndarray, shape (n,)
-        Frequencies [Hz].
-    orders : sequence of (str, float)
-        Names and frequencies [Hz] of the orders.
-    """
+    """Say in the title below which distance orders have no name, if there are such orders."""
     visible = [order for order in orders if order[1] <= panel.get_xlim()[1]]
     if len(_distinct(frequencies_hz, visible)) < len(visible):
         distance = quantity(_resolution(frequencies_hz), "Hz", 3)
@@ -263,10 +185,7 @@ def _lines_of(name: str) -> int:
 
 
 def _raise_limit(panel: Axes, named: Sequence[tuple[str, float]], height: float) -> None:
-    """Raise the upper limit of a logarithmic panel, so that the names above the peaks fit in.
-
-    `height` is that of the panel [in].
-    """
+    """Raise the upper limit of a logarithmic panel, so that the names above the peaks fit in."""
     low, high = panel.get_ylim()
     share = 1.0
     for name, y in named:
@@ -311,27 +230,7 @@ def orders(
     title: str = "",
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw orders as bars.
-
-    Parameters
-    ----------
-    names : sequence of str, length n
-        Names of the orders.
-    amplitudes : ndarray, shape (n,)
-        Amplitudes.
-    label : str
-        Name and unit of the amplitude.
-    title : str
-        What the bars leave out.
-    ax : Axes, optional
-        Panel of the user.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One bar with its value for each order, the first at the top. The scale begins at zero, or is
-        logarithmic if the amplitudes differ by more than a factor of 30.
-    """
+    """Draw orders as bars."""
     top = float(amplitudes.max(initial=0.0))
     low = max(float(amplitudes.min(initial=top)), _SMALLEST * top)
     logarithmic = top > _LOGARITHMIC * low > 0.0
@@ -366,32 +265,7 @@ def waterfall(
     speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw spectra against the speed.
-
-    Parameters
-    ----------
-    speeds : ndarray, shape (runs,)
-        Speeds of the reference shaft, ascending [rad/s].
-    frequencies_hz : ndarray, shape (n,)
-        Frequencies [Hz].
-    amplitudes : ndarray, shape (runs, n)
-        Amplitudes.
-    label : str
-        Name and unit of the signal.
-    lines : sequence of (str, float)
-        Name and order of each line, by ascending order.
-    highest : float or None
-        Largest frequency of the figure [Hz]; None includes all visible amplitudes.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of the axis of speeds.
-    ax : Axes, optional
-        Panel of the user.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Amplitude as colour; dashed lines are orders of shafts and meshes.
-    """
+    """Draw spectra against the speed."""
     factor, speed = speed_axis(speed_unit)
     top = float(amplitudes.max())
     if highest is None:

@@ -44,26 +44,7 @@ TRANSIENT = "0.75"
 def orbits(
     motion: Mapping[str, Array], *, skipped: int = 0, transient: bool = False, ax: GivenAxes = None
 ) -> Figure:
-    """Draw the orbit of each centre in the plane of rotation.
-
-    Parameters
-    ----------
-    motion : mapping of {str: ndarray of shape (k, 2)}
-        Displacements v and w [m] by label.
-    skipped : int
-        Number of times at the beginning that do not set the scale.
-    transient : bool
-        Whether these times are known to be a transient.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user, one for each centre.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each centre: w against v [µm], what precedes the last turn of the slowest
-        shaft or belongs to the transient in grey. A dot marks the end. All
-        panels have axes of the same length, except those of orbits below a tenth of the largest.
-    """
+    """Draw the orbit of each centre in the plane of rotation."""
     count = len(motion)
     with panels(count, 4.3, columns=4, width=4.2 * min(4, count), ax=ax) as (figure, axes):
         if ax is None:
@@ -79,7 +60,7 @@ def orbits(
             name = late if skipped else "orbit"
             panel.plot(v[skipped:], w[skipped:], color=PALETTE[0], label=name)
             panel.plot(v[-1:], w[-1:], "o", color=PALETTE[1], label="end")
-            panel.set(title=label, xlabel="v [µm]", ylabel="w [µm]")
+            panel.set(title=label, xlabel="y [µm]", ylabel="z [µm]")
         equal_ranges(axes)
         entries = axes[0].get_legend_handles_labels()
         place_legend(figure, axes[0], entries, ax=ax, outside=True)
@@ -94,27 +75,7 @@ def history(
     transient: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw the displacement of each centre about its mean against time.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Times [s].
-    motion : mapping of {str: ndarray of shape (k, 2)}
-        Displacements v and w [m] by label.
-    skipped : int
-        Number of times at the beginning that do not set the scale.
-    transient : bool
-        Whether these times are known to be a transient.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user, one for each centre.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each centre: v and w about their means after the transient [µm], which the
-        title gives; the time of the transient is grey.
-    """
+    """Draw the displacement of each centre about its mean against time."""
     with panels(len(motion), 2.9, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
             mean = values[skipped:].mean(axis=0) if values.size else np.zeros(2)
@@ -135,26 +96,7 @@ def twist(
     transient: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw the twist of each place against time.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Times [s].
-    twists : mapping of {str: ndarray of shape (k,)}
-        Twist [rad] by label.
-    skipped : int
-        Number of times at the beginning that do not set the scale.
-    transient : bool
-        Whether these times are known to be a transient.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user, one for each place.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each place: twist [mrad].
-    """
+    """Draw the twist of each place against time."""
     with panels(len(twists), 2.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, values) in zip(axes, twists.items(), strict=True):
             panel.plot(time, 1e3 * values, color=PALETTE[0], linewidth=1.1)
@@ -172,26 +114,7 @@ def bearings(
     transient: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw the force of the shaft on each bearing against time.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Times [s].
-    forces : mapping of {str: ndarray of shape (k, 2)}
-        Components along y and z [N] by label.
-    skipped : int
-        Number of times at the beginning that do not set the scale.
-    transient : bool
-        Whether these times are known to be a transient.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user, two for each bearing.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two panels for each bearing: components along y and z [N], each with its own scale.
-    """
+    """Draw the force of the shaft on each bearing against time."""
     with panels(2 * len(forces), 2.6, columns=2, sharex=True, ax=ax) as (figure, axes):
         for row, (label, values) in enumerate(forces.items()):
             for column, along in enumerate("yz"):
@@ -212,26 +135,7 @@ def mesh(
     transient: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw force, deflection and stiffness of the meshes.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Times [s].
-    meshes : mapping of {(str, str): tuple of ndarray of shape (k,)}
-        Force [N], deflection [m] and stiffness [N/m] of each mesh (driver, driven).
-    skipped : int
-        Number of times at the beginning that do not set the scale.
-    transient : bool
-        Whether these times are known to be a transient.
-    ax : sequence of Axes, optional
-        Panels of the user: a row of meshes for each quantity.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A column for each mesh: force [N], deflection [µm] and stiffness [N/µm].
-    """
+    """Draw force, deflection and stiffness of the meshes."""
     rows = {
         pair: {
             "force [N]": force,
@@ -251,28 +155,7 @@ def geometry(
     transient: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw the geometry of the meshes at the moving centres.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Times [s].
-    meshes : mapping of {(str, str): tuple of ndarray of shape (k,)}
-        Contact ratio, pressure angle [rad], angle of the line of centres [rad] and centre distance
-        [m] of each mesh (driver, driven).
-    skipped : int
-        Number of times at the beginning that do not set the scale.
-    transient : bool
-        Whether these times are known to be a transient.
-    ax : sequence of Axes, optional
-        Panels of the user: a row of meshes for each quantity.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A column for each mesh: contact ratio, pressure angle [°], angle of the line of centres [°]
-        and centre distance [mm].
-    """
+    """Draw the geometry of the meshes at the moving centres."""
     rows = {
         pair: {
             "contact ratio": contact_ratio,
@@ -291,27 +174,11 @@ def spectrum(
     orders: Sequence[tuple[str, float]] = (),
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw the amplitude spectrum of the displacement of each centre.
-
-    Parameters
-    ----------
-    spectra : mapping of {str: (ndarray of shape (n,), ndarray of shape (n, 2))}
-        Frequencies [Hz] and amplitudes of v and w [m] by label.
-    orders : sequence of (str, float)
-        Names and frequencies [Hz] of the orders of the train.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user, one for each centre.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each centre: amplitudes of v and w [µm] against frequency [Hz]. Names mark the
-        largest peaks at orders of the train.
-    """
+    """Draw the amplitude spectrum of the displacement of each centre."""
     with panels(len(spectra), 3.8, columns=1, sharex=True, ax=ax) as (figure, axes):
         highest = 0.0
         for panel, (label, (frequency, amplitude)) in zip(axes, spectra.items(), strict=True):
-            _lines(panel, frequency, MICRO * amplitude, ("v", "w"))
+            _lines(panel, frequency, MICRO * amplitude, ("y", "z"))
             panel.set_yscale("log")
             panel.set(ylabel=f"{label} [µm]")
             highest = max(highest, spectrum_limits(panel, frequency, MICRO * amplitude))
@@ -332,22 +199,7 @@ def energy_balance(
     *,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw energies, works and the residual against time.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Times [s].
-    rows : mapping of {str: (mapping of {str: ndarray of shape (k,)}, ndarray of shape (k,))}
-        Terms by name and their sum [J], for each panel.
-    ax : sequence of Axes, optional
-        Panels of the user, one for each entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each entry [J]. Terms that are zero throughout are omitted.
-    """
+    """Draw energies, works and the residual against time."""
     with panels(len(rows), 3.0, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, (terms, total)) in zip(axes, rows.items(), strict=True):
             for i, (name, values) in enumerate(terms.items()):
@@ -399,11 +251,7 @@ def _lines(panel: Axes, x: Array, values: Array, names: Sequence[str]) -> None:
 
 
 def _settle(panel: Axes, values: Array, skipped: int) -> None:
-    """Scale a panel to the values after the skipped ones, and give the range of those beyond.
-
-    The axis holds the settled values and half of their range on both sides, as far as there are
-    earlier values.
-    """
+    """Scale a panel to the values after the skipped ones, and give the range of those beyond."""
     late, early = values[skipped:], values[:skipped]
     if early.size == 0 or late.size == 0:
         return

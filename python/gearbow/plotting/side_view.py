@@ -24,26 +24,7 @@ _WAYS = ((0, 1), (0, -1), (1, 0.8), (-1, 0.8), (1, -0.8), (-1, -0.8), (1, 0), (-
 
 
 class SideView:
-    """Side view of a train.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-    magnify : float
-        Factor that enlarges the bows.
-
-    Attributes
-    ----------
-    shades : dict of {str: str}
-        Colour of each shaft.
-    development : Development
-        Heights of the shafts.
-    boxes : list of tuple of float
-        Boxes of all shafts, gears and disks [m].
-    kinds : list of str
-        Kinds of symbols of the view, for the legend.
-    """
+    """Side view of a train."""
 
     def __init__(self, train: Train, magnify: float) -> None:
         self.train, self.magnify = train, magnify
@@ -53,26 +34,12 @@ class SideView:
         self.kinds = symbols.kinds(train)
 
     def extent(self) -> Box:
-        """Give the box of all parts to scale.
-
-        Returns
-        -------
-        tuple of float
-            Left, bottom, right, top [m].
-        """
+        """Give the box of all parts to scale."""
         left, bottom, right, top = np.transpose(self.boxes)
         return float(left.min()), float(bottom.min()), float(right.max()), float(top.max())
 
     def draw(self, panel: Axes, point: float) -> None:
-        """Draw the view into a panel with final limits.
-
-        Parameters
-        ----------
-        panel : matplotlib.axes.Axes
-            The panel.
-        point : float
-            Size of a printed point, 1/72 in, in the units of the axes [m].
-        """
+        """Draw the view into a panel with final limits."""
         labels = Labels(panel, point)
         labels.avoid(*self.boxes)
         for shaft in self.train.layout.shafts:
@@ -220,18 +187,7 @@ class SideView:
 
 
 def bows(train: Train) -> dict[str, tuple[Array, ComplexArray]]:
-    """Find the bow of each shaft that has one.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-
-    Returns
-    -------
-    dict of {str: (ndarray of shape (k,), ndarray of shape (k,))}
-        Positions [m] and deflection b_y + i b_z [m].
-    """
+    """Find the bow of each shaft that has one."""
     if not train.dofs:
         return {}
     values, dofs = refined(train.bow[np.newaxis], train.dofs, train.layout)

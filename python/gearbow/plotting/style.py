@@ -97,33 +97,7 @@ def panels(
     sharex: bool = False,
     ax: GivenAxes = None,
 ) -> Iterator[tuple[Figure, list[Axes]]]:
-    """Make a figure with rows of panels, or take the panels of the user.
-
-    The style of gearbow applies within the `with` block to a new figure. Given panels keep the
-    style of their figure.
-
-    Parameters
-    ----------
-    count : int
-        Number of panels.
-    height : float
-        Height of a row [in].
-    columns : int
-        Largest number of columns.
-    width : float
-        Width of the figure [in].
-    sharex : bool
-        Whether the panels of a column have the same horizontal axis.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user; None makes a new figure.
-
-    Yields
-    ------
-    figure : matplotlib.figure.Figure
-        The figure.
-    panels : list of matplotlib.axes.Axes
-        The panels, row by row.
-    """
+    """Make a figure with rows of panels, or take the panels of the user."""
     if ax is not None:
         given = given_axes(ax, (count,))
         yield figure_of(given[0]), given
@@ -141,27 +115,7 @@ def panels(
 
 
 def given_axes(ax: GivenAxes, counts: Sequence[int], what: str = "") -> list[Axes]:
-    """Check the panels of the user.
-
-    Parameters
-    ----------
-    ax : Axes or sequence of Axes
-        One panel, or several in any nesting.
-    counts : sequence of int
-        Allowed numbers of panels.
-    what : str
-        What the panels show.
-
-    Returns
-    -------
-    list of matplotlib.axes.Axes
-        The panels.
-
-    Raises
-    ------
-    GearbowError
-        If these are not panels of matplotlib, or their number is another one.
-    """
+    """Check the panels of the user."""
     given = list(np.ravel(np.array(ax, dtype=object)))
     for one in given:
         if not isinstance(one, Axes):
@@ -179,18 +133,7 @@ def given_axes(ax: GivenAxes, counts: Sequence[int], what: str = "") -> list[Axe
 
 
 def figure_of(panel: Axes) -> Figure:
-    """Give the figure of a panel, also of one in a subfigure.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
-    """
+    """Give the figure of a panel, also of one in a subfigure."""
     figure: Any = panel.figure
     while not isinstance(figure, Figure):
         figure = figure.figure
@@ -198,16 +141,7 @@ def figure_of(panel: Axes) -> Figure:
 
 
 def equal_ranges(axes: Sequence[Axes]) -> None:
-    """Give orbits a common scale: equal lengths of all axes, each about the middle of its data.
-
-    An orbit below a tenth of the largest has its own scale, which a text in its panel says. One
-    that is round-off has the common scale.
-
-    Parameters
-    ----------
-    axes : sequence of Axes
-        The panels.
-    """
+    """Give orbits a common scale: equal lengths of all axes, each about the middle of its data."""
     boxes = [panel.dataLim for panel in axes]
     sizes = [max(box.width, box.height) for box in boxes]
     largest = max(sizes)
@@ -226,15 +160,7 @@ def equal_ranges(axes: Sequence[Axes]) -> None:
 
 
 def label_x(axes: Sequence[Axes], label: str) -> None:
-    """Label the horizontal axis of every panel that is not above one with the same axis.
-
-    Parameters
-    ----------
-    axes : sequence of Axes
-        The panels, from the top.
-    label : str
-        Name and unit.
-    """
+    """Label the horizontal axis of every panel that is not above one with the same axis."""
     for number, panel in enumerate(axes):
         shared = panel.get_shared_x_axes()
         if not any(shared.joined(panel, below) for below in axes[number + 1 :]):
@@ -242,19 +168,7 @@ def label_x(axes: Sequence[Axes], label: str) -> None:
 
 
 def legend(figure: Figure, panel: Axes, title: str | None = None, *, ax: GivenAxes = None) -> None:
-    """Place one legend above the panels, or inside the first given panel.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    panel : matplotlib.axes.Axes
-        The panel with the labelled lines.
-    title : str, optional
-        Title of the legend.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user: the legend covers as few data as possible.
-    """
+    """Place one legend above the panels, or inside the first given panel."""
     handles, labels = panel.get_legend_handles_labels()
     if handles:
         place_legend(figure, panel, (handles, labels), title=title, ax=ax)
@@ -269,23 +183,7 @@ def place_legend(
     ax: GivenAxes = None,
     outside: bool = False,
 ) -> None:
-    """Place a legend with given entries, as `legend` does.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    panel : matplotlib.axes.Axes
-        The panel for the legend, if the panels are those of the user.
-    entries : (sequence of Artist, sequence of str)
-        Handles and labels.
-    title : str, optional
-        Title of the legend.
-    ax : Axes or sequence of Axes, optional
-        Panels of the user.
-    outside : bool
-        Whether the legend of such a panel stands above its title, because data fill the panel.
-    """
+    """Place a legend with given entries, as `legend` does."""
     if ax is not None:
         place: dict[str, Any] = {"loc": "best"}
         if outside:
@@ -303,46 +201,13 @@ def place_legend(
 
 
 def speed_axis(unit: str) -> tuple[float, str]:
-    """Give the factor and the label of an axis of speeds.
-
-    Parameters
-    ----------
-    unit : {"rad/s", "rpm"}
-        Unit of the axis.
-
-    Returns
-    -------
-    float
-        Factor from rad/s to the unit.
-    str
-        Label of the axis.
-
-    Raises
-    ------
-    GearbowError
-        If the unit is another one.
-    """
+    """Give the factor and the label of an axis of speeds."""
     one_of(unit, _SPEED_UNITS, "speed_unit")
     return _SPEED_UNITS[unit], f"speed of the reference shaft [{unit}]"
 
 
 def quantity(value: float, unit: str, digits: int = 4) -> str:
-    """Write a value with the prefix of its magnitude, such as "1.25 mm" or "−24.5 kN m".
-
-    Parameters
-    ----------
-    value : float
-        Value in the unit without prefix.
-    unit : str
-        Unit without prefix. Lengths have no prefix above the metre.
-    digits : int
-        Number of significant digits.
-
-    Returns
-    -------
-    str
-        Number and unit.
-    """
+    """Write a value with the prefix of its magnitude, such as "1.25 mm" or "−24.5 kN m"."""
     # Rounding first: 999.96 µm is 1 mm.
     rounded = float(f"{value:.{digits - 1}e}")
     if not math.isfinite(rounded) or rounded == 0.0:
@@ -355,54 +220,19 @@ def quantity(value: float, unit: str, digits: int = 4) -> str:
 
 
 def remark(panel: Axes, *sentences: str) -> None:
-    """Add sentences in small letters to the right title of a panel.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-    *sentences : str
-        What the reader has to know; empty ones are left out.
-    """
+    """Add sentences in small letters to the right title of a panel."""
     said = [text for text in (panel.get_title(loc="right"), *sentences) if text]
     if said:
         panel.set_title("; ".join(said), loc="right", fontsize=text_size(0.86))
 
 
 def text_size(part: float) -> float:
-    """Give the size of a text within a panel.
-
-    Parameters
-    ----------
-    part : float
-        Size relative to the font size of the settings in force: those of gearbow for a new figure,
-        those of the user for given panels.
-
-    Returns
-    -------
-    float
-        Size [pt].
-    """
+    """Give the size of a text within a panel."""
     return part * float(mpl.rcParams["font.size"])
 
 
 def text_extent(panel: Axes, text: str, **style: Any) -> BboxBase:
-    """Measure a text.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel of the text.
-    text : str
-        The text.
-    **style
-        Properties of the text.
-
-    Returns
-    -------
-    matplotlib.transforms.BboxBase
-        Its box [pixel]; only the width and the height have a meaning.
-    """
+    """Measure a text."""
     trial = panel.text(0.0, 0.0, text, **style)
     extent: BboxBase = trial.get_window_extent()
     trial.remove()
@@ -410,34 +240,12 @@ def text_extent(panel: Axes, text: str, **style: Any) -> BboxBase:
 
 
 def round_factor(exact: float) -> float:
-    """Round a factor down to 1, 2 or 5 times a power of ten.
-
-    Parameters
-    ----------
-    exact : float
-        Positive factor.
-
-    Returns
-    -------
-    float
-        The round factor.
-    """
+    """Round a factor down to 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(exact))
     # 10**n and the quotient have round-off.
     return max(n for n in (1.0, 2.0, 5.0) if n * power <= exact * (1.0 + 1e-9)) * power
 
 
 def colour(number: int) -> str:
-    """Give the colour of a line by its number.
-
-    Parameters
-    ----------
-    number : int
-        Number of the line, from 0.
-
-    Returns
-    -------
-    str
-        Colour of the palette.
-    """
+    """Give the colour of a line by its number."""
     return PALETTE[number % len(PALETTE)]

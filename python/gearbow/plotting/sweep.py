@@ -14,24 +14,7 @@ __all__ = ["sweep"]
 def sweep(
     axes: Mapping[str, Sequence[float]], values: Array, name: str, *, ax: GivenAxes = None
 ) -> Figure:
-    """Draw a value over one or two parameters.
-
-    Parameters
-    ----------
-    axes : mapping of {str: sequence of float}
-        One or two parameters with their values.
-    values : ndarray, shape (n,) or (n, m)
-        The value at each point; NaN leaves a point empty.
-    name : str
-        Name of the value.
-    ax : Axes, optional
-        Panel of the user; None makes a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A line with markers, or a map: the first parameter across, the second one upwards.
-    """
+    """Draw a value over one or two parameters."""
     names = list(axes)
     # A map needs ascending axes; a grid may have any order.
     orders = [np.argsort(axis, kind="stable") for axis in axes.values()]

@@ -22,18 +22,7 @@ _ARROW: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 1.8}
 
 
 def bearing_kind(part: object) -> str:
-    """Name the kind of a bearing.
-
-    Parameters
-    ----------
-    part : Bearing, JournalBearing or RollingBearing
-        The bearing.
-
-    Returns
-    -------
-    str
-        "journal bearing", "ball bearing", "roller bearing" or "bearing".
-    """
+    """Name the kind of a bearing."""
     if isinstance(part, JournalBearing):
         return "journal bearing"
     if isinstance(part, RollingBearing):
@@ -42,24 +31,7 @@ def bearing_kind(part: object) -> str:
 
 
 def bearing(panel: Axes, kind: str, x: float, y: float, point: float) -> Box:
-    """Draw a bearing below the surface of a shaft.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-    kind : str
-        Kind of the bearing.
-    x, y : float
-        Position and lower edge of the shaft [m].
-    point : float
-        Size of a printed point, 1/72 in, in the units of the axes [m].
-
-    Returns
-    -------
-    tuple of float
-        Left, bottom, right, top [m].
-    """
+    """Draw a bearing below the surface of a shaft."""
     size = BEARING * point
     half = size / 2.0
     face = "black" if kind == "journal bearing" else "white"
@@ -85,22 +57,7 @@ def bearing(panel: Axes, kind: str, x: float, y: float, point: float) -> Box:
 
 
 def ground(panel: Axes, x: float, y: float, point: float) -> Box:
-    """Draw the ground below a symbol.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-    x, y : float
-        Middle of its upper edge [m].
-    point : float
-        Size of a printed point, 1/72 in, in the units of the axes [m].
-
-    Returns
-    -------
-    tuple of float
-        Left, bottom, right, top [m].
-    """
+    """Draw the ground below a symbol."""
     size = GROUND * point
     half = 1.6 * size
     panel.plot([x - half, x + half], [y, y], color="black", linewidth=1.6, zorder=5.0)
@@ -112,22 +69,7 @@ def ground(panel: Axes, x: float, y: float, point: float) -> Box:
 
 
 def support(panel: Axes, x: float, y: float, point: float) -> Box:
-    """Draw a support: a mass on a spring.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-    x, y : float
-        Middle of its upper edge [m].
-    point : float
-        Size of a printed point, 1/72 in, in the units of the axes [m].
-
-    Returns
-    -------
-    tuple of float
-        Left, bottom, right, top [m].
-    """
+    """Draw a support: a mass on a spring."""
     size = BEARING * point
     panel.add_patch(
         Rectangle(
@@ -142,24 +84,7 @@ def support(panel: Axes, x: float, y: float, point: float) -> Box:
 
 
 def coupling(panel: Axes, x: float, y: float, radius: float, point: float) -> Box:
-    """Draw the two hubs of a coupling.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-    x, y : float
-        The place on the axis [m].
-    radius : float
-        Radius of the larger shaft [m].
-    point : float
-        Size of a printed point, 1/72 in, in the units of the axes [m].
-
-    Returns
-    -------
-    tuple of float
-        Left, bottom, right, top [m].
-    """
+    """Draw the two hubs of a coupling."""
     reach, thick = radius + 5.0 * point, 4.0 * point
     for left in (x - thick - 0.5 * point, x + 0.5 * point):
         corner = (left, y - reach)
@@ -170,21 +95,7 @@ def coupling(panel: Axes, x: float, y: float, radius: float, point: float) -> Bo
 def arrow(
     panel: Axes, path: Array, *, both: bool = False, colour: str = "black", head: float = 13.0
 ) -> None:
-    """Draw an arrow along a path.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        The panel.
-    path : ndarray, shape (k, 2)
-        Points of the path [m].
-    both : bool
-        Whether both ends have a head, because the sense varies.
-    colour : str
-        Colour of the arrow.
-    head : float
-        Size of the head [pt].
-    """
+    """Draw an arrow along a path."""
     style = {**_ARROW, "arrowstyle": "<|-|>"} if both else _ARROW
     panel.add_patch(
         FancyArrowPatch(path=Path(path), color=colour, mutation_scale=head, zorder=7.0, **style)
@@ -192,18 +103,7 @@ def arrow(
 
 
 def kinds(train: Train) -> list[str]:
-    """List the kinds of symbols of a train.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-
-    Returns
-    -------
-    list of str
-        Kinds of bearings, then "housing", "support" and "coupling".
-    """
+    """List the kinds of symbols of a train."""
     bearings = train.parts["bearings"]
     housings = {housing.name for housing in train.parts["housings"]}
     bases = [each.support for each in bearings if each.support is not None]
@@ -214,18 +114,7 @@ def kinds(train: Train) -> list[str]:
 
 
 def handles(kinds: list[str]) -> list[Any]:
-    """Give the handles of a legend of symbols.
-
-    Parameters
-    ----------
-    kinds : list of str
-        Kinds of bearings, "coupling", "support", or "housing NAME".
-
-    Returns
-    -------
-    list of Artist
-        One handle for each kind.
-    """
+    """Give the handles of a legend of symbols."""
     marks = {"bearing": "^", "journal bearing": "s", "ball bearing": "o", "roller bearing": "X"}
     fills = {"bearing": "0.8", "journal bearing": "black"}
     found: list[Any] = []

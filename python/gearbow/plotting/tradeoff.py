@@ -27,30 +27,7 @@ def work_precision(
     simulated: float,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw the CPU time against the error, both on logarithmic axes.
-
-    Parameters
-    ----------
-    methods : mapping of {str: (sequence of float, sequence of float)}
-        Errors and CPU times [s] of each method with the given system.
-    models : mapping of {str: (sequence of float, sequence of float)}
-        Errors and CPU times [s] of each simplified model.
-    front : (sequence of float, sequence of float)
-        Errors and CPU times [s] of the Pareto front, from the cheapest run on.
-    floor : float
-        Uncertainty of the reference.
-    worst : float
-        Largest error of all runs.
-    simulated : float
-        Simulated time [s].
-    ax : Axes, optional
-        Panel of the user.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
-    """
+    """Draw the CPU time against the error, both on logarithmic axes."""
     with panels(1, 6.2, columns=1, ax=ax) as (figure, (panel,)):
         for i, (name, (x, y)) in enumerate(methods.items()):
             marker = f"-{_METHODS[i % len(_METHODS)]}"

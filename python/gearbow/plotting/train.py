@@ -26,22 +26,7 @@ _BOW = 0.12
 
 
 def draw(train: Train, magnify: float | None, ax: Axes | Sequence[Axes] | None) -> Figure:
-    """Draw a train.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-    magnify : float or None
-        Factor that enlarges the bows; None chooses it.
-    ax : Axes, sequence of two Axes, or None
-        Panel of the side view, or panels of side view and end view; None makes a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
-    """
+    """Draw a train."""
     side = SideView(train, magnification(train) if magnify is None else magnify)
     boxes = [side.extent(), end_view.extent(train)]
     entries = (symbols.handles(side.kinds), side.kinds)
@@ -61,18 +46,7 @@ def draw(train: Train, magnify: float | None, ax: Axes | Sequence[Axes] | None) 
 
 
 def magnification(train: Train) -> float:
-    """Choose a round factor at which the largest bow is visible.
-
-    Parameters
-    ----------
-    train : Train
-        The train.
-
-    Returns
-    -------
-    float
-        1, 2 or 5 times a power of ten; 1 without a bow.
-    """
+    """Choose a round factor at which the largest bow is visible."""
     largest = max((float(np.abs(bow).max()) for _, bow in bows(train).values()), default=0.0)
     if largest == 0.0:
         return 1.0

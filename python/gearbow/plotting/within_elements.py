@@ -25,24 +25,7 @@ RODS = ("twist", "u")
 def refined(
     shapes: ComplexArray, dofs: Sequence[Dof], layout: Layout
 ) -> tuple[ComplexArray, list[NodalDof]]:
-    """Evaluate mode shapes at the nodes and between them.
-
-    Parameters
-    ----------
-    shapes : ndarray, shape (m, n)
-        Complex mode shapes.
-    dofs : sequence of (str, float or (float, float), str)
-        Shaft, position [m] and direction of each degree of freedom.
-    layout : Layout
-        Geometry of the train at rest.
-
-    Returns
-    -------
-    ndarray, shape (m, k)
-        Shapes at the drawn positions.
-    list of (str, float, str), length k
-        Shaft, position [m] and direction of each value, along every shaft.
-    """
+    """Evaluate mode shapes at the nodes and between them."""
     entries: dict[str, Entries] = {}
     for n, (name, x, direction) in enumerate(dofs):
         entries.setdefault(name, {}).setdefault(x, {})[direction] = shapes[:, n]
@@ -62,10 +45,7 @@ def refined(
 def _element(
     entries: Entries, ends: tuple[float, float], xi: Array, phi: float
 ) -> Iterator[tuple[str, ComplexArray]]:
-    """Give the directions of an element, each with its values of shape (positions, modes).
-
-    The shape functions are those of the engine, at ξ = x/l; Φ = 12EI/(κGAl²) = `phi`.
-    """
+    """Give the directions of an element, each with its values of shape (positions, modes)."""
     first, last = (entries[x] for x in ends)
     length = ends[1] - ends[0]
     inside: dict[str, dict[int, ComplexArray]] = {}

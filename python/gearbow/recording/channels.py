@@ -11,11 +11,11 @@ _CONNECTION = connection_channels()
 
 #: Recorded rates of a node, by the name of their array: the quantities along its axes.
 RATES = {
-    "velocity": ("velocity_v", "velocity_w"),
+    "velocity": ("velocity_y", "velocity_z"),
     "twist_rate": ("twist_rate",),
-    "acceleration": ("acceleration_v", "acceleration_w"),
-    "axial_velocity": ("velocity_u",),
-    "axial_acceleration": ("acceleration_u",),
+    "acceleration": ("acceleration_y", "acceleration_z"),
+    "axial_velocity": ("velocity_x",),
+    "axial_acceleration": ("acceleration_x",),
 }
 #: Units of recorded rates.
 RATE_UNITS = {
@@ -26,12 +26,12 @@ RATE_UNITS = {
     "axial_acceleration": "m/s²",
 }
 #: Quantities of a node.
-POINT = {"v": "m", "w": "m", "twist": "rad", "u": "m"} | {
+POINT = {"y": "m", "z": "m", "twist": "rad", "x": "m"} | {
     quantity: RATE_UNITS[array] for array, quantities in RATES.items() for quantity in quantities
 }
 #: Quantities of a mesh: the fields of `MeshResponse`.
 MESH = _CONNECTION["mesh"]
 #: Quantities of the bearings at a node: the components of their force.
 BEARING = _CONNECTION["bearing"]
-#: Quantities of the rolling bearings at a node: the fields of `RollingMotion` besides the force.
+#: Quantities of the rolling bearings at a node: those fields of `BearingMotion`.
 ROLLING = _CONNECTION["rolling"]

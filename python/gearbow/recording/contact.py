@@ -28,7 +28,7 @@ class Contact(IntEnum):
     Examples
     --------
     >>> import gearbow as gb
-    >>> gb.Contact(2)
+    >>> gb.results.Contact(2)
     <Contact.BACK: 2>
     """
 
@@ -65,7 +65,7 @@ class ContactShares(Shown):
     Examples
     --------
     >>> import gearbow as gb
-    >>> shares = gb.ContactShares(drive=0.9, back=0.02, both=0.0, none=0.08)
+    >>> shares = gb.results.ContactShares(drive=0.9, back=0.02, both=0.0, none=0.08)
     >>> print(f"{shares.lost:.2f}")
     0.10
     """
@@ -88,44 +88,14 @@ class ContactShares(Shown):
 
 
 def contact_at(times: Array, events: Sequence[Event], first: Contact) -> NDArray[np.int8]:
-    """Find the contact of a mesh at given times.
-
-    Parameters
-    ----------
-    times : ndarray, shape (k,)
-        Times [s].
-    events : sequence of Event
-        Events of the mesh.
-    first : Contact
-        Contact before the first change.
-
-    Returns
-    -------
-    ndarray of int8, shape (k,)
-        Values of `Contact`.
-    """
+    """Find the contact of a mesh at given times."""
     changes, states = _changes(events)
     after = np.array([first, *states], dtype=np.int8)
     return after[np.searchsorted(changes, times, side="right")]
 
 
 def shares(begin: float, end: float, events: Sequence[Event], first: Contact) -> ContactShares:
-    """Find the share of each state of contact between two times.
-
-    Parameters
-    ----------
-    begin, end : float
-        First and last time [s].
-    events : sequence of Event
-        Events of the mesh.
-    first : Contact
-        Contact before the first change.
-
-    Returns
-    -------
-    ContactShares
-        The shares; of one instant, 1 for its state.
-    """
+    """Find the share of each state of contact between two times."""
     changes, _ = _changes(events)
     bounds = np.concatenate([[begin], changes[(changes > begin) & (changes < end)], [end]])
     lengths = np.diff(bounds)
@@ -140,24 +110,7 @@ def shares(begin: float, end: float, events: Sequence[Event], first: Contact) ->
 def first_contact(
     time: Array, mesh: Mapping[str, Array], events: Sequence[Event], scene: "MeshScene | None"
 ) -> Contact:
-    """Find the contact before the first change, which no event tells.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        Times [s].
-    mesh : mapping of {str: ndarray of shape (k,)}
-        Recorded quantities of the mesh.
-    events : sequence of Event
-        Events of the mesh.
-    scene : MeshScene or None
-        Backlash and geometry; None if unknown.
-
-    Returns
-    -------
-    Contact
-        The contact. It follows from the last recorded instant before the first change.
-    """
+    """Find the contact before the first change, which no event tells."""
     changes, _ = _changes(events)
     before = int(np.searchsorted(time, changes[0])) if changes.size else time.size
     if before == 0 or (scene is not None and scene.backlash is None):
@@ -174,21 +127,7 @@ def first_contact(
 
 @dataclass(frozen=True)
 class MeshScene(Shown):
-    """Backlash of a mesh, and what lets it change with the centre distance.
-
-    Parameters
-    ----------
-    backlash : float or None
-        Backlash normal to the teeth for the centres at rest [m]; None if the flanks never separate.
-    centre_distance : float
-        Distance of the centres at rest [m].
-    pressure_angle : float
-        Operating pressure angle at rest, in the transverse section [rad].
-    base_helix_cosine : float
-        Cosine of the base helix angle.
-    frozen : bool
-        Whether the run has frozen geometry.
-    """
+    """Backlash of a mesh, and what lets it change with the centre distance."""
 
     backlash: float | None
     centre_distance: float
@@ -198,20 +137,7 @@ class MeshScene(Shown):
 
     @classmethod
     def of(cls, request: RunRequest, driver: str, driven: str) -> "MeshScene":
-        """Take the data of one mesh from the scene of a run.
-
-        Parameters
-        ----------
-        request : RunRequest
-            Scene and options of the run.
-        driver, driven : str
-            Names of the gears.
-
-        Returns
-        -------
-        MeshScene
-            The data.
-        """
+        """Take the data of one mesh from the scene of a run."""
         plain = {entry["name"]: entry for entry in request.description["gears"]}
         gear: Gear = Gear._from_description(plain[driver])
         pairs = [(entry["driver"], entry["driven"]) for entry in request.description["meshes"]]
@@ -226,20 +152,7 @@ class MeshScene(Shown):
         )
 
     def back_deflection(self, at: Mapping[str, float]) -> float:
-        """Find the deflection of the back flanks, positive in contact.
-
-        A transmission error, which moves the drive flanks only, is left out.
-
-        Parameters
-        ----------
-        at : mapping of {str: float}
-            Recorded quantities of the mesh at one instant.
-
-        Returns
-        -------
-        float
-            Deflection normal to the teeth [m].
-        """
+        """Find the deflection of the back flanks, positive in contact."""
         distance, angle, rest = at["centre_distance"], at["pressure_angle"], self.pressure_angle
         if self.frozen:
             longer = math.sin(rest) * (distance - self.centre_distance)

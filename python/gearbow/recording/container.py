@@ -69,29 +69,7 @@ class Container(Protocol):
 def suffix(
     path: object, argument: str = "path", endings: Sequence[str] = ENDINGS
 ) -> tuple[Path, str]:
-    """Check the suffix of a file, and import the libraries that its format needs.
-
-    Parameters
-    ----------
-    path : object
-        The file.
-    argument : str
-        Name of the argument, for the message.
-    endings : sequence of str
-        The known formats.
-
-    Returns
-    -------
-    path : Path
-        The file.
-    ending : str
-        One of the formats.
-
-    Raises
-    ------
-    GearbowError
-        If the suffix is unknown, or a library for the format is missing.
-    """
+    """Check the suffix of a file, and import the libraries that its format needs."""
     found, ending = check_name(path, endings, argument)
     if ending == ".nc":
         with extra("netcdf"):
@@ -103,25 +81,7 @@ def suffix(
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[Container]:
-    """Open a file for reading.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-
-    Yields
-    ------
-    Container
-        The content of the file.
-
-    Raises
-    ------
-    GearbowError
-        If the file is invalid; the message names the file and the problem.
-    OSError
-        If the file cannot be opened.
-    """
+    """Open a file for reading."""
     file, ending = suffix(path)
     kind = _NetCdf if ending == ".nc" else _Npz
     with file.open("rb") as stream:
@@ -247,20 +207,7 @@ class _NetCdf:
 
 
 def seal(stream: BinaryIO, size: int) -> bytes:
-    """Return the seal of a netCDF file whose content is the next bytes of a stream.
-
-    Parameters
-    ----------
-    stream : file
-        The stream, at the begin of the content.
-    size : int
-        Number of bytes of the content.
-
-    Returns
-    -------
-    bytes
-        The seal, which follows the content in the file.
-    """
+    """Return the seal of a netCDF file whose content is the next bytes of a stream."""
     digest = hashlib.sha256()
     while size > 0 and (block := stream.read(min(size, _BLOCK))):
         digest.update(block)
@@ -280,23 +227,7 @@ def _check_seal(stream: BinaryIO) -> None:
 
 
 def write_netcdf(dataset: "xr.Dataset", file: BufferedRandom) -> None:
-    """Write a data set as a netCDF file, with the seal at its end.
-
-    The HDF5 library crashes the process after an error of the file or of the memory beneath it.
-    The disk space of the arrays is therefore reserved first, and the library sees no error.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The data set.
-    file : BufferedRandom
-        An empty file of `replacing`.
-
-    Raises
-    ------
-    OSError
-        If the disk is full, or the HDF5 library fails.
-    """
+    """Write a data set as a netCDF file, with the seal at its end."""
     import h5netcdf  # noqa: PLC0415
     from xarray.backends import H5NetCDFStore  # noqa: PLC0415
 

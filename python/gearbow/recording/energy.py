@@ -116,7 +116,7 @@ class EnergyBalance(ReadOnly):
         total, work = self.total, self.work
         return (total - total[:1]) - (work - work[:1])
 
-    def plot(self, ax: Any = None) -> "Figure":
+    def plot(self, *, ax: Any = None) -> "Figure":
         """Draw energies, works and the residual against time.
 
         Parameters

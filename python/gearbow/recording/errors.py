@@ -12,22 +12,7 @@ __all__ = ["ErrorEstimate", "Errors"]
 
 @dataclass(frozen=True)
 class ErrorEstimate(Shown):
-    """Error of one kind of signal: RMS of the difference / RMS of the signal about its mean.
-
-    Where the RMS about the mean is below 2 % of the mean, the error refers to 2 % of the mean.
-
-    Parameters
-    ----------
-    elements : float
-        Error of the finite number and degree of the elements.
-    modes : float
-        Error of the modes that the run leaves out; 0 if it keeps all.
-    integration : float
-        Error of the time integration.
-    total : float
-        Difference from the run without any of these errors, as far as the more accurate runs show
-        it. The contributions need not add up to it.
-    """
+    """Error of one kind of signal: RMS of the difference / RMS of the signal about its mean."""
 
     elements: float
     modes: float
@@ -36,28 +21,7 @@ class ErrorEstimate(Shown):
 
 
 class Errors(dict[str, ErrorEstimate]):
-    """Estimated errors of a run by the kind of signal.
-
-    The keys are "displacement", "velocity", "acceleration" and "mesh_force", where such signals
-    were recorded and vary. The error is that of the worst recorded signal.
-
-    Parameters
-    ----------
-    estimates : mapping of {str: ErrorEstimate}
-        The estimates.
-    window : float
-        Time from the start of the run over which the errors are averaged [s].
-    chaotic : bool
-        Whether small differences grow to the size of the signals after changes of the contact.
-
-    Attributes
-    ----------
-    window : float
-        Time from the start of the run over which the errors are averaged [s].
-    chaotic : bool
-        Whether small differences grow to the size of the signals after changes of the contact.
-        The errors then hold for the time series only up to the first impacts.
-    """
+    """Estimated errors of a run by the kind of signal."""
 
     def __init__(
         self, estimates: Mapping[str, ErrorEstimate], *, window: float, chaotic: bool
@@ -84,30 +48,13 @@ class Errors(dict[str, ErrorEstimate]):
         return "\n".join(lines)
 
     def plain(self) -> dict[str, Plain]:
-        """Convert to data that JSON can hold.
-
-        Returns
-        -------
-        dict
-            Window, chaotic contact, and the estimates by kind of signal.
-        """
+        """Convert to data that JSON can hold."""
         estimates = {kind: asdict(each) for kind, each in self.items()}
         return {"window": self.window, "chaotic": self.chaotic, "estimates": estimates}
 
     @classmethod
     def from_plain(cls, given: Mapping[str, Plain] | None) -> "Errors | None":
-        """Read the data of `plain`.
-
-        Parameters
-        ----------
-        given : mapping or None
-            The data; None if the errors were not estimated.
-
-        Returns
-        -------
-        Errors or None
-            The errors.
-        """
+        """Read the data of `plain`."""
         if given is None:
             return None
         estimates = {kind: ErrorEstimate(**each) for kind, each in given["estimates"].items()}

@@ -86,24 +86,7 @@ _PROFILE = record(breaks=each(number), coefficients=each(each(number)))
 
 
 def save(run: RunRecord, path: str | os.PathLike[str], **more: Any) -> None:
-    """Write a recorded run to a ``.npz`` or ``.nc`` file, completely or not at all.
-
-    Parameters
-    ----------
-    run : RunRecord
-        The recorded run.
-    path : str or path-like
-        The file. Its suffix determines the format.
-    **more
-        Further plain data for the metadata; `read` returns it.
-
-    Raises
-    ------
-    GearbowError
-        If the suffix is unknown, or a library for the format is missing.
-    OSError
-        If the file cannot be written. An existing file is unchanged.
-    """
+    """Write a recorded run to a ``.npz`` or ``.nc`` file, completely or not at all."""
     path, ending = suffix(path)
     metadata = metadata_of(run, more)
     if ending == ".nc":
@@ -116,55 +99,12 @@ def save(run: RunRecord, path: str | os.PathLike[str], **more: Any) -> None:
 
 
 def load(path: str | os.PathLike[str]) -> RunRecord:
-    """Read a file of `save`.
-
-    Parameters
-    ----------
-    path : str or path-like
-        A ``.npz`` or ``.nc`` file.
-
-    Returns
-    -------
-    RunRecord
-        The recorded run.
-
-    Raises
-    ------
-    GearbowError
-        If the suffix is unknown, or the file is damaged or has another content; the message names
-        the file and the problem.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read a file of `save`."""
     return read(path)[0]
 
 
 def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
-    """Read a file of `save` with its metadata.
-
-    Shapes and types are checked before memory is allocated: an invalid file takes at most a small
-    multiple of its size.
-
-    Parameters
-    ----------
-    path : str or path-like
-        A ``.npz`` or ``.nc`` file.
-
-    Returns
-    -------
-    run : RunRecord
-        The recorded run.
-    about : dict
-        The metadata, with the further data of `save`.
-
-    Raises
-    ------
-    GearbowError
-        If the suffix is unknown, or the file is damaged or has another content; the message names
-        the file and the problem.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read a file of `save` with its metadata."""
     with opened(path) as file:
         about = json.loads(file.metadata())
         record(format=whole)(about, "")

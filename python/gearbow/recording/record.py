@@ -2,41 +2,27 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearbow._convert import shown
 from gearbow._read_only import ReadOnly
 from gearbow._shown import Shown, short, to_html
-from gearbow._types import Array, RunData
+from gearbow._types import Array, Record, RunData
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
+from gearbow.errors import ChannelError, SceneError
 from gearbow.recording.errors import Errors
 from gearbow.recording.request import RunRequest
 
-__all__ = ["Event", "MeshResponse", "RunRecord", "Statistics"]
+__all__ = ["Event", "MeshResponse", "Recorded", "RunRecord", "Statistics", "recorded_run"]
 
 
 @dataclass(frozen=True, eq=False)
 class RunRecord(Shown):
-    """All data of a run that a file contains.
-
-    Parameters
-    ----------
-    data : mapping
-        Recorded arrays, events, final state and statistics.
-    speed : float or SpeedProfile
-        Speed of the reference shaft [rad/s].
-    kinematics : Kinematics or None
-        Speed ratios and tooth frequencies; None if unknown.
-    accuracy : str or None
-        What an accuracy level promises for the run; None without a level.
-    request : RunRequest or None
-        Scene and options of the run; None if unknown.
-    errors : Errors or None
-        Estimated errors; None if not estimated.
-    """
+    """All data of a run that a file contains."""
 
     data: RunData
     speed: float | SpeedProfile
@@ -44,6 +30,49 @@ class RunRecord(Shown):
     accuracy: str | None = None
     request: RunRequest | None = None
     errors: Errors | None = None
+
+    @property
+    def time(self) -> Array:
+        """Recorded times [s]."""
+        return self.data["time"]
+
+    @property
+    def recorded(self) -> list[Record]:
+        """Recorded items, in the form of the argument `record` of `simulate`."""
+        items: list[Record] = []
+        for shaft, position, names in self.data["points"]:
+            items.extend(names or [(shaft, position)])
+        items.extend((driver, driven) for driver, driven in self.data["meshes"])
+        items.extend(("bearing", shaft, position) for shaft, position in self.data["bearings"])
+        items += [name for name in ("velocity", "acceleration") if name in self.data]
+        return [*items, "energy"] if self.data["energy"] is not None else items
+
+    def missing(self, what: str, record: Record) -> ChannelError:
+        """Make the error for something that was not recorded; it lists what was."""
+        recorded = ", ".join(repr(item) for item in self.recorded) or "nothing"
+        return ChannelError(
+            f"{what} was not recorded; give record=[{record!r}, ...] to simulate "
+            f"(recorded: {recorded})"
+        )
+
+    def to_record(self) -> "RunRecord":
+        """Give the record, as a response does."""
+        return self
+
+
+class Recorded(Protocol):
+    """A recorded run, for example a `gearbow.Response`."""
+
+    def to_record(self) -> RunRecord:
+        """Give the recorded run as plain data."""
+
+
+def recorded_run(given: object, path: str) -> RunRecord:
+    """Give the data of a response."""
+    if isinstance(given, type) or not hasattr(given, "to_record"):
+        raise SceneError(f"{path}: must be a Response, got {shown(given)}")
+    found: RunRecord = given.to_record()
+    return found
 
 
 class Event(NamedTuple):
@@ -68,7 +97,7 @@ class Event(NamedTuple):
     Examples
     --------
     >>> import gearbow as gb
-    >>> gb.Event(0.1, "pinion", "wheel", "separation").kind
+    >>> gb.results.Event(0.1, "pinion", "wheel", "separation").kind
     'separation'
     """
 
@@ -111,8 +140,9 @@ class MeshResponse(ReadOnly):
         Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
         subject to the opposite force.
     contact : ndarray of int8, shape (k,)
-        Flanks in contact, as values of `gearbow.Contact`: 0 none, 1 drive, 2 back, 3 both. They
-        follow from the events, which are exact. `Response.contact_shares` gives shares of the time.
+        Flanks in contact, as values of `gearbow.results.Contact`: 0 none, 1 drive, 2 back, 3 both.
+        They follow from the events, which are exact. `Response.contact_shares` gives shares of
+        the time.
 
     Examples
     --------
@@ -125,7 +155,7 @@ class MeshResponse(ReadOnly):
     >>> bearings = [gb.Bearing(name, x, stiffness=1e8) for name, x in places]
     >>> torques = [gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")]
     >>> system = gb.RotorSystem(shafts, [pinion, wheel], [mesh], bearings, torques)
-    >>> mesh = system.simulate(1e-3, 100.0).mesh("pinion", "wheel")
+    >>> mesh = system.simulate(1e-3, 100.0).mesh(("pinion", "wheel"))
     >>> print(f"{mesh.force.mean():.0f} N")
     7095 N
     """
@@ -144,37 +174,7 @@ class MeshResponse(ReadOnly):
 
 @dataclass(frozen=True)
 class Statistics(Shown):
-    """Counts and step lengths of a simulation.
-
-    Parameters
-    ----------
-    steps : int
-        Accepted steps.
-    rejected : int
-        Rejected steps.
-    evaluations : int
-        Evaluations of the right-hand side.
-    events : int
-        Events that ended a step.
-    step_min : float
-        Smallest step [s].
-    step_max : float
-        Largest step [s].
-    omega_max : float
-        Largest natural frequency of the model [rad/s], which bounds the step of an explicit method.
-    limited_by : str
-        What limited the length of most steps: "step" (the given step), "stability", "tolerance",
-        "cycle" (the longest step that resolves the prescribed excitation) or "events" (changes of
-        tooth contact).
-    condition : float
-        Condition number of the mode shapes; NaN for a method that does not use modes.
-    modes : int, optional
-        Number of modes that a reduced model keeps; None if the run used the complete model.
-    modes_error : tuple of float, optional
-        Error of the reduction to these modes, of gear displacements and of mesh forces: RMS of the
-        difference / RMS of the signal about its mean, at least 2 % of the mean, for the worst
-        recorded signal, over at most 0.1 s: the beginning, or the part around the largest speed.
-    """
+    """Counts and step lengths of a simulation."""
 
     steps: int
     rejected: int

@@ -24,48 +24,18 @@ _ARRAYS = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}
 
 @dataclass(frozen=True, eq=False)
 class RunRequest(Shown):
-    """The scene and the options of a run, from which the same run can be made again.
-
-    Parameters
-    ----------
-    description : mapping
-        The scene, as `gearbow.RotorSystem.description` gives it.
-    options : mapping
-        Arguments of the core, by the names in `OPTIONS`.
-    """
+    """The scene and the options of a run, from which the same run can be made again."""
 
     description: Mapping[str, Plain]
     options: Mapping[str, Any]
 
     def plain(self) -> dict[str, Plain]:
-        """Convert to data that JSON can hold.
-
-        Returns
-        -------
-        dict
-            Arrays of the initial state become lists.
-        """
+        """Convert to data that JSON can hold."""
         return {"description": dict(self.description), "options": _plain(dict(self.options))}
 
     @classmethod
     def from_plain(cls, given: Mapping[str, Plain] | None) -> "RunRequest | None":
-        """Read the data of `plain`.
-
-        Parameters
-        ----------
-        given : mapping or None
-            The data; None if the file does not contain them.
-
-        Returns
-        -------
-        RunRequest or None
-            The request.
-
-        Raises
-        ------
-        GearbowError
-            If an array of the initial state is invalid.
-        """
+        """Read the data of `plain`."""
         if given is None:
             return None
         options = dict(given["options"])

@@ -39,27 +39,7 @@ _WEIGHTS = 4_000_000
 
 
 def resampled(run: RunRecord, rate: float) -> RunRecord:
-    """Filter and sample the signals of a recorded run.
-
-    Parameters
-    ----------
-    run : RunRecord
-        The recorded run, at equally spaced times.
-    rate : float
-        New sampling rate [Hz].
-
-    Returns
-    -------
-    RunRecord
-        The run at multiples of the new interval, without the beginning and the end that the filter
-        does not cover.
-
-    Raises
-    ------
-    GearbowError
-        If the times are not equally spaced, the rate exceeds that of the recording, or the
-        recording is shorter than the filter.
-    """
+    """Filter and sample the signals of a recorded run."""
     low_pass = _Filter(run.data["time"], number(rate, "rate"))
     data: Any = run.data
     names = ("displacement", "twist", "bearing_force", "rolling_contact", "energy", *OPTIONAL)

@@ -55,19 +55,7 @@ CHANNELS = {
 
 
 def to_xarray(run: RunRecord) -> "xr.Dataset":
-    """Convert a recorded run to a data set with units.
-
-    Parameters
-    ----------
-    run : RunRecord
-        The recorded run.
-
-    Returns
-    -------
-    xarray.Dataset
-        The arrays over time, point, axis, mesh and bearing; the final state as variables
-        ``final_...``.
-    """
+    """Convert a recorded run to a data set with units."""
     with extra("netcdf"):
         import xarray as xr  # noqa: PLC0415
 
@@ -102,19 +90,7 @@ def to_xarray(run: RunRecord) -> "xr.Dataset":
 
 
 def to_dataframe(run: RunRecord) -> "pd.DataFrame":
-    """Convert a recorded run to a table.
-
-    Parameters
-    ----------
-    run : RunRecord
-        The recorded run.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Rows by time; columns such as "g1 v [m]", "g1/g2 force [N]", "input@0.5 force_y [N]",
-        "energy [J]", "work damping [J]".
-    """
+    """Convert a recorded run to a table."""
     with extra("dataframe"):
         import pandas as pd  # noqa: PLC0415
 
@@ -123,12 +99,12 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
     along = data.get("axial")
     for i, (shaft, position, names) in enumerate(data["points"]):
         for name in names or [f"{shaft}@{position:g}"]:
-            columns[f"{name} v [m]"] = data["displacement"][:, i, 0]
-            columns[f"{name} w [m]"] = data["displacement"][:, i, 1]
+            columns[f"{name} y [m]"] = data["displacement"][:, i, 0]
+            columns[f"{name} z [m]"] = data["displacement"][:, i, 1]
             columns[f"{name} twist [rad]"] = data["twist"][:, i]
             columns |= _rate_columns(data, i, name)
             if along is not None:
-                columns[f"{name} u [m]"] = along[:, i]
+                columns[f"{name} x [m]"] = along[:, i]
     for i, pair in enumerate(data["meshes"]):
         for field, values in data["mesh"].items():
             columns[f"{'/'.join(pair)} {field} [{MESH[field]}]"] = values[:, i]

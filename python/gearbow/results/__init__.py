@@ -1,1 +1,106 @@
-"""Results of the analyses. A result contains arrays and coordinates, not the system."""
+"""Results of the analyses. A result contains arrays and coordinates, not the system.
+
+The methods of a system and of other results make them. Those that a file can hold are names of
+`gearbow` too, such as `gearbow.Response`, for `Response.load`.
+
+Examples
+--------
+>>> import gearbow as gb
+>>> gb.results.Contact.DRIVE
+<Contact.DRIVE: 1>
+"""
+
+import typing as _typing
+from importlib import import_module as _import_module
+
+#: Module of each name. It is imported at the first use, because the modules of the package import
+#: each other's results.
+_MODULES = {
+    "Balance": "gearbow.analysis.balance",
+    "FilmCoefficients": "gearbow.description.journal",
+    "Order": "gearbow.description.kinematics",
+    "RollingCoefficients": "gearbow.description.rolling",
+    "Orders": "gearbow.orders.fit",
+    "Spectrum": "gearbow.orders.spectrum",
+    "Waterfall": "gearbow.orders.waterfall",
+    "BearingMotion": "gearbow.recording.bearing_motion",
+    "Contact": "gearbow.recording.contact",
+    "ContactShares": "gearbow.recording.contact",
+    "EnergyBalance": "gearbow.recording.energy",
+    "Event": "gearbow.recording.record",
+    "MeshResponse": "gearbow.recording.record",
+    "Campbell": "gearbow.results.campbell",
+    "ExcitationLine": "gearbow.results.campbell",
+    "Intersection": "gearbow.results.campbell",
+    "Continuation": "gearbow.results.continuation",
+    "CriticalSpeedMap": "gearbow.results.critical_speeds",
+    "Discretisation": "gearbow.results.discretisation",
+    "Matrices": "gearbow.results.matrices",
+    "Modes": "gearbow.results.modes",
+    "Peak": "gearbow.results.peak",
+    "Response": "gearbow.results.response",
+    "Static": "gearbow.results.static",
+    "SteadyState": "gearbow.results.steady",
+    "Synchronous": "gearbow.results.synchronous",
+    "StabilityThreshold": "gearbow.results.threshold",
+    "Sweep": "gearbow.sweeps.result",
+    "SweepPoint": "gearbow.sweeps.result",
+    "Recommendation": "gearbow.tradeoff.result",
+    "Tradeoff": "gearbow.tradeoff.result",
+    "Trial": "gearbow.tradeoff.trial",
+}
+
+if _typing.TYPE_CHECKING:
+    from gearbow.analysis.balance import Balance as Balance
+    from gearbow.description.journal import FilmCoefficients as FilmCoefficients
+    from gearbow.description.kinematics import Order as Order
+    from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.orders.fit import Orders as Orders
+    from gearbow.orders.spectrum import Spectrum as Spectrum
+    from gearbow.orders.waterfall import Waterfall as Waterfall
+    from gearbow.recording.bearing_motion import BearingMotion as BearingMotion
+    from gearbow.recording.contact import (
+        Contact as Contact,
+        ContactShares as ContactShares,
+    )
+    from gearbow.recording.energy import EnergyBalance as EnergyBalance
+    from gearbow.recording.record import (
+        Event as Event,
+        MeshResponse as MeshResponse,
+    )
+    from gearbow.results.campbell import (
+        Campbell as Campbell,
+        ExcitationLine as ExcitationLine,
+        Intersection as Intersection,
+    )
+    from gearbow.results.continuation import Continuation as Continuation
+    from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
+    from gearbow.results.discretisation import Discretisation as Discretisation
+    from gearbow.results.matrices import Matrices as Matrices
+    from gearbow.results.modes import Modes as Modes
+    from gearbow.results.peak import Peak as Peak
+    from gearbow.results.response import Response as Response
+    from gearbow.results.static import Static as Static
+    from gearbow.results.steady import SteadyState as SteadyState
+    from gearbow.results.synchronous import Synchronous as Synchronous
+    from gearbow.results.threshold import StabilityThreshold as StabilityThreshold
+    from gearbow.sweeps.result import (
+        Sweep as Sweep,
+        SweepPoint as SweepPoint,
+    )
+    from gearbow.tradeoff.result import (
+        Recommendation as Recommendation,
+        Tradeoff as Tradeoff,
+    )
+    from gearbow.tradeoff.trial import Trial as Trial
+else:  # a type checker would accept every name
+
+    def __getattr__(name: str) -> object:
+        if name not in _MODULES:
+            raise AttributeError(f"module 'gearbow.results' has no attribute {name!r}")
+        globals()[name] = getattr(_import_module(_MODULES[name]), name)
+        return globals()[name]
+
+
+def __dir__() -> list[str]:
+    return sorted(_MODULES)

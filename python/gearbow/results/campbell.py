@@ -344,8 +344,8 @@ class Campbell(ReadOnly):
 
     def plot(
         self,
-        ax: Any = None,
         *,
+        ax: Any = None,
         speed_unit: str = "rad/s",
         operating: float | tuple[float, float] | None = None,
     ) -> "Figure":

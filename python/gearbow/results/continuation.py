@@ -45,25 +45,7 @@ _BRANCH = record(
 
 @dataclass
 class BranchData:
-    """Points of a branch as plain data.
-
-    Parameters
-    ----------
-    parameter : str
-        Name of the parameter.
-    speed : float
-        Speed of the reference shaft [rad/s]; the first one if it is the parameter.
-    unknowns : int
-        Number of unknowns.
-    values : list of float
-        Value of the parameter at each point.
-    kinds : list of str
-        "" or the kind of a located point.
-    multipliers : list of list of (float, float)
-        Real and imaginary parts of the multipliers of each point.
-    message : str
-        Why the branch ended before the end of the interval; "" if it did not.
-    """
+    """Points of a branch as plain data."""
 
     parameter: str
     speed: float
@@ -132,13 +114,13 @@ class Continuation(Shown):
         )
         read_only(vars(self))
 
-    def amplitude(self, of: Record, quantity: str | None = None) -> Array:
+    def amplitude(self, at: Record, quantity: str | None = None) -> Array:
         """Give half of the peak-to-peak value of a signal over a period.
 
         Parameters
         ----------
-        of : str or tuple
-            Owner of the signal, as for `Response.spectrum`.
+        at : str or tuple
+            Place of the signal, as for `Response.spectrum`.
         quantity : str, optional
             Quantity, as for `Response.spectrum`.
 
@@ -152,17 +134,17 @@ class Continuation(Shown):
         ChannelError
             If it was not recorded.
         """
-        return (self.statistic("max", of, quantity) - self.statistic("min", of, quantity)) / 2.0
+        return (self.statistic("max", at, quantity) - self.statistic("min", at, quantity)) / 2.0
 
-    def statistic(self, name: str, of: Record, quantity: str | None = None) -> Array:
+    def statistic(self, name: str, at: Record, quantity: str | None = None) -> Array:
         """Give one number that describes a signal over a period.
 
         Parameters
         ----------
         name : {"min", "max", "mean", "rms"}
             The number; "rms" is the root mean square about the mean.
-        of : str or tuple
-            Owner of the signal, as for `Response.spectrum`.
+        at : str or tuple
+            Place of the signal, as for `Response.spectrum`.
         quantity : str, optional
             Quantity, as for `Response.spectrum`.
 
@@ -178,17 +160,17 @@ class Continuation(Shown):
         GearbowError
             If the name is unknown.
         """
-        return self._statistic(one_of(name, STATISTICS, "name"), of, quantity)
+        return self._statistic(one_of(name, STATISTICS, "name"), at, quantity)
 
-    def _statistic(self, name: str, of: Record, quantity: str | None) -> Array:
+    def _statistic(self, name: str, at: Record, quantity: str | None) -> Array:
         """Give one statistic of a signal at each point."""
-        found: Array = channel(self._signals, of, quantity).values
+        found: Array = channel(self._signals.to_record(), at, quantity).values
         chosen: Array = found[STATISTICS.index(name) :: len(STATISTICS)].copy()
         return chosen
 
     def plot(
         self,
-        of: Record | None = None,
+        at: Record | None = None,
         quantity: str | None = None,
         *,
         statistic: str | None = None,
@@ -199,8 +181,8 @@ class Continuation(Shown):
 
         Parameters
         ----------
-        of : str or tuple, optional
-            Owner of the signal, as for `Response.spectrum`; None is the first recorded mesh, or the
+        at : str or tuple, optional
+            Place of the signal, as for `Response.spectrum`; None is the first recorded mesh, or the
             first recorded place of a system without meshes.
         quantity : str, optional
             Quantity, as for `Response.spectrum`.
@@ -232,12 +214,12 @@ class Continuation(Shown):
                 1.0,
                 f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor",
             )
-        of = self._first() if of is None else of
-        name = channel(self._signals, of, quantity)
+        at = self._first() if at is None else at
+        name = channel(self._signals.to_record(), at, quantity)
         values = (
-            self.amplitude(of, quantity)
+            self.amplitude(at, quantity)
             if statistic is None
-            else self._statistic(one_of(statistic, STATISTICS, "statistic"), of, quantity)
+            else self._statistic(one_of(statistic, STATISTICS, "statistic"), at, quantity)
         )
         return figures.branch(
             factor * self.values,
@@ -248,13 +230,13 @@ class Continuation(Shown):
             ax=ax,
         )
 
-    def to_dataframe(self, of: Record | None = None, quantity: str | None = None) -> "pd.DataFrame":
+    def to_dataframe(self, at: Record | None = None, quantity: str | None = None) -> "pd.DataFrame":
         """Give the branch as a table with one row for each point.
 
         Parameters
         ----------
-        of : str or tuple, optional
-            Owner of the signal, as for `plot`.
+        at : str or tuple, optional
+            Place of the signal, as for `plot`.
         quantity : str, optional
             Quantity, as for `Response.spectrum`.
 
@@ -274,16 +256,16 @@ class Continuation(Shown):
         with extra("dataframe"):
             import pandas as pd  # noqa: PLC0415
 
-        of = self._first() if of is None else of
-        name = channel(self._signals, of, quantity)
+        at = self._first() if at is None else at
+        name = channel(self._signals.to_record(), at, quantity)
         unit = UNITS[self.parameter]
         columns: dict[str, Any] = {
             f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor": self.values,
             "stable": self.stable,
             "kind": self.kinds,
         }
-        found = {each: self.statistic(each, of, quantity) for each in STATISTICS}
-        found["amplitude"] = self.amplitude(of, quantity)
+        found = {each: self.statistic(each, at, quantity) for each in STATISTICS}
+        found["amplitude"] = self.amplitude(at, quantity)
         columns |= {f"{each} of {name.label} [{name.unit}]": found[each] for each in found}
         table: pd.DataFrame = pd.DataFrame(columns)
         return table
@@ -349,18 +331,7 @@ class Continuation(Shown):
 
 
 def summary(periods: Sequence[RunData]) -> RunData:
-    """Describe each signal of recorded periods by four numbers, as rows of one recording.
-
-    Parameters
-    ----------
-    periods : sequence of RunData
-        One recorded period for each point.
-
-    Returns
-    -------
-    RunData
-        Minimum, maximum, mean and root mean square about the mean, point after point.
-    """
+    """Describe each signal of recorded periods by four numbers, as rows of one recording."""
     data: dict[str, Any] = dict(periods[-1])
 
     for name, value in data.items():

@@ -29,8 +29,8 @@ class CriticalSpeedMap(ReadOnly):
     ----------
     stiffnesses : ndarray, shape (k,)
         Stiffness of every bearing, the same in every direction [N/m].
-    excitation : float
-        Order of the excitation, ω = excitation·Ω.
+    order : float
+        Order of the excitation, ω = order·Ω.
     speeds : tuple of ndarray
         Critical speeds of the reference shaft [rad/s] for each stiffness, ascending.
     whirl : tuple of tuple of str
@@ -60,7 +60,7 @@ class CriticalSpeedMap(ReadOnly):
     """
 
     stiffnesses: Array
-    excitation: float
+    order: float
     speeds: tuple[Array, ...]
     whirl: tuple[tuple[str, ...], ...]
     line: tuple[NDArray[np.int64], ...]
@@ -71,7 +71,7 @@ class CriticalSpeedMap(ReadOnly):
     def from_rows(
         cls,
         stiffnesses: Array,
-        excitation: float,
+        order: float,
         found: Sequence[Sequence[tuple[float, str, float, int]]],
         actual: tuple[float, ...],
     ) -> "CriticalSpeedMap":
@@ -81,7 +81,7 @@ class CriticalSpeedMap(ReadOnly):
         ----------
         stiffnesses : ndarray, shape (k,)
             Stiffness of every bearing [N/m].
-        excitation : float
+        order : float
             Order of the excitation.
         found : sequence of sequence of (float, str, float, int)
             Critical speeds [rad/s] with whirl, residual and number of the line, for each stiffness.
@@ -95,7 +95,7 @@ class CriticalSpeedMap(ReadOnly):
         """
         return cls(
             stiffnesses,
-            excitation,
+            order,
             speeds=tuple(np.array([speed for speed, *_ in row]) for row in found),
             whirl=tuple(tuple(name for _, name, *_ in row) for row in found),
             line=tuple(np.array([line for *_, line in row], dtype=np.int64) for row in found),
@@ -192,7 +192,7 @@ class CriticalSpeedMap(ReadOnly):
         return frequency.critical_speed_map(
             self.stiffnesses,
             lines,
-            self.excitation,
+            self.order,
             actual=self.actual,
             speed_unit=speed_unit,
             ax=ax,

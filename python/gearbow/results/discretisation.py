@@ -12,15 +12,7 @@ __all__ = ["Discretisation", "ShaftElements"]
 
 @dataclass(frozen=True)
 class ShaftElements(Shown):
-    """Elements of one shaft.
-
-    Parameters
-    ----------
-    numbers : tuple of int
-        Minimum number of elements of each segment; the positions of parts divide elements further.
-    degree : int
-        Degree p of the elements.
-    """
+    """Elements of one shaft."""
 
     numbers: tuple[int, ...]
     degree: int

@@ -5,26 +5,28 @@ from typing import Any
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._shown import Shown
-from gearbow._types import Array, Dof, SparseMatricesData
+from gearbow._types import Dof, SparseMatricesData
 
-__all__ = ["Matrices", "SparseMatrices"]
+__all__ = ["Matrices"]
 
 
 @dataclass(frozen=True, eq=False)
 class Matrices(ReadOnly):
     """Matrices of M q̈ + (C + Ω G) q̇ + K q = f, with Ω the speed of the reference shaft.
 
+    They are arrays, or sparse matrices (`scipy.sparse.csr_array`), which need memory in proportion
+    to n, with `matrices(sparse=True)` and SciPy (the extra ``sparse``).
+
     Parameters
     ----------
-    mass : ndarray, shape (n, n)
+    mass : ndarray or scipy.sparse.csr_array, shape (n, n)
         Mass matrix M [kg, kg m²].
-    stiffness : ndarray, shape (n, n)
+    stiffness : ndarray or scipy.sparse.csr_array, shape (n, n)
         Stiffness matrix K [N/m, N m/rad] of shafts, bearings and the meshes, which are linearised
         at rest.
-    damping : ndarray, shape (n, n)
+    damping : ndarray or scipy.sparse.csr_array, shape (n, n)
         Damping matrix C [N s/m, N m s/rad], including the meshes.
-    gyroscopic : ndarray, shape (n, n)
+    gyroscopic : ndarray or scipy.sparse.csr_array, shape (n, n)
         Gyroscopic matrix G per unit reference speed [kg m²]; skew-symmetric.
     dofs : tuple of (str, float or (float, float), str)
         Shaft, position [m] and direction ("u", "v", "w", "B", "G" or "twist") of each degree of
@@ -42,41 +44,11 @@ class Matrices(ReadOnly):
     >>> along_y = np.array([direction == "v" for _, _, direction in matrices.dofs], dtype=float)
     >>> print(f"{along_y @ matrices.mass @ along_y:.3f} kg")
     15.413 kg
-    """
 
-    mass: Array
-    stiffness: Array
-    damping: Array
-    gyroscopic: Array
-    dofs: tuple[Dof, ...]
+    Sparse matrices of a shaft with 1001 nodes:
 
-
-@dataclass(frozen=True, eq=False)
-class SparseMatrices(Shown):
-    """Sparse matrices of M q̈ + (C + Ω G) q̇ + K q = f, with Ω the speed of the reference shaft.
-
-    They need memory in proportion to n. SciPy must be installed (the extra ``sparse``).
-
-    Parameters
-    ----------
-    mass : scipy.sparse.csr_array, shape (n, n)
-        Mass matrix M [kg, kg m²].
-    stiffness : scipy.sparse.csr_array, shape (n, n)
-        Stiffness matrix K [N/m, N m/rad] of shafts, bearings and the meshes, which are linearised
-        at rest.
-    damping : scipy.sparse.csr_array, shape (n, n)
-        Damping matrix C [N s/m, N m s/rad], including the meshes.
-    gyroscopic : scipy.sparse.csr_array, shape (n, n)
-        Gyroscopic matrix G per unit reference speed [kg m²]; skew-symmetric.
-    dofs : tuple of (str, float or (float, float), str)
-        Shaft, position [m] and direction of each degree of freedom, see `Matrices`.
-
-    Examples
-    --------
-    >>> import gearbow as gb
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=1000, degree=1)
-    >>> matrices = gb.RotorSystem(shafts=[rotor]).matrices(sparse=True)
-    >>> matrices.mass.shape
+    >>> gb.RotorSystem(shafts=[rotor]).matrices(sparse=True).mass.shape
     (5005, 5005)
     """
 
@@ -87,26 +59,8 @@ class SparseMatrices(Shown):
     dofs: tuple[Dof, ...]
 
     @classmethod
-    def from_data(cls, data: SparseMatricesData, dofs: tuple[Dof, ...]) -> "SparseMatrices":
-        """Create the matrices from those of the core.
-
-        Parameters
-        ----------
-        data : dict
-            Entries, columns and row starts of each matrix.
-        dofs : tuple of (str, float or (float, float), str)
-            Shaft, position [m] and direction of each degree of freedom.
-
-        Returns
-        -------
-        SparseMatrices
-            The matrices.
-
-        Raises
-        ------
-        MissingExtraError
-            If SciPy is not installed.
-        """
+    def _from_sparse(cls, data: SparseMatricesData, dofs: tuple[Dof, ...]) -> "Matrices":
+        """Create sparse matrices from the entries, columns and row starts of the core."""
         with extra("sparse"):
             from scipy.sparse import csr_array  # noqa: PLC0415 (only here)
         shape = (len(dofs), len(dofs))

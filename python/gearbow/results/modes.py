@@ -174,10 +174,7 @@ class Modes(ReadOnly):
         return "\n".join(lines)
 
     def _titles(self) -> list[str]:
-        """Describe each mode in two lines: number, frequency, whirl and damping; its motion.
-
-        A motion without oscillation has a time constant instead; that of a rigid body has neither.
-        """
+        """Describe each mode in two lines: number, frequency, whirl and damping; its motion."""
         from gearbow.plotting.style import quantity  # noqa: PLC0415
 
         titles = []

@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number, shown
+from gearbow._convert import number
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._times import within
 from gearbow._types import Array
-from gearbow.description.places import is_pair
+from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
 from gearbow.description.train import Train
 from gearbow.errors import GearbowError, SceneError
-from gearbow.recording.recording import Recording
+from gearbow.recording import access
+from gearbow.recording.record import RunRecord
 
 if TYPE_CHECKING:
     from gearbow.plotting.animation import Motion
@@ -28,51 +29,17 @@ __all__ = ["animate"]
 MOST_FRAMES = 2000
 
 
-def animate(  # numpydoc ignore=PR01
-    self: Recording,
+def animate(
+    run: RunRecord,
     path: str | os.PathLike[str],
     *,
-    mesh: tuple[str, str] | None = None,
+    mesh: object = None,
     times: tuple[float, float] | None = None,
     magnify: float | None = None,
     duration: float = 6.0,
     fps: float = 15.0,
 ) -> None:
-    """Write an animation of the train in motion, seen along -x.
-
-    It shows the pitch circles of the recorded gears and disks with a spoke, the enlarged motion of
-    their centres about the mean position, the turning bow, the line of action of one mesh at its
-    momentary angle, and the contact ratio and pressure angle of this mesh over time.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file. Its name ends with ".gif", or with ".html" for a page that needs no other file.
-    mesh : tuple of (str, str), optional
-        Driver and driven gear of the mesh; None is the first recorded one.
-    times : tuple of (float, float), optional
-        First and last time [s]; None is the last turn of the slowest shaft.
-    magnify : float, optional
-        Factor that enlarges displacements and bows; None chooses one, which the animation shows.
-    duration : float
-        Length of the animation [s].
-    fps : float
-        Frames per second, at most 50.
-
-    Raises
-    ------
-    GearbowError
-        If the name has another ending, no gear or disk was recorded, or the response does not know
-        its system.
-    ChannelError
-        If the mesh was not recorded.
-    SceneError
-        If a number is invalid, or the times are not in the record.
-    MissingExtraError
-        If matplotlib or Pillow is not installed.
-    OSError
-        If the file cannot be written. An existing file is unchanged.
-    """
+    """Write an animation of the train in motion, seen along -x."""
     with extra("plot"):
         from gearbow.plotting import animation, movie  # noqa: PLC0415
 
@@ -87,7 +54,7 @@ def animate(  # numpydoc ignore=PR01
             f"{MOST_FRAMES} are possible; give a shorter duration"
         )
     factor = None if magnify is None else _positive(magnify, "magnify")
-    motion = _motion(self, mesh, _span(self, times), count, length)
+    motion = _motion(run, mesh, _span(run, times), count, length)
     drawn = list(animation.frames(motion, factor))
     with replacing(path) as file:
         if ending == ".gif":
@@ -104,8 +71,8 @@ def _positive(value: object, path: str) -> float:
 
 
 def _motion(
-    response: Recording,
-    mesh: tuple[str, str] | None,
+    run: RunRecord,
+    mesh: object,
     span: tuple[float, float],
     count: int,
     length: float,
@@ -113,31 +80,31 @@ def _motion(
     """Collect the motion of all recorded gears and disks at the times of the frames."""
     from gearbow.plotting import animation  # noqa: PLC0415
 
-    if response.request is None:
+    if run.request is None:
         raise GearbowError(
             "animate: this response does not know its system; take a response that simulate "
             "returned or that save wrote"
         )
-    description = response.request.description
+    description = run.request.description
     train = Train.of(description, Model(dict(description)).speed_ratios)
     time = np.linspace(*span, count)
     bodies = {body.name for body in train.layout.bodies if body.radius > 0.0}
-    recorded = [name for _, _, names in response._data["points"] for name in names]
+    recorded = [name for _, _, names in run.data["points"] for name in names]
     named = [name for name in recorded if name in bodies]
     if not named:
         raise GearbowError(
             "no gear or disk was recorded; give record=['gears', 'meshes'] to simulate"
         )
-    shown_mesh, curves = _mesh(response, mesh, named, span, time)
-    angle = _angle(response, time)
-    centres = {name: _at(response, response.displacement(name), time) for name in named}
+    shown_mesh, curves = _mesh(run, mesh, named, span, time)
+    angle = _angle(run, time)
+    centres = {name: _at(run, access.motion(run, "displacement", name), time) for name in named}
     return animation.Motion(
         train=train,
         time=time,
-        speed=_speed(response, time),
+        speed=_speed(run, time),
         angles={name: ratio * angle for name, ratio in train.ratios.items()},
         centres={name: values - values.mean(axis=0) for name, values in centres.items()},
-        twists={name: _at(response, response.twist(name), time) for name in named},
+        twists={name: _at(run, access.motion(run, "twist", name), time) for name in named},
         mesh=shown_mesh,
         curves=curves,
         slow=length / (span[1] - span[0]),
@@ -145,8 +112,8 @@ def _motion(
 
 
 def _mesh(
-    response: Recording,
-    mesh: tuple[str, str] | None,
+    run: RunRecord,
+    mesh: object,
     named: Sequence[str],
     span: tuple[float, float],
     time: Array,
@@ -154,19 +121,18 @@ def _mesh(
     """Collect the geometry of the mesh, and the curves beside the view."""
     from gearbow.plotting import animation  # noqa: PLC0415
 
-    inside = (response.time >= span[0]) & (response.time <= span[1])
-    times = response.time[inside]
+    inside = (run.time >= span[0]) & (run.time <= span[1])
+    times = run.time[inside]
     if mesh is None:
-        recorded = ((driver, driven) for driver, driven in response._data["meshes"])
+        recorded = ((driver, driven) for driver, driven in run.data["meshes"])
         mesh = next((pair for pair in recorded if set(pair) <= set(named)), None)
     if mesh is None:
-        motion = 1e6 * response.displacement(named[0])[inside]
-        curves = {f"{named[0]} {axis} [µm]": (times, motion[:, i]) for i, axis in enumerate("vw")}
+        motion = 1e6 * access.motion(run, "displacement", named[0])[inside]
+        curves = {f"{named[0]} {axis} [µm]": (times, motion[:, i]) for i, axis in enumerate("yz")}
         return None, curves
-    if not is_pair(mesh):
-        raise SceneError(f"mesh: must be a pair (driver, driven), got {shown(mesh)}")
-    found = response.mesh(*mesh)
-    for name in mesh:
+    pair = access.mesh_names(run, place(mesh, "mesh", "mesh"))
+    found = access.mesh(run, pair)
+    for name in pair:
         if name not in named:
             raise GearbowError(f"mesh: the motion of {name!r} was not recorded; record 'gears'")
     angles = (found.pressure_angle, found.centre_line_angle)
@@ -174,43 +140,43 @@ def _mesh(
         "contact ratio": (times, found.contact_ratio[inside]),
         "pressure angle [°]": (times, np.degrees(found.pressure_angle[inside])),
     }
-    return animation.MeshMotion(*mesh, *(_at(response, angle, time) for angle in angles)), curves
+    return animation.MeshMotion(*pair, *(_at(run, angle, time) for angle in angles)), curves
 
 
-def _span(response: Recording, times: tuple[float, float] | None) -> tuple[float, float]:
+def _span(run: RunRecord, times: tuple[float, float] | None) -> tuple[float, float]:
     """Find the first and the last time of the animation."""
-    if response.time.size < 2:
+    if run.time.size < 2:
         raise GearbowError("an animation needs at least two recorded times")
-    first, last = float(response.time[0]), float(response.time[-1])
+    first, last = float(run.time[0]), float(run.time[-1])
     if times is None:
-        ratios = () if response.kinematics is None else response.kinematics.shafts
+        ratios = () if run.kinematics is None else run.kinematics.shafts
         slowest = min((abs(ratio) for _, ratio in ratios), default=1.0)
-        speed = abs(float(_speed(response, response.time[-1:])[0]))
+        speed = abs(float(_speed(run, run.time[-1:])[0]))
         turn = 2.0 * math.pi / (slowest * speed) if slowest * speed > 0.0 else math.inf
         return max(first, last - turn), last
-    return within(response.time, times)
+    return within(run.time, times)
 
 
-def _at(response: Recording, values: Array, time: Array) -> Array:
+def _at(run: RunRecord, values: Array, time: Array) -> Array:
     """Interpolate recorded values linearly."""
     columns = values.reshape(values.shape[0], -1).T
-    found = np.column_stack([np.interp(time, response.time, column) for column in columns])
+    found = np.column_stack([np.interp(time, run.time, column) for column in columns])
     return found if values.ndim > 1 else found[:, 0]
 
 
-def _speed(response: Recording, time: Array) -> Array:
+def _speed(run: RunRecord, time: Array) -> Array:
     """Give the speed of the reference shaft [rad/s]."""
-    if isinstance(response.speed, SpeedProfile):
-        return response.speed(time)
-    return np.full(time.shape, response.speed)
+    if isinstance(run.speed, SpeedProfile):
+        return run.speed(time)
+    return np.full(time.shape, run.speed)
 
 
-def _angle(response: Recording, time: Array) -> Array:
+def _angle(run: RunRecord, time: Array) -> Array:
     """Give the angle of the reference shaft [rad]; of a changing speed, since the first time."""
-    if not isinstance(response.speed, SpeedProfile):
-        return response.speed * time
-    grid = np.linspace(response.time[0], time[-1], max(2000, 4 * response.time.size))
-    speed = response.speed(grid)
+    if not isinstance(run.speed, SpeedProfile):
+        return run.speed * time
+    grid = np.linspace(run.time[0], time[-1], max(2000, 4 * run.time.size))
+    speed = run.speed(grid)
     steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(grid)
     angle: Array = np.interp(time, grid, np.concatenate([[0.0], np.cumsum(steps)]))
     return angle

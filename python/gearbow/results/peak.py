@@ -53,7 +53,7 @@ class Peak(Shown):
     A peak 20 % below the operating speed:
 
     >>> import gearbow as gb
-    >>> peak = gb.Peak(80.0, 1e-4, lower=75.0, upper=91.0, operating=(100.0, 100.0))
+    >>> peak = gb.results.Peak(80.0, 1e-4, lower=75.0, upper=91.0, operating=(100.0, 100.0))
     >>> print(f"{peak.amplification_factor:.0f}: {peak.separation_margin:.0f} % of "
     ...       f"{peak.required_margin:.1f} %, {peak.acceptable}")
     5: 20 % of 12.1 %, True
@@ -138,23 +138,7 @@ class Peak(Shown):
 
 
 def operating_range(given: object) -> tuple[float, float] | None:
-    """Check an operating speed or a range of operating speeds.
-
-    Parameters
-    ----------
-    given : float, (float, float) or None
-        One speed, or the lowest and the highest [rad/s].
-
-    Returns
-    -------
-    tuple of (float, float) or None
-        Speeds with the smallest and the largest absolute value.
-
-    Raises
-    ------
-    SceneError
-        If a speed is zero or not finite, the signs differ, or the highest speed comes first.
-    """
+    """Check an operating speed or a range of operating speeds."""
     if given is None:
         return None
     speeds = (

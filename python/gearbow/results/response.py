@@ -1,32 +1,46 @@
 """Time response of a system: recorded signals, spectra, orders, figures, tables and files."""
 
 import os
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from gearbow._convert import items, shown
+from gearbow._convert import items, number, shown
+from gearbow._read_only import ReadOnly, read_only
 from gearbow._shown import Table, span
+from gearbow._types import Array, At, Record, RunData
 from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.places import place_label
+from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
-from gearbow.recording import tables
+from gearbow.orders.fit import Orders, orders
+from gearbow.orders.spectrum import Spectrum, spectrum
+from gearbow.recording import access, tables
+from gearbow.recording.bearing_motion import BearingMotion
+from gearbow.recording.contact import ContactShares
+from gearbow.recording.energy import EnergyBalance
 from gearbow.recording.errors import Errors
-from gearbow.recording.record import RunRecord
+from gearbow.recording.record import Event, MeshResponse, RunRecord, Statistics
 from gearbow.recording.resample import resampled
-from gearbow.results.run_figures import RunFigures
-from gearbow.sensors.sensor import SignalSensor
+from gearbow.results.motion import animate
+from gearbow.results.run_figures import plot
+from gearbow.sensors.sensor import Sensor, SignalSensor
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
+
+    from gearbow.description.kinematics import Kinematics
+    from gearbow.recording.request import RunRequest
 
 __all__ = ["Response"]
 
 
-class Response(RunFigures):
+class Response(ReadOnly):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
 
     Parameters
@@ -38,8 +52,6 @@ class Response(RunFigures):
 
     Attributes
     ----------
-    time : ndarray, shape (k,)
-        Times [s].
     speed : float or SpeedProfile
         Speed of the reference shaft [rad/s].
     statistics : Statistics
@@ -68,6 +80,22 @@ class Response(RunFigures):
     0.1 s to 0.2 s
     """
 
+    def __init__(self, data: RunData, speed: float | SpeedProfile) -> None:
+        if not isinstance(data, Mapping):
+            raise SceneError(
+                f"data: must be the data of a run, got {shown(data)}; simulate and load make "
+                "responses"
+            )
+        if not isinstance(speed, SpeedProfile):
+            speed = number(speed, "speed")
+        self._data = read_only(data)
+        self.speed = speed
+        self.statistics = Statistics(**data["statistics"])
+        self.accuracy: str | None = None
+        self.kinematics: Kinematics | None = None
+        self.request: RunRequest | None = None
+        self._errors: Errors | None = None
+
     @classmethod
     def from_record(cls, record: RunRecord) -> "Response":
         """Make a response from plain data, the inverse of `to_record`.
@@ -94,7 +122,388 @@ class Response(RunFigures):
         response.request, response._errors = record.request, record.errors
         return response
 
+    def to_record(self) -> RunRecord:
+        """Give the recording as plain data.
+
+        Returns
+        -------
+        RunRecord
+            All data that a file contains.
+        """
+        return RunRecord(
+            self._data, self.speed, self.kinematics, self.accuracy, self.request, self._errors
+        )
+
     @property
+    def time(self) -> Array:
+        """Recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Times [s].
+        """
+        return self._data["time"]
+
+    @property
+    def final(self) -> Mapping[str, Any]:
+        """Final state without rounding; `simulate(initial=...)` continues from it.
+
+        Returns
+        -------
+        mapping
+            Method, time, speed, a known angle of the reference shaft (time [s], angle [rad] and
+            its rounding error), and the state variables of the method.
+        """
+        return dict(self._data["final"])
+
+    @property
+    def recorded(self) -> list[Record]:
+        """Recorded items, in the form of the argument `record` of `simulate`.
+
+        Returns
+        -------
+        list of str or tuple
+            Names of gears and disks, (shaft, position), (driver, driven), ("bearing", shaft,
+            position), "velocity", "acceleration", "energy".
+        """
+        return self.to_record().recorded
+
+    @property
+    def speeds(self) -> Array:
+        """Speed of the reference shaft at the recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Speeds [rad/s].
+        """
+        return access.speeds(self.to_record())
+
+    def angle(self, shaft: str, times: ArrayLike | None = None) -> Array:
+        """Prescribed angle of a shaft, without its twist.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        times : array_like, shape (n,), optional
+            Times [s]; None is the k recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,) or (n,)
+            Angle about x, not reduced to one revolution [rad].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such shaft, or the response has no kinematics.
+        """
+        return access.angle(self.to_record(), shaft, times)
+
+    def spin(self, shaft: str, times: ArrayLike | None = None) -> Array:
+        """Prescribed angular velocity of a shaft.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        times : array_like, shape (n,), optional
+            Times [s]; None is the k recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,) or (n,)
+            Angular velocity about x [rad/s].
+        """
+        return access.spin(self.to_record(), shaft, times)
+
+    def displacement(self, at: At) -> Array:
+        """Lateral displacement of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Name of a gear, disk, support, housing or point of a housing, or (shaft, position [m]).
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+            Displacements along y and z [m].
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded; the message says what to record.
+        """
+        return access.motion(self.to_record(), "displacement", at)
+
+    def twist(self, at: At) -> Array:
+        """Twist of a place, relative to the rigid-body rotation.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Twist about x [rad].
+        """
+        return access.motion(self.to_record(), "twist", at)
+
+    def axial(self, at: At) -> Array:
+        """Axial displacement of a place, in a system with axial motion.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Displacement along x [m].
+        """
+        return access.motion(self.to_record(), "axial", at)
+
+    def velocity(self, at: At) -> Array:
+        """Lateral velocity of a place.
+
+        It belongs to the state of the run; no difference of displacements is taken.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+            Velocities along y and z [m/s].
+        """
+        return access.motion(self.to_record(), "velocity", at)
+
+    def twist_rate(self, at: At) -> Array:
+        """Rate of the twist of a place: its angular velocity beyond the prescribed one.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Rate of the twist about x [rad/s].
+        """
+        return access.motion(self.to_record(), "twist_rate", at)
+
+    def acceleration(self, at: At) -> Array:
+        """Lateral acceleration of a place.
+
+        It follows from the state and the equation of motion; no difference is taken. If the run
+        leaves out modes, it is the acceleration of the reduced model.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+            Accelerations along y and z [m/s²].
+        """
+        return access.motion(self.to_record(), "acceleration", at)
+
+    def axial_velocity(self, at: At) -> Array:
+        """Axial velocity of a place, in a system with axial motion.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Velocity along x [m/s].
+        """
+        return access.motion(self.to_record(), "axial_velocity", at)
+
+    def axial_acceleration(self, at: At) -> Array:
+        """Axial acceleration of a place, in a system with axial motion.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Acceleration along x [m/s²].
+        """
+        return access.motion(self.to_record(), "axial_acceleration", at)
+
+    def bearing_force(self, at: tuple[str, float]) -> Array:
+        """Force of a shaft on a bearing.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+            Components along y and z [N].
+        """
+        return access.bearing_force(self.to_record(), at)
+
+    def axial_bearing_force(self, at: tuple[str, float]) -> Array:
+        """Force of a shaft on a bearing along the axis, in a system with axial motion.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Component along x [N].
+        """
+        return access.axial_bearing_force(self.to_record(), at)
+
+    def bearing_displacement(self, at: tuple[str, float]) -> Array:
+        """Displacement of a shaft relative to what its bearing stands on.
+
+        A proximity probe in the bearing housing measures it.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+            Components along y and z [m].
+        """
+        return access.bearing_displacement(self.to_record(), at)
+
+    def journal(self, at: tuple[str, float]) -> BearingMotion:
+        """Time history of a journal bearing.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        BearingMotion
+            Force, eccentricity ratio and attitude angle.
+        """
+        return access.journal(self.to_record(), at)
+
+    def rolling(self, at: tuple[str, float]) -> BearingMotion:
+        """Time history of a rolling bearing.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        BearingMotion
+            Force, number of loaded elements and largest contact force.
+        """
+        return access.rolling(self.to_record(), at)
+
+    def mesh(self, at: str | tuple[str, str]) -> MeshResponse:
+        """Time history of one mesh.
+
+        Parameters
+        ----------
+        at : tuple of (str, str) or str
+            The two gears, (driver, driven) in either order, or "driver/driven".
+
+        Returns
+        -------
+        MeshResponse
+            Force and deflection, and the geometry of the moving centres.
+        """
+        return access.mesh(self.to_record(), at)
+
+    def contact_shares(self, at: str | tuple[str, str], *, skip_time: float = 0.0) -> ContactShares:
+        """Find the shares of the time with contact of drive flanks, back flanks, both or none.
+
+        The contact changes at the exact times of the events, also between recorded instants.
+
+        Parameters
+        ----------
+        at : tuple of (str, str) or str
+            The mesh, as for `mesh`.
+        skip_time : float
+            Time at the beginning that is ignored [s].
+
+        Returns
+        -------
+        ContactShares
+            The shares between the first and the last recorded time; `ContactShares.lost` is the
+            share without contact of the drive flanks. A mesh without backlash is always in contact.
+
+        Raises
+        ------
+        SceneError
+            If `skip_time` is negative or longer than the record.
+        """
+        return access.contact_shares(self.to_record(), at, skip_time)
+
+    @property
+    def energy(self) -> Array:
+        """Kinetic energy of the vibration plus elastic energy of shafts, bearings and meshes.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Energy [J].
+        """
+        return access.energy(self.to_record())
+
+    def energy_balance(self) -> EnergyBalance:
+        """Compare the energies of the system with the work done on it.
+
+        Returns
+        -------
+        EnergyBalance
+            The terms, their sums, and the residual, which is the integration error.
+        """
+        return access.energy_balance(self.to_record())
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Contact events of the teeth.
+
+        A change of the contact mode ("contact", "back contact", "separation", "tight") is an event
+        only after the start of the run. The contact mode at the start is not an event, even if
+        flanks that touch at the start separate or press immediately.
+
+        Returns
+        -------
+        tuple of Event
+            In the order of detection. A mesh with backlash or time-varying stiffness has all its
+            events, recorded or not. Other meshes have the events that their recorded instants
+            show.
+        """
+        return access.events(self.to_record())
+
     def errors(self) -> Errors:
         """Estimated error of the run: contributions of elements, modes and integration.
 
@@ -105,7 +514,7 @@ class Response(RunFigures):
         and the error applies to RMS values and spectra. After chaotic contact it applies to
         neither; `Errors.chaotic` is then true.
 
-        The first access runs the system again over this time, with a much smaller tolerance, with
+        The first call runs the system again over this time, with a much smaller tolerance, with
         all modes, and with finer elements. It first checks the initial state, which all runs share,
         against the equations of the equilibrium and of the synchronous response. This takes several
         times as long as a run of this time.
@@ -133,6 +542,133 @@ class Response(RunFigures):
                 )
             self._errors = estimate_errors(self.request, self.statistics.modes)
         return self._errors
+
+    def measure(self, sensor: Sensor) -> Array:
+        """Measure the recorded motion with a sensor.
+
+        Parameters
+        ----------
+        sensor : Probe, Accelerometer or Tacho
+            The sensor.
+
+        Returns
+        -------
+        ndarray, shape (k,) or (n,)
+            Displacement [m] or acceleration [m/s²] at the recorded times, or the times of the n
+            pulses of a tachometer [s].
+
+        Raises
+        ------
+        ChannelError
+            If a motion was not recorded; the message says what to record.
+        SceneError
+            If it is no sensor.
+        """
+        if not isinstance(sensor, Sensor):
+            raise SceneError(
+                f"sensor: must be a Probe, an Accelerometer or a Tacho, got {shown(sensor)}"
+            )
+        return sensor.measure(self)
+
+    def spectrum(
+        self, at: Record | SignalSensor, quantity: str | None = None, *, window: str = "hann"
+    ) -> Spectrum:
+        """Find the amplitude spectrum of one recorded signal.
+
+        Frequencies above half of the sampling rate appear as lower frequencies (aliasing). Choose
+        an `output_step` that is short enough for the highest frequency of the signal; `resample`
+        then gives a lower rate.
+
+        Parameters
+        ----------
+        at : str, tuple, Probe or Accelerometer
+            A gear or disk, (shaft, position [m]), (driver, driven) in either order or
+            "driver/driven", ("bearing", shaft, position [m]), "energy", or a sensor.
+        quantity : str, optional
+            "y", "z", "x" or "twist" of a place, also as ``velocity_y``, ``acceleration_y`` or
+            ``twist_rate``; "y", "z" or "x" of the force on a bearing; a number
+            field of `MeshResponse`. None is "y" or the mesh force.
+        window : {"hann", "flat top", "none"}
+            Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
+            whole periods.
+
+        Returns
+        -------
+        Spectrum
+            Amplitudes over frequency.
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded.
+        GearbowError
+            If the times are not equally spaced.
+        """
+        return spectrum(self.to_record(), at, quantity, window=window)
+
+    def orders(
+        self,
+        at: Record | SignalSensor,
+        quantity: str | None = None,
+        *,
+        shaft_harmonics: int = 4,
+        mesh_harmonics: int | None = None,
+        sidebands: int = 1,
+        bearing_harmonics: int = 3,
+        skip_time: float = 0.0,
+    ) -> Orders:
+        """Find the amplitudes of one recorded signal at the orders of shafts and meshes.
+
+        What these orders do not contain is the rest, of which the result states the RMS.
+
+        Parameters
+        ----------
+        at : str, tuple, Probe or Accelerometer
+            Place of the signal, as for `spectrum`.
+        quantity : str, optional
+            Quantity, as for `spectrum`.
+        shaft_harmonics : int
+            Number of harmonics of each shaft.
+        mesh_harmonics : int, optional
+            Number of harmonics of each tooth frequency. None takes three, and of the harmonics 4 to
+            30 and their sidebands those that the record resolves and separates and whose amplitude
+            is above 1 % of the largest.
+        sidebands : int
+            Number of sidebands on each side of a tooth frequency, for each of the two shafts.
+        bearing_harmonics : int
+            Number of harmonics of the ball-pass frequency of each rolling bearing; with one or
+            more, also the order of the cage.
+        skip_time : float
+            Time at the beginning that is ignored [s].
+
+        Returns
+        -------
+        Orders
+            Complex amplitudes by least squares, with the names of the excitations.
+
+        Raises
+        ------
+        ChannelError
+            If it was not recorded.
+        GearbowError
+            If the speed changes, the record is too short to separate the orders, or the output
+            step is too long for the highest order.
+
+        Warns
+        -----
+        AccuracyWarning
+            If the rest is more than 30 % of the RMS of the signal about its mean.
+        """
+        return orders(
+            self.to_record(),
+            at,
+            quantity,
+            shaft_harmonics=shaft_harmonics,
+            mesh_harmonics=mesh_harmonics,
+            sidebands=sidebands,
+            bearing_harmonics=bearing_harmonics,
+            skip_time=skip_time,
+        )
 
     def resample(self, rate: float) -> "Response":
         """Sample all signals at a lower rate, as a data-acquisition chain with an analogue filter.
@@ -162,6 +698,96 @@ class Response(RunFigures):
         """
         return Response.from_record(resampled(self.to_record(), rate))
 
+    def plot(
+        self,
+        kind: str = "orbits",
+        at: Any = None,
+        *,
+        times: tuple[float, float] | None = None,
+        skip_time: float | None = None,
+        ax: Any = None,
+    ) -> "Figure":
+        """Draw recorded signals.
+
+        Parameters
+        ----------
+        kind : str
+            - "orbits": orbits of the centres. An orbit below a tenth of the largest has its own
+              scale.
+            - "history": displacement about its mean against time.
+            - "twist": twist against time.
+            - "mesh": force, deflection and stiffness of the meshes against time.
+            - "geometry": contact ratio, pressure angle, angle of the line of centres and centre
+              distance of the meshes against time.
+            - "bearings": forces on the bearings against time.
+            - "spectrum": amplitude spectrum of the displacement, with the orders of the train.
+        at : str, tuple or sequence of them, optional
+            Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh" and "geometry";
+            (shaft, position [m]) for "bearings". None is all recorded items; of places, the named
+            ones if there are any, for "twist" those that twist.
+        times : tuple of (float, float), optional
+            First and last time of the figure [s]; None is the complete record. A few revolutions
+            show what fills the figure of a long run.
+        skip_time : float, optional
+            Time at the beginning with the transient [s]: orbits and histories show it in grey,
+            spectra omit it. The values after it set the scale and the mean; a title gives the range
+            of earlier values beyond this scale. None takes the last turn of the slowest shaft for
+            the scale, without shading, if the speed is constant; 0 shows all values.
+        ax : Axes or sequence of Axes, optional
+            One panel for each place, for a bearing two, for a mesh three and for its geometry four;
+            None makes a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure. It is neither shown nor saved.
+
+        Raises
+        ------
+        GearbowError
+            If the kind or `ax` is invalid, or no suitable signal was recorded.
+        SceneError
+            If `skip_time` is negative or longer than the record, or `times` are not in it.
+        """
+        return plot(self.to_record(), kind, at, times=times, skip_time=skip_time, ax=ax)
+
+    def animate(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        mesh: str | tuple[str, str] | None = None,
+        times: tuple[float, float] | None = None,
+        magnify: float | None = None,
+        duration: float = 6.0,
+        fps: float = 15.0,
+    ) -> None:
+        """Write an animation of the train in motion, seen along -x.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. Its name ends with ".gif" or ".html".
+        mesh : (driver, driven) or "driver/driven", optional
+            Mesh whose line of action and curves it shows; None is the first recorded one.
+        times : tuple of (float, float), optional
+            First and last time [s]; None is the last turn of the slowest shaft.
+        magnify : float, optional
+            Factor that enlarges displacements and twists; None chooses one.
+        duration : float
+            Duration of the animation [s].
+        fps : float
+            Frames per second, at most 50.
+        """
+        animate(
+            self.to_record(),
+            path,
+            mesh=mesh,
+            times=times,
+            magnify=magnify,
+            duration=duration,
+            fps=fps,
+        )
+
     def to_dataframe(self, sensors: Sequence[SignalSensor] = ()) -> "pd.DataFrame":
         """Convert all recorded signals to a table.
 
@@ -173,7 +799,7 @@ class Response(RunFigures):
         Returns
         -------
         pandas.DataFrame
-            Rows by time [s]; columns with their unit, e.g. "g1 v [m]", "g1/g2 force [N]".
+            Rows by time [s]; columns with their unit, e.g. "g1 y [m]", "g1/g2 force [N]".
 
         Raises
         ------
@@ -186,7 +812,7 @@ class Response(RunFigures):
                 raise SceneError(
                     f"sensors[{i}]: must be a Probe or an Accelerometer, got {shown(sensor)}"
                 )
-            found = channel(self, sensor)
+            found = channel(self.to_record(), sensor)
             table[f"{found.label} [{found.unit}]"] = found.values
         return table
 

@@ -5,46 +5,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearbow._convert import text
-from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._shown import MOST_ROWS, Shown, Table
 from gearbow._types import Array, At, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.journal import JournalMotion
+from gearbow.description.places import Places, place
 from gearbow.errors import ChannelError
+from gearbow.recording.bearing_motion import BearingMotion, journal_motion
 
 __all__ = ["MeshState", "Static"]
 
 
 @dataclass(frozen=True)
 class MeshState(Shown):
-    """State of one mesh at equilibrium.
-
-    Parameters
-    ----------
-    deflection : float
-        Mesh deflection along the line of action [m].
-    force : float
-        Mesh force [N].
-    stiffness : float
-        Mean mesh stiffness over a tooth cycle [N/m], as of all analyses without time.
-    pressure_angle : float
-        Operating pressure angle [rad]; NaN where the base circles overlap, which only frozen
-        geometry allows.
-    centre_distance : float
-        Distance between the centres [m].
-    centre_line_angle : float
-        Angle of the line of centres, driver to driven, from y towards z [rad].
-    contact_ratio : float
-        Contact ratio, NaN where the base circles overlap.
-    pairs_in_contact : float
-        Mean number of tooth pairs that carry load over a tooth cycle, to which the mean stiffness
-        belongs: the contact ratio, or zero if the flanks are separated.
-    thrust : float
-        Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
-        subject to the opposite force.
-    """
+    """State of one mesh at equilibrium."""
 
     deflection: float
     force: float
@@ -85,7 +59,7 @@ class Static(ReadOnly):
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e6) for x in (0.0, 1.0)]
     >>> static = gb.RotorSystem(shafts=[rotor], bearings=bearings, gravity=9.81).static()
     >>> print("{:.0f} N on each, {:.1f} µm".format(
-    ...     static.bearing_force("rotor", 0.0)[1], 1e6 * static.displacement(("rotor", 0.0))[1]))
+    ...     static.bearing_force(("rotor", 0.0))[1], 1e6 * static.displacement(("rotor", 0.0))[1]))
     -76 N on each, -75.6 µm
     """
 
@@ -130,33 +104,33 @@ class Static(ReadOnly):
         """
         return max(self.residuals.values())
 
-    def displacement(self, name: At) -> Array:
+    def displacement(self, at: At) -> Array:
         """Lateral displacement of a place.
 
         Parameters
         ----------
-        name : str or tuple of (str, float)
+        at : str or tuple of (str, float)
             A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
 
         Returns
         -------
         ndarray, shape (2,)
-            Displacements v and w [m].
+            Displacements along y and z [m].
 
         Raises
         ------
         GearbowError
             If there is no such place, or the system has no lateral motion.
         """
-        displacement: Array = self.coordinates.displacement(self.state, name)
+        displacement: Array = self.coordinates.displacement(self.state, at)
         return displacement
 
-    def twist(self, name: At) -> float:
+    def twist(self, at: At) -> float:
         """Twist of a place.
 
         Parameters
         ----------
-        name : str or tuple of (str, float)
+        at : str or tuple of (str, float)
             A gear or disk by name, or (shaft, position [m]).
 
         Returns
@@ -169,37 +143,35 @@ class Static(ReadOnly):
         GearbowError
             If there is no such place, or the system has no twist.
         """
-        return float(self.state[self.coordinates.twist(name)])
+        return float(self.state[self.coordinates.twist(at)])
 
-    def axial(self, name: At) -> float:
+    def axial(self, at: At) -> float:
         """Axial displacement of a place.
 
         Parameters
         ----------
-        name : str or tuple of (str, float)
+        at : str or tuple of (str, float)
             A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
 
         Returns
         -------
         float
-            Displacement u along x [m].
+            Displacement along x [m].
 
         Raises
         ------
         GearbowError
             If there is no such place, or the system has no axial motion.
         """
-        return float(self.coordinates.axial_displacement(self.state, name))
+        return float(self.coordinates.axial_displacement(self.state, at))
 
-    def axial_bearing_force(self, shaft: str, position: float) -> float:
+    def axial_bearing_force(self, at: tuple[str, float]) -> float:
         """Force of a shaft on a bearing along the axis.
 
         Parameters
         ----------
-        shaft : str
-            Name of the shaft.
-        position : float
-            Position of the bearing [m].
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
 
         Returns
         -------
@@ -211,44 +183,35 @@ class Static(ReadOnly):
         ChannelError
             If there is no such bearing.
         """
-        return float(self._data["axial_bearing_force"][self._bearing(shaft, position)])
+        return float(self._data["axial_bearing_force"][self._bearing(at)])
 
-    def bearing_force(self, shaft: str, position: float) -> Array:
+    def bearing_force(self, at: tuple[str, float]) -> Array:
         """Force of a shaft on a bearing.
 
         Parameters
         ----------
-        shaft : str
-            Name of the shaft.
-        position : float
-            Position of the bearing [m].
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
 
         Returns
         -------
         ndarray, shape (2,)
             Components along y and z [N].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing.
         """
-        force: Array = self._data["bearing_force"][self._bearing(shaft, position)]
+        force: Array = self._data["bearing_force"][self._bearing(at)]
         return force
 
-    def journal(self, shaft: str, position: float) -> JournalMotion:
+    def journal(self, at: tuple[str, float]) -> BearingMotion:
         """State of a journal bearing.
 
         Parameters
         ----------
-        shaft : str
-            Name of the shaft.
-        position : float
-            Position of the bearing [m].
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
 
         Returns
         -------
-        JournalMotion
+        BearingMotion
             Force, eccentricity ratio and attitude angle.
 
         Raises
@@ -256,19 +219,17 @@ class Static(ReadOnly):
         ChannelError
             If there is no such journal bearing.
         """
-        force = self.bearing_force(shaft, position)
-        displacement = self._data["bearing_displacement"][self._bearing(shaft, position)]
-        return JournalMotion.of(self._bearings, (shaft, position), displacement, force)
+        force = self.bearing_force(at)
+        displacement = self._data["bearing_displacement"][self._bearing(at)]
+        return journal_motion(self._bearings, place(at), displacement, force)
 
-    def mesh(self, driver: str, driven: str) -> MeshState:
+    def mesh(self, at: str | tuple[str, str]) -> MeshState:
         """State of one mesh.
 
         Parameters
         ----------
-        driver : str
-            Name of the driving gear.
-        driven : str
-            Name of the driven gear.
+        at : tuple of (str, str) or str
+            The two gears, (driver, driven) in either order, or "driver/driven".
 
         Returns
         -------
@@ -280,23 +241,22 @@ class Static(ReadOnly):
         ChannelError
             If there is no such mesh.
         """
-        meshes = [tuple(pair) for pair in self._data["meshes"]]
-        driver, driven = text(driver, "driver"), text(driven, "driven")
-        if (driver, driven) not in meshes:
-            raise ChannelError(f"no mesh of {driver!r} with {driven!r}; there are {meshes}")
-        i = meshes.index((driver, driven))
+        known = Places("mesh", ([pair] for pair in map(tuple, self._data["meshes"])))
+        i = known.find(at)
+        if i is None:
+            driver, driven = place(at)
+            raise ChannelError(f"no mesh of {driver!r} with {driven!r}; there are {known}")
         found = {name: float(values[i]) for name, values in self._data["mesh"].items()}
         # The core counts the pairs at one instant, but its stiffness is the mean of a tooth cycle.
         if found["pairs_in_contact"] > 0.0:
             found["pairs_in_contact"] = found["contact_ratio"]
         return MeshState(**found)
 
-    def _bearing(self, shaft: str, position: float) -> int:
-        i = locate(self._data["bearings"], shaft, position)
+    def _bearing(self, at: object) -> int:
+        known = Places("bearing", ([at] for at in map(tuple, self._data["bearings"])))
+        i = known.find(at)
         if i is None:
-            raise ChannelError(
-                f"no bearing at ({shaft!r}, {position:g}); there are {self._data['bearings']}"
-            )
+            raise ChannelError(f"no bearing at {place(at)}; there are {known}")
         return i
 
     def __repr__(self) -> str:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SMALLEST_MULTIPLIER", "SteadyState", "instability"]
 
-#: Magnitude of the smallest multiplier that `SteadyState.multipliers` gives.
+#: Magnitude of the smallest multiplier that `SteadyState.multipliers` gives by default.
 SMALLEST_MULTIPLIER = 0.9
 #: Error of a multiplier. A motion with undamped modes, whose multipliers have the magnitude 1,
 #: counts as stable.
@@ -41,19 +41,7 @@ _STEADY = record(
 
 
 def instability(values: ComplexArray) -> str | None:
-    """Name the instability of a periodic motion by its largest multiplier.
-
-    Parameters
-    ----------
-    values : ndarray
-        Floquet multipliers.
-
-    Returns
-    -------
-    str or None
-        "fold" (a multiplier beyond +1), "flip" (beyond −1), "Neimark-Sacker" (a complex pair beyond
-        the unit circle), or None for a stable motion.
-    """
+    """Name the instability of a periodic motion by its largest multiplier."""
     if not values.size:
         return None
     largest = values[np.argmax(np.abs(values))]
@@ -104,7 +92,7 @@ class SteadyState(Shown):
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
     >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
     >>> steady = system.steady_state(100.0, record=[("rotor", 0.5)])
-    >>> print(f"{steady.period:.4f} s, stable: {steady.stable}")
+    >>> print(f"{steady.period:.4f} s, stable: {steady.is_stable()}")
     0.0628 s, stable: True
     """
 
@@ -120,15 +108,19 @@ class SteadyState(Shown):
         found = data.get("multipliers")
         self._multipliers = None if found is None else np.array([complex(*z) for z in found])
 
-    @property
-    def multipliers(self) -> ComplexArray:
-        """Floquet multipliers of magnitude 0.9 and more, the largest first.
+    def multipliers(self, magnitude: float = SMALLEST_MULTIPLIER) -> ComplexArray:
+        """Compute the Floquet multipliers, the largest first.
 
         They are the eigenvalues of the derivative of the state after a period with respect to the
         state before; for a motion without a period, after a tenth of the record. The rigid-body
         rotation of a train that nothing holds is left out. Modes that the run left out have the
-        multipliers e^{λT} of the linear system. The first access computes them; the result is kept,
-        and saved with the motion.
+        multipliers e^{λT} of the linear system. Those of the default magnitude are kept, and saved
+        with the motion.
+
+        Parameters
+        ----------
+        magnitude : float
+            Smallest magnitude. The smaller it is, the more periods the computation takes.
 
         Returns
         -------
@@ -139,52 +131,68 @@ class SteadyState(Shown):
         ------
         ConvergenceError
             If a multiplier is not accurate.
+        GearbowError
+            If the motion does not know its system.
         """
+        smallest = number_of(magnitude, "magnitude")
+        if smallest != SMALLEST_MULTIPLIER:
+            return self._computed(smallest)
         if self._multipliers is None:
-            self._multipliers = self.multipliers_above(SMALLEST_MULTIPLIER)
+            self._multipliers = self._computed(smallest)
         found: ComplexArray = self._multipliers.copy()
         return found
 
-    @property
-    def stable(self) -> bool:
-        """Whether small disturbances decay.
+    def _computed(self, smallest: float) -> ComplexArray:
+        """Compute the multipliers from a magnitude on."""
+        request = self.response.request
+        if request is None:
+            raise GearbowError(
+                "multipliers: this motion does not know its system; take that of steady_state"
+            )
+        model = self._model or Model(dict(request.description))
+        options = dict(request.options)
+        if math.isinf(self.period):
+            options["duration"] *= _PART
+        return multipliers(model, **options, smallest=smallest, progress=None)
+
+    def is_stable(self) -> bool:
+        """Return whether small disturbances decay.
 
         Returns
         -------
         bool
-            Whether no multiplier lies outside the unit circle.
+            Whether none of the `multipliers` lies outside the unit circle.
         """
-        return self.instability is None
+        return self.instability() is None
 
-    @property
     def instability(self) -> str | None:
-        """Kind of the instability.
+        """Name the kind of the instability.
 
         Returns
         -------
         str or None
             "fold", "flip", "Neimark-Sacker", or None for a stable motion.
         """
-        return instability(self.multipliers)
+        return instability(self.multipliers())
 
-    def plot(self, kind: str = "orbits", names: Any = None, *, ax: Any = None) -> "Figure":
+    def plot(self, kind: str = "orbits", at: Any = None, *, ax: Any = None) -> "Figure":
         """Draw recorded signals over one period, as `Response.plot`.
 
         Parameters
         ----------
         kind : str
             Kind of the figure, for example "orbits" or "mesh".
-        names : str, tuple or sequence of them, optional
+        at : str, tuple or sequence of them, optional
             Places or meshes; None is all.
         ax : Axes or sequence of Axes, optional
-            One panel for each name, for a mesh three; None makes a new figure.
+            One panel for each place, for a mesh three; None makes a new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
             The figure. It is neither shown nor saved.
         """
-        return self.response.plot(kind, names, ax=ax)
+        return self.response.plot(kind, at, ax=ax)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything to a file without rounding, with the multipliers if they are known.
@@ -233,37 +241,6 @@ class SteadyState(Shown):
         _STEADY(about["steady"], "steady")
         return cls(Response.from_record(run), about["steady"])
 
-    def multipliers_above(self, magnitude: float) -> ComplexArray:
-        """Compute the Floquet multipliers from a magnitude on.
-
-        Parameters
-        ----------
-        magnitude : float
-            Smallest magnitude. The smaller it is, the more periods the computation takes.
-
-        Returns
-        -------
-        ndarray, shape (m,)
-            Complex multipliers, the largest first.
-
-        Raises
-        ------
-        GearbowError
-            If the motion does not know its system.
-        """
-        request = self.response.request
-        if request is None:
-            raise GearbowError(
-                "multipliers: this motion does not know its system; take that of steady_state"
-            )
-        model = self._model or Model(dict(request.description))
-        options = dict(request.options)
-        if math.isinf(self.period):
-            options["duration"] *= _PART
-        return multipliers(
-            model, **options, smallest=number_of(magnitude, "magnitude"), progress=None
-        )
-
     def __getstate__(self) -> dict[str, Any]:
         # The response knows the scene, from which the model can be built again.
         return {**self.__dict__, "_model": None}
@@ -282,5 +259,5 @@ class SteadyState(Shown):
             ("method", self.method),
         ]
         if self._multipliers is not None:
-            found.append(("stable", str(self.stable)))
+            found.append(("stable", str(self.is_stable())))
         return (*self.response._rows(), *found)

@@ -9,12 +9,11 @@ import numpy as np
 from gearbow._convert import number, text
 from gearbow._core import Model
 from gearbow._extras import extra
-from gearbow._lookup import locate
 from gearbow._read_only import ReadOnly
 from gearbow._shown import short, span
 from gearbow._types import Array, At, ComplexArray, Plain
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.places import place_label, places
+from gearbow.description.places import Places, place, place_label, places
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.results.peak import Peak, operating_range
 
@@ -92,18 +91,18 @@ class Synchronous(ReadOnly):
         }
         return {name: text for name, text in found.items() if text is not None}
 
-    def displacement(self, name: At) -> ComplexArray:
+    def displacement(self, at: At) -> ComplexArray:
         """Complex amplitudes of the lateral displacement of a place.
 
         Parameters
         ----------
-        name : str or tuple of (str, float)
+        at : str or tuple of (str, float)
             A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
 
         Returns
         -------
         ndarray, shape (speeds, shafts, 2)
-            Amplitudes a of v and w [m] for each speed and each shaft as the source. Shaft s
+            Amplitudes a along y and z [m] for each speed and each shaft as the source. Shaft s
             contributes Re(a exp(i r_s Ω t)).
 
         Raises
@@ -111,15 +110,15 @@ class Synchronous(ReadOnly):
         GearbowError
             If there is no such place, or the system has no lateral motion.
         """
-        displacement: ComplexArray = self.coordinates.displacement(self.amplitudes, name)
+        displacement: ComplexArray = self.coordinates.displacement(self.amplitudes, at)
         return displacement
 
-    def twist(self, name: At) -> ComplexArray:
+    def twist(self, at: At) -> ComplexArray:
         """Complex amplitudes of the twist of a place.
 
         Parameters
         ----------
-        name : str or tuple of (str, float)
+        at : str or tuple of (str, float)
             A gear or disk by name, or (shaft, position [m]).
 
         Returns
@@ -132,14 +131,14 @@ class Synchronous(ReadOnly):
         GearbowError
             If there is no such place, or the system has no twist.
         """
-        return self.amplitudes[:, :, self.coordinates.twist(name)]
+        return self.amplitudes[:, :, self.coordinates.twist(at)]
 
-    def orbit(self, name: At) -> Array:
+    def orbit(self, at: At) -> Array:
         """Major semi-axis of the orbit that each shaft causes at a place.
 
         Parameters
         ----------
-        name : str or tuple of (str, float)
+        at : str or tuple of (str, float)
             A gear or disk by name, or (shaft, position [m]).
 
         Returns
@@ -148,16 +147,16 @@ class Synchronous(ReadOnly):
             Semi-axis [m]. It is the sum of the radii of the forward and the backward circular
             motion, of which the elliptic orbit consists.
         """
-        v, w = np.moveaxis(self.displacement(name), -1, 0)
+        v, w = np.moveaxis(self.displacement(at), -1, 0)
         semi_axis: Array = (np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0
         return semi_axis
 
-    def phase(self, name: At) -> Array:
+    def phase(self, at: At) -> Array:
         """Phase of the orbit that each shaft causes, relative to the angle of this shaft.
 
         Parameters
         ----------
-        name : str or tuple of (str, float)
+        at : str or tuple of (str, float)
             A gear or disk by name, or (shaft, position [m]).
 
         Returns
@@ -167,51 +166,44 @@ class Synchronous(ReadOnly):
             the exciting shaft: the angle of the high spot in the shaft. On isotropic bearings this
             circular motion is the orbit. NaN without an orbit.
         """
-        v, w = np.moveaxis(self.displacement(name), -1, 0)
+        v, w = np.moveaxis(self.displacement(at), -1, 0)
         # v = Re(a e^{iϑ}), w = Re(b e^{iϑ}): the part of v + iw that rotates with the shaft is
         # (a + ib) e^{iϑ}/2.
         circle = v + 1j * w
         phase: Array = np.where(circle == 0.0, np.nan, np.angle(circle))
         return phase
 
-    def elastic(self, name: At) -> ComplexArray:
+    def elastic(self, at: At) -> ComplexArray:
         """Complex amplitudes of the elastic deflection of the shaft: displacement minus bow.
 
         Parameters
         ----------
-        name : str or tuple of (str, float)
+        at : str or tuple of (str, float)
             A gear or disk by name, or (shaft, position [m]).
 
         Returns
         -------
         ndarray, shape (speeds, shafts, 2)
-            Amplitudes of v and w [m]. The bow is subtracted from the amplitudes with the own shaft
-            as the source, unless `excitation` is "unbalance".
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
+            Amplitudes along y and z [m]. The bow is subtracted from the amplitudes with the own
+            shaft as the source, unless `excitation` is "unbalance".
         """
-        indices = self.coordinates.lateral(name)
+        indices = self.coordinates.lateral(at)
         elastic: ComplexArray = self.amplitudes[:, :, indices].copy()
-        shaft = self.coordinates.shaft(name)
+        shaft = self.coordinates.shaft(at)
         if shaft not in self.shafts:
-            raise GearbowError(f"{name!r} is no place of a shaft: only shafts have a bow")
+            raise GearbowError(f"{at!r} is no place of a shaft: only shafts have a bow")
         own = self.shafts.index(shaft)
         if self.excitation != "unbalance" and self.slow_roll is None:
             elastic[:, own] -= self._bow[indices]
         return elastic
 
-    def bearing_force(self, shaft: str, position: float) -> ComplexArray:
+    def bearing_force(self, at: tuple[str, float]) -> ComplexArray:
         """Complex amplitudes of the force of a shaft on a bearing.
 
         Parameters
         ----------
-        shaft : str
-            Name of the shaft.
-        position : float
-            Position of the bearing [m].
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
 
         Returns
         -------
@@ -223,11 +215,10 @@ class Synchronous(ReadOnly):
         ChannelError
             If there is no such bearing.
         """
-        i = locate(self._bearings, shaft, position)
+        known = Places("bearing", ([bearing] for bearing in self._bearings))
+        i = known.find(at)
         if i is None:
-            raise ChannelError(
-                f"no bearing at ({shaft!r}, {position:g}); there are {list(self._bearings)}"
-            )
+            raise ChannelError(f"no bearing at {place(at)}; there are {known}")
         force: ComplexArray = self._bearing_force[:, :, 2 * i : 2 * i + 2]
         return force
 
@@ -251,12 +242,12 @@ class Synchronous(ReadOnly):
             If the speed is not finite.
         """
         slow = number(speed, "speed")
-        run_out = self._model().synchronous(np.array([slow]), self.excitation)["amplitudes"]
-        return replace(self, amplitudes=self.amplitudes - run_out, slow_roll=slow)
+        runout = self._model().synchronous(np.array([slow]), self.excitation)["amplitudes"]
+        return replace(self, amplitudes=self.amplitudes - runout, slow_roll=slow)
 
     def peaks(
         self,
-        name: At,
+        at: At,
         source: str | None = None,
         *,
         operating: float | tuple[float, float] | None = None,
@@ -265,7 +256,7 @@ class Synchronous(ReadOnly):
 
         Parameters
         ----------
-        name : str or tuple of (str, float)
+        at : str or tuple of (str, float)
             A gear or disk by name, or (shaft, position [m]).
         source : str, optional
             The shaft that excites; None is the shaft of the place.
@@ -287,8 +278,8 @@ class Synchronous(ReadOnly):
         SceneError
             If the operating speeds are invalid.
         """
-        indices = self.coordinates.lateral(name)
-        shaft = self._source(name, source)
+        indices = self.coordinates.lateral(at)
+        shaft = self._source(at, source)
         span = operating_range(operating)
         found = self._model().peaks(
             np.unique(self.speeds),
@@ -302,9 +293,9 @@ class Synchronous(ReadOnly):
             for speed, amplitude, lower, upper, stable in found
         ]
 
-    def _source(self, name: At, source: str | None) -> int:
+    def _source(self, at: At, source: str | None) -> int:
         """Find the number of the shaft that excites; None is the shaft of the place."""
-        shaft = self.coordinates.shaft(name) if source is None else source
+        shaft = self.coordinates.shaft(at) if source is None else source
         if text(shaft, "source") not in self.shafts:
             wanted = "name one with source=" if source is None else "see `shafts`"
             raise GearbowError(
@@ -314,7 +305,7 @@ class Synchronous(ReadOnly):
 
     def bode(
         self,
-        names: At | Sequence[At],
+        at: At | Sequence[At],
         source: str | None = None,
         *,
         ax: Any = None,
@@ -324,7 +315,7 @@ class Synchronous(ReadOnly):
 
         Parameters
         ----------
-        names : str, tuple of (str, float), or sequence of them
+        at : str, tuple of (str, float), or sequence of them
             A gear or disk by name, (shaft, position [m]), or several.
         source : str, optional
             The shaft that excites; None is the shaft of each place.
@@ -342,32 +333,30 @@ class Synchronous(ReadOnly):
             from gearbow.plotting import frequency  # noqa: PLC0415
 
         lines = {}
-        for name in places(names, "names"):
-            shaft = self._source(name, source)
-            lines[place_label(name)] = (self.phase(name)[:, shaft], self.orbit(name)[:, shaft])
+        for one in places(at):
+            shaft = self._source(one, source)
+            lines[place_label(one)] = (self.phase(one)[:, shaft], self.orbit(one)[:, shaft])
         return frequency.bode(self.speeds, lines, speed_unit=speed_unit, ax=ax)
 
-    def plot(
-        self, names: At | Sequence[At], *, ax: Any = None, speed_unit: str = "rad/s"
-    ) -> "Figure":
+    def plot(self, at: At | Sequence[At], *, ax: Any = None, speed_unit: str = "rad/s") -> "Figure":
         """Draw the major semi-axis of the orbits against the speed.
 
         Parameters
         ----------
-        names : str, tuple of (str, float), or sequence of them
+        at : str, tuple of (str, float), or sequence of them
             A gear or disk by name, (shaft, position [m]), or several.
         ax : Axes or sequence of Axes, optional
-            One panel for each name; None makes a new figure.
+            One panel for each place; None makes a new figure.
         speed_unit : {"rad/s", "rpm"}
             Unit of the axis of speeds.
 
         Returns
         -------
         matplotlib.figure.Figure
-            One panel for each name, one line for each shaft as the source.
+            One panel for each place, one line for each shaft as the source.
         """
         with extra("plot"):
             from gearbow.plotting import frequency  # noqa: PLC0415
 
-        orbits = {place_label(name): self.orbit(name) for name in places(names, "names")}
+        orbits = {place_label(one): self.orbit(one) for one in places(at)}
         return frequency.synchronous(self.speeds, orbits, self.shafts, speed_unit=speed_unit, ax=ax)

@@ -61,22 +61,7 @@ class StabilityThreshold(Shown):
 def unstable_ranges(
     speeds: Array, eigenvalues: ComplexArray, thresholds: Sequence[StabilityThreshold]
 ) -> tuple[tuple[float, float], ...]:
-    """Find the ranges of speeds at which a mode is unstable.
-
-    Parameters
-    ----------
-    speeds : ndarray, shape (k,)
-        Ascending speeds [rad/s].
-    eigenvalues : ndarray, shape (k, m)
-        Eigenvalues of each mode [1/s].
-    thresholds : sequence of StabilityThreshold
-        The thresholds between these speeds.
-
-    Returns
-    -------
-    tuple of (float, float)
-        Lowest and highest speed of each range [rad/s], by ascending speed.
-    """
+    """Find the ranges of speeds at which a mode is unstable."""
     found: list[tuple[float, float]] = []
     for mode in range(eigenvalues.shape[1]):
         own = [one for one in thresholds if one.mode == mode]

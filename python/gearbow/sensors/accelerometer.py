@@ -9,8 +9,9 @@ from gearbow._convert import number, truth
 from gearbow._types import Array, At
 from gearbow.description.places import place, place_label
 from gearbow.errors import SceneError
-from gearbow.recording.recording import Recording
-from gearbow.sensors.sensor import SignalSensor, check_recording, degrees_text
+from gearbow.recording.access import motion
+from gearbow.recording.record import Recorded, recorded_run
+from gearbow.sensors.sensor import SignalSensor, degrees_text
 
 __all__ = ["Accelerometer"]
 
@@ -70,12 +71,12 @@ class Accelerometer(SignalSensor):
         direction = "axial" if self.axial else degrees_text(self.angle)
         return f"accelerometer {place_label(self.at)}, {direction}"
 
-    def measure(self, recording: Recording) -> Array:
+    def measure(self, recording: Recorded) -> Array:
         """Measure a recorded motion.
 
         Parameters
         ----------
-        recording : Recording
+        recording : Response
             The recorded run.
 
         Returns
@@ -89,9 +90,9 @@ class Accelerometer(SignalSensor):
             If the acceleration was not recorded; the message says what to record. If an axial
             sensor measures a system without axial motion.
         """
-        check_recording(recording)
+        run = recorded_run(recording, "recording")
         if self.axial:
-            return recording.axial_acceleration(self.at)
+            return motion(run, "axial_acceleration", self.at)
         direction = np.array([np.cos(self.angle), np.sin(self.angle)])
-        along: Array = recording.acceleration(self.at) @ direction
+        along: Array = motion(run, "acceleration", self.at) @ direction
         return along

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, complex_number, number, text, truth
 from gearbow._types import Array
 from gearbow.errors import SceneError
-from gearbow.recording.recording import Recording
-from gearbow.sensors.sensor import SignalSensor, check_recording, degrees_text
+from gearbow.recording.access import Quantity, angle, motion
+from gearbow.recording.record import Recorded, recorded_run
+from gearbow.sensors.sensor import SignalSensor, degrees_text
 from gearbow.units.convert import is_quantity, magnitude
 
 __all__ = ["Probe", "RunOut"]
@@ -35,7 +36,7 @@ class Probe(SignalSensor):
         Position along the shaft [m]. The motion there must be recorded.
     angle : float
         Angular position of the probe about the shaft, from y towards z [rad].
-    run_out : complex, callable or tuple of (array_like, array_like), optional
+    runout : complex, callable or tuple of (array_like, array_like), optional
         Deviation of the surface from a circle about the axis of the shaft [m], positive outwards,
         over the angle in the shaft [rad]; electrical run-out included. A complex number is an
         eccentricity with its angle in the shaft; a callable takes an array of angles; (angles,
@@ -55,7 +56,7 @@ class Probe(SignalSensor):
     Examples
     --------
     >>> import gearbow as gb
-    >>> probe = gb.Probe("input", position=0.3, angle=0.8, run_out=5e-6j)
+    >>> probe = gb.Probe("input", position=0.3, angle=0.8, runout=5e-6j)
     >>> probe.label
     'probe input at 0.3 m, 45.84°'
     """
@@ -64,7 +65,7 @@ class Probe(SignalSensor):
     position: float
     _: KW_ONLY
     angle: float = 0.0
-    run_out: RunOut | None = None
+    runout: RunOut | None = None
     support: str | None = None
     axial: bool = False
 
@@ -77,8 +78,8 @@ class Probe(SignalSensor):
             object.__setattr__(self, name, number(getattr(self, name), f"probe.{name}"))
         if self.support is not None:
             text(self.support, "probe.support")
-        object.__setattr__(self, "run_out", _converted(self.run_out))
-        self._run_out(np.zeros(1))
+        object.__setattr__(self, "runout", _converted(self.runout))
+        self._runout(np.zeros(1))
 
     @property
     def label(self) -> str:
@@ -92,12 +93,12 @@ class Probe(SignalSensor):
         axial = ", axial" if self.axial else ""
         return f"probe {self.shaft} at {self.position:g} m, {degrees_text(self.angle)}{axial}"
 
-    def measure(self, recording: Recording) -> Array:
+    def measure(self, recording: Recorded) -> Array:
         """Measure a recorded motion.
 
         Parameters
         ----------
-        recording : Recording
+        recording : Response
             The recorded run.
 
         Returns
@@ -113,30 +114,30 @@ class Probe(SignalSensor):
         SceneError
             If the function of the run-out gives no finite numbers.
         """
-        check_recording(recording)
+        run = recorded_run(recording, "recording")
         place = (self.shaft, self.position)
-        displacement = recording.axial if self.axial else recording.displacement
-        motion = displacement(place)
+        quantity: Quantity = "axial" if self.axial else "displacement"
+        moved = motion(run, quantity, place)
         if self.support is not None:
-            motion = motion - displacement(self.support)
+            moved = moved - motion(run, quantity, self.support)
         direction = np.array([np.cos(self.angle), np.sin(self.angle)])
-        towards: Array = motion if self.axial else motion @ direction
-        if self.run_out is None:
+        towards: Array = moved if self.axial else moved @ direction
+        if self.runout is None:
             return towards
-        return towards + self._run_out(
-            self.angle - recording.angle(self.shaft) - recording.twist(place)
+        return towards + self._runout(
+            self.angle - angle(run, self.shaft) - motion(run, "twist", place)
         )
 
-    def _run_out(self, angles: Array) -> Array:
+    def _runout(self, angles: Array) -> Array:
         """Give the run-out at angles in the shaft."""
-        given = self.run_out
+        given = self.runout
         if given is None:
             return np.zeros_like(angles)
         if callable(given):
-            values = array(given(angles), "probe.run_out")
+            values = array(given(angles), "probe.runout")
             if values.shape != angles.shape:
                 raise SceneError(
-                    f"probe.run_out: the function must give one number for each of "
+                    f"probe.runout: the function must give one number for each of "
                     f"{angles.size} angles, got {values.size}"
                 )
             return values
@@ -153,24 +154,24 @@ def _converted(given: Any) -> RunOut | None:
         return given  # type: ignore[no-any-return]  # one of the forms
     if isinstance(given, tuple | list):
         if len(given) != 2:
-            raise SceneError(f"probe.run_out: must be (angles, values), got {len(given)} items")
-        known = array(given[0], "probe.run_out.angle")
-        values = array(given[1], "probe.run_out")
+            raise SceneError(f"probe.runout: must be (angles, values), got {len(given)} items")
+        known = array(given[0], "probe.runout.angle")
+        values = array(given[1], "probe.runout")
         if known.shape != values.shape:
             raise SceneError(
-                f"probe.run_out: must have as many angles as values, got {known.size} and "
+                f"probe.runout: must have as many angles as values, got {known.size} and "
                 f"{values.size}"
             )
         return known, values
-    plain = magnitude(given, "probe.run_out") if is_quantity(given) else given
+    plain = magnitude(given, "probe.runout") if is_quantity(given) else given
     try:
-        pair = np.ravel(complex_number(plain, "probe.run_out"))
+        pair = np.ravel(complex_number(plain, "probe.runout"))
         amplitude = complex(*pair)
     except (SceneError, TypeError):
         amplitude = complex(np.nan)
     if not np.isfinite(amplitude):
         raise SceneError(
-            "probe.run_out: must be a finite complex number, a function or (angles, values), "
+            "probe.runout: must be a finite complex number, a function or (angles, values), "
             f"got {given!r}"
         )
     return amplitude

@@ -4,32 +4,19 @@ import math
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from gearbow._convert import shown
 from gearbow._shown import Shown
 from gearbow._types import Array
-from gearbow.errors import SceneError
-from gearbow.recording.recording import Recording
+from gearbow.recording.record import Recorded
 
-__all__ = ["Sensor", "SignalSensor", "check_recording", "degrees_text"]
+__all__ = ["Sensor", "SignalSensor", "degrees_text"]
 
 
 class Sensor(Shown, ABC):
     """A sensor, which measures a recorded motion."""
 
     @abstractmethod
-    def measure(self, recording: Recording) -> Array:
-        """Measure a recorded motion.
-
-        Parameters
-        ----------
-        recording : Recording
-            The recorded run.
-
-        Returns
-        -------
-        ndarray
-            The measurement.
-        """
+    def measure(self, recording: Recorded) -> Array:
+        """Measure a recorded motion."""
 
 
 class SignalSensor(Sensor):
@@ -41,43 +28,9 @@ class SignalSensor(Sensor):
     @property
     @abstractmethod
     def label(self) -> str:
-        """Name of the signal in tables and figures.
-
-        Returns
-        -------
-        str
-            Kind, place and direction.
-        """
-
-
-def check_recording(recording: object) -> None:
-    """Check that a sensor can measure this value.
-
-    Parameters
-    ----------
-    recording : object
-        The value.
-
-    Raises
-    ------
-    SceneError
-        If it is no recorded run.
-    """
-    if not isinstance(recording, Recording):
-        raise SceneError(f"recording: must be a Response, got {shown(recording)}")
+        """Name of the signal in tables and figures."""
 
 
 def degrees_text(angle: float) -> str:
-    """Give an angle in degrees for a label.
-
-    Parameters
-    ----------
-    angle : float
-        The angle [rad].
-
-    Returns
-    -------
-    str
-        The angle, e.g. "45°".
-    """
+    """Give an angle in degrees for a label."""
     return f"{math.degrees(angle):.4g}°"

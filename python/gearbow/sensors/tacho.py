@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from gearbow._convert import number, text, whole
 from gearbow._types import Array
 from gearbow.errors import SceneError
-from gearbow.recording.recording import Recording
-from gearbow.sensors.sensor import Sensor, check_recording
+from gearbow.recording import access
+from gearbow.recording.record import Recorded, RunRecord, recorded_run
+from gearbow.sensors.sensor import Sensor
 
 __all__ = ["Tacho"]
 
@@ -68,12 +69,12 @@ class Tacho(Sensor):
             object.__setattr__(self, "position", number(self.position, "tacho.position"))
         object.__setattr__(self, "angle", number(self.angle, "tacho.angle"))
 
-    def measure(self, recording: Recording) -> Array:
+    def measure(self, recording: Recorded) -> Array:
         """Find the times of the pulses of a recorded run.
 
         Parameters
         ----------
-        recording : Recording
+        recording : Response
             The recorded run.
 
         Returns
@@ -88,34 +89,35 @@ class Tacho(Sensor):
         SceneError
             If the recorded times do not ascend, which the twist needs.
         """
-        check_recording(recording)
-        if recording.time.size == 0:
+        run = recorded_run(recording, "recording")
+        if run.time.size == 0:
             return np.empty(0)
-        nodes, angle, rate = self._rotation(recording)
+        nodes, angle, rate = self._rotation(run)
         spacing = 2.0 * np.pi / self.pulses
         return _crossings(
             nodes, lambda t: (angle(t) - self.angle) / spacing, lambda t: rate(t) / spacing
         )
 
     def _rotation(
-        self, recording: Recording
+        self, run: RunRecord
     ) -> tuple[Array, Callable[[Array], Array], Callable[[Array], Array]]:
         """Give times between which the angle is monotone, and the angle and its rate over time."""
         # The speed of a run does not change its sign.
-        nodes = np.unique([recording.time.min(), recording.time.max()])
+        nodes = np.unique([run.time.min(), run.time.max()])
 
         def angle(t: Array) -> Array:
-            return recording.angle(self.shaft, t)
+            return access.angle(run, self.shaft, t)
 
         def rate(t: Array) -> Array:
-            return recording.spin(self.shaft, t)
+            return access.spin(run, self.shaft, t)
 
         if self.position is None:
             return nodes, angle, rate
-        place, time = (self.shaft, self.position), recording.time
+        place, time = (self.shaft, self.position), run.time
         if time.size > 1 and not np.diff(time).min() > 0.0:
             raise SceneError("tacho.position: the recorded times must ascend; leave position out")
-        twist, twist_rate = recording.twist(place), recording.twist_rate(place)
+        twist = access.motion(run, "twist", place)
+        twist_rate = access.motion(run, "twist_rate", place)
         return (
             np.union1d(nodes, time),
             lambda t: angle(t) + _cubic(time, twist, twist_rate, t),
@@ -126,10 +128,7 @@ class Tacho(Sensor):
 def _crossings(
     nodes: Array, turned: Callable[[Array], Array], rate: Callable[[Array], Array]
 ) -> Array:
-    """Find the times at which a function, monotone between the nodes, is a whole number.
-
-    A value at the beginning counts, one at the end of the last interval does not.
-    """
+    """Find the times at which a function, monotone between the nodes, is a whole number."""
     values = turned(nodes)
     low, high, levels = [], [], []
     for begin, end, first, last in zip(nodes, nodes[1:], values, values[1:], strict=False):

@@ -20,18 +20,7 @@ __all__ = ["identity"]
 
 
 def identity(function: Callable[..., Any]) -> dict[str, str]:
-    """Return the name and the digest of a function.
-
-    Parameters
-    ----------
-    function : callable
-        The function, method, `functools.partial` or callable object.
-
-    Returns
-    -------
-    dict
-        The keys are "name" and "digest" (hexadecimal).
-    """
+    """Return the name and the digest of a function."""
     digest = hashlib.sha256()
     for piece in _pieces(function, set()):
         digest.update(piece.encode())

@@ -1,7 +1,7 @@
 """The method `gearbow.RotorSystem.simulate_many`."""
 
 from collections.abc import Iterable, Mapping
-from concurrent.futures import Executor
+from concurrent.futures import Executor, Future
 from typing import Any
 
 from gearbow._convert import items, shown
@@ -84,27 +84,24 @@ def simulate_many(
     if options.get("checkpoint") is not None:
         raise SceneError("checkpoint: one file cannot contain several runs; use simulate")
     system._require_memory_of_runs(len(wanted), duration, speed, options)
-    responses: list[Response | None] = [None] * len(wanted)
+    responses: dict[int, Response] = {}
+    total = len(wanted)
+
+    def keep(number: int, future: "Future[Response]") -> None:
+        error = future.exception()
+        if error is not None:
+            raise _named(error, number, wanted[number])
+        responses[number] = future.result()
+
     arguments = ((system, changes, duration, speed, options) for changes in wanted)
     calls = ParallelCalls(_simulate, arguments, executor)
     try:
-        with (
-            reported(progress, len(wanted), "runs", estimate=False, numbers=".0f") as report,
-            calls,
-        ):
-            for count, (number, future) in enumerate(calls, 1):
-                error = future.exception()
-                if error is not None:
-                    raise _named(error, number, wanted[number])
-                responses[number] = future.result()
-                if report is not None:
-                    report(count / len(wanted))
+        with reported(progress, total, "runs", estimate=False, numbers=".0f") as report:
+            calls.collect(keep, lambda: report and report(len(responses) / total))
     except BaseException as error:
-        for number, future in calls.finished():
-            responses[number] = future.result()
-        error.responses = responses  # type: ignore[attr-defined]
+        error.responses = list(map(responses.get, range(total)))  # type: ignore[attr-defined]
         raise
-    return [response for response in responses if response is not None]
+    return [responses[number] for number in range(total)]
 
 
 def _variation(entry: object, number: int) -> dict[str, Any]:

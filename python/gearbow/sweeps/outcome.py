@@ -24,17 +24,7 @@ Values = Mapping[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Measured values of a point, or its error.
-
-    Parameters
-    ----------
-    values : mapping of {str: NumPy scalar or ndarray}, optional
-        The measured values; None after an error.
-    error : str
-        Type and message of the error; empty without an error.
-    details : str
-        The traceback of the error.
-    """
+    """Measured values of a point, or its error."""
 
     values: Values | None = None
     error: str = ""
@@ -44,20 +34,7 @@ class Outcome:
 def compute(
     make: Callable[..., Any], measure: Callable[..., Any], parameters: dict[str, Any]
 ) -> Outcome:
-    """Make the system of a point and measure it.
-
-    Parameters
-    ----------
-    make, measure : callable
-        The functions of the sweep.
-    parameters : dict
-        The parameters of the point.
-
-    Returns
-    -------
-    Outcome
-        The values or the error; every error within a point belongs to the point.
-    """
+    """Make the system of a point and measure it."""
     try:
         return Outcome(_values(measure(make(**parameters), **parameters)))
     except Exception as error:  # noqa: BLE001  # the other points continue
@@ -65,20 +42,7 @@ def compute(
 
 
 def failure(error: BaseException) -> Outcome:
-    """Return the outcome of a failed point.
-
-    An exception itself may refer to much memory, and other processes may not be able to read it.
-
-    Parameters
-    ----------
-    error : BaseException
-        The exception.
-
-    Returns
-    -------
-    Outcome
-        Its type, message and traceback as text.
-    """
+    """Return the outcome of a failed point."""
     name = type(error).__qualname__
     text = f"{name}: {error}" if str(error) else name
     return Outcome(None, text, "".join(traceback.format_exception(error)))

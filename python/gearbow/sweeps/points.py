@@ -17,26 +17,7 @@ Parameters: TypeAlias = Mapping[str, Iterable[Any]] | Iterable[Mapping[str, Any]
 
 
 class Points(Sequence[dict[str, Any]]):
-    """The points of a sweep; a grid is not expanded.
-
-    Parameters
-    ----------
-    given : mapping of {str: iterable} or iterable of mapping
-        The values of each parameter, all combinations of which are points, the last parameter
-        varying fastest; or the parameters of each point.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Names of the parameters.
-    axes : dict of {str: list} or None
-        Values of each parameter of a grid; None for a list of points.
-
-    Raises
-    ------
-    SceneError
-        If there is no point, or a name or a list is invalid.
-    """
+    """The points of a sweep; a grid is not expanded."""
 
     def __init__(self, given: object) -> None:
         self.axes: dict[str, list[Any]] | None = None
@@ -61,13 +42,7 @@ class Points(Sequence[dict[str, Any]]):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of values of each parameter of a grid, or the number of points of a list.
-
-        Returns
-        -------
-        tuple of int
-            The numbers.
-        """
+        """Number of values of each parameter of a grid, or the number of points of a list."""
         if self.axes is None:
             return (len(self._rows),)
         return tuple(len(values) for values in self.axes.values())
@@ -94,35 +69,13 @@ class Points(Sequence[dict[str, Any]]):
         return {name: point[name] for name in self.names}
 
     def column(self, name: str) -> list[Any]:
-        """Return the values of a parameter: of an axis of a grid, or of each point of a list.
-
-        Parameters
-        ----------
-        name : str
-            The parameter.
-
-        Returns
-        -------
-        list
-            The values.
-        """
+        """Return the values of a parameter: of an axis of a grid, or of each point of a list."""
         if self.axes is not None:
             return self.axes[name]
         return [row[name] for row in self._rows]
 
     def plain(self) -> dict[str, Plain]:
-        """Return the points as plain data.
-
-        Returns
-        -------
-        dict
-            ``{"grid": {name: values}}`` or ``{"points": [{name: value}]}``.
-
-        Raises
-        ------
-        SceneError
-            If a value has no plain form.
-        """
+        """Return the points as plain data."""
         if self.axes is not None:
             return {"grid": _plain(self.axes, "parameters")}
         return {"points": _plain([self[i] for i in range(len(self))], "parameters")}

@@ -329,7 +329,7 @@ class Sweep(Shown, Sequence[SweepPoint]):
         if damage := found.damage():
             message = f"{path}: is damaged: {damage}; they count as not computed"
             warnings.warn(message, CheckpointWarning, stacklevel=outside())
-        points = Points(next(iter(head["parameters"].values())))
+        points = store.points_of(head)
         if max(outcomes, default=-1) >= len(points):
             raise GearbowError(
                 f"{path}: contains the point {max(outcomes)}, but there are {len(points)} points"

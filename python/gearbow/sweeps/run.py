@@ -5,7 +5,7 @@ import os
 import pickle
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from gearbow._convert import shown
@@ -104,15 +104,17 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
                 outcomes |= file.known
             missing = [number for number in range(len(points)) if number not in outcomes]
 
-            def keep(place: int, outcome: Outcome) -> None:
-                outcomes[missing[place]] = outcome
+            def keep(place: int, future: "Future[Outcome]") -> None:
+                outcome = outcomes[missing[place]] = _outcome(future)
                 if file is not None:
                     file.add(missing[place], outcome)
 
             calls = ParallelCalls(compute, ((make, measure, points[i]) for i in missing), executor)
             total = len(points)
             with reported(progress, total, "points", estimate=False, numbers=".0f") as report:
-                _collect(calls, keep, lambda: report and report(len(outcomes) / total))
+                if report is not None:  # a resumed sweep begins with a completed fraction
+                    report(len(outcomes) / total)
+                calls.collect(keep, lambda: report and report(len(outcomes) / total))
     except BaseException as error:
         error.sweep = Sweep(points, outcomes, functions)  # type: ignore[attr-defined]
         raise
@@ -142,23 +144,6 @@ def _opened(
     if store is None:
         return nullcontext()
     return Store(store, head_of(*functions, points.plain()))
-
-
-def _collect(
-    calls: ParallelCalls, keep: Callable[[int, Outcome], None], report: Callable[[], object]
-) -> None:
-    """Keep the outcome of each call, after an exception also of the calls that ended meanwhile."""
-    try:
-        report()  # a resumed sweep begins with a completed fraction
-        with calls:
-            for place, future in calls:
-                keep(place, _outcome(future))
-                report()
-    except BaseException:
-        with suppress(OSError):  # the exception may be that of a full disk
-            for place, future in calls.finished():
-                keep(place, future.result())
-        raise
 
 
 def _outcome(future: "Future[Outcome]") -> Outcome:

@@ -34,8 +34,9 @@ from gearbow._types import Plain
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording.schema import anything, each, entries, record, row, text, whole
 from gearbow.sweeps.outcome import Outcome
+from gearbow.sweeps.points import Points
 
-__all__ = ["SUFFIX", "Contents", "Store", "head_of", "read", "write"]
+__all__ = ["SUFFIX", "Contents", "Store", "head_of", "points_of", "read", "write"]
 
 #: The tables of a file.
 _TABLES = (
@@ -50,6 +51,11 @@ _FORMAT = 1
 _PAGE = 512
 #: Time for which a reader and a writer wait for each other [s]: a transaction takes milliseconds.
 _WAIT = 30.0
+#: What an error of the store says after its cause.
+_STAY = (
+    "the store cannot be written: {}; the points that it contains stay, and the same call "
+    "continues when the cause is removed"
+)
 #: Most numbers of points in a message.
 _MOST_NAMED = 10
 #: Types of values: letters of NumPy, with the number of bytes.
@@ -68,20 +74,7 @@ _LIST = record(points=each(record()))
 
 @dataclass
 class Contents:
-    """What a file contains.
-
-    Parameters
-    ----------
-    head : dict
-        The head of the sweep.
-    outcomes : dict of {int: Outcome}
-        Outcome of each intact point.
-    damaged : set of int
-        Numbers of the points whose rows have changed since they were written or cannot be read.
-    structure : str
-        The first damage of the structure of the file, with which rows may have been lost; empty for
-        an intact file.
-    """
+    """What a file contains."""
 
     head: dict[str, Plain]
     outcomes: dict[int, Outcome] = field(default_factory=dict)
@@ -89,13 +82,7 @@ class Contents:
     structure: str = ""
 
     def damage(self) -> str:
-        """Describe the damage.
-
-        Returns
-        -------
-        str
-            The points, and what else is known; empty for an intact file.
-        """
+        """Describe the damage."""
         named = ", ".join(map(str, sorted(self.damaged)[:_MOST_NAMED]))
         more = len(self.damaged) - _MOST_NAMED
         found = []
@@ -110,20 +97,7 @@ class Contents:
 def head_of(
     make: Mapping[str, str], measure: Mapping[str, str], parameters: Mapping[str, Plain]
 ) -> dict[str, Plain]:
-    """Return the head of a file: what identifies a sweep.
-
-    Parameters
-    ----------
-    make, measure : mapping
-        Identities of the functions.
-    parameters : mapping
-        The points as plain data.
-
-    Returns
-    -------
-    dict
-        The head.
-    """
+    """Return the head of a file: what identifies a sweep."""
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
     return {
         "sweep": _FORMAT,
@@ -136,26 +110,7 @@ def head_of(
 
 
 class Store:
-    """File of a running sweep. Within a ``with`` statement no other sweep can use it.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file. It need not exist.
-    head : dict
-        The head of the sweep.
-
-    Attributes
-    ----------
-    known : dict of {int: Outcome}
-        Outcomes of the points that the file contains at the start, without failed ones.
-
-    Raises
-    ------
-    SceneError
-        If the suffix is not ".sweep", the folder is missing, or the file belongs to another sweep,
-        is no file of a sweep, is damaged beyond its points, or is in use.
-    """
+    """File of a running sweep. Within a ``with`` statement no other sweep can use it."""
 
     def __init__(self, path: str | os.PathLike[str], head: dict[str, Plain]) -> None:
         self.path, _ = check_name(path, [SUFFIX], "store")
@@ -196,7 +151,7 @@ class Store:
             )
             write(self.path, self._head, found.outcomes)  # without the damage
         self.known = {i: one for i, one in found.outcomes.items() if one.values is not None}
-        with self._writing():
+        with _system_errors(self.path, _STAY):
             self._database = _connect(self.path)
             self._database.execute("BEGIN IMMEDIATE")  # fails for a file that is only readable
             self._database.execute("COMMIT")
@@ -213,100 +168,49 @@ class Store:
             self._lock.release()
 
     def add(self, number: int, outcome: Outcome) -> None:
-        """Write the outcome of a point.
-
-        Parameters
-        ----------
-        number : int
-            Number of the point.
-        outcome : Outcome
-            Its outcome.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written. Its points remain.
-        """
+        """Write the outcome of a point."""
         if self._database is None:
             raise SceneError("store: the file is not open")
-        with self._writing():
+        with _system_errors(self.path, _STAY):
             _insert(self._database, number, outcome)
 
-    @contextmanager
-    def _writing(self) -> Iterator[None]:
-        """Turn an error of SQLite into one of the system that names the file."""
-        try:
-            yield
-        except sqlite3.Error as error:
-            full = errno.ENOSPC if "full" in str(error) else errno.EIO
-            raise OSError(
-                full,
-                f"the store cannot be written: {error}; the points that it contains stay, and the "
-                "same call continues when the cause is removed",
-                str(self.path),
-            ) from error
+
+@contextmanager
+def _system_errors(path: Path | None = None, text: str = "{}") -> Iterator[None]:
+    """Turn an error of SQLite into one of the operating system."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        code = errno.ENOSPC if "full" in str(error) else errno.EIO
+        raise OSError(code, text.format(error), path and str(path)) from error
 
 
 def write(
     path: str | os.PathLike[str], head: Mapping[str, Plain], outcomes: Mapping[int, Outcome]
 ) -> None:
-    """Write a file with these outcomes, completely or not at all.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-    head : mapping
-        The head of the sweep.
-    outcomes : mapping of {int: Outcome}
-        Outcome of each finished point.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written. An existing file is unchanged.
-    """
-    with replacing(path) as file:
-        try:
-            # Nobody else knows the temporary file, and `replacing` removes it after an error: it
-            # needs neither locks nor a journal.
-            with closing(_connect(Path(file.name), "&nolock=1")) as database:
-                database.execute("PRAGMA journal_mode = OFF")
-                database.execute("PRAGMA synchronous = OFF")
-                database.execute(f"PRAGMA page_size = {_PAGE}")
-                database.execute("BEGIN")
-                for table in _TABLES:
-                    database.execute(table)
-                content = json.dumps(head).encode()
-                database.execute("INSERT INTO head VALUES (?, ?)", (content, _digest(content)))
-                for number in sorted(outcomes):
-                    _insert(database, number, outcomes[number])
-                database.execute("COMMIT")
-        except sqlite3.Error as error:
-            full = "full" in str(error)
-            raise OSError(errno.ENOSPC if full else errno.EIO, str(error)) from error
+    """Write a file with these outcomes, completely or not at all."""
+    # Nobody else knows the temporary file, and `replacing` removes it after an error: it needs
+    # neither locks nor a journal.
+    with (
+        replacing(path) as file,
+        _system_errors(),
+        closing(_connect(Path(file.name), "&nolock=1")) as database,
+    ):
+        database.execute("PRAGMA journal_mode = OFF")
+        database.execute("PRAGMA synchronous = OFF")
+        database.execute(f"PRAGMA page_size = {_PAGE}")
+        database.execute("BEGIN")
+        for table in _TABLES:
+            database.execute(table)
+        content = json.dumps(head).encode()
+        database.execute("INSERT INTO head VALUES (?, ?)", (content, _digest(content)))
+        for number in sorted(outcomes):
+            _insert(database, number, outcomes[number])
+        database.execute("COMMIT")
 
 
 def read(path: str | os.PathLike[str]) -> Contents:
-    """Read a file of a sweep.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-
-    Returns
-    -------
-    Contents
-        The head and the intact points.
-
-    Raises
-    ------
-    GearbowError
-        If the head is damaged, or the file has another content.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read a file of a sweep."""
     with Path(path).open("rb"):  # an error of the system names the cause
         pass
     try:
@@ -356,7 +260,7 @@ def _points(database: sqlite3.Connection, head: dict[str, Plain]) -> Contents:
         if not found.structure:
             return found
     if len(ends) == 2:
-        found.damaged.update(range(ends[0] + 1, ends[1] if ends[1] >= 0 else _count(head)))
+        found.damaged.update(range(ends[0] + 1, ends[1] if ends[1] >= 0 else len(points_of(head))))
     found.damaged.difference_update(found.outcomes)
     return found
 
@@ -370,12 +274,9 @@ def _structure(database: sqlite3.Connection) -> str:
     return "" if answer == "ok" else " ".join(str(answer).split())
 
 
-def _count(head: dict[str, Any]) -> int:
-    """Return the number of points of a sweep."""
-    parameters = head["parameters"]
-    if "grid" in parameters:
-        return prod(map(len, parameters["grid"].values()))
-    return len(parameters["points"])
+def points_of(head: Mapping[str, Any]) -> Points:
+    """Return the points of a sweep."""
+    return Points(next(iter(head["parameters"].values())))
 
 
 def _keep(found: Contents, number: int, content: object, digest: object) -> None:

@@ -35,30 +35,7 @@ class _Due(Exception):  # noqa: N818  # it is not an error
 
 
 class Checkpoint:
-    """Checkpoint file of one run. Within a ``with`` statement no other run can use it.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file. It need not exist.
-    interval : float
-        Wall-clock time between two writings of the file [s].
-    asked : mapping
-        Arguments that identify the run, as plain data and arrays.
-
-    Attributes
-    ----------
-    complete : RunRecord or None
-        The complete run, if it was finished before. Such a file is only read.
-
-    Raises
-    ------
-    SceneError
-        If the folder is missing, or if the file belongs to another run, is not a checkpoint, or is
-        in use by another run; the message names the difference and the remedy.
-    MissingExtraError
-        If a library for the format is missing.
-    """
+    """Checkpoint file of one run. Within a ``with`` statement no other run can use it."""
 
     def __init__(
         self, path: str | os.PathLike[str], interval: float, asked: Mapping[str, Any]
@@ -133,24 +110,7 @@ class Checkpoint:
         speed: float | SpeedProfile,
         progress: Progress | None,
     ) -> RunData:
-        """Run to the end, and write the file at regular intervals.
-
-        Parameters
-        ----------
-        core : callable
-            Runs the core.
-        times : ndarray
-            All times to record [s], ascending.
-        speed : float or SpeedProfile
-            Speed of the reference shaft [rad/s].
-        progress : callable or None
-            Receives the completed fraction.
-
-        Returns
-        -------
-        mapping
-            Recorded data. An exception that ends the run early carries the data as ``partial``.
-        """
+        """Run to the end, and write the file at regular intervals."""
         while True:
             kept = self._kept
             done = 0 if kept is None else kept["time"].size
@@ -183,13 +143,7 @@ class Checkpoint:
             raise
 
     def finish(self, record: RunRecord) -> None:
-        """Write the complete run.
-
-        Parameters
-        ----------
-        record : RunRecord
-            The complete run.
-        """
+        """Write the complete run."""
         self._save(record, None)
 
     def _save(self, record: RunRecord, checkpoint: dict[str, Plain] | None) -> None:

@@ -20,17 +20,18 @@ from gearbow._progress import reported
 from gearbow._types import Array, ComplexArray, Progress, Record, RunData
 from gearbow.analysis.arclength import Settings, branch
 from gearbow.analysis.branch_point import BranchPoint
-from gearbow.analysis.protocol import variant
+from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import Bow
 from gearbow.description.kinematics import Kinematics
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.continuation import UNITS, BranchData, Continuation, summary
 from gearbow.results.response import Response
 from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
+from gearbow.system.linear import matrices
 from gearbow.system.run import requests
-from gearbow.system.steady import SteadyAnalyses
+from gearbow.system.steady import period_samples, steady_state
 
-__all__ = ["ContinuationAnalyses"]
+__all__ = ["continuation"]
 
 #: Smallest number of recorded instants in a period.
 _SAMPLES = 128
@@ -40,111 +41,108 @@ _FINER = 8
 _RESIDUAL = 10.0
 
 
-class ContinuationAnalyses(SteadyAnalyses):
-    """Branches of steady states over a parameter."""
+def continuation(
+    self: System,
+    parameter: str,
+    begin: float,
+    end: float,
+    *,
+    speed: float | None = None,
+    periods: int = 1,
+    max_period: float = 10.0,
+    rtol: float = 1e-9,
+    first_step: float = 0.02,
+    max_points: int = 400,
+    initial: str | SteadyState = "static",
+    record: Iterable[Record] = ("gears", "meshes"),
+    geometry: str = "live",
+    progress: bool | Progress | None = None,
+) -> Continuation:
+    """Follow the steady motion over a parameter, through folds, with its stability.
 
-    def continuation(
-        self,
-        parameter: str,
-        start: float,
-        stop: float,
-        *,
-        speed: float | None = None,
-        periods: int = 1,
-        max_period: float = 10.0,
-        rtol: float = 1e-9,
-        step: float = 0.02,
-        max_points: int = 400,
-        initial: str | SteadyState = "static",
-        record: Iterable[Record] = ("gears", "meshes"),
-        geometry: str = "live",
-        progress: bool | Progress | None = None,
-    ) -> Continuation:
-        """Follow the steady motion over a parameter, through folds, with its stability.
+    Parameters
+    ----------
+    parameter : {"speed", "torque", "bow", "backlash"}
+        Speed of the reference shaft [rad/s], factor of all constant torques, factor of all
+        bows, or backlash of all meshes that have one [m].
+    begin, end : float
+        Interval of the parameter. The branch starts at `begin` and stops where it leaves the
+        interval, at `end` or, after a fold, at `begin`.
+    speed : float, optional
+        Speed of the reference shaft [rad/s], if it is not the parameter.
+    periods : int
+        Period of the motion in common periods of the excitation.
+    max_period : float
+        Longest accepted common period [s].
+    rtol : float
+        Tolerance of the integration.
+    first_step : float
+        First step along the branch, over the interval.
+    max_points : int
+        Largest number of points.
+    initial : {"synchronous", "static", "rest"} or SteadyState
+        Motion from which the search of the first steady state starts; a steady state that
+        started at the time 0.
+    record : sequence of str or tuple
+        Recorded items, as for `simulate`.
+    geometry : {"live", "frozen"}
+        As for `simulate`.
+    progress : bool or callable, optional
+        True shows a progress bar; a callable receives the completed fraction of the points.
 
-        Parameters
-        ----------
-        parameter : {"speed", "torque", "bow", "backlash"}
-            Speed of the reference shaft [rad/s], factor of all constant torques, factor of all
-            bows, or backlash of all meshes that have one [m].
-        start, stop : float
-            Interval of the parameter. The branch begins at `start` and ends where it leaves the
-            interval, at `stop` or, after a fold, at `start`.
-        speed : float, optional
-            Speed of the reference shaft [rad/s], if it is not the parameter.
-        periods : int
-            Period of the motion in common periods of the excitation.
-        max_period : float
-            Longest accepted common period [s].
-        rtol : float
-            Tolerance of the integration.
-        step : float
-            First step along the branch, over the interval.
-        max_points : int
-            Largest number of points.
-        initial : {"synchronous", "static", "rest"} or SteadyState
-            Motion from which the search of the first steady state starts; a steady state that
-            started at the time 0.
-        record : sequence of str or tuple
-            Recorded items, as for `simulate`.
-        geometry : {"live", "frozen"}
-            As for `simulate`.
-        progress : bool or callable, optional
-            True shows a progress bar; a callable receives the completed fraction of the points.
+    Returns
+    -------
+    Continuation
+        The branch. Where it cannot be followed further, `Continuation.message` says why.
 
-        Returns
-        -------
-        Continuation
-            The branch. Where it cannot be followed further, `Continuation.message` says why.
-
-        Raises
-        ------
-        SceneError
-            If an argument is invalid.
-        ConvergenceError
-            If there is no steady state at the start.
-        KeyboardInterrupt
-            At Ctrl-C. The exception has the attribute `.branch`: the branch so far.
-        """
-        _check(parameter, start, stop, speed)
-        start, stop = number(start, "start"), number(stop, "stop")
-        length, most = number(step, "step"), whole(max_points, "max_points")
-        if not length > 0.0:
-            raise SceneError(f"step: must be positive, got {length}")
-        at = start if speed is None else number(speed, "speed")
-        geometry, rtol = text(geometry, "geometry"), number(rtol, "rtol")
-        periods = whole(periods, "periods")
-        family = _Family(self, parameter, at)
-        first = family.system(start)
-        longest = number(max_period, "max_period")
-        common = periods * common_period(first._model, at, None, longest)
-        wanted = requests(record)
-        found = first.steady_state(
-            at, period=common, rtol=rtol, initial=initial, geometry=geometry, record=wanted
-        )
-        motion = _Motion(
-            family,
-            wanted,
-            (rtol, geometry),
-            (periods, longest),
-            _samples(self, common, at),
-        )
-        settings = Settings(
-            start,
-            stop,
-            length,
-            most,
-            tolerance=_RESIDUAL * rtol,
-        )
-        return _followed(motion, motion.unknowns(found), settings, progress)
+    Raises
+    ------
+    SceneError
+        If an argument is invalid.
+    ConvergenceError
+        If there is no steady state at `begin`.
+    KeyboardInterrupt
+        At Ctrl-C. The exception has the attribute `.branch`: the branch so far.
+    """
+    _check(parameter, begin, end, speed)
+    begin, end = number(begin, "begin"), number(end, "end")
+    length, most = number(first_step, "first_step"), whole(max_points, "max_points")
+    if not length > 0.0:
+        raise SceneError(f"first_step: must be positive, got {length}")
+    at = begin if speed is None else number(speed, "speed")
+    geometry, rtol = text(geometry, "geometry"), number(rtol, "rtol")
+    periods = whole(periods, "periods")
+    family = _Family(self, parameter, at)
+    first = family.system(begin)
+    longest = number(max_period, "max_period")
+    common = periods * common_period(first._model, at, None, longest)
+    wanted = requests(record)
+    found = steady_state(
+        first, at, period=common, rtol=rtol, initial=initial, geometry=geometry, record=wanted
+    )
+    motion = _Motion(
+        family,
+        wanted,
+        (rtol, geometry),
+        (periods, longest),
+        _samples(self, common, at),
+    )
+    settings = Settings(
+        begin,
+        end,
+        length,
+        most,
+        tolerance=_RESIDUAL * rtol,
+    )
+    return _followed(motion, motion.unknowns(found), settings, progress)
 
 
-def _check(parameter: str, start: float, stop: float, speed: float | None) -> None:
+def _check(parameter: str, begin: float, end: float, speed: float | None) -> None:
     """Check what is followed."""
     one_of(parameter, UNITS, "parameter")
-    begin, end = number(start, "start"), number(stop, "stop")
-    if begin == end:
-        raise SceneError(f"stop: must differ from start, got {end}")
+    first, last = number(begin, "begin"), number(end, "end")
+    if first == last:
+        raise SceneError(f"end: must differ from begin, got {last}")
     if (parameter == "speed") == (speed is not None):
         raise SceneError('speed: give it for every parameter except "speed"')
 
@@ -168,32 +166,32 @@ def _followed(
         if not points:
             raise
         message = str(error)
-    ended = len(points) > 1 and points[-1].value in (settings.start, settings.stop)
+    ended = len(points) > 1 and points[-1].value in (settings.begin, settings.end)
     if not message and not ended:
         message = f"max_points: {settings.max_points} points reach {points[-1].value:.6g}"
     return motion.result(points, message)
 
 
-def _samples(system: SteadyAnalyses, period: float, speed: float) -> int:
+def _samples(system: System, period: float, speed: float) -> int:
     """Give the number of recorded instants in a period."""
-    return max(_SAMPLES, system._samples(period, speed, None))
+    return max(_SAMPLES, period_samples(system, period, speed, None))
 
 
 class _Family:
     """Systems over the parameter."""
 
-    def __init__(self, base: SteadyAnalyses, parameter: str, speed: float) -> None:
+    def __init__(self, base: System, parameter: str, speed: float) -> None:
         if parameter != "speed":
             # The elements must not follow the loads: all systems have the same coordinates.
             base = type(base)._from_description(base._model.resolved())
         self.base, self.parameter, self.fixed = base, parameter, speed
-        self._last: tuple[float, SteadyAnalyses] = (math.nan, base)
+        self._last: tuple[float, System] = (math.nan, base)
 
     def speed(self, value: float) -> float:
         """Speed of the reference shaft [rad/s]."""
         return value if self.parameter == "speed" else self.fixed
 
-    def system(self, value: float) -> SteadyAnalyses:
+    def system(self, value: float) -> System:
         """Give the system at a value."""
         if self.parameter == "speed":
             return self.base
@@ -247,15 +245,15 @@ class _Modes:
     rigid: int
 
     @classmethod
-    def of(cls, system: SteadyAnalyses, speed: float) -> "_Modes":
-        matrices = system.matrices(speed)
-        factor = np.linalg.inv(np.linalg.cholesky(matrices.mass))
-        stiffness = (matrices.stiffness + matrices.stiffness.T) / 2.0
+    def of(cls, system: System, speed: float) -> "_Modes":
+        found = matrices(system, speed)
+        factor = np.linalg.inv(np.linalg.cholesky(found.mass))
+        stiffness = (found.stiffness + found.stiffness.T) / 2.0
         squares, vectors = np.linalg.eigh(factor @ stiffness @ factor.T)
         shapes = factor.T @ vectors
         frequencies = np.sqrt(np.maximum(squares, 0.0))
         rigid = int(np.sum(frequencies < 1e-6 * frequencies[-1])) if frequencies.size else 0
-        return cls(shapes, frequencies, shapes.T @ matrices.mass, rigid)
+        return cls(shapes, frequencies, shapes.T @ found.mass, rigid)
 
     def unknowns(self, states: Array) -> Array:
         """Convert displacements and velocities, (k, 2n)."""
@@ -332,7 +330,7 @@ class _Motion:
             system._model, **options, smallest=SMALLEST_MULTIPLIER, record=[], progress=None
         )
 
-    def _options(self, value: float) -> tuple[SteadyAnalyses, dict[str, Any]]:
+    def _options(self, value: float) -> tuple[System, dict[str, Any]]:
         """Give the system at a value, and the options of its runs."""
         system, speed = self.family.system(value), self.family.speed(value)
         period = self.periods * common_period(system._model, speed, None, self.longest)

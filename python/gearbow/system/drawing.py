@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 from gearbow._convert import number
 from gearbow._extras import extra
+from gearbow.analysis.protocol import System
 from gearbow.description.train import Train
 from gearbow.errors import SceneError
-from gearbow.system.description import SystemDescription
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,7 +15,7 @@ __all__ = ["plot"]
 
 
 def plot(  # numpydoc ignore=PR01
-    self: SystemDescription, ax: Any = None, *, magnify: float | None = None
+    self: System, *, ax: Any = None, magnify: float | None = None
 ) -> "Figure":
     """Draw the train to scale, from the side and from the end.
 

@@ -1,273 +1,258 @@
 """Linear and static analyses of a system."""
 
-from typing import Literal, overload
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, shown, truth, whole
+from gearbow._convert import array, number, text, truth, whole
 from gearbow._core import mesh_geometry, require_memory
 from gearbow._lookup import one_of
+from gearbow.analysis.protocol import System
 from gearbow.description.layout import layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
 from gearbow.description.speed_table import SpeedTable
-from gearbow.errors import SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
-from gearbow.results.matrices import Matrices, SparseMatrices
+from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
-from gearbow.system.files import SystemFiles
 
-__all__ = ["LinearAnalyses"]
+__all__ = ["campbell", "critical_speed_map", "matrices", "modes", "static", "synchronous"]
 
 
-class LinearAnalyses(SystemFiles):
-    """Matrices, modes, equilibrium and linear response of a system."""
+def matrices(self: System, speed: float = 0.0, sparse: bool = False) -> Matrices:
+    """Assemble the matrices of the linear equations of motion.
 
-    @overload
-    def matrices(  # numpydoc ignore=GL08
-        self, speed: float = 0.0, sparse: Literal[False] = False
-    ) -> Matrices: ...
+    Parameters
+    ----------
+    speed : float
+        Speed of the reference shaft [rad/s]. Its sign determines the flanks in contact. At
+        speed 0 the torques determine them.
+    sparse : bool
+        Whether the matrices are sparse ones of SciPy, which need memory in proportion to the
+        number of degrees of freedom.
 
-    @overload
-    def matrices(  # numpydoc ignore=GL08
-        self, speed: float = 0.0, *, sparse: Literal[True]
-    ) -> SparseMatrices: ...
+    Returns
+    -------
+    Matrices
+        Mass, stiffness, damping and gyroscopic matrix. Each mesh is linearised at rest on the
+        flank in contact at this speed.
 
-    def matrices(self, speed: float = 0.0, sparse: bool = False) -> Matrices | SparseMatrices:
-        """Assemble the matrices of the linear equations of motion.
+    Raises
+    ------
+    SceneError
+        If the speed is not finite, the dense matrices do not fit into memory, or sparse ones
+        are asked for with modal damping, whose matrix has no zeros.
+    MissingExtraError
+        If sparse matrices are asked for, and SciPy is not installed.
+    """
+    if truth(sparse, "sparse"):
+        data = self._model.sparse_matrices(number(speed, "speed"))
+        return Matrices._from_sparse(data, self.dofs)
+    return Matrices(**self._model.matrices(number(speed, "speed")), dofs=self.dofs)
 
-        Parameters
-        ----------
-        speed : float
-            Speed of the reference shaft [rad/s]. Its sign determines the flanks in contact. At
-            speed 0 the torques determine them.
-        sparse : bool
-            Whether the matrices are sparse ones of SciPy, which need memory in proportion to the
-            number of degrees of freedom.
 
-        Returns
-        -------
-        Matrices or SparseMatrices
-            Mass, stiffness, damping and gyroscopic matrix. Each mesh is linearised at rest on the
-            flank in contact at this speed.
+def modes(self: System, speed: float = 0.0, *, count: int | None = None) -> Modes:
+    """Find natural frequencies, damping, whirl and shapes at one speed.
 
-        Raises
-        ------
-        SceneError
-            If the speed is not finite, the dense matrices do not fit into memory, or sparse ones
-            are asked for with modal damping, whose matrix has no zeros.
-        MissingExtraError
-            If sparse matrices are asked for, and SciPy is not installed.
-        """
-        if truth(sparse, "sparse"):
-            data = self._model.sparse_matrices(number(speed, "speed"))
-            return SparseMatrices.from_data(data, self.dofs)
-        return Matrices(**self._model.matrices(number(speed, "speed")), dofs=self.dofs)
+    Parameters
+    ----------
+    speed : float
+        Speed of the reference shaft [rad/s].
+    count : int, optional
+        Number of modes; None is all.
 
-    def modes(self, speed: float = 0.0, count: int | None = None) -> Modes:
-        """Find natural frequencies, damping, whirl and shapes at one speed.
+    Returns
+    -------
+    Modes
+        The modes in ascending order of frequency.
 
-        Parameters
-        ----------
-        speed : float
-            Speed of the reference shaft [rad/s].
-        count : int, optional
-            Number of modes; None is all.
+    Raises
+    ------
+    SceneError
+        If the speed or the count is invalid.
+    ConvergenceError
+        If the residual of a mode exceeds 1e-4 and the round-off of its shape,
+        ``100 ε ω_max/|λ|``.
+    """
+    speed = number(speed, "speed")
+    data = self._model.modes(speed, None if count is None else whole(count, "count"))
+    parts = layout(
+        self.shafts,
+        self.gears,
+        self.disks,
+        self.meshes,
+        self.bearings,
+        centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
+        couplings=self.couplings,
+    )
+    return Modes.from_data(data, speed, self.dofs, parts)
 
-        Returns
-        -------
-        Modes
-            The modes in ascending order of frequency.
 
-        Raises
-        ------
-        SceneError
-            If the speed or the count is invalid.
-        ConvergenceError
-            If the residual of a mode exceeds 1e-4 and the round-off of its shape,
-            ``100 ε ω_max/|λ|``.
-        """
-        speed = number(speed, "speed")
-        data = self._model.modes(speed, None if count is None else whole(count, "count"))
-        parts = layout(
-            self.shafts,
-            self.gears,
-            self.disks,
-            self.meshes,
-            self.bearings,
-            centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
-            couplings=self.couplings,
-        )
-        return Modes.from_data(data, speed, self.dofs, parts)
+def static(self: System, speed: float = 0.0, *, geometry: str = "live") -> Static:
+    """Find the equilibrium under torque, gravity and the non-linear meshes.
 
-    def static(self, geometry: str = "live", *, speed: float = 0.0) -> Static:
-        """Find the equilibrium under torque, gravity and the non-linear meshes.
+    Parameters
+    ----------
+    speed : float
+        Speed of the reference shaft [rad/s]. Its sign determines the drive flanks. A torque
+        against the rotation presses the back flanks, with a negative mesh force. At speed 0
+        the torques determine the drive flanks. Journal bearings have the film force of this
+        speed and carry nothing at speed 0. Other forces that depend on the speed are not
+        included.
+    geometry : {"live", "frozen"}
+        Whether the line of action follows the moving centres or is that at rest.
 
-        Parameters
-        ----------
-        geometry : {"live", "frozen"}
-            Whether the line of action follows the moving centres or is that at rest.
-        speed : float
-            Speed of the reference shaft [rad/s]. Its sign determines the drive flanks. A torque
-            against the rotation presses the back flanks, with a negative mesh force. At speed 0
-            the torques determine the drive flanks. Journal bearings have the film force of this
-            speed and carry nothing at speed 0. Other forces that depend on the speed are not
-            included.
+    Returns
+    -------
+    Static
+        Displacements, mesh states and bearing forces, and the forces that remain unbalanced
+        (`residual`).
 
-        Returns
-        -------
-        Static
-            Displacements, mesh states and bearing forces, and the forces that remain unbalanced
-            (`residual`).
+    Raises
+    ------
+    SceneError
+        If the speed is not finite, or the loads have no equilibrium.
+    ContactError
+        If the base circles of a pair overlap in live geometry.
+    ConvergenceError
+        If the iteration does not converge: more than 1e-6 of the load of a shaft, support or
+        housing remains unbalanced. The error names it.
+    """
+    data = self._model.static(text(geometry, "geometry"), number(speed, "speed"))
+    return Static(data, self.coordinates, self.description.get("bearings", ()))
 
-        Raises
-        ------
-        SceneError
-            If the speed is not finite, or the loads have no equilibrium.
-        ContactError
-            If the base circles of a pair overlap in live geometry.
-        ConvergenceError
-            If the iteration does not converge: more than 1e-6 of the load of a shaft, support or
-            housing remains unbalanced. The error names it.
-        """
-        if not isinstance(geometry, str):
-            # `modes` and `synchronous` take the speed first.
-            given = f"got {shown(geometry)}; the speed is an argument with a name, speed=..."
-            raise SceneError(f"geometry: must be 'live' or 'frozen', {given}")
-        data = self._model.static(geometry, number(speed, "speed"))
-        return Static(data, self.coordinates, self.description.get("bearings", ()))
 
-    def campbell(self, speeds: ArrayLike, *, count: int = 10, harmonics: int = 1) -> Campbell:
-        """Follow the modes over the speed, and find their intersections with excitation lines.
+def campbell(self: System, speeds: ArrayLike, *, count: int = 10, harmonics: int = 1) -> Campbell:
+    """Follow the modes over the speed, and find their intersections with excitation lines.
 
-        Parameters
-        ----------
-        speeds : array_like, shape (k,)
-            Ascending speeds of the reference shaft [rad/s], from 0 or above.
-        count : int
-            Number of modes, from the lowest frequency at the first speed. The rigid-body rotation
-            does not count.
-        harmonics : int
-            Number of harmonics of every tooth frequency; 0 omits the teeth.
+    Parameters
+    ----------
+    speeds : array_like, shape (k,)
+        Ascending speeds of the reference shaft [rad/s], from 0 or above.
+    count : int
+        Number of modes, from the lowest frequency at the first speed. The rigid-body rotation
+        does not count.
+    harmonics : int
+        Number of harmonics of every tooth frequency; 0 omits the teeth.
 
-        Returns
-        -------
-        Campbell
-            Eigenvalues and whirl of each mode, the intersections, and the stability thresholds. An
-            eigenvalue problem gives intersections and thresholds to about 1e-12 of the speed, for
-            any spacing of `speeds`.
+    Returns
+    -------
+    Campbell
+        Eigenvalues and whirl of each mode, the intersections, and the stability thresholds. An
+        eigenvalue problem gives intersections and thresholds to about 1e-12 of the speed, for
+        any spacing of `speeds`.
 
-        Raises
-        ------
-        SceneError
-            If an argument is invalid.
-        ConvergenceError
-            If the residual of a mode, an intersection or a threshold exceeds the limit of `modes`.
-        """
-        wanted = array(speeds, "speeds")
-        count = whole(count, "count")
-        harmonics = whole(harmonics, "harmonics", least=0)
-        return Campbell.from_data(wanted, self._model.campbell(wanted, count, harmonics))
+    Raises
+    ------
+    SceneError
+        If an argument is invalid.
+    ConvergenceError
+        If the residual of a mode, an intersection or a threshold exceeds the limit of `modes`.
+    """
+    wanted = array(speeds, "speeds")
+    count = whole(count, "count")
+    harmonics = whole(harmonics, "harmonics", least=0)
+    return Campbell.from_data(wanted, self._model.campbell(wanted, count, harmonics))
 
-    def critical_speed_map(
-        self, stiffnesses: ArrayLike, *, excitation: float = 1.0, count: int | None = None
-    ) -> CriticalSpeedMap:
-        """Find the undamped critical speeds against the bearing stiffness.
 
-        Parameters
-        ----------
-        stiffnesses : array_like, shape (k,)
-            Stiffnesses of every bearing along y and z [N/m]. Damping has no effect.
-        excitation : float
-            Order of the excitation. At a critical speed, an undamped mode has the frequency
-            excitation·Ω. The order is 1 for unbalance of the reference shaft.
-        count : int, optional
-            Number of the lowest critical speeds at each stiffness; None is all. Time and memory
-            then grow linearly with the number of elements.
+def critical_speed_map(
+    self: System, stiffnesses: ArrayLike, *, order: float = 1.0, count: int | None = None
+) -> CriticalSpeedMap:
+    """Find the undamped critical speeds against the bearing stiffness.
 
-        Returns
-        -------
-        CriticalSpeedMap
-            Critical speeds, their whirl and residual, and lines of the same mode. An eigenvalue
-            problem at each stiffness gives them.
+    Parameters
+    ----------
+    stiffnesses : array_like, shape (k,)
+        Stiffnesses of every bearing along y and z [N/m]. Damping has no effect.
+    order : float
+        Order of the excitation. At a critical speed, an undamped mode has the frequency
+        order·Ω. The order is 1 for unbalance of the reference shaft.
+    count : int, optional
+        Number of the lowest critical speeds at each stiffness; None is all. Time and memory
+        then grow linearly with the number of elements.
 
-        Raises
-        ------
-        SceneError
-            If the excitation is not positive, or a stiffness or the count is invalid.
-        ConvergenceError
-            If a mode does not satisfy the equations of motion.
+    Returns
+    -------
+    CriticalSpeedMap
+        Critical speeds, their whirl and residual, and lines of the same mode. An eigenvalue
+        problem at each stiffness gives them.
 
-        Notes
-        -----
-        Modes at neighbouring stiffnesses are matched by their shapes, as those of a Campbell
-        diagram; the step of the stiffness is halved, up to six times, where the match is uncertain.
-        All stiffnesses have the elements that the largest one needs.
-        """
-        wanted = array(stiffnesses, "stiffnesses")
-        excitation = number(excitation, "excitation")
-        count = None if count is None else whole(count, "count")
-        # The shortest list of critical speeds is empty; each speed is an object with its whirl.
-        size = 500.0 * wanted.size * (1 + min(count or 2 * len(self.dofs), 2 * len(self.dofs)))
-        what = f"the critical speeds at {wanted.size} stiffnesses"
-        require_memory("stiffnesses", what, size, "give fewer stiffnesses, or a smaller count")
-        found = self._model.critical_speed_map(wanted, excitation, count)
-        actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
-        return CriticalSpeedMap.from_rows(wanted, excitation, found, actual)
+    Raises
+    ------
+    SceneError
+        If the order is not positive, or a stiffness or the count is invalid.
+    ConvergenceError
+        If a mode does not satisfy the equations of motion.
 
-    def synchronous(self, speeds: ArrayLike, *, excitation: str = "both") -> Synchronous:
-        """Find the linear response to bow and unbalance, without time stepping.
+    Notes
+    -----
+    Modes at neighbouring stiffnesses are matched by their shapes, as those of a Campbell
+    diagram; the step of the stiffness is halved, up to six times, where the match is uncertain.
+    All stiffnesses have the elements that the largest one needs.
+    """
+    wanted = array(stiffnesses, "stiffnesses")
+    order = number(order, "order")
+    count = None if count is None else whole(count, "count")
+    # The shortest list of critical speeds is empty; each speed is an object with its whirl.
+    size = 500.0 * wanted.size * (1 + min(count or 2 * len(self.dofs), 2 * len(self.dofs)))
+    what = f"the critical speeds at {wanted.size} stiffnesses"
+    require_memory("stiffnesses", what, size, "give fewer stiffnesses, or a smaller count")
+    found = self._model.critical_speed_map(wanted, order, count)
+    actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
+    return CriticalSpeedMap.from_rows(wanted, order, found, actual)
 
-        Parameters
-        ----------
-        speeds : array_like, shape (speeds,) or scalar
-            Speeds of the reference shaft [rad/s].
-        excitation : {"both", "bow", "unbalance"}
-            The excitation.
 
-        Returns
-        -------
-        Synchronous
-            Complex amplitudes for each speed and each shaft as the source.
+def synchronous(self: System, speeds: ArrayLike, *, excitation: str = "both") -> Synchronous:
+    """Find the linear response to bow and unbalance, without time stepping.
 
-        Raises
-        ------
-        SceneError
-            If a speed or the excitation is invalid.
-        ConvergenceError
-            If the residual of the response to a shaft exceeds 1e-4.
+    Parameters
+    ----------
+    speeds : array_like, shape (speeds,) or scalar
+        Speeds of the reference shaft [rad/s].
+    excitation : {"both", "bow", "unbalance"}
+        The excitation.
 
-        Warns
-        -----
-        AccuracyWarning
-            If the motion is unstable at some of the speeds: a mode with negative damping grows, so
-            that the response does not occur. The message gives the ranges of speeds. Only an
-            element that can feed energy into the motion makes a search necessary: an oil film,
-            cross-coupled stiffness, negative damping or a torque that rises with the speed. It
-            examines the lowest modes (6, and 4 more for each bearing) at nine of the speeds from
-            the first to the last, and at the eight largest peaks of the response; bisection among
-            the given speeds then finds the ends of each range.
-        """
-        wanted = array(speeds, "speeds")
-        one_of(excitation, ("both", "bow", "unbalance"), "excitation")
-        data = self._model.synchronous(wanted, excitation)
-        return Synchronous(
-            speeds=wanted,
-            shafts=tuple(self._model.shafts),
-            amplitudes=data["amplitudes"],
-            excitation=excitation,
-            slow_roll=None,
-            residuals=data["residuals"],
-            coordinates=self.coordinates,
-            description=self.description,
-            _bearings=tuple(data["bearings"]),
-            _bearing_force=data["bearing_force"],
-            _bow=data["bow"],
-        )
+    Returns
+    -------
+    Synchronous
+        Complex amplitudes for each speed and each shaft as the source.
+
+    Raises
+    ------
+    SceneError
+        If a speed or the excitation is invalid.
+    ConvergenceError
+        If the residual of the response to a shaft exceeds 1e-4.
+
+    Warns
+    -----
+    AccuracyWarning
+        If the motion is unstable at some of the speeds: a mode with negative damping grows, so
+        that the response does not occur. The message gives the ranges of speeds. Only an
+        element that can feed energy into the motion makes a search necessary: an oil film,
+        cross-coupled stiffness, negative damping or a torque that rises with the speed. It
+        examines the lowest modes (6, and 4 more for each bearing) at nine of the speeds from
+        the first to the last, and at the eight largest peaks of the response; bisection among
+        the given speeds then finds the ends of each range.
+    """
+    wanted = array(speeds, "speeds")
+    one_of(excitation, ("both", "bow", "unbalance"), "excitation")
+    data = self._model.synchronous(wanted, excitation)
+    return Synchronous(
+        speeds=wanted,
+        shafts=tuple(self._model.shafts),
+        amplitudes=data["amplitudes"],
+        excitation=excitation,
+        slow_roll=None,
+        residuals=data["residuals"],
+        coordinates=self.coordinates,
+        description=self.description,
+        _bearings=tuple(data["bearings"]),
+        _bearing_force=data["bearing_force"],
+        _bow=data["bow"],
+    )
 
 
 def _stiffnesses(bearing: Part) -> tuple[float, ...]:

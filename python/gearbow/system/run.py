@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import number, real, shown
+from gearbow._convert import BYTES, number, real, shown
 from gearbow._types import RunData
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
@@ -94,6 +94,6 @@ def requests(record: object) -> list[Any]:
     """Convert the argument `record` to names and tuples of names and positions."""
     if isinstance(record, str):
         return [record]
-    if not isinstance(record, Iterable):
+    if not isinstance(record, Iterable) or isinstance(record, (Mapping, *BYTES)):
         raise SceneError(f"record: must be a list of names or tuples, got {shown(record)}")
     return [place(entry, f"record[{i}]") for i, entry in enumerate(record)]

@@ -3,10 +3,12 @@
 import os
 import re
 import sys
+from typing import Any
 
-from gearbow._convert import copied
+from gearbow._convert import copied, showing
 from gearbow._core import Model
 from gearbow._files import reading
+from gearbow.errors import SceneError
 from gearbow.units.convert import without_texts
 
 if sys.version_info >= (3, 11):
@@ -20,32 +22,36 @@ _NUL = re.compile(r"\\(u0000|U00000000)")
 
 
 def read_scene(path: str | os.PathLike[str]) -> Model:
-    """Read a scene file.
-
-    Parameters
-    ----------
-    path : str or path-like
-        The file.
-
-    Returns
-    -------
-    Model
-        The checked system.
-
-    Raises
-    ------
-    SceneError
-        If the description is invalid, or the file is not TOML.
-    OSError
-        If the file cannot be opened.
-    """
+    """Read a scene file."""
     with reading(path) as document:
         try:
             plain = tomllib.loads(document)
         except tomllib.TOMLDecodeError:
-            return Model.from_toml(document)  # which describes the error
+            try:
+                return Model.from_toml(document)  # which describes the error
+            except SceneError as error:
+                raise _with_remedy(error, document) from None
         converted = without_texts(plain)
-        # Without units, the errors of the core name the line. Only an escape can give a NUL.
-        if converted == plain and not _NUL.search(document):
-            return Model.from_toml(document)
-        return Model(copied(converted, ""))
+        with showing(plain):
+            return _model(document, plain, converted)
+
+
+def _model(document: str, plain: Any, converted: Any) -> Model:
+    """Make the system of a document with the `plain` content, `converted` to numbers."""
+    # Without units, the errors of the core name the line. Only an escape can give a NUL.
+    if converted == plain and not _NUL.search(document):
+        return Model.from_toml(document)
+    return Model(copied(converted, ""))
+
+
+def _with_remedy(error: SceneError, document: str) -> SceneError:
+    """Say how to write a list of parts, if that is why the document is not TOML."""
+    found = re.search(r"at line (\d+)", str(error))
+    if found is None or "duplicate key" not in str(error):
+        return error
+    header = re.fullmatch(
+        r"\s*\[\[?\s*(\w+)\s*\]?\]\s*(#.*)?", document.splitlines()[int(found[1]) - 1]
+    )
+    if header is None:
+        return error
+    return SceneError(f"{error}; write two brackets around each name of a list: [[{header[1]}]]")

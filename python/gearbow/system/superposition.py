@@ -11,13 +11,12 @@ from typing import Any
 
 from gearbow._core import has_constant_coefficients, initial_state, steady_state, user_order
 from gearbow._types import Array
-from gearbow.analysis.protocol import variant
+from gearbow.analysis.protocol import System, variant
 from gearbow.description.couplings import Force
 from gearbow.description.gears import Mesh
 from gearbow.description.shafts import Shaft
 from gearbow.description.teeth import TransmissionError
 from gearbow.description.time_series import TimeSeries
-from gearbow.system.simulation import Simulation
 
 __all__ = ["Superposition", "recorded_duration"]
 
@@ -29,37 +28,14 @@ _FIXED = {"initial": "static", "modes": None, "reduction": None}
 
 @dataclass(frozen=True)
 class Superposition:
-    """The sources of a system at a constant speed.
+    """The sources of a system at a constant speed."""
 
-    Parameters
-    ----------
-    system : RotorSystem
-        A system whose coefficients are constant.
-    speed : float
-        Speed of the reference shaft [rad/s].
-    """
-
-    system: Simulation
+    system: System
     speed: float
 
     @classmethod
-    def of(cls, system: Simulation, speed: float, geometry: str) -> "Superposition | None":
-        """Give the superposition if the motions of the sources of a system superpose.
-
-        Parameters
-        ----------
-        system : RotorSystem
-            The system.
-        speed : float
-            Speed of the reference shaft [rad/s].
-        geometry : str
-            "live" or "frozen".
-
-        Returns
-        -------
-        Superposition or None
-            None if the motion is nonlinear, has varying coefficients, or a load over time.
-        """
+    def of(cls, system: System, speed: float, geometry: str) -> "Superposition | None":
+        """Give the superposition if the motions of the sources of a system superpose."""
         values: list[Any] = [torque.value for torque in system.torques]
         values += [force.value for force in system.forces]
         over_time = any(isinstance(value, TimeSeries) or callable(value) for value in values)
@@ -69,32 +45,11 @@ class Superposition:
 
     @property
     def duration(self) -> float:
-        """Ten turns of the slowest shaft.
-
-        Returns
-        -------
-        float
-            Duration of a record [s].
-        """
+        """Ten turns of the slowest shaft."""
         return recorded_duration(self.system, self.speed)
 
     def solve(self, arguments: dict[str, Any]) -> tuple[Array, float, int]:
-        """Find the state at the start, and describe the solutions that it consists of.
-
-        Parameters
-        ----------
-        arguments : dict
-            Options of the recorded run.
-
-        Returns
-        -------
-        state : ndarray, shape (2n,)
-            Displacements and velocities.
-        residual : float
-            Largest residual of the sources.
-        periods : int
-            Number of integrated periods.
-        """
+        """Find the state at the start, and describe the solutions that it consists of."""
         options = {key: value for key, value in arguments.items() if key != "record"} | _FIXED
         rest = initial_state(self.system._model, **options)
         state = initial_state(self.system._model, **{**options, "initial": "synchronous"})
@@ -166,21 +121,8 @@ class Superposition:
         return _turn(order, self.speed)
 
 
-def recorded_duration(system: Simulation, speed: float) -> float:
-    """Give the duration of the record of a motion without a period: ten turns of the slowest shaft.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    speed : float
-        Speed of the reference shaft [rad/s].
-
-    Returns
-    -------
-    float
-        Duration [s].
-    """
+def recorded_duration(system: System, speed: float) -> float:
+    """Give the duration of the record without a period: ten turns of the slowest shaft."""
     return _RECORDED * _turn(float(min(abs(system.speed_ratios))), speed)
 
 

@@ -1,16 +1,24 @@
 """The function `gearbow.RotorSystem.tradeoff` and its arguments."""
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
-from gearbow._convert import number
-from gearbow._progress import reported
+from gearbow._convert import items, number, positive, truth, whole
+from gearbow._lookup import one_of
+from gearbow._times import grid
 from gearbow._types import Progress
-from gearbow.analysis.protocol import S
+from gearbow.accuracy.refine import MAX_DEGREE
+from gearbow.analysis.protocol import S, System
 from gearbow.errors import SceneError
+from gearbow.tradeoff.models import degrees_of, simplified
 from gearbow.tradeoff.result import Tradeoff
+from gearbow.tradeoff.settings import METHODS, ladders
+from gearbow.tradeoff.signals import read_signals
 
 __all__ = ["tradeoff"]
+
+_INITIAL = ("synchronous", "static", "rest")
 
 
 def tradeoff(  # numpydoc ignore=PR01
@@ -73,7 +81,8 @@ def tradeoff(  # numpydoc ignore=PR01
     budget : float
         Limit of the wall-clock time of the study [s]; settings that would exceed it are skipped.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction.
+        True shows a progress bar; a callable receives the completed fraction of the settings, which
+        run after the reference and its check.
 
     Returns
     -------
@@ -102,28 +111,93 @@ def tradeoff(  # numpydoc ignore=PR01
     True
     >>> response = best.system.simulate(0.02, speed=100.0, initial="rest", **best.options)
     """
-    from gearbow.tradeoff.plan import plan  # noqa: PLC0415  # few scripts ask for a study
-    from gearbow.tradeoff.study import carry_out  # noqa: PLC0415
+    from gearbow.tradeoff.study import Study  # noqa: PLC0415  # few scripts ask for a study
 
-    made = plan(
+    duration = positive(duration, "duration")
+    speed = number(speed, "speed")
+    one_of(initial, _INITIAL, "initial")
+    if output_step is None:
+        output_step = self.default_output_step(duration, speed)
+    orders, factors = _degrees(degrees, self), _numbers(elements, "elements")
+    names = _methods(methods)
+    settings = ladders(
         self,
-        duration,
         speed,
-        signals,
-        methods=methods,
-        steps=steps,
-        tolerances=tolerances,
-        modes=modes,
-        elements=elements,
-        degrees=degrees,
-        frozen=frozen,
-        mean_stiffness=mean_stiffness,
-        initial=initial,
-        output_step=output_step,
-        repeats=repeats,
+        names,
+        None if steps is None else _numbers(steps, "steps"),
+        None if tolerances is None else _numbers(tolerances, "tolerances", most=1.0),
+    )
+    if not settings:
+        raise SceneError(f"methods: no settings for {', '.join(names)}; give tolerances or steps")
+    wanted = read_signals(self, signals)
+    times = grid(0.0, duration, number(output_step, "output_step"))
+    simpler = simplified(
+        self,
+        frozen=truth(frozen, "frozen"),
+        mean_stiffness=truth(mean_stiffness, "mean_stiffness"),
+        factors=factors,
+        degrees=orders,
+        modes=_modes(modes, names, self),
     )
     seconds = number(budget, "budget", infinite=True)
     if not seconds > 0.0:
         raise SceneError(f"budget: must be positive, got {budget!r}")
-    with reported(progress, 100.0, "%", estimate=False) as report:
-        return carry_out(made, seconds, report or (lambda _: None))
+    return Study(
+        system=self,
+        duration=duration,
+        speed=speed,
+        wanted=wanted,
+        options={
+            "times": times,
+            "record": list(dict.fromkeys(signal.of for signal in wanted)),
+            "initial": initial,
+        },
+        settings=settings,
+        simpler=simpler,
+        degrees=orders,
+        repeats=whole(repeats, "repeats"),
+        budget=seconds,
+    ).carried_out(progress)
+
+
+def _methods(given: str | Iterable[str] | None) -> list[str]:
+    if given is None:
+        return list(METHODS)
+    names = [given] if isinstance(given, str) else items(given, "methods", "names")
+    for i, name in enumerate(names):
+        one_of(name, METHODS, f"methods[{i}]")
+    if not names:
+        raise SceneError("methods: must name at least one method, got an empty list")
+    return list(dict.fromkeys(names))
+
+
+def _modes(given: Iterable[int] | None, names: list[str], system: System) -> list[int]:
+    """Read the numbers of modes; the default is 1/2, 1/4 and 1/8 of all modes."""
+    if "exponential" not in names:
+        return []
+    if given is None:
+        return [count for count in (len(system.dofs) // part for part in (2, 4, 8)) if count]
+    return [whole(count, f"modes[{i}]") for i, count in enumerate(items(given, "modes", "numbers"))]
+
+
+def _degrees(given: Iterable[int] | None, system: System) -> list[int]:
+    """Read the degrees; the default is one below and one above those of the system."""
+    if given is None:
+        known = degrees_of(system)
+        return [degree for degree in (min(known) - 1, max(known) + 1) if 1 <= degree <= MAX_DEGREE]
+    found = [
+        whole(degree, f"degrees[{i}]")
+        for i, degree in enumerate(items(given, "degrees", "numbers"))
+    ]
+    for i, degree in enumerate(found):
+        if degree > MAX_DEGREE:
+            raise SceneError(f"degrees[{i}]: must be from 1 to {MAX_DEGREE}, got {degree}")
+    return found
+
+
+def _numbers(values: Iterable[object], name: str, most: float = math.inf) -> list[float]:
+    """Read a list of positive numbers without duplicates."""
+    found = []
+    for i, value in enumerate(items(values, name, "numbers")):
+        found.append(positive(value, f"{name}[{i}]", most))
+    return list(dict.fromkeys(found))

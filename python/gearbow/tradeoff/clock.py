@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 import numpy as np
 
 from gearbow.analysis.protocol import System, variant
-from gearbow.errors import AccuracyWarning, RunTimeWarning
+from gearbow.errors import AccuracyWarning
 from gearbow.results.response import Response
 
-__all__ = ["Budget", "Cost", "TooSlowError", "measure"]
+__all__ = ["Cost", "TooSlowError", "measure"]
 
 T = TypeVar("T")
 
@@ -24,67 +24,15 @@ _PATIENCE = 0.1
 
 
 class TooSlowError(Exception):
-    """A run was stopped or not started because it would take too long.
-
-    Parameters
-    ----------
-    seconds : float, optional
-        Estimated duration of the run [s]; None if the budget is spent before the run.
-    """
+    """A run was stopped or not started because it would take too long."""
 
     def __init__(self, seconds: float | None = None) -> None:
         super().__init__("the budget is spent" if seconds is None else f"takes {seconds:.2g} s")
 
 
-class Budget:
-    """Remaining wall-clock time of a study.
-
-    Parameters
-    ----------
-    seconds : float
-        Wall-clock time from now on [s].
-    """
-
-    def __init__(self, seconds: float) -> None:
-        self._begin = time.perf_counter()
-        self._seconds = seconds
-
-    @property
-    def spent(self) -> float:
-        """Elapsed time.
-
-        Returns
-        -------
-        float
-            Time [s].
-        """
-        return time.perf_counter() - self._begin
-
-    @property
-    def left(self) -> float:
-        """Remaining time.
-
-        Returns
-        -------
-        float
-            Time [s], at least 0.
-        """
-        return max(0.0, self._seconds - self.spent)
-
-
 @dataclass(frozen=True)
 class Cost:
-    """CPU time of a run.
-
-    Parameters
-    ----------
-    setup : float
-        Set-up before the first step, in a system without stored results [s].
-    stepping : float
-        All steps [s].
-    repeats : int
-        Number of runs of which these are the medians.
-    """
+    """CPU time of a run."""
 
     setup: float
     stepping: float
@@ -101,37 +49,7 @@ def measure(
     share: float,
     repeats: int,
 ) -> tuple[Response, Cost]:
-    """Run a simulation several times and return the median CPU times.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    duration : float
-        Simulated time [s].
-    speed : float
-        Speed of the reference shaft [rad/s].
-    options : mapping
-        Other options of `simulate`.
-    allowance : float
-        Limit of the duration of one run [s].
-    share : float
-        Limit of the total duration of all repeats after the first run [s].
-    repeats : int
-        Maximum number of runs.
-
-    Returns
-    -------
-    Response
-        Response of the first run; all runs give the same response.
-    Cost
-        Median CPU times.
-
-    Raises
-    ------
-    TooSlowError
-        If a run would exceed its limit.
-    """
+    """Run a simulation several times and return the median CPU times."""
     begin = time.perf_counter()
     response, cost = _once(system, duration, speed, options, allowance)
     costs = [cost]
@@ -158,7 +76,7 @@ def _once(
     again, _ = _timed(lambda: fresh.simulate(0.0, speed, **nothing))
     with warnings.catch_warnings():
         # The allowance ends a run that takes too long, and says so.
-        warnings.simplefilter("ignore", RunTimeWarning)
+        warnings.filterwarnings("ignore", "simulate: takes about ", AccuracyWarning)
         # A study measures the error of a number of modes.
         warnings.filterwarnings("ignore", "modes: ", AccuracyWarning)
         whole, response = _timed(

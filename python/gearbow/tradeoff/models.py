@@ -21,19 +21,7 @@ _STEADY = ("constant", "iso6336")
 
 @dataclass(frozen=True, eq=False)
 class Model(Generic[S]):
-    """A given or simplified system.
-
-    Parameters
-    ----------
-    name : str
-        The simplification, or "as given".
-    system : RotorSystem
-        The system to run.
-    options : mapping
-        Options of `simulate` for this model.
-    methods : tuple of str, optional
-        Methods that can run the model; None is all.
-    """
+    """A given or simplified system."""
 
     name: str
     system: S
@@ -50,28 +38,7 @@ def simplified(
     degrees: Sequence[int],
     modes: Sequence[int],
 ) -> list[Model[S]]:
-    """Make the simplified models that differ from the given system.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    frozen : bool
-        Whether to make a model with frozen mesh geometry.
-    mean_stiffness : bool
-        Whether to make a model with the mean of a time-varying mesh stiffness.
-    factors : sequence of float
-        Factors on the numbers of elements.
-    degrees : sequence of int
-        Degrees of the elements.
-    modes : sequence of int
-        Numbers of modes of the reduced models.
-
-    Returns
-    -------
-    list of Model
-        The models.
-    """
+    """Make the simplified models that differ from the given system."""
     found = []
     if frozen and any(_moves(system, mesh.driver) for mesh in system.meshes):
         found.append(Model("frozen geometry", system, {"geometry": "frozen"}))
@@ -79,14 +46,9 @@ def simplified(
         mean = _with_mean_stiffness(system)
         if mean is not None:
             found.append(Model("mean stiffness", mean))
-    for factor in factors:
-        other = _with_elements(system, factor=factor)
-        if other is not None:
-            found.append(Model(f"elements × {factor:g}", other))
-    for degree in degrees:
-        other = _with_elements(system, degree=degree)
-        if other is not None:
-            found.append(Model(f"degree {degree}", other))
+    others = {f"elements × {factor:g}": _with_elements(system, factor) for factor in factors}
+    others |= {f"degree {degree}": _with_elements(system, degree=degree) for degree in degrees}
+    found += [Model(name, other) for name, other in others.items() if other is not None]
     found += [
         Model(f"{count} modes", system, {"modes": count}, ("exponential",)) for count in modes
     ]
@@ -94,20 +56,7 @@ def simplified(
 
 
 def refined(system: S, degrees: Sequence[int]) -> Model[S]:
-    """Make the model with finer elements than every other model: the reference of the total error.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    degrees : sequence of int
-        Degrees of the elements of other models.
-
-    Returns
-    -------
-    Model
-        The model. Its degree is above all others, or elements of the largest degree are divided.
-    """
+    """Make the model with finer elements than all others: the reference of the total error."""
     degree = max(*degrees, *degrees_of(system)) + 1
     # Degree 2 improves the lowest frequencies of few elements too little.
     degree = max(degree, 3)
@@ -118,18 +67,7 @@ def refined(system: S, degrees: Sequence[int]) -> Model[S]:
 
 
 def degrees_of(system: System) -> list[int]:
-    """Give the degrees of the elements of a system.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-
-    Returns
-    -------
-    list of int
-        Degree of each shaft.
-    """
+    """Give the degrees of the elements of a system."""
     return [each.degree for each in system.discretisation.shafts.values()]
 
 
@@ -140,10 +78,7 @@ def _moves(system: System, gear: str) -> bool:
 
 
 def _with_mean_stiffness(system: S) -> S | None:
-    """Replace time-varying mesh stiffness by its mean, without tip relief.
-
-    Tip relief belongs to single tooth pairs, which a constant stiffness does not have.
-    """
+    """Replace time-varying mesh stiffness by its mean, without tip relief."""
     varying = [mesh for mesh in system.meshes if _varies(mesh.stiffness)]
     if not varying:
         return None
@@ -153,7 +88,7 @@ def _with_mean_stiffness(system: S) -> S | None:
     meshes = []
     for mesh in system.meshes:
         if mesh in varying:
-            mean = static.mesh(mesh.driver, mesh.driven).stiffness
+            mean = static.mesh((mesh.driver, mesh.driven)).stiffness
             mesh = replace(mesh, tip_relief=None, stiffness=mean)  # noqa: PLW2901
         meshes.append(mesh)
     return variant(system, meshes=meshes)

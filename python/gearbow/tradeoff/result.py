@@ -1,18 +1,17 @@
 """Result of a study: rows, Pareto front and recommendation."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic
 
-from gearbow._convert import number, truth
+from gearbow._convert import positive, truth
 from gearbow._extras import extra
 from gearbow._shown import Shown
 from gearbow.accuracy.scale import UNIT
 from gearbow.analysis.protocol import S
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import GearbowError
 from gearbow.tradeoff.models import GIVEN
-from gearbow.tradeoff.trial import Skipped, Trial, positive_duration, table
+from gearbow.tradeoff.trial import Skipped, Trial, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,8 +43,8 @@ class Recommendation(Shown, Generic[S]):
     >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
     >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
     >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
-    >>> tradeoff.recommend(error=1e-2).options["rtol"]
-    0.001
+    >>> tradeoff.recommend(error=1e-2).options["method"]
+    'exponential'
     """
 
     options: dict[str, Any]
@@ -139,7 +138,7 @@ class Tradeoff(Shown, Generic[S]):
         tuple of Trial
             From the cheapest to the most accurate.
         """
-        duration, simplified = positive_duration(duration), truth(simplified, "simplified")
+        simplified = truth(simplified, "simplified")
         front: list[Trial[S]] = []
         ranked = sorted(self.trials, key=lambda trial: (trial.cost(duration), trial.bound))
         for trial in ranked:
@@ -175,9 +174,7 @@ class Tradeoff(Shown, Generic[S]):
         GearbowError
             If no setting meets the error.
         """
-        wanted = number(error, "error")
-        if not 0.0 < wanted < math.inf:
-            raise SceneError(f"error: must be positive and finite, got {error!r}")
+        wanted = positive(error, "error")
         front = self.front(duration=duration, simplified=simplified)
         for trial in front:
             if trial.bound <= wanted:
@@ -206,8 +203,6 @@ class Tradeoff(Shown, Generic[S]):
         """
         with extra("plot"):
             from gearbow.plotting import tradeoff as figures  # noqa: PLC0415
-
-        duration = positive_duration(duration)
 
         def _points(trials: Sequence[Trial[S]]) -> tuple[list[float], list[float]]:
             # A run below the uncertainty of the reference is drawn at this uncertainty.

@@ -1,8 +1,9 @@
 """Settings of a study: methods as data, each with a series of steps or tolerances."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Any
 
 from gearbow.analysis.protocol import System
@@ -12,27 +13,12 @@ __all__ = ["METHODS", "Method", "Setting", "ladders", "references"]
 
 @dataclass(frozen=True)
 class Method:
-    """A method of integration and the values of its error control.
-
-    Parameters
-    ----------
-    options : mapping
-        Fixed options of `simulate`.
-    control : {"rtol", "step"}
-        The option that controls the error.
-    ladder : tuple of float
-        Tolerances, or steps divided by `unit`, from loose to tight.
-    finest : tuple of float
-        The same for a reference run, from tight to loose; the first that fits the budget is used.
-    unit : {"stability", "passing"}, optional
-        Unit of the steps: the step that resolves the highest frequency of the model, or the
-        shortest period of a shaft rotation or tooth passing.
-    """
+    """A method of integration and the values of its error control."""
 
     options: Mapping[str, Any]
     control: str
     ladder: tuple[float, ...]
-    finest: tuple[float, ...]
+    finest: tuple[float, ...] = ()
     unit: str = ""
 
 
@@ -55,19 +41,14 @@ METHODS: dict[str, Method] = {
         "stability",
     ),
     "etdrk4": Method(
-        {"method": "etdrk4"},
-        "step",
-        (0.02, 0.01, 0.004, 0.002, 0.001),
-        (),
-        "passing",
+        {"method": "etdrk4"}, "step", (0.02, 0.01, 0.004, 0.002, 0.001), unit="passing"
     ),
     **{
         f"exponential, {stages} stages": Method(
             {"method": "exponential", "stages": stages},
             "step",
             (0.1, 0.04, 0.02, 0.01, 0.004),
-            (),
-            "passing",
+            unit="passing",
         )
         for stages in (2, 4)
     },
@@ -76,33 +57,22 @@ METHODS: dict[str, Method] = {
 
 @dataclass(frozen=True)
 class Setting:
-    """The options of `simulate` that determine accuracy and cost.
-
-    Parameters
-    ----------
-    method : str
-        Name of the method in the study.
-    options : mapping
-        Options of `simulate`.
-    """
+    """A method with a step [s] or a tolerance."""
 
     method: str
-    options: Mapping[str, Any] = field(hash=False)
+    value: float
 
-    def halved(self) -> "Setting":
-        """Return the setting with half the step or tolerance.
-
-        Returns
-        -------
-        Setting
-            The tighter setting.
-        """
-        control = METHODS[self.method].control
-        return Setting(self.method, {**self.options, control: 0.5 * self.options[control]})
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of `simulate`."""
+        method = METHODS[self.method]
+        return {**method.options, method.control: self.value}
 
     def __str__(self) -> str:
-        step, rtol = self.options.get("step"), self.options.get("rtol")
-        return f"{self.method}, " + (f"step {step:.3g} s" if step else f"rtol {rtol:.0e}")
+        is_step = METHODS[self.method].control == "step"
+        return f"{self.method}, " + (
+            f"step {self.value:.3g} s" if is_step else f"rtol {self.value:.0e}"
+        )
 
 
 def ladders(
@@ -112,60 +82,28 @@ def ladders(
     steps: Sequence[float] | None,
     tolerances: Sequence[float] | None,
 ) -> list[Setting]:
-    """Return the settings of a study, from loose to tight, with alternating methods.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    speed : float
-        Speed of the reference shaft [rad/s].
-    names : sequence of str
-        Methods.
-    steps, tolerances : sequence of float, optional
-        Steps [s] of methods with fixed steps, tolerances of the others; None is their series.
-
-    Returns
-    -------
-    list of Setting
-        The settings.
-    """
+    """Return the settings of a study, from loose to tight, with alternating methods."""
     columns = []
     for name in names:
         method = METHODS[name]
         given = steps if method.control == "step" else tolerances
         values = _values(system, speed, method, method.ladder) if given is None else list(given)
-        columns.append([_setting(name, value) for value in sorted(values, reverse=True)])
-    longest = max(len(column) for column in columns)
-    return [column[rung] for rung in range(longest) for column in columns if rung < len(column)]
+        columns.append([Setting(name, value) for value in sorted(values, reverse=True)])
+    return _alternating(columns)
 
 
 def references(system: System, speed: float) -> list[Setting]:
-    """Return candidates for the reference run, the tightest first.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    speed : float
-        Speed of the reference shaft [rad/s].
-
-    Returns
-    -------
-    list of Setting
-        The tightest setting of each method, then the second of each, and so on.
-    """
-    columns = [
-        [_setting(name, value) for value in _values(system, speed, method, method.finest)]
+    """Return candidates for the reference run, the tightest first."""
+    return _alternating(
+        [Setting(name, value) for value in _values(system, speed, method, method.finest)]
         for name, method in METHODS.items()
-    ]
-    longest = max(len(column) for column in columns)
-    return [column[rung] for rung in range(longest) for column in columns if rung < len(column)]
+    )
 
 
-def _setting(name: str, value: float) -> Setting:
-    method = METHODS[name]
-    return Setting(name, {**method.options, method.control: value})
+def _alternating(columns: Iterable[list[Setting]]) -> list[Setting]:
+    """Return the first settings of all methods, then the second ones, and so on."""
+    rows = zip_longest(*columns)
+    return [setting for row in rows for setting in row if setting is not None]
 
 
 def _values(system: System, speed: float, method: Method, ladder: Sequence[float]) -> list[float]:

@@ -1,6 +1,6 @@
 """Signals of a study, displacements and mesh forces, and the difference between two runs."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,47 +14,24 @@ from gearbow.description.places import is_pair, is_place, place, place_label
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.response import Response
 
-__all__ = ["Signal", "Signals", "read_signals"]
+__all__ = ["Signal", "check", "error", "errors", "read_signals"]
 
 
 @dataclass(frozen=True)
 class Signal:
-    """A signal of a response: the displacement of a point or the force of a mesh.
-
-    Parameters
-    ----------
-    of : str or tuple
-        A gear or disk, (shaft, position [m]), or (driver, driven).
-    """
+    """A signal of a response: the displacement of a point or the force of a mesh."""
 
     of: Any
 
     @property
     def is_force(self) -> bool:
-        """Whether the signal is a mesh force.
-
-        Returns
-        -------
-        bool
-            True for (driver, driven).
-        """
+        """Whether the signal is a mesh force."""
         return isinstance(self.of, tuple) and isinstance(self.of[1], str)
 
     def values(self, response: Response) -> Array:
-        """Return the signal of a response.
-
-        Parameters
-        ----------
-        response : Response
-            A response that contains the signal.
-
-        Returns
-        -------
-        ndarray, shape (k, 2) or (k, 1)
-            Displacement [m] or force [N].
-        """
+        """Return the signal of a response."""
         if self.is_force:
-            return response.mesh(*self.of).force[:, np.newaxis]
+            return response.mesh(self.of).force[:, np.newaxis]
         return response.displacement(self.of)
 
     def __str__(self) -> str:
@@ -63,94 +40,35 @@ class Signal:
         return f"the displacement of {place_label(self.of)}"
 
 
-class Signals:
-    """The signals of one run, for the comparison with another run.
+def errors(
+    found: Mapping[str, Array], other: Mapping[str, Array], scale: Mapping[str, Array]
+) -> dict[str, float]:
+    """Return the relative difference of each signal of two runs."""
+    return {
+        name: root_mean_square(found[name] - other[name]) / unit_of_errors(exact)
+        for name, exact in scale.items()
+    }
 
-    Parameters
-    ----------
-    wanted : sequence of Signal
-        The signals.
-    response : Response
-        The run.
-    """
 
-    def __init__(self, wanted: tuple[Signal, ...], response: Response) -> None:
-        self._wanted = wanted
-        self._values = [signal.values(response) for signal in wanted]
+def error(
+    found: Mapping[str, Array], other: Mapping[str, Array], scale: Mapping[str, Array]
+) -> float:
+    """Return the relative difference of two runs for the worst signal."""
+    return max(errors(found, other, scale).values())
 
-    def errors(self, other: "Signals", scale: "Signals") -> dict[str, float]:
-        """Return the relative difference from another run for each signal.
 
-        Parameters
-        ----------
-        other : Signals
-            The other run, with the same output times.
-        scale : Signals
-            The run whose signals give the unit of the difference.
-
-        Returns
-        -------
-        dict of {str: float}
-            RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean.
-        """
-        rows = zip(self._wanted, self._values, other._values, scale._values, strict=True)
-        return {
-            str(signal): root_mean_square(mine - others) / unit_of_errors(exact)
-            for signal, mine, others, exact in rows
-        }
-
-    def error(self, other: "Signals", scale: "Signals") -> float:
-        """Return the relative difference from another run for the worst signal.
-
-        Parameters
-        ----------
-        other, scale : Signals
-            As in `errors`.
-
-        Returns
-        -------
-        float
-            The largest difference.
-        """
-        return max(self.errors(other, scale).values())
-
-    def check(self) -> None:
-        """Reject constant signals, for which a relative error is undefined.
-
-        Raises
-        ------
-        SceneError
-            If a signal is constant to round-off.
-        """
-        for signal, values in zip(self._wanted, self._values, strict=True):
-            if not variation(values) > 0.0:
-                raise SceneError(
-                    f"signals: {signal} is constant in this run, so its relative error is "
-                    "undefined; give another signal"
-                )
+def check(found: Mapping[str, Array]) -> None:
+    """Reject constant signals, for which a relative error is undefined."""
+    for name, values in found.items():
+        if not variation(values) > 0.0:
+            raise SceneError(
+                f"signals: {name} is constant in this run, so its relative error is "
+                "undefined; give another signal"
+            )
 
 
 def read_signals(system: System, given: object) -> tuple[Signal, ...]:
-    """Read the signals of a study and check that the system has them.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The system.
-    given : str, tuple or sequence of them, optional
-        A gear or disk, (shaft, position [m]), (driver, driven), or several; None is the first gear,
-        or disk.
-
-    Returns
-    -------
-    tuple of Signal
-        The signals.
-
-    Raises
-    ------
-    SceneError
-        If the system does not have a signal.
-    """
+    """Read the signals of a study and check that the system has them."""
     if given is None:
         names = [gear.name for gear in system.gears] + [disk.name for disk in system.disks]
         if not names:

@@ -1,23 +1,26 @@
-"""Runs of a study: reference, check, settings and models, within a time budget."""
+"""Runs of a study: a reference and its check, then a sweep over models and settings."""
 
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from typing import Any, Generic
 
-from gearbow._types import Progress
+from gearbow._types import Array, Progress
 from gearbow.analysis.protocol import S
 from gearbow.errors import ContactError, GearbowError
-from gearbow.results.response import Response
-from gearbow.tradeoff.clock import Budget, Cost, TooSlowError, measure
+from gearbow.sweeps.result import SweepPoint
+from gearbow.sweeps.run import sweep
+from gearbow.tradeoff import signals
+from gearbow.tradeoff.clock import TooSlowError, measure
 from gearbow.tradeoff.models import GIVEN, Model, refined
-from gearbow.tradeoff.plan import Plan
 from gearbow.tradeoff.result import Tradeoff
 from gearbow.tradeoff.settings import METHODS, Setting, references
-from gearbow.tradeoff.signals import Signals
+from gearbow.tradeoff.signals import Signal
 from gearbow.tradeoff.trial import Skipped, Trial
 
-__all__ = ["carry_out"]
+__all__ = ["Study"]
 
 #: Relative rounding error of double precision.
 ROUND_OFF = sys.float_info.epsilon
@@ -29,240 +32,210 @@ _PATIENCE = 4.0
 _NEGLIGIBLE = 0.1
 
 
-def carry_out(plan: Plan[S], budget: float, report: Progress) -> Tradeoff[S]:
-    """Run all settings that the budget allows.
-
-    Parameters
-    ----------
-    plan : Plan
-        The plan.
-    budget : float
-        Limit of the wall-clock time [s].
-    report : callable
-        Receives the completed fraction.
-
-    Returns
-    -------
-    Tradeoff
-        The result.
-
-    Raises
-    ------
-    GearbowError
-        If the budget is too short for a reference.
-    """
-    return _Study(plan, Budget(budget), report).result()
+class _NotNeededError(Exception):
+    """A setting would show nothing new."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Run(Generic[S]):
-    """A completed run with its CPU time."""
+    """A completed run."""
 
     model: Model[S]
     setting: Setting
+    signals: dict[str, Array]
+    #: Costs, as arguments of `Trial`.
+    costs: dict[str, Any]
+
+
+@dataclass(eq=False)
+class Study(Generic[S]):
+    """The checked arguments of a study, and its runs."""
+
+    system: S
+    duration: float
+    speed: float
+    wanted: tuple[Signal, ...]
+    #: Options of `simulate` that all runs share.
     options: dict[str, Any]
-    response: Response
-    cost: Cost
-    signals: Signals
+    settings: list[Setting]
+    simpler: list[Model[S]]
+    degrees: list[int]
+    repeats: int
+    budget: float
+    #: Run of each model with the tightest setting that the budget permits.
+    own: dict[str, _Run[S]] = field(default_factory=dict)
+    trials: list[Trial[S]] = field(default_factory=list)
+    skipped: list[Skipped] = field(default_factory=list)
+    #: Names of simplified models whose integration error has become negligible.
+    finished: set[str] = field(default_factory=set)
+    #: Number of runs that share the remaining budget.
+    waiting: int = 1
 
+    def __post_init__(self) -> None:
+        self.end = time.perf_counter() + self.budget
+        self.given = Model(GIVEN, self.system)
 
-class _Study(Generic[S]):
-    def __init__(self, plan: Plan[S], budget: Budget, report: Progress) -> None:
-        self.plan = plan
-        self.budget = budget
-        self.report = report
-        self.given = Model(GIVEN, plan.system)
-        self.for_reference = _FOR_REFERENCE * budget.left
-        self.skipped: list[Skipped] = []
-        self.jobs = 3 + len(plan.settings)
-        self.jobs += sum(1 + len(plan.settings_of(model)) for model in plan.simpler)
-        self.done = 0
-
-    def result(self) -> Tradeoff[S]:
-        reference = self.reference = self._reference()
-        check = self.check = self._check()
+    def carried_out(self, progress: bool | Progress | None) -> Tradeoff[S]:
+        """Run all settings that the budget permits."""
+        candidates = references(self.system, self.speed)
+        self.reference = self._verified(candidates, "reference")
+        signals.check(self.reference.signals)
+        # Another method, or the same method with another setting.
+        used = self.reference.setting
+        same = [setting for setting in candidates if setting.method == used.method]
+        others = [setting for setting in candidates if setting.method != used.method]
+        others += [Setting(used.method, 0.5 * used.value), *same[same.index(used) + 1 :]]
+        self.check = self._verified(others, "check of the reference")
+        self.own[GIVEN] = self.exact = self.reference
         # Runs that agree to the last bit are still rounded: no error below that is known.
-        self.floor = max(check.signals.error(reference.signals, reference.signals), ROUND_OFF)
-        self.exact = self._exact()
-        trials: list[Trial[S]] = []
-        try:
-            self._measure(trials)
-        except KeyboardInterrupt as stop:
-            stop.tradeoff = self._tradeoff(trials)  # type: ignore[attr-defined]
-            raise
-        self.report(1.0)
-        return self._tradeoff(trials)
+        self.floor = max(self._error(self.check, self.reference), ROUND_OFF)
+        points = self._points()
+        if not points:  # all settings are those of the reference and its check
+            return self._tradeoff(())
+        self.waiting = len(points)
+        # One run after the other: another one would change its time.
+        with ThreadPoolExecutor(1) as executor:
+            try:
+                found = sweep(_system, points, self._measured, executor, progress=progress)
+            except KeyboardInterrupt as stop:
+                stop.tradeoff = self._tradeoff(stop.sweep.failed)  # type: ignore[attr-defined]
+                raise
+        return self._tradeoff(found.failed)
 
-    def _measure(self, trials: list[Trial[S]]) -> None:
-        """Run all settings and simplified models."""
-        known = (self.reference.setting.options, self.check.setting.options)
-        settings = [each for each in self.plan.settings if each.options not in known]
-        try:
-            for run in self._runs(self.given, settings):
-                trials.append(self._trial(run, self.reference))
-        finally:  # an interrupted study contains them too
-            trials += [self._trial(run, self.reference) for run in (self.check, self.reference)]
-        for model in self.plan.simpler:
-            trials += self._simpler(model)
+    def _points(self) -> list[dict[str, Any]]:
+        """List the models and settings. None is the tightest setting, which comes first."""
+        finer = [refined(self.system, self.degrees)] if self.degrees else []
+        known = (self.reference.setting, self.check.setting)
+        runs: list[tuple[Model[S], Setting | None]] = [(model, None) for model in finer]
+        runs += [(self.given, setting) for setting in self.settings if setting not in known]
+        for model in self.simpler:
+            methods = model.methods or (self.settings[0].method,)
+            own = [setting for setting in self.settings if setting.method in methods]
+            runs += [(model, setting) for setting in (None, *own)]
+        return [{"model": model, "setting": setting} for model, setting in runs]
 
-    def _tradeoff(self, trials: list[Trial[S]]) -> Tradeoff[S]:
-        plan = self.plan
-        order = [GIVEN, *(model.name for model in plan.simpler)]
+    def _measured(self, _: S, *, model: Model[S], setting: Setting | None) -> Mapping[str, Any]:
+        """Run a setting of a model within its share of the remaining budget."""
+        share = self._share()
+        self.waiting -= 1
+        if setting is None:
+            run = self.own[model.name] = self._tightest(model)
+            if model not in self.simpler:
+                self.exact = run
+            return run.costs
+        if model.name in self.finished or model.name not in self.own:
+            raise _NotNeededError
+        trial = self._trial(self._run(model, setting, _PATIENCE * share, share))
+        self.trials.append(trial)
+        if model in self.simpler and trial.integration_error < _NEGLIGIBLE * trial.model_error:
+            # A tighter setting costs more and does not reduce the total error.
+            self.finished.add(model.name)
+        return trial.errors
+
+    def _verified(self, candidates: list[Setting], what: str) -> _Run[S]:
+        """Run the given system with the first setting that its part of the budget permits."""
+        for setting in candidates:
+            try:
+                return self._run(self.given, setting, _FOR_REFERENCE * self.budget)
+            except ContactError:
+                raise  # the error is independent of the setting
+            except (TooSlowError, GearbowError) as error:
+                self.skipped.append(Skipped(str(setting), GIVEN, str(error)))
+        tried = "; ".join(map(str, self.skipped))
+        raise GearbowError(f"budget: too short for a {what} ({tried})")
+
+    def _tightest(self, model: Model[S]) -> _Run[S]:
+        """Run a model with the setting of the reference, or with a similar one."""
+        used = self.reference.setting
+        others = references(model.system, self.speed)
+        same = [setting for setting in others if setting.method == used.method]
+        errors: list[Exception] = []
+        for setting in dict.fromkeys((used, *same, *others)):
+            if model.methods is None or setting.method in model.methods:
+                try:
+                    return self._run(model, setting, _PATIENCE * self._share())
+                except (TooSlowError, GearbowError) as error:
+                    errors.append(error)
+        raise errors[0]
+
+    def _share(self) -> float:
+        """Return the remaining budget per remaining run."""
+        return self._left() / max(1, self.waiting)
+
+    def _left(self) -> float:
+        return max(0.0, self.end - time.perf_counter())
+
+    def _run(
+        self, model: Model[S], setting: Setting, allowance: float, share: float = 0.0
+    ) -> _Run[S]:
+        left = self._left()
+        if left == 0.0:
+            raise TooSlowError
+        response, cost = measure(
+            model.system,
+            self.duration,
+            self.speed,
+            {**self.options, **setting.options, **model.options},
+            allowance=min(allowance, left),
+            share=share,
+            repeats=self.repeats,
+        )
+        found = response.statistics
+        costs = {name: getattr(found, name) for name in ("steps", "evaluations", "limited_by")}
+        values = {str(signal): signal.values(response) for signal in self.wanted}
+        return _Run(model, setting, values, {**vars(cost), **costs})
+
+    def _error(self, run: _Run[S], other: _Run[S]) -> float:
+        return signals.error(run.signals, other.signals, self.exact.signals)
+
+    def _trial(self, run: _Run[S]) -> Trial[S]:
+        """Return the row of a run."""
+        own, exact = self.own[run.model.name], self.exact
+        return Trial(
+            setting=str(run.setting),
+            model=run.model.name,
+            options={**run.setting.options, **run.model.options},
+            system=run.model.system,
+            method=run.setting.method,
+            errors=signals.errors(run.signals, exact.signals, exact.signals),
+            integration_error=self._error(run, own),
+            model_error=self._error(own, exact),
+            floor=self.floor,
+            duration=self.duration,
+            **run.costs,
+        )
+
+    def _tradeoff(self, failed: Sequence[SweepPoint]) -> Tradeoff[S]:
+        """Return the result, complete or not."""
+        order = [GIVEN, *(model.name for model in self.simpler)]
+        own = [run for run in self.own.values() if run.model.name in order]
+        # The tightest run of a model is its last row.
+        trials = [*self.trials, *map(self._trial, (self.check, *own))]
         trials.sort(key=lambda trial: (order.index(trial.model), list(METHODS).index(trial.method)))
+        for point in failed:
+            reason = point.error.removeprefix(f"{TooSlowError.__name__}: ")
+            if reason != _NotNeededError.__name__:
+                setting = point.parameters["setting"] or self.reference.setting
+                model = point.parameters["model"].name
+                self.skipped.append(Skipped(str(setting), model, reason))
+        finer = None
+        if self.exact is not self.reference:
+            exact = self.exact.signals
+            finer = (self.exact.model.name, signals.errors(self.reference.signals, exact, exact))
         return Tradeoff(
             trials=tuple(trials),
             skipped=tuple(self.skipped),
             reference=str(self.reference.setting),
             check=str(self.check.setting),
             floor=self.floor,
-            discretisation=self._discretisation(),
-            duration=plan.duration,
-            speed=plan.speed,
-            signals=tuple(str(signal) for signal in plan.wanted),
+            discretisation=finer,
+            duration=self.duration,
+            speed=self.speed,
+            signals=tuple(map(str, self.wanted)),
         )
 
-    def _reference(self) -> _Run[S]:
-        for setting in references(self.plan.system, self.plan.speed):
-            run = self._run(self.given, setting, self.for_reference)
-            if run is not None:
-                run.signals.check()
-                self._count()
-                return run
-        raise self._nothing("reference")
 
-    def _check(self) -> _Run[S]:
-        """Verify the reference by another method, or by the same method with another setting."""
-        used = self.reference.setting
-        candidates = references(self.plan.system, self.plan.speed)
-        others = [setting for setting in candidates if setting.method != used.method]
-        same = [setting for setting in candidates if setting.method == used.method]
-        for setting in (*others, used.halved(), *same[same.index(used) + 1 :]):
-            run = self._run(self.given, setting, self.for_reference)
-            if run is not None:
-                self._count()
-                return run
-        raise self._nothing("check of the reference")
-
-    def _exact(self) -> _Run[S]:
-        """Run finer elements, from which total errors count.
-
-        These are the given elements if the study has no degrees, or no budget for finer ones.
-        """
-        degrees = self.plan.degrees
-        run = self._tight(refined(self.plan.system, degrees)) if degrees else None
-        self._count()
-        return run or self.reference
-
-    def _discretisation(self) -> tuple[str, dict[str, float]] | None:
-        """Give the error of the given elements; None if the budget has no finer elements."""
-        if self.exact is self.reference:
-            return None
-        exact = self.exact.signals
-        return self.exact.model.name, self.reference.signals.errors(exact, exact)
-
-    def _tight(self, model: Model[S]) -> _Run[S] | None:
-        """Run another model with the reference setting, or with a similar one within the budget."""
-        tried = len(self.skipped)
-        used = self.reference.setting
-        others = references(model.system, self.plan.speed)
-        same = [setting for setting in others if setting.method == used.method]
-        for setting in dict.fromkeys((used, *same, *others)):
-            if model.methods is None or setting.method in model.methods:
-                run = self._run(model, setting, _PATIENCE * self._share())
-                if run is not None:
-                    del self.skipped[tried:]
-                    return run
-        del self.skipped[tried + 1 :]
-        return None
-
-    def _simpler(self, model: Model[S]) -> Iterator[Trial[S]]:
-        """Measure the model error of a simplification, then the CPU time of its settings."""
-        settings = self.plan.settings_of(model)
-        own = self._tight(model)
-        self._count()
-        if own is None:
-            self._count(len(settings))
-            return
-        tight = self._trial(own, own)
-        for rung, run in enumerate(self._runs(model, settings)):
-            trial = self._trial(run, own)
-            yield trial
-            if trial.integration_error < _NEGLIGIBLE * trial.model_error:
-                # A tighter setting costs more and does not reduce the total error.
-                self._count(len(settings) - 1 - rung)
-                break
-        yield tight
-
-    def _runs(self, model: Model[S], settings: Sequence[Setting]) -> Iterator[_Run[S]]:
-        for setting in settings:
-            share = self._share()
-            run = self._run(model, setting, _PATIENCE * share, share)
-            self._count()
-            if run is not None:
-                yield run
-
-    def _share(self) -> float:
-        """Return the remaining budget per remaining run."""
-        return self.budget.left / max(1, self.jobs - self.done)
-
-    def _run(
-        self, model: Model[S], setting: Setting, allowance: float, share: float = 0.0
-    ) -> _Run[S] | None:
-        """Run one setting, or record why it was skipped."""
-        plan = self.plan
-        options = {**setting.options, **model.options}
-        left = self.budget.left
-        try:
-            if left == 0.0:
-                raise TooSlowError
-            response, cost = measure(
-                model.system,
-                plan.duration,
-                plan.speed,
-                {**plan.common(), **options},
-                allowance=min(allowance, left),
-                share=share,
-                repeats=plan.repeats,
-            )
-        except ContactError:
-            raise  # the error is independent of the setting
-        except TooSlowError as error:
-            reason = str(error)
-        except GearbowError as error:
-            reason = str(error)
-        else:
-            return _Run(model, setting, options, response, cost, Signals(plan.wanted, response))
-        self.skipped.append(Skipped(str(setting), model.name, reason))
-        return None
-
-    def _count(self, jobs: int = 1) -> None:
-        self.done += jobs
-        self.report(min(1.0, self.done / self.jobs))
-
-    def _trial(self, run: _Run[S], own: _Run[S]) -> Trial[S]:
-        """Return the row of a run; `own` is the reference run of the same model."""
-        reference = self.exact.signals
-        statistics = run.response.statistics
-        errors = run.signals.errors(reference, reference)
-        return Trial(
-            setting=str(run.setting),
-            model=run.model.name,
-            options=run.options,
-            system=run.model.system,
-            method=run.setting.method,
-            errors=errors,
-            integration_error=run.signals.error(own.signals, reference),
-            model_error=own.signals.error(reference, reference),
-            floor=self.floor,
-            setup=run.cost.setup,
-            stepping=run.cost.stepping,
-            duration=self.plan.duration,
-            steps=statistics.steps,
-            evaluations=statistics.evaluations,
-            limited_by=statistics.limited_by,
-            repeats=run.cost.repeats,
-        )
-
-    def _nothing(self, what: str) -> GearbowError:
-        tried = "; ".join(str(skipped) for skipped in self.skipped)
-        return GearbowError(f"budget: too short for a {what} ({tried})")
+def _system(model: Model[S], setting: Setting | None) -> S:
+    """Return the system of a point."""
+    del setting
+    return model.system

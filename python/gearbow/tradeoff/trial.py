@@ -1,32 +1,15 @@
 """One setting of a study as a row of a table."""
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
-from gearbow._convert import number
+from gearbow._convert import positive
 from gearbow._shown import Shown
 from gearbow.analysis.protocol import S
-from gearbow.errors import SceneError
 from gearbow.tradeoff.models import GIVEN
 
-__all__ = ["Skipped", "Trial", "positive_duration", "table"]
-
-_TITLES = (
-    "",
-    "setting",
-    "model",
-    "error",
-    "integration error",
-    "model error",
-    "CPU [s]",
-    "set-up [s]",
-    "CPU per s [s/s]",
-    "steps",
-    "evaluations",
-    "limited by",
-)
+__all__ = ["Skipped", "Trial", "table"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,8 +141,9 @@ class Trial(Shown, Generic[S]):
         float
             CPU time of set-up and steps [s].
         """
-        duration = positive_duration(duration)
-        return self.seconds if duration is None else self.setup + self.rate * duration
+        if duration is None:
+            return self.seconds
+        return self.setup + self.rate * positive(duration, "duration")
 
     @property
     def error_text(self) -> str:
@@ -178,17 +162,7 @@ class Trial(Shown, Generic[S]):
 
 @dataclass(frozen=True)
 class Skipped(Shown):
-    """A skipped setting.
-
-    Parameters
-    ----------
-    setting : str
-        Method, and step or tolerance.
-    model : str
-        "as given" or the simplification.
-    reason : str
-        Why the setting was skipped.
-    """
+    """A skipped setting."""
 
     setting: str
     model: str
@@ -198,49 +172,35 @@ class Skipped(Shown):
         return f"{_together(self.setting, self.model)}: {self.reason}"
 
 
-def table(trials: Iterable[Trial[S]], front: Sequence[Trial[S]]) -> str:
-    """Return rows as a text table.
+#: Texts of a trial by the title of their column.
+_COLUMNS: dict[str, Callable[[Trial[Any]], str]] = {
+    "setting": lambda trial: trial.setting,
+    "model": lambda trial: trial.model,
+    "error": lambda trial: trial.error_text,
+    "integration error": lambda trial: _below(trial.integration_error, trial.floor),
+    "model error": lambda trial: (
+        "–" if trial.model == GIVEN else _below(trial.model_error, trial.floor)
+    ),
+    "CPU [s]": lambda trial: f"{trial.seconds:.3g}",
+    "set-up [s]": lambda trial: f"{trial.setup:.2g}",
+    "CPU per s [s/s]": lambda trial: f"{trial.rate:.3g}",
+    "steps": lambda trial: f"{trial.steps}",
+    "evaluations": lambda trial: f"{trial.evaluations}",
+    "limited by": lambda trial: trial.limited_by,
+}
+_WORDS = {"setting", "model", "limited by"}
 
-    Parameters
-    ----------
-    trials : iterable of Trial
-        The rows.
-    front : sequence of Trial
-        Rows that get a star.
 
-    Returns
-    -------
-    str
-        One line for each row, below a line of titles.
-    """
-    rows = [_TITLES]
-    for trial in trials:
-        simplified = trial.model != GIVEN
-        rows.append(
-            (
-                "*" if trial in front else "",
-                trial.setting,
-                trial.model,
-                trial.error_text,
-                _below(trial.integration_error, trial.floor),
-                _below(trial.model_error, trial.floor) if simplified else "–",
-                f"{trial.seconds:.3g}",
-                f"{trial.setup:.2g}",
-                f"{trial.rate:.3g}",
-                f"{trial.steps}",
-                f"{trial.evaluations}",
-                trial.limited_by,
-            )
-        )
-    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
-    words = {"setting", "model", "limited by"}
-    return "\n".join(
-        "  ".join(
-            cell.ljust(width) if title in words else cell.rjust(width)
-            for title, cell, width in zip(_TITLES, row, widths, strict=True)
-        ).rstrip()
-        for row in rows
-    )
+def table(trials: Sequence[Trial[S]], front: Sequence[Trial[S]]) -> str:
+    """Return rows as a text table."""
+    columns = [["", *("*" if trial in front else "" for trial in trials)]]
+    columns += [[title, *map(text, trials)] for title, text in _COLUMNS.items()]
+    aligned = []
+    for column in columns:
+        width = max(map(len, column))
+        align = str.ljust if column[0] in _WORDS else str.rjust
+        aligned.append([align(cell, width) for cell in column])
+    return "\n".join("  ".join(row).rstrip() for row in zip(*aligned, strict=True))
 
 
 def _together(setting: str, model: str) -> str:
@@ -249,29 +209,3 @@ def _together(setting: str, model: str) -> str:
 
 def _below(error: float, floor: float) -> str:
     return f"{error:.1e}" if error > floor else f"<{floor:.1e}"
-
-
-def positive_duration(duration: float | None) -> float | None:
-    """Check the simulated time of the compared runs [s].
-
-    Parameters
-    ----------
-    duration : float or None
-        The argument of the user.
-
-    Returns
-    -------
-    float or None
-        The same.
-
-    Raises
-    ------
-    SceneError
-        If it is not positive and finite.
-    """
-    if duration is None:
-        return None
-    value = number(duration, "duration")
-    if not 0.0 < value < math.inf:
-        raise SceneError(f"duration: must be positive and finite, got {duration!r}")
-    return value

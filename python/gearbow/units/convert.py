@@ -14,46 +14,18 @@ __all__ = ["has_quantity", "is_quantity", "magnitude", "quantities_exist", "with
 
 
 def quantities_exist() -> bool:
-    """Return whether pint is imported, without which no value is a quantity.
-
-    Returns
-    -------
-    bool
-        Whether it is.
-    """
+    """Return whether pint is imported, without which no value is a quantity."""
     return "pint" in sys.modules
 
 
 def is_quantity(value: object) -> bool:
-    """Return whether a value is a quantity of pint.
-
-    Parameters
-    ----------
-    value : object
-        Any value.
-
-    Returns
-    -------
-    bool
-        Whether it is one.
-    """
+    """Return whether a value is a quantity of pint."""
     pint = sys.modules.get("pint")
     return pint is not None and isinstance(value, pint.Quantity)
 
 
 def has_quantity(value: object) -> bool:
-    """Return whether a value is a quantity of pint, or a nested sequence with one.
-
-    Parameters
-    ----------
-    value : object
-        Any value.
-
-    Returns
-    -------
-    bool
-        Whether it is or contains one.
-    """
+    """Return whether a value is a quantity of pint, or a nested sequence with one."""
     if not quantities_exist():
         return False
     if isinstance(value, list | tuple):
@@ -64,25 +36,7 @@ def has_quantity(value: object) -> bool:
 
 
 def magnitude(quantity: Any, path: str) -> Any:
-    """Convert a quantity of pint to the SI unit of its field.
-
-    Parameters
-    ----------
-    quantity : pint.Quantity
-        The quantity, of a number or an array.
-    path : str
-        Path of the field, which determines the unit.
-
-    Returns
-    -------
-    float, complex or ndarray
-        The magnitude in the SI unit of the field.
-
-    Raises
-    ------
-    SceneError
-        If the quantity has another dimension, or is a frequency in Hz in place of a speed.
-    """
+    """Convert a quantity of pint to the SI unit of its field."""
     pint = sys.modules["pint"]
     unit = unit_of(path)
     if unit is None:
@@ -100,25 +54,7 @@ def magnitude(quantity: Any, path: str) -> Any:
 
 
 def without_texts(plain: Any, path: str = "") -> Any:
-    """Convert texts with a unit in a plain description, such as "500 mm", to SI units.
-
-    Parameters
-    ----------
-    plain : dict, list or value
-        Plain data, as in a scene file.
-    path : str
-        Path of the data.
-
-    Returns
-    -------
-    dict, list or value
-        The data with numbers in place of the texts of fields that have a unit.
-
-    Raises
-    ------
-    SceneError
-        If such a text is not a number with a unit of the dimension of the field.
-    """
+    """Convert texts with a unit in a plain description, such as "500 mm", to SI units."""
     if isinstance(plain, Mapping):
         inner = {key: f"{path}.{key}" if path else str(key) for key in plain}
         return {key: without_texts(value, inner[key]) for key, value in plain.items()}

@@ -38,7 +38,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "polar_inertia": "kg m^2",
     "inertia": "kg m^2",
     "unbalance": "kg m",
-    "run_out": "m",
+    "runout": "m",
     # Teeth
     "module": "m",
     "base_radius": "m",
@@ -73,17 +73,18 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "rotational_damping": "N m s/rad",
     "drives.stiffness": "N m/rad",
     "drives.damping": "N m s/rad",
-    "couplings.stiffness": ("N/m", "N/m", "N m/rad", "N m/rad"),
-    "couplings.damping": ("N s/m", "N s/m", "N m s/rad", "N m s/rad"),
+    "lateral_stiffness": "N/m",
+    "lateral_damping": "N s/m",
+    "torsional_stiffness": "N m/rad",
+    "torsional_damping": "N m s/rad",
     "offset": "m",
     "angle": "rad",
-    "runout": "m",
     # Journal and rolling bearings
     "diameter": "m",
     "clearance": "m",
     "viscosity": "Pa s",
     "grooves": "rad",
-    "ball_diameter": "m",
+    "element_diameter": "m",
     "pitch_diameter": "m",
     "roller_length": "m",
     "contact_angle": "rad",
@@ -118,7 +119,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "checkpoint_interval": "s",
     "budget": "s",
     "highest": "1/s",
-    **dict.fromkeys(("at", "a", "b", "of", "name", "names", "record", "planes", "points"), _PLACE),
+    **dict.fromkeys(("at", "a", "b", "record", "planes", "points"), _PLACE),
     **dict.fromkeys(("signals", "target"), _PLACE),
 }
 
@@ -135,18 +136,7 @@ def _end(names: tuple[str, ...]) -> str | tuple[str | None, ...] | None:
 
 
 def unit_of(path: str) -> str | None:
-    """Give the SI unit of a field.
-
-    Parameters
-    ----------
-    path : str
-        Path of the field, for example "couplings[0].stiffness[2]".
-
-    Returns
-    -------
-    str or None
-        The unit; `DIMENSIONLESS` for a field without a unit, None for a field that is not a number.
-    """
+    """Give the SI unit of a field."""
     names = tuple(re.sub(r"\[\d+\]", "", path).split("."))
     found = _end(names)
     if not isinstance(found, tuple):

@@ -39,32 +39,12 @@ _OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
     "bar": (Fraction(100_000), 0, (-1, 1, -2)),
 }
 _SIGNS = {"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"}
-_TEXT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?")
+_TEXT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?", re.ASCII)
 _FACTOR = re.compile(r"([A-Za-z%]+|1)(?:\^\(?(-?\d)\)?)?")
 
 
 def parsed(text: str, path: str, *, bare: bool = False) -> float:
-    """Convert a text with a unit to SI units.
-
-    Parameters
-    ----------
-    text : str
-        A number and a unit: products by spaces, then divisions by "/" and powers by "^".
-    path : str
-        Path of the field, which determines the dimension.
-    bare : bool
-        Whether a number without a unit is in the SI unit of the field; False rejects it.
-
-    Returns
-    -------
-    float
-        The value in the SI unit of the field, correctly rounded where the unit contains no angle.
-
-    Raises
-    ------
-    SceneError
-        If the text is not a number with a known unit of the dimension of the field.
-    """
+    """Convert a text with a unit to SI units."""
     wanted = unit_of(path) or DIMENSIONLESS
     found = _TEXT.fullmatch(text.strip())
     if found is None:
@@ -73,6 +53,11 @@ def parsed(text: str, path: str, *, bare: bool = False) -> float:
             f'"2.5 {wanted}", got {text!r}'
         )
     number, unit = float(found[1]), found[2]
+    if unit is not None and unit[0] in ",_'":
+        raise SceneError(
+            f"{path}: must be a number with a decimal point and without other signs between its "
+            f"digits, got {text!r}"
+        )
     if unit is None:
         if bare:
             return number

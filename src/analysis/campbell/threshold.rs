@@ -4,10 +4,10 @@ use nalgebra::Complex;
 
 use super::super::AnalysisError;
 use super::super::modes::require;
-use super::super::root::root;
 use super::Tracker;
 use super::state::State;
 use crate::modal::{Whirl, is_growing};
+use crate::numerics::{Sample, root};
 
 /// A speed at which a mode becomes unstable or stable.
 #[derive(Clone, Copy, Debug)]
@@ -56,14 +56,14 @@ impl Tracker<'_> {
         ends: [(f64, &State); 2],
         value: impl Fn(f64, &State) -> f64,
     ) -> Result<(f64, State), AnalysisError> {
-        let values = ends.map(|(speed, state)| (speed, value(speed, state)));
+        let values = ends.map(|(speed, state)| Sample { at: speed, value: value(speed, state) });
         let mode = |speed: f64| -> Result<State, AnalysisError> {
             let states = self.at(speed)?;
             let like = |state: &&State| ends[0].1.correlation(state) + ends[1].1.correlation(state);
             let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
             Ok(found.unwrap_or(ends[0].1).clone())
         };
-        let speed = root(values, |speed| Ok(value(speed, &mode(speed)?)))?;
+        let speed = root(values, |speed| mode(speed).map(|state| value(speed, &state)))?;
         Ok((speed, mode(speed)?))
     }
 }

@@ -7,7 +7,7 @@
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-use super::super::campbell::{Assignment, equal};
+use super::super::assignment::{Assignment, equal};
 use super::{Critical, modes, named};
 use crate::analysis::{AnalysisError, Interrupt};
 use crate::modal::{CachedModel, OrderIntersection};
@@ -47,17 +47,17 @@ struct Found {
 /// with the same coordinates for all of them.
 ///
 /// # Errors
-/// [`AnalysisError`] if `excitation` is not positive, a stiffness is invalid, a decomposition fails, a mode does not satisfy the
+/// [`AnalysisError`] if `order` is not positive, a stiffness is invalid, a decomposition fails, a mode does not satisfy the
 /// equations of motion, or `interrupt` requests a stop.
 pub fn critical_speed_map(
     at: impl Fn(f64) -> Result<CachedModel, AnalysisError>,
     stiffnesses: &[f64],
-    excitation: f64,
+    order: f64,
     count: usize,
     interrupt: &Interrupt,
 ) -> Result<Vec<Vec<CriticalPoint>>, AnalysisError> {
-    EntryPath::root("excitation").positive(excitation)?;
-    let mut lines = Lines { at, excitation, count, interrupt, alive: Vec::new(), started: 0 };
+    EntryPath::root("order").positive(order)?;
+    let mut lines = Lines { at, order, count, interrupt, alive: Vec::new(), started: 0 };
     let mut map = Vec::new();
     let mut previous = None;
     for stiffness in stiffnesses {
@@ -76,7 +76,7 @@ pub fn critical_speed_map(
 /// The lines up to a stiffness.
 struct Lines<'a, F> {
     at: F,
-    excitation: f64,
+    order: f64,
     /// Number of critical speeds at each stiffness.
     count: usize,
     interrupt: &'a Interrupt,
@@ -91,8 +91,8 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
     fn modes(&self, stiffness: f64) -> Result<(CachedModel, Vec<Found>), AnalysisError> {
         self.interrupt.check()?;
         let cached = (self.at)(stiffness)?;
-        let found = modes(&cached, self.excitation, self.count.saturating_add(FURTHER_MODES))?;
-        let found = found.into_iter().map(|met| Found::new(&cached.model, self.excitation, met)).collect();
+        let found = modes(&cached, self.order, self.count.saturating_add(FURTHER_MODES))?;
+        let found = found.into_iter().map(|met| Found::new(&cached.model, self.order, met)).collect();
         Ok((cached, found))
     }
 

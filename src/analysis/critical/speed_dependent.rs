@@ -8,8 +8,8 @@
 
 use super::{Critical, Interrupt, named};
 use crate::analysis::AnalysisError;
-use crate::analysis::root::root;
 use crate::modal::{CachedModel, Quadratic};
+use crate::numerics::{Sample, root};
 
 /// Samples between two neighbouring speeds of the tables.
 const SAMPLES: usize = 8;
@@ -35,9 +35,11 @@ pub(super) fn critical_speeds(
     }
     for pair in found.windows(2) {
         for (number, values) in pair[0].1.iter().zip(&pair[1].1).enumerate() {
-            let ends = [(pair[0].0, values.0 - pair[0].0), (pair[1].0, values.1 - pair[1].0)];
-            if (ends[0].1 >= 0.0) == (ends[1].1 < 0.0) {
-                let value = |speed: f64| Ok(at(speed)?.get(number).map_or(f64::INFINITY, |value| value - speed));
+            let sample = |at: f64, value: f64| Sample { at, value: value - at };
+            let ends = [sample(pair[0].0, *values.0), sample(pair[1].0, *values.1)];
+            if (ends[0].value >= 0.0) == (ends[1].value < 0.0) {
+                let value =
+                    |speed: f64| at(speed).map(|found| found.get(number).map_or(f64::INFINITY, |value| value - speed));
                 roots.push((root(ends, value)?, number));
             }
         }

@@ -130,7 +130,7 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
         let probe = with_elements(given, &automatic, |i| (counts[i].clone(), degrees[i]));
         let model = Model::new(Scene::new(&probe)?)?;
         let permitted_error = permitted(level, model.meshes.is_empty());
-        let known = at_tabulated_speed(model.clone()).map(contact_phases).ok();
+        let known = at_lowest_speed(model.clone()).map(contact_phases).ok();
         let known = known.and_then(|phases| excitations(&phases).ok().map(|excitations| (phases, excitations)));
         let Some((phases, excitations)) = known else {
             // Tables without a common speed, or a decomposition that fails: an analysis of the scene reports it.
@@ -192,12 +192,12 @@ fn excitations(phases: &[CachedModel]) -> Result<Vec<Excitation>, DecompositionE
 
 /// The model with the bearing coefficients of the lowest speed that all tables contain. Nonlinear bearings have a stiffness
 /// that follows from the weight of their shafts, because the loads and speeds of the analyses are not known.
-fn at_tabulated_speed(model: Model) -> Result<Model, SceneError> {
-    let model = if model.nonlinear_bearings.is_empty() { model } else { model.with_provisional_points() };
+fn at_lowest_speed(model: Model) -> Result<Model, SceneError> {
+    let model = if model.nonlinear_bearings.is_empty() { model } else { model.with_initial_operating_points() };
     if model.bearings.is_empty() {
         return Ok(model);
     }
-    model.at_tabulated_speed(model.lowest_speed().unwrap_or(0.0))
+    model.with_tables_at(model.lowest_speed().unwrap_or(0.0))
 }
 
 /// Errors to expect of the elements of a model.
@@ -220,8 +220,8 @@ impl ElementErrors {
         // Every node counts as a place of a part, so that the elements are those of the model.
         let layouts: Vec<Layout> =
             given.shafts.iter().zip(&scene.shafts).map(|(given, shaft)| Layout::new(given, shaft)).collect();
-        let phases = contact_phases(at_tabulated_speed(cached.model.clone())?);
-        if !cached.model.lacks_coefficients() {
+        let phases = contact_phases(at_lowest_speed(cached.model.clone())?);
+        if !cached.model.needs_speed() {
             phases[0].share(cached);
         }
         let known = resolved.choice.as_ref().map(|choice| choice.expected_error);

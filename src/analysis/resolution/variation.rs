@@ -2,7 +2,7 @@
 
 use super::layout::Layout;
 use super::{
-    Choice, Resolved, Search, at_tabulated_speed, contact_phases, displacement_weight, excitations, with_elements,
+    Choice, Resolved, Search, at_lowest_speed, contact_phases, displacement_weight, excitations, with_elements,
 };
 use crate::modal::CachedModel;
 use crate::model::Model;
@@ -40,7 +40,7 @@ pub fn resolve_variation(given: &SceneDescription, base: &Resolved) -> Result<Op
     let Some(model) = probe.model.with_loads(Scene::new(&with_elements_of(given, &probe.description))?)? else {
         return Ok(None);
     };
-    let phases = contact_phases(at_tabulated_speed(model)?);
+    let phases = contact_phases(at_lowest_speed(model)?);
     phases.iter().zip(&probe.phases).for_each(|(phase, known)| phase.share(known));
     let Ok(excitations) = excitations(&phases) else {
         return Ok(None);

@@ -175,7 +175,7 @@ fn equilibrium_at(
     time: f64,
 ) -> Result<DVector<f64>, AnalysisError> {
     let speeds = EquilibriumSpeeds { film: options.speed.at(time), flanks: options.fastest() };
-    if cached.model.is_at(speeds.film) {
+    if cached.model.is_at_speed(speeds.film) {
         return Ok(found.clone());
     }
     equilibrium_with_flanks(cached, options.geometry, speeds)

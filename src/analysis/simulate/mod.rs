@@ -147,7 +147,7 @@ pub fn simulate(
 fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, EquilibriumError> {
     match options.speed {
         Speed::Constant(_) => cached.at_speed(options.fastest()),
-        Speed::Changing(_) => cached.with_points_of(options.fastest()),
+        Speed::Changing(_) => cached.with_operating_points_of(options.fastest()),
     }
 }
 

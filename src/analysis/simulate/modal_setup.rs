@@ -12,7 +12,7 @@ use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
 use crate::modal::{CachedModel, ModalStateSpace, Projected};
-use crate::motion::{EquationOfMotion, Speed};
+use crate::motion::{EquationOfMotion, RotatingLoad, Speed};
 
 /// The parts of a run in modal coordinates.
 #[derive(Clone)]
@@ -56,25 +56,26 @@ impl<'m> ModalSetup<'m> {
         };
         // At a changing speed, bow and unbalance are loads, and no shaft is a source of synchronous motion.
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
-        let sources: Vec<usize> = motion.sources().filter(|shaft| !is_resonant(&linear, motion.spin(*shaft))).collect();
+        let sources: Vec<&RotatingLoad> =
+            motion.sources().iter().filter(|source| !is_resonant(&linear, source.spin)).collect();
         if let Some(subspace) = subspace {
-            for shaft in sources {
-                amplitudes.set_column(shaft, &synchronous_in(subspace, cached, speed, speed, shaft)?);
+            for RotatingLoad { shaft, .. } in sources {
+                amplitudes.set_column(*shaft, &synchronous_in(subspace, cached, speed, speed, *shaft)?);
             }
         } else {
             let key = ResponseKey {
                 linear: Arc::clone(&linear),
-                spins: sources.iter().map(|shaft| motion.spin(*shaft)).collect(),
-                forces: sources.iter().map(|shaft| motion.rotating_forces(*shaft)).collect(),
+                spins: sources.iter().map(|source| source.spin).collect(),
+                forces: sources.iter().map(|source| source.columns()).collect(),
             };
             let known = cached.run_results::<RunCache>();
             let responses = known.responses.get_or(key.clone(), || key.responses());
-            for (shaft, response) in sources.into_iter().zip(responses.iter()) {
+            for (RotatingLoad { shaft, .. }, response) in sources.into_iter().zip(responses.iter()) {
                 match response {
-                    Some(found) => amplitudes.set_column(shaft, found),
+                    Some(found) => amplitudes.set_column(*shaft, found),
                     None => {
                         let key = StartKey { speed, flank_speed: speed, uses_components: false };
-                        amplitudes.set_column(shaft, &start_amplitudes(cached, key)?.column(shaft));
+                        amplitudes.set_column(*shaft, &start_amplitudes(cached, key)?.column(*shaft));
                     }
                 }
             }

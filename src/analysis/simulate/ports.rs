@@ -5,11 +5,11 @@ use num_complex::Complex64;
 use super::Options;
 use crate::connection::{Connection, Row};
 use crate::exponential::Selection;
-use crate::model::Model;
+use crate::model::{Excitation, Model};
 use crate::motion::Speed;
 
 /// Largest number of recorded coordinates whose static displacement under a load is kept.
-const MAX_RECORDED: usize = 64;
+const MAX_RECORDED: usize = 128;
 /// Harmonics of the tooth meshing frequency, or of the rotation without teeth, that count as excited.
 const HARMONICS: f64 = 10.0;
 
@@ -27,19 +27,30 @@ pub(super) fn interfaces(model: &Model, options: &Options, selection: &Selection
     single.dedup();
     rows.extend(single.into_iter().filter(|index| *index < model.len()).map(|index| vec![(index, 1.0)]));
     if matches!(options.speed, Speed::Changing(_)) {
-        for shaft in model.shafts.iter().filter(|shaft| !shaft.excitations.is_empty()) {
-            let amplitudes =
-                shaft.excitations.iter().map(|given| (given.index, given.amplitude(shaft.ratio * speed, 0.0)));
-            let amplitudes: Vec<(usize, Complex64)> = amplitudes.collect();
-            rows.push(
-                amplitudes.iter().flat_map(|(index, value)| [(*index, value.re), (index + 1, value.im)]).collect(),
-            );
-            rows.push(
-                amplitudes.iter().flat_map(|(index, value)| [(*index, -value.im), (index + 1, value.re)]).collect(),
-            );
-        }
+        rows.extend(rotating_loads(model));
     }
     rows
+}
+
+/// Loads of bows and of unbalances at two angles of each shaft, as entries (index, coefficient) over the displacements. At a
+/// changing speed they act on the linear motion, which must carry them. Only their shape matters: they have the length 1, so
+/// that variations of their size share a subspace.
+fn rotating_loads(model: &Model) -> Vec<Row> {
+    let parts = [Excitation::steady_amplitude, |excitation: &Excitation| excitation.unbalance];
+    let mut loads = Vec::new();
+    for (shaft, part) in model.shafts.iter().flat_map(|shaft| parts.map(|part| (shaft, part))) {
+        let size = shaft.excitations.iter().map(|excitation| part(excitation).norm_sqr()).sum::<f64>().sqrt();
+        for angle in [Complex64::ONE, Complex64::I] {
+            let entries = shaft.excitations.iter().flat_map(|excitation| {
+                let load = part(excitation) * angle / size;
+                [(excitation.index, load.re), (excitation.index + 1, load.im)]
+            });
+            if size > 0.0 {
+                loads.push(entries.collect());
+            }
+        }
+    }
+    loads
 }
 
 /// Highest angular frequency that is excited, rad/s: of the gears on their mesh stiffness, or of the harmonics of the tooth

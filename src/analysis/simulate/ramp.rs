@@ -49,7 +49,6 @@ pub(super) fn speed_change(model: &Model, options: &Options, real: &RealModes) -
     };
     Ok(SpeedChange {
         reference_speed: reference_speed(options),
-        bearing_speed: fastest,
         pairs,
         longest_rotation: match options.step {
             Some(_) => f64::INFINITY,

@@ -204,7 +204,10 @@ pub fn multipliers(
     smallest: f64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<Complex<f64>>, AnalysisError> {
-    with_period_map(cached, options, plan, watch, |map| multipliers::multipliers(map, smallest))
+    with_period_map(cached, options, plan, watch, |map| {
+        let is_constant = has_constant_coefficients(&cached.model, options.geometry);
+        multipliers::multipliers(map, smallest, is_constant)
+    })
 }
 
 /// Euclidean norm: the energy norm of a state z, as far as the modes are orthogonal.

@@ -5,13 +5,16 @@ use std::cell::RefCell;
 use nalgebra::Complex;
 
 use super::norm;
-use super::preconditioner::Preconditioner;
+use super::preconditioner::{NO_DECAY, Preconditioner};
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::PeriodMap;
 use crate::linalg::{DecompositionError, Krylov, Operator};
+use crate::modal::{ModePair, StateMatrix};
 
+/// Error of the motion after a period from the solution of the stage equations, relative to the motion.
+const ROUND_OFF: f64 = 1e-13;
 /// Difference of two states from which a derivative is taken, relative to the motion. The central difference has an error
-/// of about its square, and the round-off of the stage equations (1e-13) divided by it.
+/// of about its square, and [`ROUND_OFF`] divided by it.
 const DIFFERENCE: f64 = 1e-5;
 /// Sizes of the disturbance that the steps resolve, relative to the motion: the first one that can be integrated.
 const DISTURBANCES: [f64; 3] = [0.1, 0.01, 0.001];
@@ -26,8 +29,37 @@ const MAX_PRODUCTS: usize = 400;
 /// Number of products between two checks of the residuals.
 const INTERVAL: usize = 8;
 
-/// The multipliers of magnitude `smallest` and more, the largest first, of the steady state in which the map begins.
-pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
+/// The multipliers of magnitude `smallest` and more, the largest first, of the steady state in which the map begins. They are
+/// those of the linear motion if `is_constant`: the coefficients of the equation of motion are constant.
+pub fn multipliers(
+    map: &mut PeriodMap<'_>,
+    smallest: f64,
+    is_constant: bool,
+) -> Result<Vec<Complex<f64>>, AnalysisError> {
+    let known = if is_constant { multipliers_of_modes(map) } else { None };
+    let mut values = if let Some(known) = known { known } else { multipliers_of_map(map, smallest)? };
+    let period = map.period();
+    // No load reaches the modes that the run leaves out: their motion is linear.
+    values.extend(map.omitted_eigenvalues()?.into_iter().map(|value| (value * period).exp()));
+    values.retain(|value| value.norm() >= smallest);
+    values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+    Ok(values)
+}
+
+/// The multipliers e^{λT} of the modes of the run, without rigid-body motions that do not decay; none if it has no modes.
+fn multipliers_of_modes(map: &PeriodMap<'_>) -> Option<Vec<Complex<f64>>> {
+    let (linear, period) = (map.linear(), map.period());
+    let StateMatrix::Pairs(pairs) = &linear.matrix else {
+        return None;
+    };
+    let rate = |pair: &ModePair| if let ModePair::RigidBodyPair(rate) = pair { Some(*rate) } else { None };
+    let moving = pairs.iter().filter_map(rate).filter(|rate| (rate * period).abs() >= NO_DECAY);
+    let modes = linear.eigenvalues().into_iter().chain(moving.map(Complex::from));
+    Some(modes.map(|value| (value * period).exp()).collect())
+}
+
+/// The multipliers of magnitude `smallest` and more of the modes of the run, from disturbed periods.
+fn multipliers_of_map(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
     let preconditioner = Preconditioner::new(map.linear(), map.period())?;
     let z = map.initial();
     let image = map.adapt(&z)?;
@@ -49,14 +81,7 @@ pub fn multipliers(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex
     if let Some(error) = operator.failure.take() {
         return Err(error);
     }
-    let mut values = found?;
-    let map = operator.map.into_inner();
-    let period = map.period();
-    // No load reaches the modes that the run leaves out: their motion is linear.
-    values.extend(map.omitted_eigenvalues()?.into_iter().map(|value| (value * period).exp()));
-    values.retain(|value| value.norm() >= smallest);
-    values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
-    Ok(values)
+    found
 }
 
 /// A state at a distance `size` from `z`: its steps also resolve how a disturbance moves, which a steady motion need not
@@ -158,6 +183,13 @@ fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Comple
         let may_be_wanted = pairs.iter().filter(|pair| pair.value.norm() * (1.0 + pair.residual) >= smallest);
         largest_residual = may_be_wanted.clone().map(|pair| pair.residual).fold(0.0, f64::max);
         if count == operator.size() || largest_residual <= RESIDUAL && may_be_wanted.count() + 2 < count {
+            let largest = pairs.iter().map(|pair| pair.value.norm()).fold(0.0, f64::max);
+            let lost = largest * if operator.is_affine { ROUND_OFF } else { ROUND_OFF / DIFFERENCE };
+            if lost > smallest {
+                return Err(AnalysisError::Convergence(format!(
+                    "multipliers: those below {lost:.0e} are lost in the round-off of the largest one, {largest:.1e}; take a larger magnitude with multipliers_above()"
+                )));
+            }
             return Ok(pairs.iter().map(|pair| pair.value).collect());
         }
     }

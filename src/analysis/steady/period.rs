@@ -155,7 +155,7 @@ pub fn has_constant_coefficients(model: &Model, geometry: Geometry) -> bool {
         mesh.teeth.is_constant()
             && !mesh.teeth.is_relieved()
             && mesh.backlash.is_none()
-            && !mesh.has_run_out()
+            && !mesh.has_runout()
             // Without bending, the line of action does not move.
             && (geometry == Geometry::Frozen || mesh.coordinates.translation.is_none())
     };
@@ -261,7 +261,7 @@ fn sources(model: &Model) -> Vec<Source> {
                 sources.push(shaft(at, "transmission error", harmonics.len()));
             }
         }
-        let out = [driver, driven].into_iter().filter(|gear| gear.run_out.norm() > 0.0);
+        let out = [driver, driven].into_iter().filter(|gear| gear.runout.norm() > 0.0);
         sources.extend(out.map(|gear| shaft(gear.body.node.shaft, "run-out on a gear", 1)));
     }
     sources.extend(loads(model, &ratios));

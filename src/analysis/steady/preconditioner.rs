@@ -9,7 +9,7 @@ use crate::analysis::AnalysisError;
 use crate::modal::{ModalStateSpace, ModePair, StateMatrix};
 
 /// Decay of a rigid-body motion within a period below which it is round-off.
-const NO_DECAY: f64 = 1e-9;
+pub const NO_DECAY: f64 = 1e-9;
 /// Singular values of I − e^{AT} below this fraction of the largest belong to rigid-body motions.
 const SINGULAR: f64 = 1e-8;
 

@@ -187,9 +187,9 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         let best = best.map(|best| self.settled(best.solution, LONGEST_RUN_IN)).transpose()?;
         best.filter(|best| best.error <= ACCEPTABLE).ok_or_else(|| {
             AnalysisError::Convergence(failure.unwrap_or_else(|| format!(
-                "the quasi-periodic motion did not converge with {} unknowns of each coordinate: further harmonics change {:.1e} of it, and it is unstable or runs in slowly; start from another initial motion, add damping, or run in with simulate()",
-                coefficients.ncols(),
-                changes.last()
+                "the quasi-periodic motion did not converge: further harmonics change it by {:.1e} of its size, with {} unknowns of each coordinate; it is unstable, or its transient decays slowly; run in with simulate() and give its response as initial, or add damping",
+                changes.last(),
+                coefficients.ncols()
             )))
         })
     }

@@ -10,19 +10,15 @@
 //! The integrals over the ramps of the engagement and over the part between them are computed by Gauss rules, which are
 //! exact for constant and parabolic stiffness. Without ramps the stiffness has kinks, but no jumps.
 
+use std::sync::LazyLock;
+
 use super::{ElasticState, ToothPair};
 use crate::mesh::ContactPath;
+use crate::numerics::gauss;
 use crate::scene::Engagement;
 
-/// Abscissae on [0, 1] and weights of the five-point Gauss rule, exact up to degree nine: a ramp has the degree five and a
-/// parabolic pair two.
-const GAUSS: [(f64, f64); 5] = [
-    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
-    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
-    (0.5, 0.284_444_444_444_444_44),
-    (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
-    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
-];
+/// The five-point Gauss rule, exact up to degree nine: a ramp has the degree five and a parabolic pair two.
+static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(5));
 
 /// Pairs of helical teeth.
 #[derive(Clone, Debug)]
@@ -72,7 +68,7 @@ impl ContactLines {
             if length <= 0.0 {
                 continue;
             }
-            for (at, weight) in GAUSS {
+            for (at, weight) in &*RULE {
                 let y = s + (piece[0] + at * length) * overlap;
                 let [k, slope, by_tangent] = self.pair.at(y, path.tangent);
                 let [w, by_entered, by_left] = self.engagement.weight(y - path.low, path.high - y, path.pitch);

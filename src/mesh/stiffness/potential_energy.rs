@@ -6,7 +6,9 @@
 //! width.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
+use crate::numerics::gauss;
 use crate::scene::Gear;
 
 /// Young's modulus and Poisson's ratio of the gears: steel.
@@ -25,13 +27,8 @@ const FOUNDATION: [[f64; 6]; 4] = [
     [-6.2042e-5, 9.0889e-3, -4.0964e-4, 7.8297e-3, -0.1472, 0.6904],
 ];
 
-/// Positive abscissae and weights of the eight-point Gauss rule on [−1, 1]; the rule is symmetric.
-const GAUSS: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
-];
+/// Points of the Gauss rule on each piece of the profile.
+const POINTS: usize = 8;
 
 /// One tooth of a gear.
 #[derive(Clone, Copy, Debug)]
@@ -85,12 +82,13 @@ impl Tooth {
         };
         // Along the involute from the larger one of base circle and root circle; x' = r_b·roll·cos(roll − half_angle).
         let lowest = ((self.root_radius / self.base_radius).powi(2) - 1.0).max(0.0).sqrt();
-        let involute = gauss(lowest, roll, |angle| {
+        let involute = integral(lowest, roll, |angle| {
             let (x, h) = self.flank(angle);
             slice(x, h) * self.base_radius * angle * (angle - self.half_angle).cos()
         });
         let (foot, width) = self.flank(0.0);
-        let straight = if self.root_radius < foot { gauss(self.root_radius, foot, |x| slice(x, width)) } else { 0.0 };
+        let straight =
+            if self.root_radius < foot { integral(self.root_radius, foot, |x| slice(x, width)) } else { 0.0 };
         involute + straight
     }
 
@@ -121,15 +119,11 @@ impl Tooth {
     }
 }
 
-fn gauss(from: f64, to: f64, integrand: impl Fn(f64) -> f64) -> f64 {
+/// Integral by a Gauss rule on eight pieces.
+fn integral(from: f64, to: f64, integrand: impl Fn(f64) -> f64) -> f64 {
     const PIECES: usize = 8;
-    let half = (to - from) / (2 * PIECES) as f64;
-    (0..PIECES)
-        .map(|piece| {
-            let middle = from + half * (2 * piece + 1) as f64;
-            let pair =
-                |(x, weight): &(f64, f64)| weight * (integrand(middle - half * x) + integrand(middle + half * x));
-            GAUSS.iter().map(pair).sum::<f64>() * half
-        })
-        .sum()
+    static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(POINTS));
+    let length = (to - from) / PIECES as f64;
+    let piece = |begin: f64| RULE.iter().map(|(at, weight)| weight * integrand(begin + at * length)).sum::<f64>();
+    (0..PIECES).map(|index| piece(from + index as f64 * length)).sum::<f64>() * length
 }

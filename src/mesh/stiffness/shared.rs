@@ -14,6 +14,7 @@
 
 use super::{ElasticState, ToothPair, UniformCurve};
 use crate::mesh::ContactPath;
+use crate::numerics::gauss;
 use crate::scene::Engagement;
 
 /// Tooth pairs and their shared gear bodies.
@@ -85,11 +86,12 @@ impl Shared {
             .map(|end: f64| end.rem_euclid(pitch));
         marks[5] = pitch;
         marks.sort_by(f64::total_cmp);
-        let offset = 0.5 / 3.0_f64.sqrt();
+        let rule = gauss(2);
         let piece = |from: f64, to: f64| {
             let h = (to - from) / PIECES as f64;
             let at = |i: usize, part: f64| self.stiffness(path, from + h * (i as f64 + part));
-            (0..PIECES).map(|i| (at(i, 0.5 - offset) + at(i, 0.5 + offset)) * h / 2.0).sum::<f64>()
+            let sum = |i: usize| rule.iter().map(|(part, weight)| weight * at(i, *part)).sum::<f64>();
+            (0..PIECES).map(sum).sum::<f64>() * h
         };
         marks.windows(2).map(|ends| piece(ends[0], ends[1])).sum::<f64>() / pitch
     }

@@ -227,7 +227,7 @@ impl<'m> AtRest<'m> {
         let model = if model.nonlinear_bearings.is_empty() {
             Cow::Borrowed(model)
         } else {
-            Cow::Owned(model.clone().without_points())
+            Cow::Owned(model.clone().without_operating_points())
         };
         let loads = [model.given_load(), model.weight(), model.speed_torques(speeds.flanks)];
         Self { bodies: Bodies::new(&model), model, geometry, speeds, loads, load_factor: 1.0 }
@@ -346,7 +346,6 @@ impl Forces {
                     bearings += 1;
                     (&bearing.rows[..], known)
                 }
-                Connection::Spring(spring) => (&spring.rows[..], spring.static_tangent(q)),
             };
             for (i, left) in rows.iter().enumerate() {
                 self.add_over(left, -known[i]);

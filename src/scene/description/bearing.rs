@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Base, BearingCoefficient, Coefficient};
 
 /// A bearing under a shaft: linear with `stiffness`, on the ground, a support or a housing; or a journal bearing on the ground
-/// with `diameter` and the other entries of its film; or a rolling bearing with `balls` and the other entries of its elements.
+/// with `diameter` and the other entries of its film; or a rolling bearing with `elements` and the other entries of its elements.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bearing {
@@ -51,10 +51,10 @@ pub struct Bearing {
     pub grooves: Option<Vec<[f64; 2]>>,
     /// Number of rolling elements.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub balls: Option<u32>,
+    pub elements: Option<u32>,
     /// Diameter of a rolling element, m.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub ball_diameter: Option<f64>,
+    pub element_diameter: Option<f64>,
     /// Diameter of the circle through the centres of the rolling elements, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch_diameter: Option<f64>,
@@ -101,9 +101,10 @@ impl Bearing {
 
     /// Whether an entry of a rolling bearing is given.
     pub fn is_rolling(&self) -> bool {
-        let lengths = [self.ball_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];
+        let lengths =
+            [self.element_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];
         let others = [self.inner_groove, self.outer_groove, self.roller_length];
-        self.balls.is_some() || self.contact.is_some() || lengths.iter().chain(&others).any(Option::is_some)
+        self.elements.is_some() || self.contact.is_some() || lengths.iter().chain(&others).any(Option::is_some)
     }
 
     /// The entries of a journal bearing, and whether each is given.

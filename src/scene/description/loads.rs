@@ -16,11 +16,29 @@ pub struct Coupling {
     pub a: Place,
     /// Place of the second hub.
     pub b: Place,
-    /// Axial, lateral [N/m], tilting and torsional [N m/rad] stiffness.
-    pub stiffness: [f64; 4],
-    /// Axial, lateral [N s/m], tilting and torsional [N m s/rad] damping.
+    /// Axial stiffness, N/m.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub damping: Option<[f64; 4]>,
+    pub axial_stiffness: Option<f64>,
+    /// Lateral stiffness, N/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lateral_stiffness: Option<f64>,
+    /// Tilting stiffness, N m/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilting_stiffness: Option<f64>,
+    /// Torsional stiffness, N m/rad.
+    pub torsional_stiffness: f64,
+    /// Axial damping, N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_damping: Option<f64>,
+    /// Lateral damping, N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lateral_damping: Option<f64>,
+    /// Tilting damping, N m s/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilting_damping: Option<f64>,
+    /// Torsional damping, N m s/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torsional_damping: Option<f64>,
     /// Parallel misalignment of the axis of b to that of a, y + iz, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<Complex>,

@@ -221,7 +221,7 @@ pub struct Gear {
     pub unbalance: Option<Complex>,
     /// Run-out: offset of the base circle from the axis of the shaft, m, with its angle in the rotating shaft.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub run_out: Option<Complex>,
+    pub runout: Option<Complex>,
 }
 
 /// A pair of gears in mesh.

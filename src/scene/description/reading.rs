@@ -12,8 +12,7 @@ use crate::scene::{SceneError, nearest};
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
 /// Names of the entries that are lists of a fixed length, and what their numbers are.
-const FIXED_LISTS: [(&[&str], &str); 7] = [
-    (&["stiffness", "damping"], "4 numbers [axial, lateral, tilting, torsional]"),
+const FIXED_LISTS: [(&[&str], &str); 6] = [
     (&["inertia", "position", "rotational_stiffness", "rotational_damping", "points"], "3 numbers [x, y, z]"),
     (&["value"], "a pair [y, z]"),
     (&["grooves"], "a pair [angle of the middle, extent] for each groove"),
@@ -65,6 +64,10 @@ impl<T: TryFrom<i64>> Visitor<'_> for Whole<T> {
     fn visit_f64<E: Error>(self, value: f64) -> Result<T, E> {
         if value.fract() == 0.0 && value.abs() <= LARGEST_WHOLE {
             return self.visit_i64(value as i64);
+        }
+        if value.fract() == 0.0 {
+            let bound = if value < 0.0 { "at least 1" } else { "smaller" };
+            return Err(E::custom(format!("must be {bound}, got {value}")));
         }
         Err(E::custom(format!("must be a whole number, got {value}")))
     }

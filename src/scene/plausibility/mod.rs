@@ -11,12 +11,12 @@ use std::f64::consts::PI;
 
 use super::description::{self, SceneDescription};
 use super::number::short;
-use super::{BearingCoefficient, Body, Bow, Damping, EntryPath, Gear, Nonlinear, Scene, SceneError, Shaft};
+use super::{BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Nonlinear, Scene, SceneError, Shaft};
 use findings::Findings;
 use ranges::{
     ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, CLEARANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
     GEAR_DENSITY, GEAR_GYRATION, GYRATION, LENGTH, MASS, MESH_DAMPING, MESH_STIFFNESS, METRES, MODAL_DAMPING, MODULE,
-    MODULUS, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF, RELIEF_LENGTH, ROLLING_CLEARANCE, RUN_OUT, SAG, SHEAR_MODULUS,
+    MODULUS, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF, RELIEF_LENGTH, ROLLING_CLEARANCE, RUNOUT, SAG, SHEAR_MODULUS,
     SLENDERNESS, TIP_REACH, TORSION, VISCOSITY, WEIGHT,
 };
 
@@ -65,7 +65,7 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
                 found.check(&at.field("viscosity"), journal.viscosity, &VISCOSITY);
             }
             Some(Nonlinear::Rolling(rolling)) => {
-                let diameter = system.bearings[index].ball_diameter.unwrap_or(f64::INFINITY);
+                let diameter = system.bearings[index].element_diameter.unwrap_or(f64::INFINITY);
                 found.check(&at.field("clearance"), rolling.clearance.abs() / diameter, &ROLLING_CLEARANCE);
             }
         }
@@ -124,7 +124,7 @@ fn check_shaft(
 
 /// Warns of a bow whose points end before the shaft does, if the straight extrapolation is large compared with the points.
 fn check_extrapolation(shaft: &Shaft, largest: f64, at: &EntryPath, found: &mut Findings) {
-    let Some(Bow::Points(spline)) = &shaft.bow else { return };
+    let Some(Bow::Curve(BowCurve::Points(spline))) = &shaft.bow else { return };
     let [first, last] = spline.range();
     for (end, measured) in [(0.0, first), (shaft.length(), last)] {
         let deflection = spline.at(end).0.norm();
@@ -158,7 +158,7 @@ fn check_gear(given: &description::Gear, gear: &Gear, at: &EntryPath, found: &mu
     if given.tip_radius.is_some() {
         found.check(&at.field("tip_radius"), (gear.tip_radius - gear.pitch_radius) / gear.module, &ADDENDUM);
     }
-    found.check(&at.field("run_out"), gear.run_out.norm() / gear.module, &RUN_OUT);
+    found.check(&at.field("runout"), gear.runout.norm() / gear.module, &RUNOUT);
     if let Some(width) = gear.face_width {
         found.check(&at.field("face_width"), width / (2.0 * gear.pitch_radius), &FACE_WIDTH);
         let volume = PI * gear.pitch_radius.powi(2) * width;

@@ -88,7 +88,7 @@ pub(super) const ECCENTRICITY: Usual = usual(
 /// Shafts with a bow above 1e-3 of the length are straightened.
 pub(super) const BOW: Usual = usual("bow over length of a shaft", "", 0.0, 0.05, METRES);
 /// Eccentric gears: 0.05 modules at most.
-pub(super) const RUN_OUT: Usual = usual("run-out in modules", "", 0.0, 0.5, METRES);
+pub(super) const RUNOUT: Usual = usual("run-out in modules", "", 0.0, 0.5, METRES);
 /// ISO/TR 10064-2 recommends 0.03 to 0.1 modules.
 pub(super) const BACKLASH: Usual = usual("backlash in modules", "", 0.0, 1.0, METRES);
 /// ISO 21771 and common practice: 0.01 to 0.02 modules.

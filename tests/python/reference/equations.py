@@ -185,7 +185,7 @@ class Balance:
     def __init__(
         self,
         system: gb.RotorSystem,
-        motion: gb.Static | gb.Response,
+        motion: gb.results.Static | gb.Response,
         speed: float,
         rows: slice = slice(None),
     ) -> None:
@@ -259,14 +259,14 @@ class Balance:
 
     def _tilt(self, gear: gb.Gear) -> Array:
         """Slopes of a gear along y and z; they are neglected in a run, which does not record them."""
-        if not isinstance(self.motion, gb.Static) or "B" not in self.kinds:
+        if not isinstance(self.motion, gb.results.Static) or "B" not in self.kinds:
             return np.zeros(2)
         at = {dof: i for i, dof in enumerate(self.system.dofs)}
         b, g = (self.motion.state[at[gear.shaft, gear.position, kind]] for kind in "BG")
         return np.array([g, -b])
 
     def _mesh(self, mesh: gb.Mesh, speed: float) -> None:
-        state = self.motion.mesh(mesh.driver, mesh.driven)
+        state = self.motion.mesh((mesh.driver, mesh.driven))
         force, alpha, gamma = (
             self._taken(getattr(state, name))
             for name in ("force", "pressure_angle", "centre_line_angle")
@@ -304,9 +304,9 @@ class Balance:
     def _bearings(self) -> None:
         for bearing in self.system.bearings:
             place = (bearing.shaft, bearing.position)
-            force = self._taken(self.motion.bearing_force(*place))
+            force = self._taken(self.motion.bearing_force(place))
             axial = (
-                self._taken(self.motion.axial_bearing_force(*place))
+                self._taken(self.motion.axial_bearing_force(place))
                 if bearing.axial_stiffness
                 else 0.0
             )
@@ -319,18 +319,16 @@ class Balance:
             self._add(body.name, -k_y * v, -k_z * w)
 
     def _coupling(self, coupling: gb.Coupling) -> None:
-        axial, lateral, _, torsional = coupling.stiffness
-
         def apart(measure):
             return self._taken(measure(coupling.b)) - self._taken(measure(coupling.a))
 
         v, w = apart(self.motion.displacement) if "v" in self.kinds else np.zeros(2)
         along = apart(self.motion.axial) if "u" in self.kinds else 0.0
         pull = (
-            lateral * (v + complex(coupling.offset).real),
-            lateral * (w + complex(coupling.offset).imag),
-            axial * along,
-            torsional * apart(self.motion.twist),
+            coupling.lateral_stiffness * (v + complex(coupling.offset).real),
+            coupling.lateral_stiffness * (w + complex(coupling.offset).imag),
+            coupling.axial_stiffness * along,
+            coupling.torsional_stiffness * apart(self.motion.twist),
         )
         self._add(coupling.a[0], *pull)
         self._add(coupling.b[0], *(-value for value in pull))

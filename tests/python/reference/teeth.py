@@ -45,7 +45,7 @@ class TeethLaw:
     backlash: float | None = None
     film: bool = False  # damping acts in separation too
     error: Callable[[Any, Any], Any] | None = None  # error as a function of the spin angles
-    run_out: tuple[complex, complex] = (0j, 0j)
+    runout: tuple[complex, complex] = (0j, 0j)
 
     def reaches(self) -> tuple[float, float]:
         a, b = self.law, self.law
@@ -64,9 +64,7 @@ class TeethLaw:
     def _centres(self, q: Any, angles: Sequence[Any]) -> tuple[Any, Any]:
         """Give the relative displacement u_b - u_a of the base-circle centres in (y, z)."""
         apart = [q[3] - q[0], q[4] - q[1]]
-        for sign, out, angle, twist in zip(
-            (-1, 1), self.run_out, angles, (q[2], q[5]), strict=True
-        ):
+        for sign, out, angle, twist in zip((-1, 1), self.runout, angles, (q[2], q[5]), strict=True):
             turned = angle + twist
             apart[0] = apart[0] + sign * (out.real * np.cos(turned) - out.imag * np.sin(turned))
             apart[1] = apart[1] + sign * (out.real * np.sin(turned) + out.imag * np.cos(turned))

@@ -1,0 +1,231 @@
+"""Recorded signals of a run by place, and its prescribed rotation."""
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import array, text
+from gearbow._times import begin_after
+from gearbow._types import Array
+from gearbow.description.places import Places, place
+from gearbow.description.speed import SpeedProfile
+from gearbow.errors import ChannelError
+from gearbow.recording.bearing_motion import BearingMotion, journal_motion
+from gearbow.recording.contact import (
+    Contact,
+    ContactShares,
+    MeshScene,
+    contact_at,
+    first_contact,
+    shares,
+)
+from gearbow.recording.energy import EnergyBalance
+from gearbow.recording.record import Event, MeshResponse, RunRecord
+
+__all__ = [
+    "angle",
+    "axial_bearing_force",
+    "bearing_displacement",
+    "bearing_force",
+    "contact_shares",
+    "energy",
+    "energy_balance",
+    "events",
+    "journal",
+    "mesh",
+    "mesh_names",
+    "motion",
+    "rolling",
+    "speeds",
+    "spin",
+]
+
+#: Quantities of the motion of a place, by the names of their arrays.
+Quantity = Literal[
+    "displacement",
+    "twist",
+    "axial",
+    "velocity",
+    "twist_rate",
+    "acceleration",
+    "axial_velocity",
+    "axial_acceleration",
+]
+
+
+def motion(run: RunRecord, quantity: Quantity, at: Any) -> Array:
+    """Give a quantity of the motion of a place."""
+    points = run.data["points"]
+    known = Places("place", ([(shaft, x), *names] for shaft, x, names in points))
+    point = known.find(at)
+    if point is None:
+        at = place(at)
+        raise run.missing(f"the motion of {at!r}", at)
+    if quantity.startswith("axial"):
+        _along_axis(run, "axial")
+    plain: dict[str, Any] = dict(run.data)
+    found: Array | None = plain.get(quantity)
+    if found is None:
+        group = "acceleration" if quantity.endswith("acceleration") else "velocity"
+        raise run.missing(f"the {quantity.replace('_', ' ')} of {place(at)!r}", group)
+    return found[:, point]
+
+
+def bearing_force(run: RunRecord, at: object) -> Array:
+    """Give the lateral force on a bearing."""
+    return run.data["bearing_force"][:, _bearing(run, at)]
+
+
+def axial_bearing_force(run: RunRecord, at: object) -> Array:
+    """Give the axial force on a bearing."""
+    bearing = _bearing(run, at)
+    return _along_axis(run, "axial_bearing_force")[:, bearing]
+
+
+def bearing_displacement(run: RunRecord, at: object) -> Array:
+    """Give the displacement of a shaft relative to what its bearing stands on."""
+    bearing = _bearing(run, at)
+    found = run.data.get("bearing_displacement")
+    if found is None:
+        raise ChannelError("the file of this run has no displacements at bearings; run again")
+    return found[:, bearing]
+
+
+def journal(run: RunRecord, at: object) -> BearingMotion:
+    """Give the motion of a journal in its bearing."""
+    force, displacement = bearing_force(run, at), bearing_displacement(run, at)
+    bearings = () if run.request is None else run.request.description.get("bearings", ())
+    return journal_motion(bearings, place(at), displacement, force)
+
+
+def rolling(run: RunRecord, at: object) -> BearingMotion:
+    """Give the load of a rolling bearing."""
+    force = bearing_force(run, at)
+    known = Places("bearing", ([at] for at in map(tuple, run.data["rolling_bearings"])))
+    i = known.find(at)
+    if i is None:
+        raise ChannelError(f"no rolling bearing at {place(at)}; there are {known}")
+    loaded, largest = np.moveaxis(run.data["rolling_contact"][:, i], -1, 0)
+    return BearingMotion(force, loaded_elements=loaded, largest_contact_force=largest)
+
+
+def _bearing(run: RunRecord, at: object) -> int:
+    """Find a recorded bearing."""
+    i = Places("bearing", ([at] for at in map(tuple, run.data["bearings"]))).find(at)
+    if i is None:
+        shaft, position = place(at)
+        what = f"the bearing force at ({shaft!r}, {position:g})"
+        raise run.missing(what, ("bearing", shaft, position))
+    return i
+
+
+def _along_axis(run: RunRecord, name: Literal["axial", "axial_bearing_force"]) -> Array:
+    """Give an array of the axial motion."""
+    found = run.data.get(name)
+    if found is None:
+        raise ChannelError(
+            "the system has no axial motion; helical gears, axial forces and bearings with "
+            "axial_stiffness cause it"
+        )
+    return found
+
+
+def mesh(run: RunRecord, at: object) -> MeshResponse:
+    """Give the time history of one mesh."""
+    i = _mesh(run, at)
+    contact = contact_at(run.time, *_contact(run, i))
+    return MeshResponse(**_mesh_values(run, i), contact=contact)
+
+
+def contact_shares(run: RunRecord, at: object, skip_time: float) -> ContactShares:
+    """Find the shares of the time in each state of contact of a mesh."""
+    begin = begin_after(run.time, skip_time)
+    return shares(begin, float(run.time[-1]), *_contact(run, _mesh(run, at)))
+
+
+def mesh_names(run: RunRecord, at: object) -> tuple[str, str]:
+    """Give driver and driven gear of a recorded mesh."""
+    driver, driven = run.data["meshes"][_mesh(run, at)]
+    return driver, driven
+
+
+def _mesh(run: RunRecord, at: object) -> int:
+    """Find a recorded mesh."""
+    i = Places("mesh", ([pair] for pair in map(tuple, run.data["meshes"]))).find(at)
+    if i is None:
+        driver, driven = place(at)
+        raise run.missing(f"the mesh of {driver!r} with {driven!r}", (driver, driven))
+    return i
+
+
+def _mesh_values(run: RunRecord, mesh: int) -> dict[str, Array]:
+    """Give the recorded quantities of a mesh."""
+    return {name: values[:, mesh] for name, values in run.data["mesh"].items()}
+
+
+def _contact(run: RunRecord, mesh: int) -> tuple[list[Event], Contact]:
+    """Give the events of a mesh, and its contact before the first of them."""
+    driver, driven = run.data["meshes"][mesh]
+    own = [each for each in events(run) if (each.driver, each.driven) == (driver, driven)]
+    scene = None if run.request is None else MeshScene.of(run.request, driver, driven)
+    return own, first_contact(run.time, _mesh_values(run, mesh), own, scene)
+
+
+def events(run: RunRecord) -> tuple[Event, ...]:
+    """Give the contact events of the teeth."""
+    return tuple(Event(*event) for event in run.data["events"])
+
+
+def energy(run: RunRecord) -> Array:
+    """Give the energy of the vibration."""
+    found = run.data["energy"]
+    if found is None:
+        raise run.missing("the energy", "energy")
+    return found
+
+
+def energy_balance(run: RunRecord) -> EnergyBalance:
+    """Give the energies of the system and the work done on it."""
+    terms = run.data["energy_terms"]
+    if terms is None:
+        raise run.missing("the energy balance", "energy")
+    return EnergyBalance(time=run.time, **terms)
+
+
+def speeds(run: RunRecord) -> Array:
+    """Give the speed of the reference shaft at the recorded times [rad/s]."""
+    if isinstance(run.speed, SpeedProfile):
+        return run.speed(run.time)
+    return np.full(run.time.shape, run.speed)
+
+
+def angle(run: RunRecord, shaft: str, times: ArrayLike | None = None) -> Array:
+    """Give the prescribed angle of a shaft [rad]."""
+    known, high, low = run.data["final"]["anchor"]
+    t = run.time if times is None else array(times, "times", least=0)
+    turned: Array
+    if isinstance(run.speed, SpeedProfile):
+        turned = run.speed.angle(t) - run.speed.angle(known)
+    else:
+        turned = run.speed * (t - known)
+    found: Array = _ratio(run, shaft) * (high + (low + turned))
+    return found
+
+
+def spin(run: RunRecord, shaft: str, times: ArrayLike | None = None) -> Array:
+    """Give the prescribed angular velocity of a shaft [rad/s]."""
+    t = run.time if times is None else array(times, "times", least=0)
+    if isinstance(run.speed, SpeedProfile):
+        return _ratio(run, shaft) * run.speed(t)
+    return np.full(t.shape, _ratio(run, shaft) * run.speed)
+
+
+def _ratio(run: RunRecord, shaft: str) -> float:
+    """Find the signed speed ratio of a shaft."""
+    if run.kinematics is None:
+        raise ChannelError("the angles of the shafts are unknown: the response has no kinematics")
+    ratios = dict(run.kinematics.shafts)
+    if text(shaft, "shaft") not in ratios:
+        raise ChannelError(f"no shaft is called {shaft!r}; there are {', '.join(ratios)}")
+    return ratios[shaft]

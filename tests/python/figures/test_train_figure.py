@@ -1,0 +1,376 @@
+"""The figure of a train: scale, positions, symbols, arrows, bows, and labels without overlap."""
+
+from __future__ import annotations
+
+import runpy
+from dataclasses import replace
+from functools import cache
+from math import pi
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
+from matplotlib.transforms import Bbox
+
+import gearbow as gb
+from gearbow.description.train import Train
+from gearbow.plotting.development import developed
+from gearbow.plotting.end_view import line_of_action
+from reference.figure_texts import area, box_of, check_texts
+
+
+@pytest.fixture(autouse=True)
+def unchanged_settings():
+    before = dict(mpl.rcParams)
+    yield
+    assert dict(mpl.rcParams) == before
+
+
+def gear(name: str, shaft: str, position: float, teeth: int) -> gb.Gear:
+    return gb.Gear(name, shaft, position, teeth, module=3e-3, face_width=0.03)
+
+
+def bearings(*shafts: gb.Shaft) -> list[gb.Bearing]:
+    return [gb.Bearing(s.name, x, stiffness=1e8) for s in shafts for x in (0.0, s.length)]
+
+
+def rotor(**parts) -> gb.RotorSystem:
+    """Return a single shaft with two disks, one bearing on a support of its own."""
+    shaft = gb.Shaft("rotor", length=1.2, outer_diameter=0.06, bow=gb.Bow.half_sine(1e-4, 0.5))
+    pedestal = gb.Support("pedestal", mass=10.0, stiffness=1e8)
+    return gb.RotorSystem(
+        [shaft],
+        disks=[
+            gb.Disk("left", "rotor", 0.4, 12.0, 0.05, 0.1),
+            gb.Disk("right", "rotor", 0.8, 12.0, 0.05, 0.1),
+        ],
+        bearings=[
+            gb.Bearing("rotor", 0.05, stiffness=1e8, support=pedestal),
+            gb.Bearing("rotor", 1.15, stiffness=1e8),
+        ],
+        **parts,
+    )
+
+
+def pair(angle: float = 0.0, **parts) -> gb.RotorSystem:
+    size = {"length": 0.5, "outer_diameter": 0.05, "elements": 2}
+    shafts = [gb.Shaft(name, **size) for name in ("input", "output")]
+    return gb.RotorSystem(
+        shafts,
+        [gear("g1", "input", 0.2, 25), gear("g2", "output", 0.3, 50)],
+        [gb.Mesh("g1", "g2", stiffness=2e8, centre_line_angle=angle)],
+        bearings(*shafts),
+        **parts,
+    )
+
+
+def reverted() -> gb.RotorSystem:
+    """Return input and output shaft on one axis."""
+    shafts = [
+        gb.Shaft("input", length=0.3, outer_diameter=0.04),
+        gb.Shaft("middle", length=0.5, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4, 1.0)),
+        gb.Shaft("output", length=0.3, outer_diameter=0.05),
+    ]
+    gears = [
+        gear("g1", "input", 0.2, 25),
+        gear("g2", "middle", 0.15, 50),
+        gear("g3", "middle", 0.35, 25),
+        gear("g4", "output", 0.1, 50),
+    ]
+    meshes = [
+        gb.Mesh("g1", "g2", stiffness=2e8),
+        gb.Mesh("g3", "g4", stiffness=2e8, centre_line_angle=pi),
+    ]
+    torques = [gb.Torque("g1", 250.0), gb.Torque.balance("g4")]
+    return gb.RotorSystem(shafts, gears, meshes, bearings(*shafts), torques)
+
+
+def star() -> gb.RotorSystem:
+    """Return four pinions around one wheel: two of them have no place beside it."""
+    shafts = [gb.Shaft("wheel shaft", length=0.6, outer_diameter=0.1)]
+    shafts += [gb.Shaft(f"pinion shaft {i}", length=0.4, outer_diameter=0.05) for i in range(4)]
+    gears = [gear("wheel", "wheel shaft", 0.3, 100)]
+    gears += [gear(f"p{i}", f"pinion shaft {i}", 0.2, 20 + i) for i in range(4)]
+    meshes = [
+        gb.Mesh(f"p{i}", "wheel", stiffness=2e8, centre_line_angle=i * pi / 2) for i in range(4)
+    ]
+    torques = [*(gb.Torque(f"p{i}", 100.0) for i in range(4)), gb.Torque.balance("wheel")]
+    drives = [gb.Drive("wheel", 1e5)]
+    return gb.RotorSystem(shafts, gears, meshes, bearings(*shafts), torques, drives=drives)
+
+
+def chain(count: int = 6) -> gb.RotorSystem:
+    """Return a train of many bowed shafts."""
+    shafts = [
+        gb.Shaft(f"shaft {i}", length=0.5, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4, i - 4.0))
+        for i in range(count)
+    ]
+    gears, meshes = [], []
+    for i in range(count - 1):
+        x = 0.15 if i % 2 else 0.35
+        gears += [gear(f"a{i}", f"shaft {i}", x, 25), gear(f"b{i}", f"shaft {i + 1}", x, 40)]
+        angle = 0.5 if i % 2 else -0.5
+        meshes.append(gb.Mesh(f"a{i}", f"b{i}", stiffness=2e8, centre_line_angle=angle))
+    return gb.RotorSystem(shafts, gears, meshes, bearings(*shafts))
+
+
+@cache
+def gearbox() -> gb.RotorSystem:
+    """Return the gearbox of docs/gearbox.md."""
+    example = Path(__file__).parents[3] / "examples" / "gearbox.py"
+    if not example.is_file():
+        pytest.skip("the examples are not installed")
+    return runpy.run_path(str(example), run_name="gearbox")["gearbox"]()
+
+
+TRAINS = {
+    "gearbox": gearbox,
+    "rotor": rotor,
+    "pair": pair,
+    "reverted": reverted,
+    "star": star,
+    "chain": chain,
+}
+
+
+@cache
+def drawn(name: str):
+    """Return the figure of a train."""
+    return TRAINS[name]().plot()
+
+
+def texts(panel) -> list[str]:
+    return [text.get_text() for text in panel.texts]
+
+
+def boxes(panel, kind) -> list[np.ndarray]:
+    """Return the boxes of the patches of a kind: left, bottom, right, top [m]."""
+    found = [patch for patch in panel.patches if type(patch) is kind]
+    return [patch.get_path().get_extents(patch.get_patch_transform()).extents for patch in found]
+
+
+@pytest.mark.parametrize("name", list(TRAINS))
+def test_labels_do_not_overlap_and_lie_within_the_panels(name, tmp_path: Path):
+    figure = drawn(name)
+    check_texts(figure)
+    for panel in figure.axes:
+        for text in panel.texts:
+            box = box_of(text)
+            assert area(Bbox.intersection(box, panel.bbox)) > 0.98 * area(box), text.get_text()
+    figure.savefig(tmp_path / "figure.png", dpi=60)
+    assert (tmp_path / "figure.png").stat().st_size < 200_000
+
+
+@pytest.mark.parametrize("name", list(TRAINS))
+def test_every_name_is_in_both_views(name):
+    system = TRAINS[name]()
+    side, end = drawn(name).axes
+    named = texts(side)
+    for part in (*system.shafts, *system.gears, *system.disks):
+        assert part.name in named
+    for part in system.gears:
+        assert f"{part.name}, z = {part.teeth}" in texts(end)
+    for part in system.disks:
+        assert part.name in texts(end)
+    for panel in (side, end):
+        assert panel.get_aspect() == 1.0
+
+
+def test_shafts_and_gears_have_their_positions():
+    side, end = pair().plot().axes
+    distance = 3e-3 * 75 / 2
+    found = boxes(side, Rectangle)
+    for expected in (
+        (0.0, -0.025, 0.5, 0.025),
+        (0.2 - 0.015, -0.0375, 0.2 + 0.015, 0.0375),
+        # gears in mesh are in one plane: the output shaft begins at 0.2 m - 0.3 m
+        (-0.1, distance - 0.025, 0.4, distance + 0.025),
+        (0.2 - 0.015, distance - 0.075, 0.2 + 0.015, distance + 0.075),
+    ):
+        assert any(np.allclose(box, expected, atol=1e-12) for box in found), expected
+    rims = {(circle.center, circle.radius) for circle in end.patches if isinstance(circle, Circle)}
+    for centre, radius in (((0.0, 0.0), 0.0375), ((distance, 0.0), 0.075)):
+        assert any(np.allclose([*c, r], [*centre, radius]) for c, r in rims)
+    assert (side.get_xlabel(), side.get_ylabel()) == ("x [m]", "y [m]")
+    assert (end.get_xlabel(), end.get_ylabel()) == ("y [m]", "z [m]")
+
+
+def test_the_hidden_edges_of_a_bore_are_dashed():
+    segments = [gb.Segment(0.3, 0.06), gb.Segment(0.5, 0.08, inner_diameter=0.03)]
+    shaft = gb.Shaft("s", segments=segments)
+    side = gb.RotorSystem([shaft], bearings=[gb.Bearing("s", 0.1, stiffness=1e8)]).plot().axes[0]
+    dashed = [line.get_xydata() for line in side.get_lines() if line.get_linestyle() == "--"]
+    expected = [[[0.3, 0.015], [0.8, 0.015]], [[0.3, -0.015], [0.8, -0.015]]]
+    np.testing.assert_allclose(dashed, expected)
+
+
+def test_a_train_is_developed_into_one_plane():
+    distance = 3e-3 * 75 / 2
+    for system, true in ((pair(), True), (pair(angle=2.0), False), (reverted(), True)):
+        train = Train.of(system.description, system.speed_ratios)
+        assert developed(train).true is true
+        label = system.plot().axes[0].get_ylabel()
+        assert label == ("y [m]" if true else "along the lines of centres [m]")
+    train = Train.of(pair(angle=2.0).description, np.array([1.0, -0.5]))
+    # cos 2 is negative: the driven shaft is below the driver
+    assert developed(train).heights["output"] == pytest.approx(-distance)
+    train = Train.of(star().description, star().speed_ratios)
+    found = developed(train)
+    assert len(found.moved) == 2
+    heights = sorted(found.heights.values())
+    # no shaft covers another one
+    assert np.diff(heights).min() > 0.06
+
+
+def test_arrows_have_the_sense_of_torques_and_rotations():
+    torques = [gb.Torque("g1", 250.0), gb.Torque.balance("g2")]
+    side, end = pair(torques=torques).plot().axes
+    assert {"250 N m", "500 N m (balance)"} <= set(texts(side))
+    arcs = [
+        patch._path_original.vertices
+        for patch in side.patches
+        if isinstance(patch, FancyArrowPatch)
+    ]
+    # both are positive about x: y towards z, so that the front moves downwards
+    assert len(arcs) == 2
+    for arc in arcs:
+        assert arc[0, 1] > arc[-1, 1]
+    turned = [gb.Torque("g1", -250.0), gb.Torque.balance("g2")]
+    side = pair(torques=turned).plot().axes[0]
+    assert "−250 N m" in texts(side)
+    for patch in side.patches:
+        if isinstance(patch, FancyArrowPatch):
+            assert patch._path_original.vertices[0, 1] < patch._path_original.vertices[-1, 1]
+    # the input shaft turns from y to z, the output shaft in the other sense
+    arcs = [
+        patch._path_original.vertices for patch in end.patches if isinstance(patch, FancyArrowPatch)
+    ]
+    senses = {}
+    for arc in arcs[1:]:  # the first is the force on the driven gear
+        centre = 0.0 if arc[:, 0].max() < 0.03 else 3e-3 * 75 / 2
+        angle = np.unwrap(np.arctan2(arc[:, 1], arc[:, 0] - centre))
+        senses[centre] = np.sign(angle[-1] - angle[0])
+    assert senses == {0.0: 1.0, 3e-3 * 75 / 2: -1.0}
+
+
+def test_torques_that_vary_have_no_value():
+    series = gb.TimeSeries([0.0, 1.0], [0.0, 5.0])
+    system = pair(torques=[gb.Torque("g1", series)], drives=[gb.Drive("g2", 1e5)])
+    assert {"torque", "drive"} <= set(texts(system.plot().axes[0]))
+    function = pair(torques=[gb.Torque("g1", np.sin)], drives=[gb.Drive("g2", 1e5)])
+    assert "torque" in texts(function.plot().axes[0])
+    mixed = [gb.Torque("g1", 5.0), gb.Torque.balance("g2")]
+    assert "10 N m (balance)" in texts(pair(torques=mixed).plot().axes[0])
+
+
+def test_forces_have_their_components():
+    forces = [
+        gb.Force("left", 30.0 - 500.0j),
+        gb.Force("right", 20.0, order=2),
+        gb.Force(("rotor", 0.1), axial=-70.0),
+        gb.Force(("rotor", 1.0), np.cos),
+    ]
+    side = rotor(forces=forces).plot().axes[0]
+    assert {
+        "30 N along y, −500 N along z",
+        "20 N along y, order 2",
+        "−70 N axial",
+        "force",
+    } <= set(texts(side))
+    arrows = [p._path_original.vertices for p in side.patches if isinstance(p, FancyArrowPatch)]
+    heads = {round(float(arrow[-1, 0]), 6): arrow[-1] - arrow[0] for arrow in arrows}
+    # along −x; a force that varies points downwards; the others have the sense of the component along y
+    assert heads[0.1][0] < 0.0 == heads[0.1][1]
+    assert heads[1.0][1] < 0.0 == heads[1.0][0]
+    assert heads[0.4][1] > 0.0 == heads[0.4][0]
+    assert heads[0.8][1] > 0.0 == heads[0.8][0]
+
+
+def test_a_housing_surrounds_its_own_shafts():
+    system = pair()
+    on_box = [
+        replace(one, support="box") if one.shaft == "input" else one for one in system.bearings
+    ]
+    box = gb.Housing("box", mass=50.0, stiffness=1e8, inertia=(1.0, 1.0, 1.0))
+    side = system.replace(bearings=on_box, housings=[box]).plot().axes[0]
+    (area,) = (patch for patch in side.patches if patch.get_linestyle() == "--")
+    # gear g1 has a radius of 37.5 mm, and the axis of the other shaft lies 112.5 mm away
+    assert area.get_y() < -0.02
+    assert 0.0375 < area.get_y() + area.get_height() < 0.09
+
+
+def test_the_line_of_action_is_that_of_the_engine():
+    # the gradient of the mesh deflection is the row of a mesh in the stiffness matrix
+    for speed, sense in ((1.0, 1.0), (-1.0, -1.0)):
+        system = pair(angle=0.3)
+        matrices = system.matrices(speed)
+        without = system.replace(meshes=[gb.Mesh("g1", "g2", stiffness=1e8, centre_line_angle=0.3)])
+        mesh = matrices.stiffness - without.matrices(speed).stiffness
+        own = system.dofs.index(("input", 0.2, "v"))
+        row = mesh[own, own : own + 2] / np.hypot(*mesh[own, own : own + 2])
+        way = line_of_action(np.radians(20.0), np.float64(0.3), sense)
+        assert np.hypot(*way) == pytest.approx(1.0)
+        # the sign of a row of n nᵀ is that of its first component
+        assert row * np.sign(way[0]) == pytest.approx(way)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.5, -2.0])
+def test_the_bow_is_drawn_in_its_plane_with_its_factor(phase):
+    bow = gb.Bow.half_sine(1e-4, phase)
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
+    system = gb.RotorSystem([shaft], bearings=bearings(shaft))
+    side = system.plot(magnify=300.0).axes[0]
+    assert side.get_title() == "side view, bow × 300"
+    degrees = f"{np.degrees(phase):.0f}".replace("-", "−")
+    assert f"bow 100 µm at {degrees}°" in texts(side)
+    (curve,) = [line.get_xydata() for line in side.get_lines() if line.get_linewidth() == 2.2]
+    # the deflection between the nodes follows the shape functions of the elements
+    np.testing.assert_allclose(curve[:, 1], 0.03 * np.sin(pi * curve[:, 0]), atol=3e-5)
+
+
+def test_all_shapes_of_a_bow_are_drawn():
+    shapes = [
+        gb.Bow.sag(1e-4, 1.0),
+        gb.Bow.mode(2, 1e-4),
+        gb.Bow.points([0.0, 0.5, 1.0], [0.0, 1e-4, 0.0]),
+        gb.Bow.function(lambda x: 1e-4j * x),
+    ]
+    for bow in shapes:
+        shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
+        side = gb.RotorSystem([shaft], bearings=bearings(shaft)).plot().axes[0]
+        assert any("bow 100 µm at" in text for text in texts(side))
+    straight = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+    assert gb.RotorSystem([straight], bearings=bearings(straight)).plot().axes[0].get_title() == (
+        "side view"
+    )
+
+
+def test_the_legend_lists_the_symbols():
+    kinds = [text.get_text() for text in drawn("gearbox").legends[0].get_texts()]
+    assert kinds == [
+        "bearing",
+        "ball bearing",
+        "roller bearing",
+        "journal bearing",
+        "housing",
+        "coupling",
+    ]
+    side = drawn("gearbox").axes[0]
+    assert "housing" in texts(side)
+    figure = rotor().plot()
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["bearing", "support"]
+    assert "pedestal" in texts(figure.axes[0])
+
+
+@pytest.mark.parametrize("magnify", [0.0, -1.0, np.nan, np.inf])
+def test_an_invalid_factor_is_an_error(magnify):
+    with pytest.raises(gb.SceneError, match=r"^magnify: must be"):
+        rotor().plot(magnify=magnify)
+
+
+def test_a_free_shaft_without_anything_is_drawn():
+    figure = gb.RotorSystem([gb.Shaft("s", length=1.0, outer_diameter=0.1)]).plot()
+    assert figure.legends == []
+    assert texts(figure.axes[0]) == ["s"]

@@ -1,0 +1,301 @@
+"""Files of other programs: rotors of ROSS, and CSV tables."""
+
+from __future__ import annotations
+
+import copy
+import json
+import runpy
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+ROSS = Path(__file__).parents[3] / "examples" / "ross_files"
+needs_files = pytest.mark.skipif(not ROSS.is_dir(), reason="the examples are not installed")
+
+
+@needs_files
+def test_a_rotor_of_ross_has_the_modes_of_ross():
+    system = gb.RotorSystem.from_ross(ROSS / "rotor.toml")
+    rows = np.loadtxt(ROSS / "modes.csv", delimiter=",")
+    for speed in np.unique(rows[:, 0]):
+        _, frequencies, ratios = rows[rows[:, 0] == speed].T
+        found = system.modes(speed)
+        count = frequencies.size
+        # the same elements: only rounding, and the nine digits of the file, differ
+        np.testing.assert_allclose(found.frequencies_hz[:count], frequencies, rtol=1e-7)
+        np.testing.assert_allclose(found.damping_ratios[:count], ratios, rtol=1e-5)
+
+
+@needs_files
+@pytest.mark.filterwarnings("ignore")  # of the libraries that ROSS imports
+def test_ross_still_gives_the_stored_modes(tmp_path: Path):
+    pytest.importorskip("ross", exc_type=ImportError)
+    example = runpy.run_path(str(ROSS.parent / "from_ross.py"))
+    rotor = example["rotor_of_ross"]()
+    np.testing.assert_allclose(
+        example["modes_of_ross"](rotor), np.loadtxt(ROSS / "modes.csv", delimiter=","), rtol=1e-6
+    )
+    for name in ("rotor.toml", "rotor.json"):
+        rotor.save(tmp_path / name)
+        found = gb.RotorSystem.from_ross(tmp_path / name).description
+        assert found == gb.RotorSystem.from_ross(ROSS / "rotor.toml").description
+
+
+@needs_files
+def test_the_parts_of_a_rotor_of_ross():
+    system = gb.RotorSystem.from_ross(ROSS / "rotor.toml")
+    (shaft,) = system.shafts
+    assert (shaft.name, len(shaft.segments)) == ("rotor", 7)
+    assert shaft.segments[2] == gb.Segment(0.12, 0.07, 0.02, elements=1)
+    assert shaft.material == gb.Material(211e9, 7810.0, shear_modulus=81.2e9)
+    assert [(disk.name, disk.position, disk.mass) for disk in system.disks] == [
+        ("impeller 1", 0.2, 15.0),
+        ("impeller 2", pytest.approx(0.56), 22.0),
+        ("hub", 0.0, 1.5),
+    ]
+    journal, ball = (
+        next(bearing for bearing in system.bearings if bearing.position == pytest.approx(x))
+        for x in (0.0, 0.76)
+    )
+    assert journal.stiffness.speeds == (0.0, 200.0, 500.0)
+    assert journal.stiffness.values[1] == ((5e7, 2e6), (-2e6, 6e7))
+    assert ball.support.name == "pedestal mass"
+    assert ball.support.mass == 8.0
+    assert np.array_equal(ball.support.stiffness, [[2e8, 0.0], [0.0, 3e8]])
+
+
+def changed(change) -> dict:
+    plain = tomllib.loads((ROSS / "rotor.toml").read_text())
+    plain = copy.deepcopy(plain)
+    change(plain)
+    return plain
+
+
+def element(plain: dict, kind: str, i: int = 0) -> dict:
+    return [value for key, value in plain.items() if key.startswith(kind)][i]
+
+
+@needs_files
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda p: element(p, "ShaftElement", 3).update(odr=0.06),
+            "Shaft Element 3: conical: odl is 0.07 m, odr is 0.06 m; divide it into steps",
+        ),
+        (
+            lambda p: element(p, "ShaftElement", 3).update(n=2),
+            "Shaft Element 3: must begin at node 3; layers and gaps are not possible",
+        ),
+        (
+            lambda p: element(p, "ShaftElement", 2).update(axial_force=10.0),
+            "Shaft Element 2: axial_force must be 0, got 10.0",
+        ),
+        (
+            lambda p: element(p, "ShaftElement", 2)["material"].update(E=1e11),
+            "Shaft Element 2: material must be that of the other elements",
+        ),
+        (
+            lambda p: element(p, "ShaftElement", 2).update(gyroscopic=False),
+            "Shaft Element 2: gyroscopic must be True, got False",
+        ),
+        (
+            lambda p: element(p, "BearingElement").update(mxx=[1.0]),
+            "journal: gearbow cannot represent mxx, the added mass of a bearing",
+        ),
+        (
+            lambda p: element(p, "DiskElement").update(n=12),
+            "impeller 1: node 12 is not on the shaft",
+        ),
+        (
+            lambda p: p.update({"GearElement_pinion": {"n": 2, "m": 1.0}}),
+            "pinion: gearbow cannot represent a GearElement",
+        ),
+        (
+            lambda p: p.pop("PointMass_pedestal mass"),
+            "ball: its n_link 8 needs a PointMass and a bearing to the ground",
+        ),
+        (
+            lambda p: [part.pop("n_link", None) for part in p.values() if isinstance(part, dict)],
+            "node 8 is not on the shaft, and no bearing links it",
+        ),
+        (lambda p: p.pop("ross_version"), "not a rotor of ROSS: it has no ross_version"),
+        (
+            lambda p: [p.pop(key) for key in list(p) if key.startswith("ShaftElement")],
+            "has no ShaftElement",
+        ),
+    ],
+)
+def test_what_cannot_be_represented_is_an_error_that_names_it(tmp_path, change, message: str):
+    path = tmp_path / "rotor.json"
+    path.write_text(json.dumps(changed(change)))
+    with pytest.raises(gb.SceneError) as caught:
+        gb.RotorSystem.from_ross(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert message in str(caught.value)
+
+
+def test_another_file_is_not_a_rotor_of_ross(tmp_path: Path):
+    (tmp_path / "rotor.json").write_text("{")
+    with pytest.raises(gb.SceneError, match=r"rotor\.json: not a rotor of ROSS"):
+        gb.RotorSystem.from_ross(tmp_path / "rotor.json")
+    with pytest.raises(FileNotFoundError):
+        gb.RotorSystem.from_ross(tmp_path / "nothing.toml")
+
+
+COEFFICIENTS = """# measured
+speed [rpm]; kyy [N/um]; kzz [kN/mm]; kyz [N/um]; c [N s/mm]
+
+0;    20; 30; 1; 0.5
+3000; 25; 35; 2; 0.4
+"""
+
+
+def test_a_table_of_coefficients(tmp_path: Path):
+    path = tmp_path / "bearing.csv"
+    path.write_text(COEFFICIENTS, encoding="utf-8-sig")
+    table = gb.SpeedTable.read_csv(path, outside="hold")
+    assert table.speeds == pytest.approx((0.0, 100 * np.pi), rel=1e-15)
+    assert table.outside == "hold"
+    np.testing.assert_allclose(table.values[0], [[2e7, 1e6], [0.0, 3e7]], rtol=1e-15)
+    damping = gb.SpeedTable.read_csv(path, "damping")
+    np.testing.assert_allclose(damping.values, [500.0, 400.0], rtol=1e-15)
+    path.write_text("speed,k\n0,1e7\n100,2e7\n")
+    assert gb.SpeedTable.read_csv(path) == gb.SpeedTable([0.0, 100.0], [1e7, 2e7])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[rpm]", "[Hz]", "line 2, column \"speed\": 'Hz' is not a known unit"),
+        ("[rpm]", "[mm]", 'line 2, column "speed": must have a unit that converts to rad/s'),
+        ("kyz", "kxy", "line 2: 'kxy [N/um]' is not a column; there are speed, k, kyy"),
+        ("kyz", "kxy", "kxx, kxy, kyx, kyy for kyy, kyz, kzy, kzz"),
+        ("speed [rpm]", "rpm", 'in brackets behind its column, for example "speed [rpm]"'),
+        ("[rpm]", "rpm", 'write the unit in brackets: "speed [rpm]"'),
+        ("[rpm]", "{rpm}", 'write the unit in brackets: "speed [rpm]"'),
+        ("[rpm]", "(rpm]", 'write the unit in brackets: "speed [rpm]"'),
+        ("[rpm]", "[rpm", 'write the unit in brackets: "speed [rpm]"'),
+        ("kyz", "kzz", "line 2: the column 'kzz' occurs twice"),
+        (
+            "25;",
+            "25,5;",
+            "line 5, column \"kyy\": must be a number with a decimal point, got ' 25,5'",
+        ),
+        (
+            "25;",
+            "nan;",
+            "line 5, column \"kyy\": must be a number with a decimal point, got ' nan'",
+        ),
+        (
+            "25;",
+            "2_5;",
+            "line 5, column \"kyy\": must be a number with a decimal point, got ' 2_5'",
+        ),
+        (
+            "25;",
+            "1e400;",
+            "line 5, column \"kyy\": must be below 1.8e308 in SI units, got ' 1e400'",
+        ),
+        (
+            "25;",
+            "1e308;",
+            "line 5, column \"kyy\": must be below 1.8e308 in SI units, got ' 1e308'",
+        ),
+        (
+            "kyz",
+            "k",
+            'has the column "k", which is isotropic, and "kyy"; give either "k", or "kyy"',
+        ),
+        ("0.4", "0.4;", "line 5: must have 5 numbers, as the headings, got 6"),
+        ("speed [rpm]; ", "", "line 4: must have 4 numbers"),
+        ("kyy [N/um]", "kzy [N/um]", 'needs the column "k", or "kyy" and "kzz"'),
+    ],
+)
+def test_a_mistake_in_a_table_names_line_and_column(tmp_path, old: str, new: str, message: str):
+    path = tmp_path / "bearing.csv"
+    assert old in COEFFICIENTS
+    path.write_text(COEFFICIENTS.replace(old, new, 1))
+    with pytest.raises(gb.SceneError) as caught:
+        gb.SpeedTable.read_csv(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert message in str(caught.value)
+
+
+def test_measured_runout(tmp_path: Path):
+    path = tmp_path / "runout.csv"
+    path.write_text(
+        "position [mm]\tTotal run out [um]\tphase [deg]\n0\t0\t0\n250\t300\t90\n500\t0\t0\n"
+    )
+    bow = gb.Bow.read_csv(path)
+    assert bow.positions == (0.0, 0.25, 0.5)
+    assert bow.amplitudes == pytest.approx((0.0, 150e-6, 0.0), rel=1e-15)
+    assert bow.phases == pytest.approx((0.0, np.pi / 2, 0.0), rel=1e-15)
+    path.write_text("position,amplitude\n0,0\n0.25,1e-4\n0.5,0\n")
+    assert gb.Bow.read_csv(path) == gb.Bow.points([0.0, 0.25, 0.5], [0.0, 1e-4, 0.0])
+    path.write_text("position,phase\n0,0\n0.25,1\n")
+    with pytest.raises(gb.SceneError, match='needs the column "position" and one of "amplitude"'):
+        gb.Bow.read_csv(path)
+    path.write_text("position,amplitude\n")
+    with pytest.raises(gb.SceneError, match="needs a line of headings and lines of numbers"):
+        gb.Bow.read_csv(path)
+
+
+# --- text files of other programs -----------------------------------------------------------------
+
+TABLE = "speed [rpm];stiffness [N/µm]\n0;10\n100;20\n"
+DEEP = b"a = " + 20_000 * b"["
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (
+            TABLE.encode("cp1252"),
+            "is not UTF-8 text: byte 0xb5 in line 1; perhaps it is Windows-1252, as of Excel; save it",
+        ),
+        (TABLE.encode("utf-16"), "is not UTF-8 text: byte 0xff in line 1; it is UTF-16; save it"),
+        (b"speed;stiffness\n0;" + 140_000 * b"1", "line 2: is no line of a CSV file: field larger"),
+    ],
+)
+def test_a_table_of_another_program_names_the_file_and_the_encoding(tmp_path, content, message):
+    path = tmp_path / "table.csv"
+    path.write_bytes(content)
+    with pytest.raises(gb.SceneError) as caught:
+        gb.SpeedTable.read_csv(path)
+    assert str(caught.value).startswith(f"{path}: {message}")
+
+
+@pytest.mark.parametrize(
+    ("read", "name", "content", "message"),
+    [
+        (gb.RotorSystem.load, "a.toml", DEEP, "is nested too deeply"),
+        (gb.RotorSystem.from_ross, "a.toml", DEEP, "is nested too deeply"),
+        (gb.RotorSystem.from_ross, "a.json", 200_000 * b"[", "is nested too deeply"),
+        (gb.RotorSystem.from_ross, "a.toml", b"\xe9 = 1", "is not UTF-8 text: byte 0xe9 in line 1"),
+        (gb.RotorSystem.load, "a.toml", b"\n\xe9 = 1", "is not UTF-8 text: byte 0xe9 in line 2"),
+    ],
+)
+def test_a_damaged_text_file_is_an_error_that_names_it(tmp_path, read, name, content, message):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(gb.SceneError) as caught:
+        read(path)
+    assert str(caught.value).startswith(f"{path}: {message}")
+
+
+def test_a_byte_order_mark_does_not_change_a_scene(tmp_path: Path):
+    path = tmp_path / "scene.toml"
+    gb.RotorSystem.from_ross(ROSS / "rotor.toml").save(path)
+    expected = gb.RotorSystem.load(path).description
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert gb.RotorSystem.load(path).description == expected

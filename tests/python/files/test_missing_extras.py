@@ -1,0 +1,86 @@
+"""Missing optional libraries: the error gives the install command before any computation."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+import gearbow as gb
+from test_checkpoint import short
+from test_file_failures import names, python
+
+EXTRAS = """
+import sys
+from test_response import recorded, train
+
+missing = sys.argv[1].split(",")
+for name in [name for name in sys.modules if name.partition(".")[0] in missing]:
+    del sys.modules[name]
+
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in missing:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Missing())
+import gearbow as gb
+system, response = train(), recorded()
+run = system.simulate(1e-3, 100.0, output_step=1e-5, record=["gears", "meshes", "energy"])
+speeds = [50.0, 100.0, 150.0]
+modes, campbell, synchronous = system.modes(), system.campbell(speeds), system.synchronous(speeds)
+spectrum, folder = run.spectrum("g1"), sys.argv[2]
+sweep = gb.sweep(dict, {"a": [1.0, 2.0]}, lambda system, a: a)
+calls = {
+    "plot": [
+        response.plot, modes.plot, campbell.plot, lambda: synchronous.plot("g1"),
+        lambda: synchronous.bode("g1"), spectrum.plot,
+        run.energy_balance().plot, system.critical_speed_map([1e7, 1e8]).plot,
+        system.plot, lambda: run.animate(f"{folder}/run.gif"),
+    ],
+    "netcdf": [
+        response.to_xarray,
+        lambda: response.save(f"{folder}/run.nc"),
+        lambda: gb.Response.load(f"{folder}/run.nc"),
+        lambda: system.simulate(1e300, 100.0, output_step=1e299, checkpoint=f"{folder}/run.nc"),
+    ],
+    "sweep": [sweep.to_xarray, sweep.to_dataframe],
+    "dataframe": [
+        response.to_dataframe, modes.to_dataframe, campbell.to_dataframe, run.energy_balance().to_dataframe,
+    ],
+}
+for call in calls[sys.argv[3]]:
+    try:
+        call()
+    except gb.MissingExtraError as error:
+        assert f'pip install "gearbow[{sys.argv[3]}]"' in str(error), error
+        assert isinstance(error, ImportError) and error.name.partition(".")[0] in missing, error.name
+        continue
+    raise SystemExit(f"{call} needs none of {missing}")
+print("done")
+"""
+
+
+@pytest.mark.parametrize(
+    ("extra", "missing"),
+    [
+        ("plot", "matplotlib"),
+        ("netcdf", "xarray,h5netcdf,h5py"),
+        ("dataframe", "pandas"),
+        ("sweep", "xarray,pandas"),
+    ],
+)
+def test_the_error_says_how_to_install_a_missing_library(tmp_path, extra, missing):
+    ended = python(EXTRAS, missing, tmp_path, extra)
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("missing", ["xarray", "h5netcdf", "h5py"])
+def test_a_checkpoint_without_its_library_is_refused_before_the_run(tmp_path, monkeypatch, missing):
+    monkeypatch.setitem(sys.modules, missing, None)
+    system, options = short()
+    monkeypatch.setattr("gearbow.system.simulation._run", None)  # no simulation runs
+    with pytest.raises(gb.MissingExtraError, match=r'pip install "gearbow\[netcdf\]"'):
+        system.simulate(**options, checkpoint=tmp_path / "run.nc")
+    assert names(tmp_path) == []

@@ -1,0 +1,69 @@
+"""A bow turns with the prescribed angle, a run-out also with the twist: the difference has the documented size."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+
+OFFSET = 1e-4  # of the gear from the line of its bearings, m
+BASE = 0.05 * np.cos(np.radians(20.0)) * np.array([1.0, 2.0])  # base radii, m
+LENGTH, DIAMETER = 0.2, 0.15
+INERTIA = np.array([0.04, 0.6]) + 7850.0 * np.pi * DIAMETER**4 / 32 * LENGTH  # kg m²
+#: Mass of both gears along the line of action, kg.
+REDUCED = 1.0 / np.sum(BASE**2 / INERTIA)
+
+
+def system(offset: str, torque: float) -> gb.RotorSystem:
+    """Two gears between stiff bearings; the first is off its axis by a bow of its shaft or by run-out."""
+    bow = gb.Bow.half_sine(OFFSET) if offset == "bow" else None
+    runout = {"runout": OFFSET} if offset == "run-out" else {}
+    steel = {"length": LENGTH, "outer_diameter": DIAMETER, "elements": 4}
+    small = {"mass": 10.0, "diametral_inertia": 0.02, "polar_inertia": 0.04}
+    large = {"mass": 40.0, "diametral_inertia": 0.3, "polar_inertia": 0.6}
+    middle = LENGTH / 2
+    return gb.RotorSystem(
+        [gb.Shaft("a", **steel, bow=bow), gb.Shaft("b", **steel)],
+        [
+            gb.Gear("ga", "a", middle, teeth=25, module=4e-3, **small, **runout),
+            gb.Gear("gb", "b", middle, teeth=50, module=4e-3, **large),
+        ],
+        [gb.Mesh("ga", "gb", stiffness=1e9, damping_ratio=0.2)],
+        [gb.Bearing(name, x, stiffness=1e10, damping=1e5) for name in "ab" for x in (0.0, LENGTH)],
+        [gb.Torque("ga", torque), gb.Torque.balance("gb")],
+    )
+
+
+def first_order(offset: str, torque: float, speed: float) -> complex:
+    """Amplitude of the mesh force at one per revolution of the first shaft, N."""
+    period = 2 * np.pi / speed
+    # Damping removes the initial transient in two revolutions.
+    times = np.linspace(2 * period, 4 * period, 401)[:-1]
+    run = system(offset, torque).simulate(4 * period, speed, initial="static", times=times)
+    return complex(2 * np.mean(run.mesh(("ga", "gb")).force * np.exp(-1j * speed * run.time)))
+
+
+# Shafts, bearings and teeth that are not rigid change the amplitudes by less than 2 %.
+STIFF = 0.02
+
+
+def test_without_torque_a_bow_moves_the_gears_like_a_runout():
+    bow, runout = (first_order(offset, 0.0, 300.0) for offset in ("bow", "run-out"))
+    assert abs(bow) == pytest.approx(REDUCED * 300.0**2 * OFFSET, rel=STIFF)
+    assert runout == pytest.approx(bow, rel=1e-2)
+
+
+@pytest.mark.parametrize(("torque", "speed"), [(500.0, 100.0), (2000.0, 300.0)])
+def test_the_missing_moment_of_a_bow_under_torque_has_the_documented_size(
+    torque: float, speed: float
+):
+    bow, runout = (first_order(offset, torque, speed) for offset in ("bow", "run-out"))
+    force = torque / BASE[0]
+    moment = force * OFFSET  # on the twist, N m
+    missing = REDUCED * BASE[0] / INERTIA[0] * moment
+    inertial = REDUCED * speed**2 * OFFSET
+    assert abs(bow) == pytest.approx(inertial, rel=STIFF)
+    assert abs(runout) == pytest.approx(np.hypot(inertial, missing), rel=STIFF)
+    assert abs(runout - bow) == pytest.approx(missing, rel=STIFF)
+    assert missing < force * OFFSET / BASE[0]

@@ -1,0 +1,120 @@
+"""Quantities derived from complex amplitudes, against orbits evaluated point by point."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference import scenes
+from reference.bows import HalfSine
+from test_synchronous import BOWED, jeffcott
+
+SPEEDS = np.array([60.0, 250.0])
+
+
+def test_the_semi_axis_is_the_largest_distance_from_the_centre():
+    found = BOWED.package().synchronous(SPEEDS)
+    turn = np.exp(1j * np.linspace(0.0, 2 * np.pi, 20001))
+    for speed in range(2):
+        for source in range(2):
+            v, w = (np.real(a * turn) for a in found.displacement("g2")[speed, source])
+            largest = np.hypot(v, w).max()
+            # the trace has a point within 1.6e-4 rad of the largest distance
+            assert found.orbit("g2")[speed, source] == pytest.approx(largest, rel=1e-7)
+
+
+def test_the_phase_is_the_angle_of_the_high_spot():
+    scene = scenes.Geared(bows={"output": HalfSine(1e-4, 0.7)}, angles=(0.3, 1.0))
+    system = scene.package()
+    found = system.synchronous(SPEEDS)
+    v, w = np.moveaxis(found.displacement("g4")[:, 2], -1, 0)
+    # the part that rotates with the shaft: the mean of (v + iw) exp(-i angle) over one revolution
+    turn = np.exp(1j * np.linspace(0.0, 2 * np.pi, 64, endpoint=False))
+    traced = np.real(np.outer(v, turn)) + 1j * np.real(np.outer(w, turn))
+    expected = np.angle(np.mean(traced * turn.conj(), axis=1))
+    assert found.phase("g4")[:, 2] == pytest.approx(expected, abs=1e-9)
+    assert np.all(np.isnan(found.phase("g4")[:, 0]))  # the input shaft is straight
+
+
+def test_the_force_on_each_bearing_follows_from_its_motion():
+    scene = replace(BOWED, bearing_stiffness=np.array([[1e8, 2e7], [1e7, 6e7]]))
+    found = scene.package().synchronous(SPEEDS)
+    for shaft in scene.shafts:
+        for x in (0.0, 0.5):
+            motion = found.displacement((shaft, x))
+            for source, ratio in enumerate(scene.ratios[:2]):
+                velocity = 1j * ratio * SPEEDS[:, np.newaxis] * motion[:, source]
+                expected = motion[:, source] @ scene.bearing_stiffness.T + 2e4 * velocity
+                force = found.bearing_force((shaft, x))[:, source]
+                scale = np.abs(expected).max()
+                # the same product with displacements of the same solution: round-off
+                assert np.abs(force - expected).max() < 1e-7 * scale
+
+
+@pytest.mark.parametrize("excitation", ["both", "bow", "unbalance"])
+def test_the_bow_is_subtracted_on_its_own_shaft_only(excitation: str):
+    found = BOWED.package().synchronous(SPEEDS, excitation=excitation)
+    bow = 7e-5 * np.exp(1.1j) * np.sin(np.pi * 0.25 / 0.5)  # bow of the output shaft at g2
+    expected = found.displacement("g2").copy()
+    if excitation != "unbalance":
+        # v + iw = b exp(i angle): v = Re(b exp(i angle)) and w = Re(-i b exp(i angle))
+        expected[:, 1] -= [bow, -1j * bow]
+    assert found.elastic("g2") == pytest.approx(expected, abs=1e-12)
+
+
+def test_the_twist_agrees_with_an_independent_assembly():
+    found = BOWED.package().synchronous(SPEEDS)
+    train = BOWED.reference()
+    dofs = [(shaft, round(x, 9), direction) for shaft, x, direction in found.coordinates.dofs]
+    at = dofs.index(("output", 0.25, "twist"))
+    lateral = dofs.index(("output", 0.25, "v"))
+    assert at != lateral
+    for row, speed in enumerate(SPEEDS):
+        independent = train.synchronous(speed)
+        for source in range(2):
+            expected = independent[source][train.dof("output", 0.25, 4)]
+            scale = np.abs(expected)
+            assert abs(found.twist("g2")[row, source] - expected) < 1e-6 * scale
+
+
+@pytest.mark.parametrize("excitation", ["both", "bow", "unbalance"])
+def test_slow_roll_subtraction_uses_the_excitation(excitation: str):
+    system = BOWED.package()
+    found = system.synchronous(SPEEDS, excitation=excitation)
+    slow = system.synchronous([8.0], excitation=excitation)
+    less = found.subtract_slow_roll(8.0)
+    expected = found.displacement("g1") - slow.displacement("g1")
+    assert less.displacement("g1") == pytest.approx(expected, abs=1e-18)
+    # the run-out contains the bow: it must be subtracted once only
+    assert less.elastic("g1") == pytest.approx(expected, abs=1e-18)
+
+
+@pytest.mark.parametrize("factor", [2.4, 2.6, 3.4, 4.0, 10.0])
+@pytest.mark.parametrize("speed", [60.0, 140.0])
+def test_the_required_margin_of_api_684(factor: float, speed: float):
+    # below an amplification factor of 2.5 nothing is required; above the operating speeds 10 % more
+    width = speed / factor
+    peak = gb.results.Peak(speed, 1e-5, speed - 0.4 * width, speed + 0.6 * width, (90.0, 110.0))
+    assert peak.amplification_factor == pytest.approx(factor)
+    margin = 17 * (1 - 1 / (factor - 1.5)) + (10 if speed > 100 else 0)
+    assert peak.required_margin == pytest.approx(0.0 if factor < 2.5 else margin)
+    # percent of the operating speed that is nearest
+    distance = 100 * 30 / (90 if speed < 100 else 110)
+    assert peak.separation_margin == pytest.approx(distance)
+    assert peak.acceptable == (factor < 2.5 or distance >= margin)
+
+
+@pytest.mark.parametrize("operating", [700.0, (650.0, 700.0)])
+def test_peaks_keep_the_operating_speeds(operating: float | tuple[float, float]):
+    # speeds in any order, and twice
+    system = jeffcott()
+    critical = abs(system.modes(count=1).eigenvalues[0])
+    speeds = critical * np.linspace(0.2, 3.0, 30)
+    given = np.concatenate([speeds[::-1], speeds[:3]])
+    (peak,) = system.synchronous(given).peaks("disk", operating=operating)
+    assert peak.operating == (operating if isinstance(operating, tuple) else (700.0, 700.0))
+    assert peak.speed == pytest.approx(critical, rel=1e-2)
+    assert peak.lower < peak.speed < peak.upper

@@ -1,0 +1,384 @@
+"""The command line: output, JSON, exit codes, errors of one line, and Ctrl-C."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow.cli.main import _parser, main
+from gearbow.cli.new import EXAMPLE
+
+COMMAND = [sys.executable, "-m", "gearbow"]
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> str:
+    path = tmp_path / "scene.toml"
+    path.write_bytes(EXAMPLE.read_bytes())
+    return str(path)
+
+
+def called(capsys, *arguments: object) -> tuple[int, str, str]:
+    """Run a command in this process, and return its code and what it prints."""
+    with pytest.raises(SystemExit) as ended:
+        main([str(argument) for argument in arguments])
+    printed = capsys.readouterr()
+    code = ended.value.code
+    return (0 if code is None else code), printed.out, printed.err
+
+
+def answer(capsys, *arguments: object) -> dict:
+    code, out, err = called(capsys, *arguments, "--json")
+    assert (code, err) == (0, "")
+    return json.loads(out)
+
+
+def test_new_writes_a_scene_with_comments(tmp_path: Path, capsys):
+    path = tmp_path / "train.toml"
+    code, out, _ = called(capsys, "new", path)
+    assert code == 0
+    assert f"wrote {path}" in out
+    text = path.read_text()
+    assert len(re.findall('^#|[^"] #', text, re.M)) > 8
+    system = gb.RotorSystem.load(path)  # without a warning
+    assert [shaft.name for shaft in system.shafts] == ["input", "output"]
+    path.write_text("mine")
+    code, _, err = called(capsys, "new", path)
+    assert (code, path.read_text()) == (2, "mine")
+    assert err == f"new: {path}: exists; give another name, or --force to replace it\n"
+    assert called(capsys, "new", path, "--force")[0] == 0
+    assert path.read_text() == text
+
+
+def test_check(scene: str, capsys):
+    code, out, err = called(capsys, "check", scene)
+    assert (code, err) == (0, "")
+    assert out.startswith(f"{scene}: valid, no warnings\nRotorSystem(")
+    found = answer(capsys, "check", scene)
+    assert found["warnings"] == []
+    assert found["parts"] == {"shafts": 2, "gears": 2, "meshes": 1, "bearings": 4, "torques": 2}
+    assert found["speed_ratios"] == {"input": 1.0, "output": -0.5}
+    assert found["degrees_of_freedom"] == len(gb.RotorSystem.load(scene).dofs)
+
+
+def test_check_prints_warnings_on_stderr(scene: str, capsys):
+    text = Path(scene).read_text().replace('face_width = "30 mm"', 'face_width = "30 m"')
+    Path(scene).write_text(text)
+    code, out, err = called(capsys, "check", scene)
+    assert code == 0
+    assert "valid, " in out
+    lines = err.splitlines()
+    assert lines
+    assert all(line.startswith("warning: ") for line in lines)
+    assert any("gears[0].face_width" in line for line in lines)
+    code, out, err = called(capsys, "check", scene, "--json")
+    assert json.loads(out)["warnings"] == [line.removeprefix("warning: ") for line in lines]
+
+
+@pytest.mark.skipif(not hasattr(gb.RotorSystem, "plot"), reason="systems have no figure")
+def test_plot(scene: str, tmp_path: Path, capsys):
+    pytest.importorskip("matplotlib")
+    code, out, err = called(capsys, "plot", scene, "--out", tmp_path / "train.png")
+    assert (code, out, err) == (0, f"figure: {tmp_path / 'train.png'}\n", "")
+    assert (tmp_path / "train.png").stat().st_size > 1000
+
+
+def test_modes(scene: str, capsys):
+    expected = gb.RotorSystem.load(scene).modes(gb.rpm(1500), count=4)
+    found = answer(capsys, "modes", scene, "--speed", "1500 rpm", "--count", 4)
+    assert found["speed"] == pytest.approx(gb.rpm(1500), rel=1e-15)
+    frequencies = [mode["frequency_hz"] for mode in found["modes"]]
+    np.testing.assert_allclose(frequencies, expected.frequencies_hz, rtol=1e-12)
+    assert [mode["whirl"] for mode in found["modes"]] == list(expected.whirl)
+    code, out, _ = called(capsys, "modes", scene, "--speed", gb.rpm(1500), "--count", 4)
+    assert (code, out) == (0, expected.table() + "\n")
+
+
+def test_campbell(scene: str, tmp_path: Path, capsys):
+    pytest.importorskip("matplotlib")
+    given = ["campbell", scene, "--to", "6000 rpm", "--points", 5, "--count", 3, "--harmonics", 0]
+    found = answer(capsys, *given, "--out", tmp_path / "campbell.png")
+    system = gb.RotorSystem.load(scene)
+    expected = system.campbell(np.linspace(0, gb.rpm(6000), 5), count=3, harmonics=0)
+    assert np.shape(found["frequencies_hz"]) == (5, 3)
+    assert len(found["intersections"]) == len(expected.intersections)
+    assert (tmp_path / "campbell.png").stat().st_size > 1000
+    assert called(capsys, *given)[1] == expected.table() + "\n"
+
+
+def test_run_prints_and_saves_signals(scene: str, tmp_path: Path, capsys):
+    given = ["run", scene, "--duration", "2 ms", "--speed", "1500 rpm", "--out", tmp_path / "r.npz"]
+    items = ["gears", "meshes", "input@500 mm", "bearing:output@0"]
+    found = answer(capsys, *given, "--record", *items)
+    response = gb.Response.load(tmp_path / "r.npz")
+    assert response.speed == pytest.approx(gb.rpm(1500), rel=1e-15)
+    assert response.time[-1] == 2e-3
+    assert list(found["points"]) == ["pinion", "wheel", "input at 0.5 m"]
+    expected = np.ptp(response.displacement("pinion"), axis=0)
+    np.testing.assert_allclose(found["points"]["pinion"]["peak_to_peak"], expected)
+    force = response.mesh(("pinion", "wheel")).force
+    assert found["meshes"]["pinion/wheel"]["force"]["max"] == force.max()
+    assert found["complete"]
+    force = np.hypot(*response.bearing_force(("output", 0.0)).T)
+    assert found["bearings"]["output at 0 m"]["force"]["max"] == pytest.approx(force.max())
+    _, printed, _ = called(capsys, *given, "--record", *items)
+    y, z = 1e6 * expected
+    assert f"pinion: peak-to-peak {y:.4g} µm along y, {z:.4g} µm along z\n" in printed
+    code, out, err = called(capsys, *given, "--end-speed", "3000 rpm")
+    assert (code, err) == (0, "")
+    assert f"signals: {tmp_path / 'r.npz'}" in out
+    assert gb.Response.load(tmp_path / "r.npz").speeds[-1] == pytest.approx(gb.rpm(3000))
+
+
+def test_steady_prints_and_saves_the_periodic_motion(scene: str, tmp_path: Path, capsys):
+    given = ["steady", scene, "--speed", "1500 rpm", "--out", tmp_path / "steady.npz"]
+    found = answer(capsys, *given)
+    steady = gb.SteadyState.load(tmp_path / "steady.npz")
+    assert found["period"] == steady.period
+    assert found["residual"] == steady.residual < 1e-3
+    assert found["stable"] is steady.is_stable() is True
+    force = steady.response.mesh(("pinion", "wheel")).force
+    assert found["meshes"]["pinion/wheel"]["force"]["max"] == force.max()
+    code, out, err = called(capsys, *given[:4])
+    assert (code, err) == (0, "")
+    assert f"SteadyState(period {steady.period:g} s" in out
+    assert "\nstable; magnitude of the largest multiplier " in out
+
+
+def test_run_shows_progress_on_stderr_only(scene: str, capsys):
+    code, out, err = called(
+        capsys, "run", scene, "--duration", 1e-3, "--speed", 100, "--json", "--progress"
+    )
+    assert code == 0
+    json.loads(out)
+    assert "100%" in err
+
+
+def test_tradeoff(scene: str, capsys):
+    arguments = ["--duration", 1e-3, "--speed", 100, "--signals", "pinion/wheel", "--budget", 3]
+    found = answer(capsys, "tradeoff", scene, *arguments)
+    assert found["signals"] == ["the force of pinion/wheel"]
+    assert any(trial["front"] for trial in found["trials"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["check", "nothing.toml"], "check: nothing.toml: No such file or directory"),
+        (
+            ["run", "SCENE", "--duration", "-1", "--speed", "1"],
+            "run: duration: must not be negative, got -1",
+        ),
+        (
+            ["run", "SCENE", "--duration", "1", "--speed", "1", "--record", "pinoin"],
+            'did you mean "pinion"?',
+        ),
+        (
+            ["run", "SCENE", "--duration", "1 m", "--speed", "1"],
+            "must have a unit that converts to s",
+        ),
+        (
+            ["run", "SCENE", "--duration", "1", "--speed", "50 Hz"],
+            "a speed is in rad/s, rpm or rev/s",
+        ),
+        (
+            ["run", "SCENE", "--duration", "1", "--speed", "1", "--out", "run.csv"],
+            "must end with .npz or .nc, which is the format, got 'run.csv'",
+        ),
+        (
+            ["run", "SCENE", "--duration", "1e9", "--speed", "1", "--checkpoint", "none/run.npz"],
+            "argument --checkpoint: none/run.npz: the file cannot be written and is unchanged: ",
+        ),
+        (
+            ["campbell", "SCENE", "--to", "1e3", "--out", "a.xyz"],
+            ", .svgz, .tif, .tiff or .webp, which is the format, got 'a.xyz'",
+        ),
+        (["plot", "SCENE", "--out", ""], "--out: must be the name of a file, got ''"),
+        (["steady", "SCENE", "--speed", "1", "--out", ""], "must be the name of a file, got ''"),
+        (["new", "rotor.xyz"], "new: path: must end with .toml"),
+        (["campbell", "SCENE", "--to", "0"], "campbell: speeds: need --points of at least 2"),
+        (["modes", "SCENE", "--count", "0"], "modes: count: must be at least 1, got 0"),
+        (["swim"], "invalid choice: 'swim'"),
+        ([], "the following arguments are required: COMMAND"),
+    ],
+)
+def test_invalid_input_has_the_code_2_and_one_line(scene: str, capsys, arguments, message: str):
+    arguments = [scene if argument == "SCENE" else argument for argument in arguments]
+    code, out, err = called(capsys, *arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+    if "usage:" not in err:
+        assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("teeth = 25", "teeth = twenty", "toml: TOML parse error at line "),
+        ("teeth = 25", "teth = 25", 'did you mean "teeth"?'),
+        ('"3 mm"', '"3 kg"', "gears[0].module: must have a unit that converts to m, got '3 kg'"),
+        ('at = "pinion"', 'at = "pinoin"', 'torques[0].at: no gear or disk is called "pinoin"'),
+    ],
+)
+def test_an_invalid_scene_has_the_code_2_and_one_line(scene, capsys, old, new, message: str):
+    text = Path(scene).read_text()
+    assert old in text
+    Path(scene).write_text(text.replace(old, new))
+    code, out, err = called(capsys, "check", scene)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+
+
+def test_a_failed_computation_has_the_code_1(scene: str, capsys, monkeypatch):
+    def fails(*_, **__):
+        raise gb.StabilityError("step: 1 s is above the limit")
+
+    monkeypatch.setattr(gb.RotorSystem, "simulate", fails)
+    code, out, err = called(capsys, "run", scene, "--duration", "1", "--speed", "1")
+    assert (code, out, err) == (1, "", "run: step: 1 s is above the limit\n")
+
+
+def test_every_command_has_examples_in_its_help(capsys):
+    """Every example is a valid command line."""
+    code, out, _ = called(capsys, "--help")
+    assert code == 0
+    commands = re.findall(r"^    (\w+) +", out, re.M)
+    assert commands == [
+        "new",
+        "check",
+        "plot",
+        "modes",
+        "campbell",
+        "run",
+        "steady",
+        "tradeoff",
+    ]
+    for command in commands:
+        _, out, _ = called(capsys, command, "--help")
+        examples = out.split("examples:\n")[1].replace("\\\n", "").splitlines()
+        assert examples
+        for example in examples:
+            given = _parser().parse_args(shlex.split(example)[1:])
+            assert given.command == command, example
+
+
+def test_a_stopped_run_keeps_its_signals(scene: str, tmp_path: Path):
+    out = tmp_path / "part.npz"
+    arguments = ["run", scene, "--duration", "1000", "--speed", "100", "--out", str(out)]
+    process = subprocess.Popen(
+        [*COMMAND, *arguments, "--progress"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    seen = b""
+    while not re.search(rb"\| 0?\.?0*[1-9]\S*/1e\+03 s", seen):
+        piece = process.stderr.read1(1000)
+        assert piece, seen
+        seen += piece
+    process.send_signal(signal.SIGINT)
+    printed, errors = process.communicate()
+    assert process.returncode == 130
+    assert errors.decode().splitlines()[-1] == "run: stopped; what was done is kept"
+    assert b"Traceback" not in errors
+    assert f"signals: {out}" in printed.decode()
+    assert gb.Response.load(out).time.size > 10
+
+
+def ended(*arguments: str, **given: object) -> subprocess.CompletedProcess[bytes]:
+    """Run the program as a process of its own, with further variables of the environment."""
+    environment = {**os.environ, **given.pop("env", {})}
+    return subprocess.run(
+        [*COMMAND, *arguments], env=environment, check=False, stderr=subprocess.PIPE, **given
+    )
+
+
+RUN = ("--duration", "1 ms", "--speed", "100")
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+def test_an_output_that_is_not_utf_8_has_escapes(scene: str, encoding: str):
+    text = Path(scene).read_text().replace('"wheel"', '"Räder 齿轮"')
+    Path(scene).write_text(text, encoding="utf-8")
+    environment = {"PYTHONIOENCODING": encoding}
+    for form in ((), ("--json",)):
+        found = ended("run", scene, *RUN, *form, env=environment, stdout=subprocess.PIPE)
+        assert (found.returncode, found.stderr) == (0, b"")
+        printed = found.stdout.decode(encoding)
+        if form:
+            assert "Räder 齿轮" in json.loads(printed)["points"]
+        else:
+            assert r" \u9f7f\u8f6e: peak-to-peak" in printed
+
+
+@pytest.mark.skipif(os.name != "posix", reason="devices")
+def test_a_full_or_closed_stdout_is_an_error_of_one_line(scene: str, tmp_path: Path):
+    with Path("/dev/full").open("wb") as full:
+        found = ended("run", scene, *RUN, "--out", str(tmp_path / "r.npz"), stdout=full)
+    assert (found.returncode, found.stderr.count(b"\n")) == (1, 1)
+    assert b"run: stdout cannot be written: " in found.stderr
+    assert gb.Response.load(tmp_path / "r.npz").time.size
+    line = shlex.join([*COMMAND, "run", scene, "--duration", "1e9", "--speed", "1"])
+    found = subprocess.run(["sh", "-c", f"{line} >&-"], check=False, stderr=subprocess.PIPE)
+    expected = b"gearbow: stdout is closed; redirect it, for example to /dev/null\n"
+    assert (found.returncode, found.stderr) == (2, expected)
+
+
+def test_an_unknown_backend_is_refused_before_the_computation(scene: str, tmp_path: Path):
+    pytest.importorskip("matplotlib")
+    environment = {"MPLBACKEND": "nonsense"}
+    out = ("--out", str(tmp_path / "c.png"))
+    found = ended("campbell", scene, "--to", "1e3", *out, env=environment, stdout=subprocess.PIPE)
+    assert (found.returncode, found.stdout) == (2, b"")
+    assert b"MPLBACKEND: 'nonsense' is no backend of matplotlib; remove this" in found.stderr
+    assert b"Traceback" not in found.stderr
+
+
+def test_the_table_is_printed_before_the_figure_is_drawn(scene, tmp_path, capsys, monkeypatch):
+    pytest.importorskip("matplotlib")
+
+    def fails(_: object) -> None:
+        raise gb.GearbowError("no figure")
+
+    monkeypatch.setattr("gearbow.results.campbell.Campbell.plot", fails)
+    given = ["campbell", scene, "--to", "6000 rpm", "--points", 5, "--harmonics", 0]
+    code, out, err = called(capsys, *given, "--out", tmp_path / "c.svg")
+    assert (code, err) == (1, "campbell: no figure\n")
+    assert "excited by" in out
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends a signal")
+def test_sigterm_keeps_the_checkpoint_and_the_signals(scene: str, tmp_path: Path):
+    out, checkpoint = tmp_path / "part.npz", tmp_path / "run.npz"
+    arguments = ["run", scene, "--duration", "1000", "--speed", "100", "--out", str(out)]
+    process = subprocess.Popen(
+        [*COMMAND, *arguments, "--checkpoint", str(checkpoint), "--progress"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    seen = b""
+    while not re.search(rb"\| 0?\.?0*[1-9]\S*/1e\+03 s", seen):
+        piece = process.stderr.read1(1000)
+        assert piece, seen
+        seen += piece
+    process.send_signal(signal.SIGTERM)
+    printed, errors = process.communicate()
+    assert process.returncode == 143
+    assert errors.decode().splitlines()[-1] == "run: stopped; what was done is kept"
+    assert f"signals: {out}" in printed.decode()
+    assert gb.Response.load(out).time.size == gb.Response.load(checkpoint).time.size > 10
+
+
+def test_the_program_and_the_module_are_the_same(scene: str):
+    given = ["check", scene]
+    ended = subprocess.run([*COMMAND, *given], capture_output=True, text=True, check=True)
+    assert "valid, no warnings" in ended.stdout
+    project = (Path(__file__).parents[3] / "pyproject.toml").read_text()
+    assert '[project.scripts]\ngearbow = "gearbow.cli.main:main"\n' in project

@@ -1,0 +1,552 @@
+"""The whole fleet: every analysis, figure, table, file and command on every machine of examples/machines.
+
+The speed is the rated one, in both senses of rotation where this matters. The analyses and what their results have to satisfy are
+those of `fleet_analyses`. A new figure is an entry of `FIGURES`, a new table one of `TABLES`, a new file one of `FILES`, a new
+command one of `COMMANDS`, a new machine a file (see `fleet`). Cells of large machines with expensive analyses are slow.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from fleet import FOLDER, MACHINES, SIZES, Machine, rows_of_list
+from fleet_analyses import ANALYSES, COUNT, SHARES, lateral, meshed, places, quantity, turn
+from gearbow.cli.main import main
+from reference.figure_texts import check_texts
+
+pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the examples are not installed")
+
+#: The part of a result that gives the residual of its equations.
+RESIDUALS: dict[str, Callable[[Any], Any]] = {
+    "static": lambda result: [result.residual],
+    "modes": lambda result: [result.residuals],
+    "synchronous": lambda result: [result.residuals],
+    "campbell": lambda result: [crossing.residual for crossing in result.intersections],
+    "map": lambda result: result.residuals,
+    "steady": lambda result: [result.residual],
+}
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """How to draw a figure of a result, its number of panels, and the names that it shows."""
+
+    analysis: str | None
+    draw: Callable[[Any, gb.RotorSystem], Any]
+    panels: Callable[[gb.RotorSystem], int]
+    names: Callable[[gb.RotorSystem], list[str]] = lambda _: []
+    needs: Callable[[gb.RotorSystem], bool] = lambda _: True
+    units: bool = True  # the numbers of a sweep have none
+
+
+def of_run(
+    kind: str, panels: Callable[[gb.RotorSystem], int], names: Any, needs: Any = lambda _: True
+) -> Drawing:
+    return Drawing(
+        "run",
+        lambda run, s: run.plot(kind, None if kind in OWN_ITEMS else shown(s)),
+        panels,
+        names,
+        needs,
+    )
+
+
+def shown(system: gb.RotorSystem) -> list[str]:
+    """Bodies in the figures of machines with many."""
+    return places(system)[:6]
+
+
+OWN_ITEMS = ("mesh", "geometry", "bearings")
+
+
+def pairs(system: gb.RotorSystem) -> list[str]:
+    return [f"{mesh.driver} – {mesh.driven}" for mesh in system.meshes]
+
+
+def bearings(system: gb.RotorSystem) -> list[str]:
+    return [f"{bearing.shaft} at {bearing.position:g} m" for bearing in system.bearings]
+
+
+def load_data_set(path: Path) -> Any:
+    xarray = pytest.importorskip("xarray")
+    with xarray.open_dataset(path) as data:
+        return data.load()
+
+
+def load_table(path: Path) -> Any:
+    return pytest.importorskip("pandas").read_csv(path)
+
+
+def of_data_set(found: Any) -> Any:
+    table = found.to_dataframe() if isinstance(found, gb.Sweep) else found
+    return np.asarray(table["motion"])
+
+
+def check_checked(answer: dict[str, Any], _: Any, machine: Machine, __: Path) -> None:
+    system = machine.system
+    assert answer["warnings"] == []
+    assert answer["degrees_of_freedom"] == len(system.dofs)
+
+
+def check_drawn(_: dict[str, Any], __: Any, ___: Machine, folder: Path) -> None:
+    assert (folder / "train.png").stat().st_size > 1000
+
+
+def check_printed_modes(
+    answer: dict[str, Any], modes: gb.results.Modes, _: Machine, __: Path
+) -> None:
+    frequencies = [mode["frequency_hz"] for mode in answer["modes"]]
+    np.testing.assert_allclose(frequencies, modes.frequencies_hz, rtol=1e-9, atol=1e-9)
+    assert [mode["whirl"] for mode in answer["modes"]] == list(modes.whirl)
+
+
+def check_printed_campbell(
+    answer: dict[str, Any], campbell: gb.results.Campbell, _: Machine, folder: Path
+) -> None:
+    # the speeds of the command differ by round-off
+    np.testing.assert_allclose(
+        answer["frequencies_hz"], campbell.frequencies_hz, rtol=1e-9, atol=1e-9
+    )
+    assert len(answer["intersections"]) == len(campbell.intersections)
+    assert (folder / "campbell.png").stat().st_size > 1000
+
+
+def check_printed_run(
+    answer: dict[str, Any], run: gb.Response, machine: Machine, folder: Path
+) -> None:
+    saved = gb.Response.load(folder / "run.npz")
+    assert answer["complete"]
+    check_signals(answer, saved, machine.system)
+    # the motion of a run does not depend on what it records, except for the error of its accuracy
+    name = places(machine.system)[0]
+    for one, other in (
+        (saved.displacement(name)[0], run.displacement(name)[0]),
+        (saved.twist(name)[0], run.twist(name)[0]),
+    ):
+        np.testing.assert_allclose(one, other, rtol=1e-2, atol=1e-12)
+
+
+def check_signals(answer: dict[str, Any], saved: gb.Response, system: gb.RotorSystem) -> None:
+    for name in places(system):
+        extent = np.ptp(saved.displacement(name), axis=0)
+        np.testing.assert_allclose(answer["points"][name]["peak_to_peak"], extent)
+    for mesh in answer["meshes"]:
+        force = saved.mesh(mesh).force
+        assert answer["meshes"][mesh]["force"]["max"] == force.max()
+
+
+def check_printed_steady(
+    answer: dict[str, Any], steady: gb.SteadyState, machine: Machine, folder: Path
+) -> None:
+    saved = gb.SteadyState.load(folder / "steady.npz")
+    assert answer["period"] == pytest.approx(steady.period, rel=1e-12)
+    assert answer["stable"] is steady.is_stable()
+    check_signals(answer | {"meshes": {}}, saved.response, machine.system)
+
+
+def tradeoff_signal(system: gb.RotorSystem) -> str:
+    if not system.meshes:
+        return places(system)[0]
+    return f"{system.meshes[0].driver}/{system.meshes[0].driven}"
+
+
+def check_printed_tradeoff(answer: dict[str, Any], _: Any, __: Machine, ___: Path) -> None:
+    assert any(trial["front"] for trial in answer["trials"])
+
+
+FIGURES = {
+    "train": Drawing(None, lambda _, s: s.plot(), lambda _: 2, shown),
+    "modes": Drawing(
+        "modes",
+        lambda r, _: r.plot(),
+        lambda _: COUNT,
+        lambda s: [shaft.name for shaft in s.shafts],
+    ),
+    "mode": Drawing(
+        "modes",
+        lambda r, _: r.plot(COUNT),
+        lambda _: 1,
+        lambda s: [shaft.name for shaft in s.shafts],
+    ),
+    "campbell": Drawing("campbell", lambda r, _: r.plot(), lambda _: 2),
+    "synchronous": Drawing(
+        "synchronous", lambda r, s: r.plot(shown(s)), lambda s: len(shown(s)), shown
+    ),
+    "bode": Drawing("synchronous", lambda r, s: r.bode(shown(s)), lambda _: 2, shown),
+    "orbits": of_run("orbits", lambda s: len(shown(s)), shown, lateral),
+    "history": of_run("history", lambda s: len(shown(s)), shown, lateral),
+    "twist": of_run("twist", lambda s: len(shown(s)), shown),
+    "spectrum": of_run("spectrum", lambda s: len(shown(s)), shown, lateral),
+    "mesh": of_run("mesh", lambda s: 3 * len(s.meshes), pairs, meshed),
+    "geometry": of_run("geometry", lambda s: 4 * len(s.meshes), pairs, meshed),
+    "bearings": of_run(
+        "bearings", lambda s: 2 * len(s.bearings), bearings, lambda s: bool(s.bearings)
+    ),
+    "map": Drawing("map", lambda r, _: r.plot(), lambda _: 1),
+    "energy": Drawing("run up", lambda r, _: r.energy_balance().plot(), lambda _: 3),
+    "steady": Drawing(
+        "steady",
+        lambda r, s: r.plot("history", places(s)[:1]),
+        lambda _: 1,
+        lambda s: places(s)[:1],
+        lateral,
+    ),
+    "branch": Drawing(
+        "branch",
+        lambda r, s: r.plot(places(s)[0], quantity(s)),
+        lambda _: 1,
+        lambda s: places(s)[:1],
+    ),
+    "sweep": Drawing(
+        "sweep", lambda r, _: r.plot("motion"), lambda _: 1, lambda _: ["motion"], units=False
+    ),
+    "orders": Drawing("orders", lambda r, _: r[1].plot(), lambda _: 1, lambda s: places(s)[:1]),
+    "spectrum of a signal": Drawing(
+        "orders",
+        lambda r, s: r[0].spectrum(places(s)[0], quantity(s)).plot(),
+        lambda _: 1,
+        lambda s: places(s)[:1],
+    ),
+    "waterfall": Drawing(
+        "waterfall", lambda r, _: r[1].plot(), lambda _: 2, lambda s: places(s)[:1]
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Table:
+    """How to make a table of a result, and its number of rows."""
+
+    analysis: str
+    make: Callable[[Any], Any]
+    rows: Callable[[Any], int]
+
+
+TABLES = {
+    "modes": Table("modes", lambda r: r.to_dataframe(), lambda _: COUNT),
+    "campbell": Table("campbell", lambda r: r.to_dataframe(), lambda r: len(r.intersections)),
+    "run": Table("run", lambda r: r.to_dataframe(), lambda r: len(r.time)),
+    "energy": Table("run up", lambda r: r.energy_balance().to_dataframe(), lambda r: len(r.time)),
+    "branch": Table("branch", lambda r: r.to_dataframe(), lambda r: len(r.values)),
+    "sweep": Table("sweep", lambda r: r.to_dataframe(), len),
+}
+
+#: Text tables: analysis, the text, and the names that it contains.
+TEXTS = {
+    "modes": lambda r: (r.table(), r.whirl),
+    "campbell": lambda r: (
+        r.table(),
+        [f"{r.intersections[0].frequency_hz:.3f}"] if r.intersections else [],
+    ),
+    "orders": lambda r: (
+        r[1].table(1),
+        [
+            max(zip(np.abs(r[1].amplitudes), r[1].orders, strict=True), key=lambda p: p[0])[
+                1
+            ].names[0]
+        ],
+    ),
+}
+
+
+@dataclass(frozen=True)
+class File:
+    """How to write a file of a result, how to read it, and what it keeps."""
+
+    analysis: str | None
+    name: str
+    write: Callable[[Any, Path], Any]
+    read: Callable[[Path], Any]
+    keeps: Callable[[Any], Any]
+
+
+def signals(run: gb.Response) -> dict[str, Any]:
+    return {name: array.values for name, array in run.to_xarray().data_vars.items()}
+
+
+FILES = {
+    "scene.toml": File(
+        None, "scene.toml", lambda s, p: s.save(p), gb.RotorSystem.load, lambda s: s.description
+    ),
+    "scene.json": File(
+        None,
+        "scene.json",
+        lambda s, p: p.write_text(json.dumps(s.description), "utf-8"),
+        lambda p: gb.RotorSystem.from_dict(json.loads(p.read_text("utf-8"))),
+        lambda s: json.loads(json.dumps(s.description)),
+    ),
+    **{
+        f"run{suffix}": File(
+            "run", f"run{suffix}", lambda r, p: r.save(p), gb.Response.load, signals
+        )
+        for suffix in (".npz", ".nc")
+    },
+    **{
+        f"steady{suffix}": File(
+            "steady",
+            f"steady{suffix}",
+            lambda r, p: r.save(p),
+            gb.SteadyState.load,
+            lambda r: {**signals(r.response), "period": r.period, "residual": r.residual},
+        )
+        for suffix in (".npz", ".nc")
+    },
+    **{
+        f"branch{suffix}": File(
+            "branch",
+            f"branch{suffix}",
+            lambda r, p: r.save(p),
+            gb.Continuation.load,
+            lambda r: {"values": r.values, "stable": r.stable},
+        )
+        for suffix in (".npz", ".nc")
+    },
+    "sweep.sweep": File(
+        "sweep",
+        "s.sweep",
+        lambda r, p: r.save(p),
+        gb.Sweep.load,
+        lambda r: {"motion": of_data_set(r)},
+    ),
+    "sweep.nc": File(
+        "sweep", "s.nc", lambda r, p: r.save(p), load_data_set, lambda r: {"motion": of_data_set(r)}
+    ),
+    "sweep.csv": File(
+        "sweep", "s.csv", lambda r, p: r.save(p), load_table, lambda r: {"motion": of_data_set(r)}
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Command:
+    """Arguments of a command, and what its answer in JSON has to be beside the result of its analysis."""
+
+    analysis: str | None
+    arguments: Callable[[Machine, Path], list[Any]]
+    check: Callable[[dict[str, Any], Any, Machine, Path], None]
+
+
+COMMANDS = {
+    "check": Command(None, lambda _m, _p: [], check_checked),
+    "plot": Command(None, lambda _, p: ["--out", p / "train.png"], check_drawn),
+    "modes": Command(
+        "modes", lambda m, _: ["--speed", m.speed, "--count", COUNT], check_printed_modes
+    ),
+    "campbell": Command(
+        "campbell",
+        lambda m, p: [
+            *("--from", SHARES[0] * m.speed, "--to", SHARES[-1] * m.speed, "--points", len(SHARES)),
+            *("--count", COUNT, "--out", p / "campbell.png"),
+        ],
+        check_printed_campbell,
+    ),
+    "run": Command(
+        "run",
+        lambda m, p: [
+            *("--duration", 0.1 * turn(m.system, m.speed), "--speed", m.speed),
+            *("--record", "gears", "disks", "meshes", "--out", p / "run.npz"),
+        ],
+        check_printed_run,
+    ),
+    "steady": Command(
+        "steady",
+        lambda m, p: ["--speed", m.speed, "--record", "gears", "disks", "--out", p / "steady.npz"],
+        check_printed_steady,
+    ),
+    "tradeoff": Command(
+        "branch",
+        lambda m, _: [
+            *("--duration", 0.1 * turn(m.system, m.speed), "--speed", m.speed, "--budget", 2),
+            *("--signals", tradeoff_signal(m.system)),
+        ],
+        check_printed_tradeoff,
+    ),
+}
+
+CELLS = [(name, sense) for name, analysis in ANALYSES.items() for sense in analysis.senses]
+
+
+def is_slow(parameters: dict[str, Any]) -> bool:
+    """Tell whether a case needs an analysis that is expensive for its machine."""
+    machine, analysis = parameters.get("machine"), parameters.get("analysis")
+    if parameters.get("command") == "tradeoff":
+        return True
+    for table, kind in (
+        (FIGURES, "figure"),
+        (TABLES, "table"),
+        (FILES, "file"),
+        (COMMANDS, "command"),
+    ):
+        if kind in parameters:
+            analysis = table[parameters[kind]].analysis
+    return None not in (machine, analysis) and SIZES[machine] > ANALYSES[analysis].largest
+
+
+@pytest.fixture(scope="module", params=MACHINES)
+def machine(request) -> Machine:
+    """Return one machine after the other, so that its tests share its results."""
+    return Machine(request.param)
+
+
+def obtain(machine: Machine, analysis: str, sense: int = 1) -> Any:
+    return machine.result(analysis, sense, ANALYSES[analysis].compute)
+
+
+def applies(machine: Machine, analysis: str | None) -> bool:
+    """Tell whether a machine has a result of an analysis."""
+    if analysis is None:
+        return True
+    return ANALYSES[analysis].applies(machine.system) and machine.refusal(analysis, 1) is None
+
+
+@pytest.mark.parametrize(("analysis", "sense"), CELLS)
+def test_results_satisfy_their_equations(machine, analysis, sense):
+    given, speed = ANALYSES[analysis], sense * machine.speed
+    if not given.applies(machine.system):
+        return
+    refusal = machine.refusal(analysis, sense)
+    if refusal is not None:
+        with pytest.raises(refusal[0], match=refusal[1]):
+            given.compute(machine.system, speed)
+        return
+    given.check(machine.system, speed, obtain(machine, analysis, sense))
+
+
+@pytest.mark.parametrize("analysis", RESIDUALS)
+def test_results_know_their_residual(machine, analysis):
+    if not applies(machine, analysis):
+        return
+    given = np.concatenate(
+        [np.ravel(part) for part in RESIDUALS[analysis](obtain(machine, analysis))]
+    )
+    assert np.all((given >= 0.0) & (given < 1e-6))
+
+
+@pytest.mark.parametrize("figure", FIGURES)
+def test_figures_show_every_part(machine, figure):
+    pytest.importorskip("matplotlib")
+    drawing, system = FIGURES[figure], machine.system
+    if not (applies(machine, drawing.analysis) and drawing.needs(system)):
+        return
+    result = None if drawing.analysis is None else obtain(machine, drawing.analysis)
+    drawn = drawing.draw(result, system)
+    check_texts(drawn)
+    assert len(drawn.axes) == drawing.panels(system)
+    texts = [text.get_text() for legend in drawn.legends for text in legend.get_texts()]
+    for panel in drawn.axes:
+        assert panel.has_data()
+        texts += [panel.get_title(place) for place in ("left", "center", "right")]
+        texts += [panel.get_xlabel(), panel.get_ylabel()]
+        texts += [text.get_text() for text in panel.texts]
+    for name in drawing.names(system):
+        assert any(name in text for text in texts), name
+    assert any("[" in text for text in texts) is drawing.units, "no unit"
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_tables_have_a_row_for_each_value(machine, table, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    given = TABLES[table]
+    if not applies(machine, given.analysis):
+        return
+    result = obtain(machine, given.analysis)
+    made = given.make(result)
+    assert len(made) >= given.rows(result)
+    numbers = made.select_dtypes("number")
+    assert numbers.shape[1] > 0
+    # a table as CSV keeps the numbers
+    made.to_csv(tmp_path / "table.csv")
+    read = pandas.read_csv(tmp_path / "table.csv")
+    for name in numbers:
+        # older versions of pandas read numbers with an error of the last digit
+        np.testing.assert_allclose(read[str(name)].to_numpy(), numbers[name].to_numpy(), rtol=1e-14)
+
+
+@pytest.mark.parametrize("analysis", TEXTS)
+def test_text_tables_name_their_rows(machine, analysis):
+    if not applies(machine, analysis):
+        return
+    text, names = TEXTS[analysis](obtain(machine, analysis))
+    assert len(text.splitlines()) >= 2 or not names
+    for name in names:
+        assert name in text
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_files_keep_everything(machine, file, tmp_path):
+    given = FILES[file]
+    if not applies(machine, given.analysis):
+        return
+    result = machine.system if given.analysis is None else obtain(machine, given.analysis)
+    given.write(result, tmp_path / given.name)
+    expected, found = given.keeps(result), given.keeps(given.read(tmp_path / given.name))
+    assert set(found) == set(expected)
+    for name, values in expected.items():
+        np.testing.assert_equal(found[name], values)
+
+
+@pytest.mark.parametrize("figure", ["history"])
+def test_a_run_becomes_an_animation(machine, figure, tmp_path):
+    pytest.importorskip("matplotlib")
+    run = obtain(machine, FIGURES[figure].analysis)
+    run.animate(tmp_path / "run.gif", duration=0.1, fps=10.0)
+    assert (tmp_path / "run.gif").read_bytes().startswith(b"GIF8")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_answer_as_the_package(machine, command, tmp_path, capsys):
+    given = COMMANDS[command]
+    if not applies(machine, given.analysis):
+        return
+    arguments = [command, machine.path, *given.arguments(machine, tmp_path), "--json"]
+    with pytest.raises(SystemExit) as end:
+        main([str(argument) for argument in arguments])
+    out, err = capsys.readouterr()
+    assert end.value.code == 0, err
+    result = None if given.analysis is None else obtain(machine, given.analysis)
+    given.check(json.loads(out), result, machine, tmp_path)
+
+
+@pytest.mark.parametrize("figure", ["campbell"])
+def test_a_diagram_has_every_mode_and_line(machine, figure):
+    campbell = obtain(machine, figure)
+    upper, lower = campbell.plot().axes
+    values = np.concatenate(
+        [line.get_ydata() for line in upper.get_lines() if len(line.get_ydata()) > 2]
+    )
+    for frequencies in campbell.frequencies_hz.T:
+        # the curve goes through the computed points
+        assert all(
+            np.isclose(values, frequency, rtol=1e-9, atol=1e-9).any() for frequency in frequencies
+        )
+    assert lower.get_lines()
+    assert len(campbell.lines) == len(machine.system.shafts) + len(machine.system.meshes)
+
+
+def test_the_list_of_machines_is_true(machine):
+    rows = rows_of_list()
+    assert len(rows) == len(MACHINES)
+    (row,) = [row for row in rows if row[0] == f"[{machine.name}.toml]({machine.name}.toml)"]
+    system = machine.system
+    assert [int(row[1]), int(row[2])] == [len(system.dofs), len(system.shafts)]
+    value, unit = row[4].split()
+    speed = float(value) * (pi / 30.0 if unit == "rpm" else 1.0)
+    assert speed == pytest.approx(machine.speed, rel=1e-12)
+
+
+def test_a_diagram_draws_axial_modes():
+    # the ninth elastic mode of the reducer moves along the axis
+    machine = Machine("coaxial_reducer")
+    campbell = machine.system.campbell([0.9 * machine.speed, machine.speed], count=9, harmonics=0)
+    assert "axial" in campbell.whirl
+    (legend,) = campbell.plot().legends
+    assert "axial" in [text.get_text() for text in legend.get_texts()]

@@ -1,0 +1,254 @@
+"""Spectra and order analysis recover the components of a signal."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow.orders import Kinematics
+from gearbow.orders.spectrum import WINDOWS, amplitudes
+from test_response import recorded, train
+
+SPEED = 100.0
+
+
+def made(duration=1.0, step=1e-4, start=0.0, **content):
+    """Return a response whose g1 y is a sum of orders, {name of the order: complex amplitude}."""
+    rows = round(duration / step)
+    response = recorded(rows=rows)
+    response._data["time"] = start + step * np.arange(rows)
+    response.speed = SPEED
+    response.kinematics = Kinematics.of(train())
+    motion = np.zeros((rows, 3, 2))
+    for value, amplitude in content.values():
+        motion[:, 0, 0] += np.real(amplitude * np.exp(1j * value * SPEED * response.time))
+    response._data["displacement"] = motion + 7e-6
+    return response
+
+
+def test_least_squares_recover_amplitude_and_phase_of_every_order():
+    # 1.37 s is not a whole number of revolutions, and the record does not start at 0.
+    content = {
+        "1× input": (1.0, 3e-6 - 1e-6j),
+        "1× output": (0.5, 2e-6j),
+        "1× mesh g1–g2": (25.0, 1e-7 + 0j),
+        "1× mesh g1–g2 − 1× output": (24.5, -4e-8 + 0j),
+        "3× mesh g1–g2 + 1× input": (76.0, 5e-9j),
+    }
+    found = made(1.37, start=0.21, **content).orders("g1", "y")
+    names = {name: j for j, order in enumerate(found.orders) for name in order.names}
+    for name, (value, amplitude) in content.items():
+        assert found.orders[names[name]].value == pytest.approx(value)
+        # Round-off of 1e4 values of 1e-5 m in a well-conditioned fit.
+        assert abs(found.amplitudes[names[name]] - amplitude) < 1e-18
+        assert found.amplitude(name) == pytest.approx(abs(amplitude), abs=1e-18)
+    assert found.mean == pytest.approx(7e-6, rel=1e-12)
+    assert found.rest < 1e-18
+    others = set(range(len(found.orders))) - {names[name] for name in content}
+    assert max(abs(found.amplitudes[j]) for j in others) < 1e-18
+
+
+def test_the_residual_of_the_fit_is_the_part_outside_all_orders():
+    with pytest.warns(gb.AccuracyWarning, match=r"^orders: 100 % of the RMS of g1 y is not at"):
+        found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "y")
+    assert found.rest_share == pytest.approx(1.0, abs=0.01)
+    assert "rest 7.1e-07 m RMS (99.9 % of the motion)" in found.table()
+    # The RMS of a sine; the fit absorbs a small part of it.
+    assert found.rest == pytest.approx(1e-6 / np.sqrt(2.0), rel=0.02)
+
+
+def test_the_default_contains_significant_higher_harmonics():
+    content = {
+        "1× mesh": (25.0, 1e-6 + 0j),
+        "7× mesh": (175.0, 3e-6j),
+        "7× mesh + 1× input": (176.0, 1e-6 + 0j),
+        "9× mesh": (225.0, 1e-9 + 0j),
+        "31× mesh": (775.0, 1e-7 + 0j),
+    }
+    found = made(1.0, **content).orders("g1", "y")
+    # The lines outside the fit disturb it by 2e-5.
+    assert found.amplitude("7× mesh g1–g2") == pytest.approx(3e-6, rel=1e-4)
+    assert found.amplitude("7× mesh g1–g2 + 1× input") == pytest.approx(1e-6, rel=1e-4)
+    # The ninth harmonic is below 1 % of the largest; the default ends with the thirtieth.
+    values = {round(order.value, 6) for order in found.orders}
+    assert not {225.0, 775.0} & values
+    assert {50.0, 75.0} < values
+    assert found.rest == pytest.approx(1e-7 / np.sqrt(2.0), rel=0.01)
+    assert found.rest_share == pytest.approx(
+        1e-7 / np.sqrt(1e-12 + 9e-12 + 1e-12 + 1e-14), rel=0.01
+    )
+    fixed = made(1.0, **content)
+    with pytest.warns(gb.AccuracyWarning, match=r"of the RMS of g1 y is not at these orders"):
+        assert max(o.value for o in fixed.orders("g1", "y", mesh_harmonics=3).orders) == 76.0
+
+
+def test_the_default_takes_only_what_the_record_resolves_and_separates():
+    # 0.25 s separate orders with a distance of 0.126.
+    response = made(0.25, 1e-4, a=(25.0, 1e-6 + 0j), b=(125.0, 1e-6 + 0j))
+    found = response.orders("g1", "y")
+    assert found.amplitude("5× mesh g1–g2") == pytest.approx(1e-6)
+    assert found.rest < 1e-12
+    # A step of 0.4 ms resolves orders below 78.5: the fourth harmonic appears as another order.
+    coarse = made(1.0, 4e-4, a=(25.0, 1e-6 + 0j), b=(100.0, 1e-6 + 0j))
+    with pytest.warns(gb.AccuracyWarning, match="is not at these orders"):
+        assert max(order.value for order in coarse.orders("g1", "y").orders) == 76.0
+
+
+def test_a_signal_at_rest_has_no_rest():
+    found = made(1.0, a=(0.0, 1e-6 + 0j)).orders("g1", "y")
+    assert found.rest_share <= 1.0
+    assert max(order.value for order in found.orders) == 76.0
+
+
+def test_coinciding_orders_are_one_order_with_all_names():
+    orders = Kinematics.of(train()).orders(2, 0, 0)
+    assert [(order.value, order.names) for order in orders] == [
+        (0.5, ("1× output",)),
+        (1.0, ("1× input", "2× output")),
+        (2.0, ("2× input",)),
+    ]
+    assert str(orders[1]) == "1× input = 2× output"
+
+
+def test_a_table_lists_the_largest_first():
+    table = made(a=(1.0, 3e-6), b=(25.0, 5e-6)).orders("g1").table(2).splitlines()
+    assert len(table) == 4
+    assert table[0].startswith("g1 y: mean 7e-06 m")
+    assert table[2].endswith("1× mesh g1–g2")
+    assert table[3].endswith("1× input = 2× output")
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"duration": 0.01}, "need a record of"),
+        ({"step": 5e-3}, "needs an output_step below"),
+        ({"step": 0.05}, "need more than"),
+    ],
+)
+def test_a_record_that_cannot_separate_orders_is_refused(change, sentence):
+    with pytest.raises(gb.GearbowError, match=sentence):
+        made(**change).orders("g1")
+
+
+def test_a_changing_speed_and_an_unknown_name_are_refused():
+    response = made()
+    with pytest.raises(gb.GearbowError, match="no order is called '9× input'"):
+        response.orders("g1").amplitude("9× input")
+    response.speed = gb.SpeedProfile.ramp(1.0, 2.0, duration=1.0)
+    with pytest.raises(gb.GearbowError, match="constant speed"):
+        response.orders("g1")
+    with pytest.raises(gb.GearbowError, match="constant speed"):
+        gb.waterfall([response], "g1")
+
+
+@pytest.mark.parametrize("window", list(WINDOWS))
+def test_a_sine_at_a_spectral_line_has_its_amplitude(window):
+    time = np.arange(1000) * 1e-3
+    signal = 4.0 + 3.0 * np.cos(2 * np.pi * 50.0 * time + 0.3)
+    frequency, amplitude = amplitudes(time, signal, window)
+    peak = np.argmax(amplitude)
+    assert frequency[peak] == pytest.approx(50.0)
+    # The published coefficients of the flat top have nine digits.
+    assert amplitude[peak] == pytest.approx(3.0, rel=1e-8)
+
+
+def test_a_flat_top_window_gives_the_amplitude_between_lines():
+    time = np.arange(1000) * 1e-3
+    _, amplitude = amplitudes(time, np.cos(2 * np.pi * 50.5 * time), "flat top")
+    assert amplitude.max() == pytest.approx(1.0, rel=2e-3)  # 0.01 dB of Heinzel et al.
+    _, hann = amplitudes(time, np.cos(2 * np.pi * 50.5 * time), "hann")
+    assert hann.max() == pytest.approx(0.849, rel=1e-2)  # its scalloping loss, 1.42 dB
+
+
+@pytest.mark.parametrize(
+    ("of", "quantity", "label", "unit"),
+    [
+        ("g1", None, "g1 y", "m"),
+        (("input", 0.1), "z", "input at 0.1 m z", "m"),
+        ("g2", "twist", "g2 twist", "rad"),
+        (("g1", "g2"), None, "g1/g2 force", "N"),
+        (("g1", "g2"), "contact_ratio", "g1/g2 contact ratio", "1"),
+        (("bearing", "input", 0.0), "z", "bearing input at 0 m z", "N"),
+        ("energy", None, "energy", "J"),
+    ],
+)
+def test_every_channel_has_a_spectrum(of, quantity, label, unit):
+    spectrum = recorded(rows=64).spectrum(of, quantity)
+    assert (spectrum.label, spectrum.unit) == (label, unit)
+    assert spectrum.amplitudes.shape == spectrum.frequencies_hz.shape == (32,)
+    assert spectrum.plot().axes[0].get_ylabel() == f"{label} [{unit}]"
+
+
+def test_the_error_names_the_invalid_argument():
+    response = recorded(rows=64)
+    with pytest.raises(gb.ChannelError, match=r"has y, z, twist, x, velocity_y, .*, got 'v'"):
+        response.spectrum("g1", "v")
+    with pytest.raises(gb.ChannelError, match="was not recorded"):
+        response.spectrum("g7")
+    with pytest.raises(gb.SceneError, match="window: must be one of"):
+        response.spectrum("g1", window="box")
+    with pytest.raises(gb.GearbowError, match="unknown"):
+        response.orders("g1")
+
+
+def test_the_bow_appears_at_the_order_of_its_shaft(tmp_path):
+    system = train()
+    turn = 2 * np.pi / (0.5 * SPEED)
+    response = system.simulate(3 * turn, SPEED, output_step=turn / 1000, record=["g1", "meshes"])
+    found = response.orders("g1", "y")
+    linear = abs(system.synchronous([SPEED]).displacement("g1")[0, 0, 0])
+    # The moving line of action causes a second-order deviation from the linear motion.
+    assert found.amplitude("1× input") == pytest.approx(linear, rel=1e-2)
+    # The transient of lightly damped modes also causes a deviation.
+    assert found.rest < 1e-2 * linear
+    response.save(tmp_path / "run.npz")
+    again = gb.Response.load(tmp_path / "run.npz")
+    assert again.kinematics == response.kinematics
+    np.testing.assert_array_equal(again.orders("g1", "y").amplitudes, found.amplitudes)
+    assert len(found.plot(5).axes[0].get_yticks()) == 5
+
+
+def test_a_waterfall_has_a_ridge_along_each_order():
+    system = train()
+    speeds = (150.0, 50.0, 100.0)
+    runs = [system.simulate(1.0, speed, output_step=1e-3, record=["g1"]) for speed in speeds]
+    result = gb.waterfall(runs, "g1")
+    np.testing.assert_array_equal(result.speeds, (50.0, 100.0, 150.0))
+    peaks = result.frequencies_hz[result.amplitudes.argmax(axis=1)]
+    # A record of 1 s has a line spacing of 1 Hz.
+    np.testing.assert_allclose(peaks, result.speeds / (2 * np.pi), atol=0.51)
+    panel = result.plot().axes[0]
+    assert "1× input" in {text.get_text() for text in panel.texts}
+    with pytest.raises(gb.GearbowError, match="different frequencies"):
+        gb.waterfall([runs[0], system.simulate(0.5, 50.0, output_step=1e-3)], "g1")
+    with pytest.raises(
+        gb.GearbowError, match=r"^responses: must be a list of at least one response"
+    ):
+        gb.waterfall([], "g1")
+
+
+def test_the_order_of_a_force_is_among_the_orders(tmp_path):
+    # order 2.5 of a shaft that turns at half of the speed
+    system = train().replace(
+        forces=[gb.Force("g2", 50.0, order=2.5), gb.Force("g1", 1.0, order=-2)]
+    )
+    kinematics = Kinematics.of(system)
+    names = {name: order.value for order in kinematics.orders() for name in order.names}
+    assert names["2.5× force at g2"] == pytest.approx(1.25)
+    assert names["2× force at g1"] == names["2× input"]
+    response = system.simulate(1.0, SPEED, record=["g2"], output_step=1e-3)
+    found = response.orders("g2", "y", skip_time=0.4, mesh_harmonics=1)
+    # The force turns backwards with its shaft: its phasors along y and z are 50 and 50i.
+    matrices, frequency = system.matrices(SPEED), 1.25 * SPEED
+    rate = matrices.damping + SPEED * matrices.gyroscopic
+    dynamic = matrices.stiffness + 1j * frequency * rate - frequency**2 * matrices.mass
+    indices = [system.dofs.index(("output", 0.25, direction)) for direction in ("v", "w")]
+    force = np.zeros(len(system.dofs), dtype=complex)
+    force[indices] = 50.0, 50.0j
+    expected = abs(np.linalg.solve(dynamic, force)[indices[0]])
+    # The transient at natural frequencies of ten times this one leaks by 1/(ω t), about 1e-3.
+    assert found.amplitude("2.5× force at g2") == pytest.approx(expected, rel=1e-2)
+    response.save(tmp_path / "run.npz")
+    assert gb.Response.load(tmp_path / "run.npz").kinematics == kinematics

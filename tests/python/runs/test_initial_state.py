@@ -1,0 +1,101 @@
+"""The check of an initial state against its equations, before errors are estimated."""
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow._core import Model, user_order
+from gearbow.accuracy import estimate, initial
+
+
+def pair() -> gb.RotorSystem:
+    bow = gb.Bow.half_sine(1e-4)
+    return gb.RotorSystem(
+        shafts=[
+            gb.Shaft(name, length=0.4, outer_diameter=0.04, elements=2, bow=bow) for name in "ab"
+        ],
+        gears=[
+            gb.Gear("p", "a", 0.2, teeth=20, module=3e-3, face_width=0.03),
+            gb.Gear("w", "b", 0.2, teeth=40, module=3e-3, face_width=0.03),
+        ],
+        meshes=[gb.Mesh("p", "w", stiffness=2e8, damping_ratio=0.05)],
+        bearings=[
+            gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in "ab" for x in (0.0, 0.4)
+        ],
+        torques=[gb.Torque("p", 50.0), gb.Torque.balance("w")],
+        gravity=9.81,
+    )
+
+
+class Changed:
+    """A model with one method that returns a changed result."""
+
+    def __init__(self, model, name, change):
+        self._model, self._name, self._change = model, name, change
+
+    def __getattr__(self, name):
+        found = getattr(self._model, name)
+        if name != self._name:
+            return found
+        return lambda *args, **options: self._change(found(*args, **options))
+
+
+@pytest.mark.parametrize("start", ["synchronous", "static", "rest"])
+@pytest.mark.parametrize("speed", [90.0, -90.0, "ramp"])
+@pytest.mark.parametrize("geometry", ["live", "frozen"])
+def test_initial_states_satisfy_their_equations(start, speed, geometry):
+    given = gb.SpeedProfile.ramp(60.0, 90.0, duration=1.0) if speed == "ramp" else speed
+    run = pair().simulate(1e-3, given, initial=start, geometry=geometry, start=0.3)
+    initial.check_initial_state(Model(dict(run.request.description)), run.request.options)
+
+
+def displaced(data):
+    """Move one coordinate of an equilibrium by a thousandth."""
+    state = data["state"].copy()
+    state[np.argmax(np.abs(state))] *= 1.001
+    return {**data, "state": state}
+
+
+@pytest.mark.parametrize(
+    ("start", "method", "change", "message"),
+    [
+        ("static", "static", displaced, "is not the motion 'static'"),
+        ("synchronous", "static", displaced, "is not the motion 'synchronous'"),
+        (
+            "synchronous",
+            "synchronous",
+            lambda data: {**data, "amplitudes": 1.001 * data["amplitudes"]},
+            "is not the motion 'synchronous'",
+        ),
+        (
+            "static",
+            "static",
+            lambda data: {**data, "residuals": [("s0", 2e-6)]},
+            "forces .* do not balance",
+        ),
+        (
+            "static",
+            "static",
+            lambda data: {**data, "residuals": [("s0", np.nan)]},
+            "forces .* do not balance",
+        ),
+        (
+            "synchronous",
+            "synchronous",
+            lambda data: {**data, "residuals": np.array([2e-6])},
+            "does not satisfy the equations of motion",
+        ),
+    ],
+)
+def test_a_wrong_initial_state_stops_the_estimate(monkeypatch, start, method, change, message):
+    run = pair().simulate(1e-3, 90.0, initial=start)
+    monkeypatch.setattr(estimate, "Model", lambda given: Changed(Model(given), method, change))
+    monkeypatch.setattr(initial, "user_order", lambda model, state: user_order(model._model, state))
+    with pytest.raises(gb.ConvergenceError, match=message):
+        run.errors()
+
+
+def test_a_state_that_continues_a_run_needs_no_equation():
+    system = pair()
+    first = system.simulate(1e-3, 90.0)
+    assert system.simulate(1e-3, 90.0, initial=first).errors()["mesh_force"].total < 0.5

@@ -1,0 +1,92 @@
+"""Result arrays are read-only: users cannot alter a response before it is continued or saved."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from test_response import recorded, train
+
+
+def writable(value: object) -> list[np.ndarray]:
+    """Return all writable arrays in attributes, mappings and sequences."""
+    if isinstance(value, np.ndarray):
+        return [value] if value.flags.writeable else []
+    if isinstance(value, dict):
+        return [array for item in value.values() for array in writable(item)]
+    if isinstance(value, list | tuple):
+        return [array for item in value for array in writable(item)]
+    if dataclasses.is_dataclass(value) or isinstance(value, gb.Response | gb.results.Static):
+        return writable(vars(value))
+    return []
+
+
+def results():
+    system = train()
+    speeds = np.linspace(50.0, 100.0, 3)
+    rotor = gb.Shaft(
+        "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
+    )
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    disk = gb.Disk("disk", "rotor", 0.5, 10.0, 0.1, 0.2)
+    bowed = gb.RotorSystem([rotor], bearings=bearings, disks=[disk])
+    response = recorded()
+    return {
+        "matrices": system.matrices(),
+        "modes": system.modes(10.0),
+        "campbell": system.campbell(speeds, count=3),
+        "synchronous": system.synchronous(speeds),
+        "less": system.synchronous(speeds).subtract_slow_roll(1.0),
+        "static": system.static(),
+        "critical": bowed.critical_speed_map(speeds * 1e6),
+        "balance": bowed.balance(["disk"], 50.0),
+        "response": response,
+        "unsorted": system.simulate(1e-3, 10.0, times=[1e-3, 0.0]),
+        "mesh": response.mesh(("g1", "g2")),
+        "energy": response.energy_balance(),
+        "spectrum": response.spectrum("g1"),
+    }
+
+
+@pytest.fixture(scope="module")
+def made():
+    return results()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("matrices", "modes", "campbell", "synchronous", "less", "static", "critical", "balance"),
+        *("response", "unsorted", "mesh", "energy", "spectrum"),
+    ],
+)
+def test_all_arrays_of_a_result_are_read_only(made, name):
+    assert writable(made[name]) == []
+
+
+def test_views_of_a_response_are_read_only(made):
+    response = made["response"]
+    for view in (response.time, response.displacement("g1"), response.twist("g1"), response.energy):
+        with pytest.raises(ValueError, match="read-only"):
+            view[0] = 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        response.final["state"][0] = 0.0
+    before = response.final["time"]
+    response.final["time"] = 12.0
+    assert response.final["time"] == before
+
+
+def test_a_response_from_a_file_is_read_only_too(made, tmp_path):
+    made["response"].save(tmp_path / "run.npz")
+    assert writable(gb.Response.load(tmp_path / "run.npz")) == []
+
+
+def test_arrays_of_the_caller_stay_writable():
+    speeds = np.linspace(50.0, 100.0, 3)
+    system = train()
+    diagram, response = system.campbell(speeds, count=2), system.synchronous(speeds)
+    speeds[0] = 1.0
+    assert diagram.speeds[0] == response.speeds[0] == 50.0

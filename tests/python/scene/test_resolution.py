@@ -1,0 +1,208 @@
+"""Number and degree of elements that gearbow chooses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow.accuracy.levels import LEVELS
+from test_errors import difference, train
+
+SPEED = 100.0
+
+
+def automatic(**options):
+    """Return the pair without numbers of elements."""
+    system = train(**options)
+    shafts = [replace(shaft, elements=None) for shaft in system.shafts]
+    return system.replace(shafts=shafts)
+
+
+def exact(system, factor=2):
+    """Return the system with more elements of degree 7."""
+    shafts = []
+    for shaft in system.shafts:
+        (number,) = system.discretisation.shafts[shaft.name].numbers
+        shafts.append(replace(shaft, elements=factor * number, degree=7))
+    return system.replace(shafts=shafts)
+
+
+@pytest.mark.parametrize("level", ["draft", "engineering"])
+def test_chosen_elements_keep_the_error_of_their_level(level):
+    system = automatic().replace(resolution=level)
+    permitted = {"draft": 1e-1, "engineering": 1e-2}[level]
+    assert system.discretisation.expected_error <= permitted
+    assert system.discretisation.permitted_error == permitted
+    response = system.simulate(0.05, SPEED, accuracy=level)
+    fine = exact(system).simulate(0.05, SPEED, method="exponential", rtol=1e-8)
+    errors = difference(response, fine)
+    assert errors["mesh_force"] <= permitted
+    assert errors["displacement"] <= permitted / 10
+    for kind, error in errors.items():
+        assert error / 3 < response.errors()[kind].total < 3 * error
+
+
+def test_levels_differ_in_their_number_of_coordinates():
+    levels = ("draft", "engineering", "reference")
+    sizes = [len(automatic().replace(resolution=level).dofs) for level in levels]
+    assert sizes == sorted(set(sizes))
+
+
+def test_engineering_is_the_default():
+    system = automatic()
+    assert system.resolution == "engineering"
+    assert "resolution" not in system.description
+    assert system.discretisation == system.replace(resolution="engineering").discretisation
+    assert system.discretisation.level == "engineering"
+
+
+def test_given_numbers_are_kept():
+    system = train(3)
+    assert system.discretisation.level is None
+    assert system.discretisation.expected_error is None
+    assert {s.degree for s in system.discretisation.shafts.values()} == {1}
+    assert {s.numbers for s in system.discretisation.shafts.values()} == {(3,)}
+    first, second = system.shafts
+    mixed = system.replace(shafts=[first, replace(second, elements=None)])
+    assert mixed.discretisation.shafts["input"].numbers == (3,)
+    assert mixed.discretisation.shafts["output"].degree > 1
+    cubic = system.replace(shafts=[replace(s, elements=None, degree=4) for s in system.shafts])
+    assert {s.degree for s in cubic.discretisation.shafts.values()} == {4}
+
+
+def test_a_number_for_one_segment_is_a_number_for_all():
+    segments = [gb.Segment(0.2, 0.04, elements=2), gb.Segment(0.2, 0.05)]
+    shaft = gb.Shaft("input", segments=segments)
+    system = train().replace(shafts=[shaft, train().shafts[1]])
+    found = system.discretisation.shafts["input"]
+    assert (found.numbers, found.degree) == ((2, 1), 1)
+
+
+def test_the_choice_is_not_written_into_the_description(tmp_path):
+    system = automatic().replace(resolution="draft")
+    system.save(tmp_path / "scene.toml")
+    loaded = gb.RotorSystem.load(tmp_path / "scene.toml")
+    for other in (loaded, gb.RotorSystem.from_dict(system.description)):
+        assert other.shafts[0].elements is None
+        assert other.shafts[0].degree is None
+        assert other.resolution == "draft"
+        assert other.dofs == system.dofs
+        assert other.discretisation == system.discretisation
+    assert "elements" not in (tmp_path / "scene.toml").read_text()
+
+
+def test_an_unknown_level_is_refused():
+    with pytest.raises(gb.SceneError, match=r"^resolution: .*`fine`"):
+        train(resolution="fine")
+
+
+def test_the_choice_can_be_printed():
+    text = str(automatic().discretisation)
+    assert "input: " in text
+    assert "elements of degree" in text
+    assert "engineering: expected error" in text
+
+
+def test_without_meshes_the_elements_serve_bow_and_unbalance():
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=500.0) for x in (0.0, 1.0)]
+    disk = gb.Disk("disk", "rotor", 0.4, 10.0, 0.03, 0.06)
+    system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
+    options = {"record": ["disk"], "initial": "rest"}
+    response = system.simulate(0.1, 200.0, **options)
+    fine = exact(system).simulate(0.1, 200.0, method="exponential", rtol=1e-9, **options)
+    moved, known = response.displacement("disk"), fine.displacement("disk")
+    error = np.linalg.norm(moved - known) / np.linalg.norm(known - known.mean(axis=0))
+    assert error < 1e-3
+    assert error / 3 < response.errors()["displacement"].total < 3 * error
+
+
+@pytest.mark.parametrize("level", ["draft", "engineering"])
+@pytest.mark.parametrize("initial", ["rest", "static"])
+def test_elements_serve_a_bow_that_an_undamped_run_releases(level, initial):
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.mode(3, 1e-4))
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    disk = gb.Disk("disk", "rotor", 0.3, 10.0, 0.03, 0.06)
+    system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings, resolution=level)
+    options = {"record": ["disk"], "initial": initial}
+    response = system.simulate(0.1, 200.0, accuracy=level, **options)
+    fine = exact(system).simulate(0.1, 200.0, method="exponential", rtol=1e-9, **options)
+    moved, known = response.displacement("disk"), fine.displacement("disk")
+    error = np.linalg.norm(moved - known) / np.linalg.norm(known - known.mean(axis=0))
+    assert error < {"draft": 1e-2, "engineering": 1e-3}[level]
+    assert error / 3 < response.errors()["displacement"].total < 3 * error
+
+
+def test_elements_too_coarse_for_the_level_give_a_warning():
+    with pytest.warns(gb.AccuracyWarning, match="^accuracy: the elements are too coarse for"):
+        train(1).simulate(1e-3, SPEED, accuracy="draft")
+    draft = automatic().replace(resolution="draft")
+    with pytest.warns(gb.AccuracyWarning, match="they have the resolution 'draft'"):
+        draft.simulate(1e-3, SPEED, accuracy="engineering")
+    # the default level says it in the response
+    assert "does not include the elements" in draft.simulate(1e-3, SPEED).accuracy
+    assert "does not include" not in draft.simulate(1e-3, SPEED, accuracy="draft").accuracy
+    assert "does not include" not in automatic().simulate(1e-3, SPEED).accuracy
+
+
+def test_a_choice_that_the_number_of_coordinates_limits_is_too_coarse():
+    long = [gb.Shaft(name, length=2.0, outer_diameter=0.03) for name in ("input", "output")]
+    bearings = [gb.Bearing(s, x, stiffness=1e8) for s in ("input", "output") for x in (0.0, 2.0)]
+    system = automatic(resolution="reference", stiffness=gb.Stiffness.square(2e8))
+    system = system.replace(shafts=long, bearings=bearings, modal_damping=None)
+    assert system.discretisation.expected_error > system.discretisation.permitted_error
+    # `simulate` writes both into its warning; a run would take half a minute
+    level = LEVELS["reference"]
+    assert "the largest number of coordinates that gearbow chooses" in level.coarse(
+        system._model, 100.0
+    )
+    assert "response.errors()" in level.finer(system._model)
+    assert "resolution='reference'" in level.finer(automatic()._model)
+
+
+def test_bearings_with_a_speed_table_have_a_choice():
+    table = gb.SpeedTable([50.0, 200.0], [1e8, 2e8])
+    bearings = [replace(bearing, stiffness=table) for bearing in automatic().bearings]
+    system = automatic().replace(bearings=bearings)
+    assert system.discretisation.expected_error <= 1e-2
+
+
+@pytest.mark.parametrize("level", ["draft", "engineering", "reference"])
+def test_chosen_elements_are_not_much_shorter_than_equal_parts(level):
+    """An equal part that ends close to a gear would leave a very short element beside it.
+
+    Such an element has a natural frequency that is a thousand times as high as those of the others; the round-off error of
+    the low modes grows with its square.
+    """
+    for k in range(4):
+        position = 0.25 * (1 + 10.0 ** (-1 - k))
+        system = gb.RotorSystem(
+            shafts=[gb.Shaft("shaft", length=0.5, outer_diameter=0.02)],
+            disks=[gb.Disk("disk", "shaft", position, 2.0, 1e-3, 2e-3)],
+            bearings=[gb.Bearing("shaft", x, stiffness=1e8, damping=500.0) for x in (0.0, 0.5)],
+            resolution=level,
+        )
+        (number,) = system.discretisation.shafts["shaft"].numbers
+        nodes = sorted({dof[1] for dof in system.dofs if not isinstance(dof[1], tuple)})
+        assert min(np.diff(nodes)) >= 0.1 * 0.5 / number
+
+
+@pytest.mark.parametrize(("degree", "elements"), [(2, 10), (3, 8), (4, 6)])
+def test_the_expected_error_of_a_large_model_is_that_of_all_modes(degree, elements):
+    # From 400 coordinates on, the modes follow from those of the components. A shaft that carries nothing makes the model
+    # larger; its coupling has a torsional stiffness of 1 N m/rad.
+    system = train()
+    shafts = [replace(shaft, elements=elements, degree=degree) for shaft in system.shafts]
+    small = system.replace(shafts=shafts)
+    last = shafts[-1]
+    idle = gb.Shaft("idle", length=1.0, outer_diameter=0.05, elements=80, degree=1)
+    large = small.replace(
+        shafts=[*shafts, idle],
+        bearings=[*system.bearings, *(gb.Bearing("idle", x, stiffness=1e8) for x in (0.0, 1.0))],
+        couplings=[gb.Coupling((last.name, last.length), ("idle", 0.0), torsional_stiffness=1.0)],
+    )
+    assert len(small.dofs) < 400 <= len(large.dofs)
+    errors = [one._model.expected_error() for one in (small, large)]
+    # The component modes end at ten times the frequency of the gears on the teeth: an error of 4e-4 is 6 % larger.
+    assert errors[1] == pytest.approx(errors[0], rel=0.1)

@@ -1,0 +1,543 @@
+"""Each argument of each public function and method with wrong values: an error of gearbow names the argument."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import warnings
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from test_response import train
+
+pytestmark = pytest.mark.implausible
+pytest.importorskip("matplotlib")
+pytest.importorskip("pandas")
+pytest.importorskip("xarray")
+
+
+def empty(*_: object, **__: object) -> list[object]:
+    return []
+
+
+#: Values that no argument takes, or that only some arguments take.
+WRONG: dict[str, Any] = {
+    "array": np.array([1.0, 2.0, 3.0]),
+    "empty list": [],
+    "True": True,
+    "text": "x",
+    "object": object(),
+    "nan": float("nan"),
+    "2**70": 2**70,
+    "bytes": b"x",
+    "number": -1.5,
+    "list of None": [None],
+    "function": empty,
+}
+
+
+@cache
+def system() -> gb.RotorSystem:
+    return train()
+
+
+@cache
+def response() -> gb.Response:
+    record = ["gears", "meshes", "bearings", "energy", "acceleration"]
+    return system().simulate(0.15, 100.0, output_step=2e-4, record=record)
+
+
+def point(x: float) -> float:
+    return x
+
+
+def measure(made: gb.RotorSystem, **_: object) -> float:
+    return made.modes(count=1).frequencies_hz[0]
+
+
+@cache
+def sweep() -> gb.Sweep:
+    return gb.sweep(lambda x: system(), {"x": [1.0, 2.0]}, measure)  # noqa: ARG005
+
+
+@cache
+def branch() -> gb.Continuation:
+    return system().continuation("speed", 100.0, 100.5, max_points=3, first_step=0.5)
+
+
+@cache
+def steady() -> gb.SteadyState:
+    return system().steady_state(100.0)
+
+
+@cache
+def tradeoff() -> gb.results.Tradeoff:
+    few: dict[str, Any] = {"methods": ["exponential"], "elements": (), "repeats": 1, "budget": 5.0}
+    return system().tradeoff(2e-3, 100.0, frozen=False, mean_stiffness=False, **few)
+
+
+def with_part(name: str) -> Callable[..., object]:
+    """Make a part, and a system with it, which checks its values."""
+    key = {
+        "Bearing": "bearings",
+        "Coupling": "couplings",
+        "Disk": "disks",
+        "Drive": "drives",
+        "Force": "forces",
+        "Gear": "gears",
+        "Housing": "housings",
+        "JournalBearing": "bearings",
+        "Mesh": "meshes",
+        "RollingBearing": "bearings",
+        "Shaft": "shafts",
+        "Support": "supports",
+        "Torque": "torques",
+    }[name]
+
+    def make(**given: Any) -> object:
+        part = getattr(gb, name)(**given)
+        if key in ("gears", "meshes", "shafts"):
+            return system().replace(**{key: [part, *getattr(system(), key)[1:]]})
+        return system().replace(**{key: [*getattr(system(), key), part]})
+
+    return make
+
+
+def in_shaft(name: str, **shaft: Any) -> Callable[..., object]:
+    """Make a part of a shaft, and a system with it."""
+
+    def make(**given: Any) -> object:
+        other = {"length": 0.5, "outer_diameter": 0.05, "elements": 2} if name != "segments" else {}
+        part = shaft["make"](**given)
+        value = [part] if name == "segments" else part
+        return system().replace(
+            shafts=[gb.Shaft("input", **{**other, name: value}), system().shafts[1]]
+        )
+
+    return make
+
+
+def in_mesh(name: str, make: Callable[..., Any], **more: Any) -> Callable[..., object]:
+    """Make a part of a mesh, and a system with it."""
+    return lambda **given: system().replace(
+        meshes=[gb.Mesh("g1", "g2", **{"stiffness": 2e8, **more, name: make(**given)})]
+    )
+
+
+AT: dict[str, Any] = {"shaft": "input", "position": 0.0}
+PROFILE = gb.SpeedProfile.ramp(0.0, 1.0, 1.0)
+JOURNAL: dict[str, Any] = {
+    "diameter": 0.05,
+    "length": 0.025,
+    "clearance": 5e-5,
+    "viscosity": 0.03,
+}
+ROLLING: dict[str, Any] = {
+    "elements": 9,
+    "element_diameter": 0.0127,
+    "pitch_diameter": 0.065,
+    "clearance": 1e-5,
+    "hertz_stiffness": 1e10,
+}
+#: A function that takes the arguments of each callable by name, and valid ones. Optional arguments are added.
+CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
+    "mm": (gb.mm, {"value": 1.0}),
+    "rpm": (gb.rpm, {"value": 1.0}),
+    "degrees": (gb.degrees, {"value": 1.0}),
+    "sweep": (
+        gb.sweep,
+        {"make": lambda x: system(), "parameters": {"x": [1.0]}, "measure": measure},  # noqa: ARG005
+    ),
+    "waterfall": (
+        lambda responses=None, **given: gb.waterfall(
+            [response()] if responses is None else responses, **given
+        ),
+        {"at": "g1"},
+    ),
+    "Material": (
+        in_shaft("material", make=gb.Material),
+        {"youngs_modulus": 2e11, "density": 7850.0, "poisson_ratio": 0.3},
+    ),
+    "Segment": (
+        in_shaft("segments", make=gb.Segment),
+        {"length": 0.5, "outer_diameter": 0.05},
+    ),
+    "Shaft": (with_part("Shaft"), {"name": "input", "length": 0.5, "outer_diameter": 0.05}),
+    "Bow.half_sine": (in_shaft("bow", make=gb.Bow.half_sine), {"amplitude": 1e-4}),
+    "Bow.sag": (in_shaft("bow", make=gb.Bow.sag), {"amplitude": 1e-4}),
+    "Bow.mode": (in_shaft("bow", make=gb.Bow.mode), {"number": 1, "amplitude": 1e-4}),
+    "Bow.points": (
+        in_shaft("bow", make=gb.Bow.points),
+        {"positions": [0.0, 0.2, 0.5], "amplitudes": [0.0, 1e-4, 0.0]},
+    ),
+    "Bow.function": (in_shaft("bow", make=gb.Bow.function), {"f": lambda x: 1e-4 * x}),
+    "Bow.read_csv": (gb.Bow.read_csv, {"path": "x.csv"}),
+    "Gear": (
+        with_part("Gear"),
+        {
+            "name": "g1",
+            "shaft": "input",
+            "position": 0.25,
+            "teeth": 25,
+            "module": 3e-3,
+            "face_width": 0.03,
+        },
+    ),
+    "Disk": (
+        with_part("Disk"),
+        {"name": "d", **AT, "mass": 1.0, "diametral_inertia": 1e-3, "polar_inertia": 1e-3},
+    ),
+    "Mesh": (with_part("Mesh"), {"driver": "g1", "driven": "g2", "stiffness": 2e8}),
+    "Bearing": (with_part("Bearing"), {**AT, "stiffness": 1e8}),
+    "JournalBearing": (with_part("JournalBearing"), {**AT, **JOURNAL}),
+    "JournalBearing.coefficients": (
+        gb.JournalBearing(**AT, **JOURNAL).coefficients,
+        {"load": 100.0, "speed": 100.0},
+    ),
+    "RollingBearing": (with_part("RollingBearing"), {**AT, **ROLLING}),
+    "RollingBearing.coefficients": (
+        gb.RollingBearing(**AT, **ROLLING).coefficients,
+        {"load": 100.0},
+    ),
+    "Support": (with_part("Support"), {"name": "s", "mass": 1.0, "stiffness": 1e8}),
+    "Housing": (with_part("Housing"), {"name": "h", "mass": 1.0, "stiffness": 1e8}),
+    "Coupling": (
+        with_part("Coupling"),
+        {
+            "a": ("input", 0.5),
+            "b": ("output", 0.0),
+            "lateral_stiffness": 1e6,
+            "torsional_stiffness": 1e4,
+        },
+    ),
+    "Drive": (with_part("Drive"), {"at": "g1", "stiffness": 1e4}),
+    "Force": (with_part("Force"), {"at": "g1", "value": 1.0}),
+    "Torque": (with_part("Torque"), {"at": "g1", "value": 1.0}),
+    "Torque.balance": (
+        lambda at: system().replace(torques=[gb.Torque.balance(at)]),
+        {"at": "g1"},
+    ),
+    "SpeedTable": (
+        lambda **given: system().replace(
+            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable(**given))]
+        ),
+        {"speeds": [0.0, 1.0], "values": [1e8, 2e8]},
+    ),
+    "SpeedTable.read_csv": (
+        lambda **given: system().replace(
+            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_csv(**given))]
+        ),
+        {"path": "x.csv"},
+    ),
+    "SpeedProfile": (gb.SpeedProfile, {"breaks": [0.0, 1.0], "coefficients": [[1.0]]}),
+    "SpeedProfile.ramp": (gb.SpeedProfile.ramp, {"start": 0.0, "end": 1.0, "duration": 1.0}),
+    "SpeedProfile.table": (gb.SpeedProfile.table, {"times": [0.0, 1.0], "speeds": [0.0, 1.0]}),
+    "SpeedProfile.function": (gb.SpeedProfile.function, {"f": point, "duration": 1.0}),
+    "SpeedProfile.angle": (PROFILE.angle, {"times": [0.0]}),
+    "SpeedProfile.__call__": (PROFILE.__call__, {"times": [0.0]}),
+    "TimeSeries": (
+        lambda **given: system().replace(torques=[gb.Torque("g1", gb.TimeSeries(**given))]),
+        {"times": [0.0, 1.0], "values": [0.0, 1.0]},
+    ),
+    "TimeSeries.function": (
+        lambda **given: system().replace(
+            torques=[gb.Torque("g1", gb.TimeSeries.function(**given))]
+        ),
+        {"f": point, "duration": 1.0},
+    ),
+    "TipRelief": (
+        in_mesh("tip_relief", gb.TipRelief, stiffness=gb.Stiffness.square(2e8)),
+        {"amount": 1e-5, "length": 0.3},
+    ),
+    "TransmissionError": (in_mesh("error", gb.TransmissionError), {"tooth": [(1e-6, 0.0)]}),
+    "Stiffness.constant": (in_mesh("stiffness", gb.Stiffness.constant), {"mean": 2e8}),
+    "Stiffness.fourier": (
+        in_mesh("stiffness", gb.Stiffness.fourier),
+        {"mean": 2e8, "amplitudes": [1e7]},
+    ),
+    "Stiffness.iso6336": (in_mesh("stiffness", gb.Stiffness.iso6336), {}),
+    "Stiffness.parabolic": (in_mesh("stiffness", gb.Stiffness.parabolic), {"mean": 2e8}),
+    "Stiffness.potential_energy": (in_mesh("stiffness", gb.Stiffness.potential_energy), {}),
+    "Stiffness.square": (in_mesh("stiffness", gb.Stiffness.square), {"mean": 2e8}),
+    "Stiffness.table": (in_mesh("stiffness", gb.Stiffness.table), {"values": [1e8, 2e8, 1.5e8]}),
+    "RotorSystem": (
+        gb.RotorSystem,
+        {"shafts": [gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)]},
+    ),
+    "RotorSystem.from_dict": (gb.RotorSystem.from_dict, {"description": {}}),
+    "RotorSystem.from_ross": (gb.RotorSystem.from_ross, {"path": "x.toml"}),
+    "RotorSystem.load": (gb.RotorSystem.load, {"path": "x.toml"}),
+    "RotorSystem.replace": (lambda **given: system().replace(**given), {}),
+    "Accelerometer": (lambda **given: response().measure(gb.Accelerometer(**given)), {"at": "g1"}),
+    "Probe": (
+        lambda **given: response().measure(gb.Probe(**given)),
+        {"shaft": "input", "position": 0.25},
+    ),
+    "Tacho": (
+        lambda **given: response().measure(gb.Tacho(**given)),
+        {"shaft": "input"},
+    ),
+    "Response.load": (gb.Response.load, {"path": "x.npz"}),
+    "Continuation.load": (gb.Continuation.load, {"path": "x.npz"}),
+    "SteadyState.load": (gb.SteadyState.load, {"path": "x.npz"}),
+    "Sweep.load": (gb.Sweep.load, {"path": "x.sweep"}),
+    "Response.from_record": (gb.Response.from_record, {"record": None}),
+}
+BEARING = {"at": ("input", 0.0)}
+MESH = {"at": ("g1", "g2")}
+#: A value of each class, and valid required arguments of its methods.
+METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
+    "RotorSystem": (
+        system,
+        {
+            "balance": {"planes": ["g1"], "speed": 100.0},
+            "campbell": {"speeds": [0.0, 100.0]},
+            "continuation": {
+                "parameter": "speed",
+                "begin": 100.0,
+                "end": 100.5,
+                "max_points": 1,
+                "max_period": 0.2,
+            },
+            "critical_speed_map": {"stiffnesses": [1e7, 1e8]},
+            "default_output_step": {"duration": 1e-3, "speed": 100.0},
+            "matrices": {},
+            "modes": {},
+            "plot": {},
+            "save": {"path": "x.toml"},
+            "simulate": {"duration": 1e-3, "speed": 100.0},
+            "simulate_many": {"variations": [{}], "duration": 1e-3, "speed": 100.0},
+            "static": {},
+            "steady_state": {"speed": 100.0},
+            "synchronous": {"speeds": [100.0]},
+            "tradeoff": {
+                "duration": 1e-3,
+                "speed": 100.0,
+                "budget": 1.0,
+                "methods": ["exponential"],
+                **dict.fromkeys(("modes", "elements", "degrees"), ()),
+                "frozen": False,
+                "mean_stiffness": False,
+                "repeats": 1,
+            },
+        },
+    ),
+    "Response": (
+        response,
+        {
+            **{
+                name: {"at": "g1"}
+                for name in (
+                    "acceleration",
+                    "axial",
+                    "axial_acceleration",
+                    "axial_velocity",
+                    "displacement",
+                    "twist",
+                    "twist_rate",
+                    "velocity",
+                )
+            },
+            **dict.fromkeys(
+                (
+                    "axial_bearing_force",
+                    "bearing_displacement",
+                    "bearing_force",
+                    "journal",
+                    "rolling",
+                ),
+                BEARING,
+            ),
+            "angle": {"shaft": "input"},
+            "animate": {"path": "x.gif", "duration": 1.0, "fps": 1.0},
+            "contact_shares": MESH,
+            "energy_balance": {},
+            "errors": {},
+            "measure": {"sensor": gb.Tacho("input")},
+            "mesh": MESH,
+            "orders": {"at": "g1"},
+            "plot": {},
+            "resample": {"rate": 3000.0},
+            "save": {"path": "x.npz"},
+            "spectrum": {"at": "g1"},
+            "spin": {"shaft": "input"},
+            "to_dataframe": {},
+            "to_record": {},
+            "to_xarray": {},
+        },
+    ),
+    "Static": (
+        lambda: system().static(),
+        {
+            **{name: {"at": "g1"} for name in ("axial", "displacement", "twist")},
+            **dict.fromkeys(("axial_bearing_force", "bearing_force", "journal"), BEARING),
+            "mesh": MESH,
+        },
+    ),
+    "Synchronous": (
+        lambda: system().synchronous([0.0, 50.0, 100.0]),
+        {
+            "bearing_force": BEARING,
+            "bode": {"at": ["g1"]},
+            **{name: {"at": "g1"} for name in ("displacement", "elastic", "orbit", "peaks")},
+            **{name: {"at": "g1"} for name in ("phase", "twist")},
+            "plot": {"at": ["g1"]},
+            "subtract_slow_roll": {"speed": 50.0},
+        },
+    ),
+    "Campbell": (
+        lambda: system().campbell([0.0, 100.0], count=3),
+        {"plot": {}, "table": {}, "to_dataframe": {}},
+    ),
+    "Continuation": (
+        branch,
+        {
+            "amplitude": {"at": "g1"},
+            "plot": {},
+            "save": {"path": "x.npz"},
+            "statistic": {"name": "mean", "at": "g1"},
+            "to_dataframe": {},
+        },
+    ),
+    "CriticalSpeedMap": (
+        lambda: system().critical_speed_map([1e7, 1e8], count=2),
+        {"lines": {"whirl": "forward"}, "plot": {}},
+    ),
+    "EnergyBalance": (lambda: response().energy_balance(), {"plot": {}, "to_dataframe": {}}),
+    "Modes": (
+        lambda: system().modes(100.0),
+        {"energy_shares": {}, "names": {}, "plot": {}, "table": {}, "to_dataframe": {}},
+    ),
+    "Orders": (
+        lambda: response().orders("g1", shaft_harmonics=1, mesh_harmonics=0, sidebands=0),
+        {"amplitude": {"name": "1"}, "plot": {}, "table": {}},
+    ),
+    "Spectrum": (lambda: response().spectrum("g1"), {"plot": {}}),
+    "SteadyState": (
+        steady,
+        {
+            "instability": {},
+            "is_stable": {},
+            "multipliers": {"magnitude": 0.5},
+            "plot": {},
+            "save": {"path": "x.npz"},
+        },
+    ),
+    "Sweep": (
+        sweep,
+        {
+            "plot": {"name": "value"},
+            "save": {"path": "x.sweep"},
+            "to_dataframe": {},
+            "to_xarray": {},
+            "values": {},
+        },
+    ),
+    "Tradeoff": (
+        tradeoff,
+        {"front": {}, "plot": {}, "recommend": {}, "table": {}, "to_dataframe": {}},
+    ),
+    "Trial": (lambda: tradeoff().trials[0], {"cost": {}}),
+    "Waterfall": (
+        lambda: gb.waterfall(
+            [system().simulate(0.05, speed, output_step=1e-4) for speed in (100.0, 110.0)], "g1"
+        ),
+        {"plot": {}},
+    ),
+    "Accelerometer": (lambda: gb.Accelerometer("g1"), {"measure": {"recording": None}}),
+    "Probe": (lambda: gb.Probe("input", 0.25), {"measure": {"recording": None}}),
+    "Tacho": (lambda: gb.Tacho("input"), {"measure": {"recording": None}}),
+}
+
+#: Values that no other argument takes: the error names the argument. Numbers, texts and arrays are of the right type for
+#: some arguments; each gives a result or an error of gearbow.
+OF_WRONG_TYPE = {
+    "True": {"progress", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
+    | {"damping_in_separation", "axial", "foundation"},
+    "function": {"progress", "make", "measure", "f", "speed", "value", "runout"},
+    "object": set(),
+    "bytes": set(),
+    "list of None": set(),
+}
+#: Of sequences, integers and exceptions, from Python, and constructors from data of the core.
+NOT_FOR_USERS = re.compile(
+    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.(from_data|from_rows|of)$|Sweep\.(count|index)$"
+)
+#: The system of the method, and the beginning of error messages.
+NO_ARGUMENTS = {("RotorSystem.simulate_many", "system"), ("TimeSeries.function", "path")}
+
+
+def parameters(name: str) -> list[str]:
+    """Return the names of the arguments of a public function, class or method."""
+    first = name.split(".", maxsplit=1)[0]
+    found: Any = gb if hasattr(gb, first) else gb.results
+    for part in name.split("."):
+        found = getattr(found, part)
+    given = inspect.signature(found).parameters.values()
+    own = [each.name for each in given if each.kind is not each.VAR_KEYWORD]
+    return [each for each in own if each != "self" and (name, each) not in NO_ARGUMENTS]
+
+
+def of_method(owner: str, method: str) -> Callable[..., object]:
+    """Return a function that calls a method."""
+    make = METHODS[owner][0]
+
+    def call(**given: Any) -> object:
+        return getattr(make(), method)(**given)
+
+    return call
+
+
+ALL = CALLS | {
+    f"{owner}.{method}": (of_method(owner, method), arguments)
+    for owner, (_, methods) in METHODS.items()
+    for method, arguments in methods.items()
+}
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_an_error_names_the_argument(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    import matplotlib.pyplot as plt
+
+    monkeypatch.chdir(tmp_path)
+    Path("x.csv").write_text("speed,k\n0,1e8\n1,2e8\n", encoding="utf-8")
+    call, arguments = ALL[name]
+    for argument in parameters(name):
+        for wrong, value in WRONG.items():
+            at = f"{argument} = {wrong}"
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    call(**{**arguments, argument: value})
+            except gb.GearbowError as error:
+                text = str(error)
+            except OSError:
+                assert argument in ("path", "store", "checkpoint"), at
+                continue
+            except Exception as error:  # noqa: BLE001  # the point of the test
+                pytest.fail(f"{at}: {error!r}")
+            else:
+                text = ""
+            finally:
+                plt.close("all")
+            if argument not in OF_WRONG_TYPE.get(wrong, {argument}):
+                assert text, f"{at} is accepted"
+                # The functions of units begin their messages with their own name.
+                assert argument in text or text.startswith(name), f"{at}: {text}"
+            assert "\n" not in text
+
+
+def test_every_public_function_and_method_is_examined():
+    public = {name for name in dir(gb) if inspect.isfunction(getattr(gb, name))}
+    for owner in {*dir(gb), *dir(gb.results)}:
+        found = getattr(gb, owner, None) or getattr(gb.results, owner)
+        if inspect.isclass(found):
+            methods = inspect.getmembers(found, callable)
+            public |= {f"{owner}.{name}" for name, _ in methods if not name.startswith("_")}
+    assert {name for name in public if not NOT_FOR_USERS.match(name)} <= set(ALL)

@@ -1,0 +1,163 @@
+"""Steady motions without a common period, found from the harmonics of their sections."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from test_steady_state import difference, without_period
+
+MESH = ("pinion", "wheel")
+MIDDLE = ("rotor", 0.5)
+
+
+def pair(teeth: int, **mesh: Any) -> gb.RotorSystem:
+    """Return two bowed shafts with a gear in the middle of each; the pinion has 25 teeth."""
+    shafts, gears = ("input", "output"), zip(MESH, (25, teeth), strict=True)
+    bow = gb.Bow.half_sine(1e-4)
+    return gb.RotorSystem(
+        shafts=[gb.Shaft(name, length=0.5, outer_diameter=0.05, bow=bow) for name in shafts],
+        gears=[
+            gb.Gear(name, shaft, position=0.25, teeth=count, module=3e-3, face_width=0.03)
+            for shaft, (name, count) in zip(shafts, gears, strict=True)
+        ],
+        meshes=[gb.Mesh(*MESH, damping_ratio=0.05, **mesh)],
+        bearings=[
+            gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in shafts for x in (0.0, 0.5)
+        ],
+        torques=[gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")],
+        modal_damping=0.01,
+    )
+
+
+def rotor(bearing: Any, **forces: float) -> gb.RotorSystem:
+    """Return a bowed rotor with a disk on two bearings, and forces of given orders."""
+    bow = gb.Bow.half_sine(2e-5)
+    inertia = {"mass": 20.0, "polar_inertia": 0.1, "diametral_inertia": 0.05}
+    return gb.RotorSystem(
+        shafts=[gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)],
+        disks=[gb.Disk("disk", "rotor", 0.5, unbalance=1e-4, **inertia)],
+        bearings=[bearing(x) for x in (0.1, 0.9)],
+        forces=[gb.Force("disk", 50.0, order=order) for order in forces.values()],
+        gravity=9.81,
+        modal_damping=0.02,
+    )
+
+
+def film(x: float) -> gb.JournalBearing:
+    return gb.JournalBearing("rotor", x, diameter=0.06, length=0.03, clearance=6e-5, viscosity=0.03)
+
+
+def rolling(x: float) -> gb.RollingBearing:
+    return gb.RollingBearing(
+        "rotor", x, elements=9, element_diameter=0.0119, pitch_diameter=0.052, clearance=1e-5
+    )
+
+
+def relative(found: np.ndarray, exact: np.ndarray) -> float:
+    """Return the RMS of a difference over the RMS of the signal about its mean."""
+    return float(np.linalg.norm(found - exact) / np.linalg.norm(exact - exact.mean(axis=0)))
+
+
+@pytest.mark.filterwarnings("ignore::gearbow.SceneWarning")
+@pytest.mark.parametrize(
+    ("stiffness", "geometry"),
+    [
+        (None, "live"),
+        (gb.Stiffness.fourier(2e8, [2e7]), "live"),
+        (gb.Stiffness.fourier(2e8, [2e7]), "frozen"),
+    ],
+)
+def test_trains_equal_running_in(stiffness: gb.Stiffness | None, geometry: str, tmp_path: Path):
+    system = without_period()
+    if stiffness is not None:
+        meshes = [replace(mesh, stiffness=stiffness) for mesh in system.meshes]
+        system = system.replace(meshes=meshes)
+    options: dict[str, Any] = {"geometry": geometry, "rtol": 1e-9}
+    steady = system.steady_state(100.0, max_period=0.5, **options)
+    assert (steady.method, steady.period) == ("quasi-periodic", np.inf)
+    # A run continues without a transient; that of the other one has decayed.
+    end = 2.0
+    times = end + np.linspace(0.0, 0.05, 40)
+    rest = times[-1] + 1e-9 - steady.response.final["time"]
+    continued = system.simulate(rest, 100.0, initial=steady.response, times=times, **options)
+    run_in = system.simulate(times[-1] + 1e-9, 100.0, initial="static", times=times, **options)
+    assert difference(continued, run_in) < 1e-6
+    path = tmp_path / "steady.npz"
+    steady.save(path)
+    assert gb.SteadyState.load(path).method == "quasi-periodic"
+
+
+@pytest.mark.parametrize("backlash", [None, 1e-4])
+def test_sharp_engagement_has_the_motion_of_the_hunting_tooth_period(backlash: float | None):
+    system = pair(47, stiffness=gb.Stiffness.square(1.5e8), backlash=backlash)
+    steady = system.steady_state(300.0, rtol=1e-5, max_period=0.1)
+    assert steady.method == "quasi-periodic"
+    assert steady.residual < 1e-4
+    period = system.steady_state(300.0, rtol=1e-6)
+    # 25 teeth of the pinion meet 47 of the wheel.
+    assert period.period == pytest.approx(47 * 2 * np.pi / 300.0, rel=1e-14)
+    end, times = period.response.final["time"], steady.response.time
+    again = system.simulate(
+        times[-1] + 1e-9, 300.0, initial=period.response, times=end + times, rtol=1e-6
+    )
+    found, exact = (
+        np.c_[run.displacement("pinion"), run.displacement("wheel")]
+        for run in (steady.response, again)
+    )
+    # what is transient is at most ten times the tolerance, and that of the displacements less
+    assert relative(found, exact) < 1e-4
+    assert relative(steady.response.mesh(MESH).force, again.mesh(MESH).force) < 1e-4
+
+
+def test_a_long_period_begins_with_the_state_of_its_sections():
+    system = pair(51, stiffness=gb.Stiffness.square(1.5e8))
+    steady = system.steady_state(100.0, rtol=1e-8, geometry="frozen")
+    assert steady.period == pytest.approx(51 * 2 * np.pi / 100.0, rel=1e-14)
+    assert steady.residual < 1e-7
+    # One period is recorded; its sections take less than another one. Whole periods take six.
+    assert steady.periods <= 2
+
+
+@pytest.mark.parametrize(
+    ("system", "speed"),
+    [(rotor(film, one=np.pi / 2), 200.0), (rotor(rolling), 50.0), (rotor(rolling), 200.0)],
+    ids=["oil film", "rolling elements, slow", "rolling elements, fast"],
+)
+@pytest.mark.filterwarnings("ignore:the motion has more harmonics")
+def test_nonlinear_bearings_equal_running_in(system: gb.RotorSystem, speed: float):
+    options: dict[str, Any] = {"rtol": 1e-7, "record": [MIDDLE]}
+    steady = system.steady_state(speed, **options)
+    assert steady.method == "quasi-periodic"
+    assert steady.is_stable()
+    end = 2.0
+    times = end + np.linspace(0.0, 0.05, 200)
+    rest = times[-1] + 1e-9 - steady.response.final["time"]
+    continued = system.simulate(rest, speed, initial=steady.response, times=times, **options)
+    run_in = system.simulate(times[-1] + 1e-9, speed, initial="static", times=times, **options)
+    assert relative(continued.displacement(MIDDLE), run_in.displacement(MIDDLE)) < 1e-6
+    # The recorded part begins without a large transient.
+    assert steady.residual < 1e-3
+
+
+def test_an_unstable_motion_is_found_and_known_as_such():
+    steady = rotor(film, one=np.pi / 2).steady_state(900.0, rtol=1e-6, record=[MIDDLE])
+    assert steady.method == "quasi-periodic"
+    assert steady.instability() == "Neimark-Sacker"
+
+
+@pytest.mark.parametrize("geometry", ["live", "frozen"])
+def test_growing_parametric_vibrations_are_an_error(geometry: str):
+    stiffness = gb.Stiffness.fourier(2e8, [1.2e8], phase="prescribed")
+    system = pair(47, stiffness=stiffness)
+    meshes = [replace(system.meshes[0], damping_ratio=0.001)]
+    system = system.replace(meshes=meshes, modal_damping=0.001)
+    # The tooth frequency is twice the frequency of the mode that deflects the mesh most.
+    speed = 2 * np.pi * 2 * 2288.0 / 25
+    with pytest.raises(gb.ConvergenceError, match="unstable"):
+        system.steady_state(speed, geometry=geometry, rtol=1e-6, max_period=0.1)
