@@ -9,20 +9,23 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::components::ComponentModes;
 use super::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use super::first_order::FirstOrder;
-use super::kept_modes::SubspaceKey;
+use super::kept_modes::{SubspaceKey, kept_modes};
 use super::load_modes::modes_of_loads;
 use super::pins::Pins;
 use super::projected::Projected;
 use super::real::{RealModes, null_motions};
 use super::recent::Recent;
 use super::spectral_range::SpectralRange;
-use super::state_space::ModalStateSpace;
+use super::state_space::{ModalStateSpace, StateMatrix};
 use crate::linalg::{CoupledFactors, DecompositionError, Singular};
 use crate::mesh::Geometry;
 use crate::model::{Model, Weights};
 
 /// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
 const MIN_KRYLOV: usize = 100;
+/// Multiple of the highest frequency that the teeth excite up to which component modes show the growing modes of a large
+/// model. Oil films and circulating forces let modes below the speed of rotation grow.
+const GROWTH_LIMIT: f64 = 2.0;
 
 /// What a state-space model reads beside its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +45,15 @@ struct SynthesisKey {
     highest: f64,
     /// Coordinates under whose loads the static displacements are exact, ascending.
     loaded: Vec<usize>,
+}
+
+/// What the growing modes of a model read beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct GrowthKey {
+    /// Speed of the reference shaft, rad/s.
+    speed: f64,
+    /// Highest frequency of the component modes of a large model, rad/s; none for all modes.
+    highest: Option<f64>,
 }
 
 /// What the dynamic stiffness without modal damping reads beside its model.
@@ -87,6 +99,8 @@ struct LinearPart {
     components: OnceLock<Result<ComponentModes, DecompositionError>>,
     /// Undamped modes of a large model from those of its components.
     synthesised: Recent<SynthesisKey, Arc<RealModes>>,
+    /// Displacements of growing modes; `None` where nearly parallel modes hide them.
+    growing: Recent<GrowthKey, Option<Arc<DMatrix<f64>>>>,
     /// The modes that runs keep.
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
     /// Factors of the dynamic stiffness at the last speeds.
@@ -321,24 +335,72 @@ impl CachedModel {
     /// [`DecompositionError`] if a decomposition fails.
     pub fn subspace(&self, key: SubspaceKey) -> Result<Arc<Projected>, DecompositionError> {
         let speed = key.speeds[0];
-        self.linear_part().subspaces.get_or_try(key.clone(), || match key.highest {
-            None if key.extent.is_none() => self.projected(speed).map(Arc::new),
-            None => Projected::kept(&self.model, self.real_modes(speed)?, &key).map(Arc::new),
-            Some(highest) => {
-                let mut loaded = self.model.coupled_coordinates(speed);
-                loaded.extend(key.interfaces.iter().flatten().map(|(index, _)| *index));
-                loaded.sort_unstable();
-                loaded.dedup();
-                Projected::kept(&self.model, &*self.synthesised(speed, highest, loaded)?, &key).map(Arc::new)
-            }
+        if key.highest.is_none() && key.extent.is_none() {
+            return self.projected(speed).map(Arc::new);
+        }
+        self.linear_part().subspaces.get_or_try(key.clone(), || {
+            let growing = self.growing_of(&key)?;
+            let synthesised = key.highest.map(|highest| {
+                let loaded = key.interfaces.iter().flatten().map(|(index, _)| *index);
+                self.synthesised(speed, highest, loaded)
+            });
+            let synthesised = synthesised.transpose()?;
+            let all = match &synthesised {
+                Some(modes) => modes,
+                None => self.real_modes(speed)?,
+            };
+            let modes = match growing {
+                Some(growing) => kept_modes(&self.model, all, &key, &growing)?,
+                // Nearly parallel modes hide which modes grow.
+                None => all.clone(),
+            };
+            Ok(Arc::new(Projected::new(&self.model, modes, speed)))
         })
     }
 
+    /// Displacements of the growing modes at the speeds of a key, n rows; `None` if nearly parallel modes hide them.
+    fn growing_of(&self, key: &SubspaceKey) -> Result<Option<DMatrix<f64>>, DecompositionError> {
+        let mut columns: Vec<DVector<f64>> = Vec::new();
+        for speed in key.speeds.iter().filter(|speed| !self.model.is_dissipative(**speed)) {
+            let highest = key.highest.map(|_| GROWTH_LIMIT * key.excited);
+            let find = || -> Result<_, DecompositionError> {
+                let linear = match highest {
+                    Some(highest) => {
+                        let modes = self.synthesised(key.speeds[0], highest, [])?;
+                        Projected::new(&self.model, (*modes).clone(), *speed).state_space()?
+                    }
+                    None => self.linear(*speed)?,
+                };
+                let is_known = matches!(linear.matrix, StateMatrix::Pairs(_));
+                Ok(is_known.then(|| Arc::new(linear.growing_shapes(*speed))))
+            };
+            let Some(found) = self.linear_part().growing.get_or_try(GrowthKey { speed: *speed, highest }, find)? else {
+                return Ok(None);
+            };
+            columns.extend(found.column_iter().map(|column| column.into_owned()));
+        }
+        Ok(Some(if columns.is_empty() {
+            DMatrix::zeros(self.model.len(), 0)
+        } else {
+            DMatrix::from_columns(&columns)
+        }))
+    }
+
     /// Undamped modes in the subspace of the component modes up to `highest`, rad/s, and of the static displacements under
-    /// loads at the coordinates `loaded`; with the loaded tooth flanks of `speed` (reference shaft, rad/s).
-    fn synthesised(&self, speed: f64, highest: f64, loaded: Vec<usize>) -> Result<Arc<RealModes>, DecompositionError> {
+    /// loads at coupled coordinates and at the coordinates `loaded`; with the loaded tooth flanks of `speed` (reference
+    /// shaft, rad/s).
+    fn synthesised(
+        &self,
+        speed: f64,
+        highest: f64,
+        loaded: impl IntoIterator<Item = usize>,
+    ) -> Result<Arc<RealModes>, DecompositionError> {
+        let mut coordinates = self.model.coupled_coordinates(speed);
+        coordinates.extend(loaded);
+        coordinates.sort_unstable();
+        coordinates.dedup();
         let rotation = self.model.rotation(speed);
-        let key = SynthesisKey { rotation: rotation as usize, highest, loaded };
+        let key = SynthesisKey { rotation: rotation as usize, highest, loaded: coordinates };
         self.linear_part().synthesised.get_or_try(key.clone(), || {
             self.component_modes()?.modes(&self.model, rotation.speed(), &key.loaded, highest).map(Arc::new)
         })

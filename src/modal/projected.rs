@@ -9,10 +9,9 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::first_order::FirstOrder;
-use super::kept_modes::{SubspaceKey, kept_modes};
 use super::real::RealModes;
 use super::recent::Recent;
-use super::state_space::{ModalStateSpace, StateMatrix};
+use super::state_space::ModalStateSpace;
 use crate::linalg::{DecompositionError, LuFactors};
 use crate::model::Model;
 
@@ -34,26 +33,7 @@ pub struct Projected {
 }
 
 impl Projected {
-    /// The model in those of its modes `all` that a run keeps. Modal damping acts on the modes of this subspace.
-    ///
-    /// # Errors
-    /// [`DecompositionError`] if the modes cannot be computed.
-    pub(super) fn kept(model: &Model, all: &RealModes, key: &SubspaceKey) -> Result<Self, DecompositionError> {
-        let mut growing = Vec::new();
-        for speed in key.speeds.iter().filter(|speed| !model.is_dissipative(**speed)) {
-            let whole = Self::new(model, all.clone(), *speed);
-            let linear = whole.state_space()?;
-            if matches!(linear.matrix, StateMatrix::Dense(_)) {
-                // Which modes grow is unknown.
-                return Ok(whole);
-            }
-            growing.extend(linear.growing_shapes(*speed).column_iter().map(|column| column.into_owned()));
-        }
-        let growing = if growing.is_empty() { DMatrix::zeros(model.len(), 0) } else { DMatrix::from_columns(&growing) };
-        Ok(Self::new(model, kept_modes(model, all, key, &growing)?, key.speeds[0]))
-    }
-
-    /// The model in undamped `modes`, at `speed` of the reference shaft, rad/s.
+    /// The model in undamped `modes`, at `speed` of the reference shaft, rad/s. Modal damping acts on these modes.
     pub(super) fn new(model: &Model, modes: RealModes, speed: f64) -> Self {
         let (rate, skew_part, ratio) = (model.sparse_rate(speed), model.sparse_skew_part(), model.scene.modal_damping);
         let mut damping = modes.project_sparse(&rate);

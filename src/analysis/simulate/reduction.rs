@@ -161,21 +161,24 @@ impl<'m> Reducer<'_, 'm> {
             };
             let force = ERROR_OF_TEETH / (limit * limit);
             let found = Candidate { setup, projected, signals: Record::default() };
-            let is_kept = continued.is_some() || !self.saves_little(&found);
+            let is_kept = continued.is_some() || !self.saves_little(&found.setup);
             return Ok(is_kept.then(|| found.with_errors(Some(limit), [DISPLACEMENT_PART * force, force])));
         }
         let (mut coarse, mut left): (Option<Candidate<'m>>, [f64; 2]) = (None, [0.0; 2]);
         for _ in 1..MAX_LIMITS {
             let current = match coarse.take() {
                 Some(known) => known,
-                None => match self.candidate(Some(Extent::Limit(limit)), limit, &pilot, observer)? {
-                    Some(found) => found,
-                    None => return Ok(None),
-                },
+                None => {
+                    let Some((setup, projected)) = self.set_up(Some(Extent::Limit(limit)), limit)? else {
+                        return Ok(None);
+                    };
+                    if continued.is_none() && self.saves_little(&setup) {
+                        return Ok(None);
+                    }
+                    let signals = pilot.signals(self.run, &setup, self.plan, observer)?;
+                    Candidate { setup, projected, signals }
+                }
             };
-            if continued.is_none() && self.saves_little(&current) {
-                return Ok(None);
-            }
             let next = limit * NEXT_LIMIT;
             let Some(fine) = self.candidate(Some(Extent::Limit(next)), next, &pilot, observer)? else {
                 return Ok(None);
@@ -187,7 +190,7 @@ impl<'m> Reducer<'_, 'm> {
                 return Ok(Some(current.with_errors(Some(limit), errors)));
             }
             if excess(errors.map(|error| error * decrease), target) <= 1.0 {
-                return Ok(if self.saves_little(&fine) {
+                return Ok(if self.saves_little(&fine.setup) {
                     None
                 } else {
                     Some(fine.with_errors(Some(next), errors.map(|error| error * decrease)))
@@ -202,8 +205,8 @@ impl<'m> Reducer<'_, 'm> {
     }
 
     /// Whether the complete model has hardly more modes.
-    fn saves_little(&self, candidate: &Candidate<'m>) -> bool {
-        candidate.setup.linear.modes as f64 > LARGEST_PART * self.run.cached.model.len() as f64
+    fn saves_little(&self, setup: &ModalSetup<'m>) -> bool {
+        setup.linear.modes as f64 > LARGEST_PART * self.run.cached.model.len() as f64
     }
 
     /// A set-up with the signals of its pilot run; none if the modes are nearly parallel.
