@@ -23,8 +23,8 @@ use crate::model::{Model, Weights};
 
 /// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
 const MIN_KRYLOV: usize = 100;
-/// Multiple of the highest frequency that the teeth excite up to which component modes show the growing modes of a large
-/// model. Oil films and circulating forces let modes below the speed of rotation grow.
+/// Multiple of the highest frequency that the teeth excite up to which undamped modes show the growing modes. Oil films and
+/// circulating forces let modes below the speed of rotation grow.
 const GROWTH_LIMIT: f64 = 2.0;
 
 /// What a state-space model reads beside its model.
@@ -52,7 +52,7 @@ struct SynthesisKey {
 struct GrowthKey {
     /// Speed of the reference shaft, rad/s.
     speed: f64,
-    /// Highest frequency of the component modes of a large model, rad/s; none for all modes.
+    /// Highest frequency of the undamped modes in which they are found, rad/s; none for all modes.
     highest: Option<f64>,
 }
 
@@ -339,7 +339,6 @@ impl CachedModel {
             return self.projected(speed).map(Arc::new);
         }
         self.linear_part().subspaces.get_or_try(key.clone(), || {
-            let growing = self.growing_of(&key)?;
             let synthesised = key.highest.map(|highest| {
                 let loaded = key.interfaces.iter().flatten().map(|(index, _)| *index);
                 self.synthesised(speed, highest, loaded)
@@ -349,41 +348,47 @@ impl CachedModel {
                 Some(modes) => modes,
                 None => self.real_modes(speed)?,
             };
+            let growing = if key.extent.is_some() { self.growing_of(&key)? } else { None };
             let modes = match growing {
                 Some(growing) => kept_modes(&self.model, all, &key, &growing)?,
-                // Nearly parallel modes hide which modes grow.
+                // All are kept, or nearly parallel modes hide which ones grow.
                 None => all.clone(),
             };
             Ok(Arc::new(Projected::new(&self.model, modes, speed)))
         })
     }
 
-    /// Displacements of the growing modes at the speeds of a key, n rows; `None` if nearly parallel modes hide them.
+    /// Displacements of the growing modes at the speeds of a key, n rows; `None` if nearly parallel modes hide them. The modes
+    /// of a model with meshes are those up to a frequency, with the static displacements at coupled coordinates.
     fn growing_of(&self, key: &SubspaceKey) -> Result<Option<DMatrix<f64>>, DecompositionError> {
+        let (model, first) = (&self.model, key.speeds[0]);
         let mut columns: Vec<DVector<f64>> = Vec::new();
-        for speed in key.speeds.iter().filter(|speed| !self.model.is_dissipative(**speed)) {
-            let highest = key.highest.map(|_| GROWTH_LIMIT * key.excited);
+        for speed in key.speeds.iter().copied().filter(|speed| !model.is_dissipative(*speed)) {
+            let highest = (!model.meshes.is_empty()).then_some(GROWTH_LIMIT * key.excited);
             let find = || -> Result<_, DecompositionError> {
-                let linear = match highest {
-                    Some(highest) => {
-                        let modes = self.synthesised(key.speeds[0], highest, [])?;
-                        Projected::new(&self.model, (*modes).clone(), *speed).state_space()?
-                    }
-                    None => self.linear(*speed)?,
+                let linear = if let Some(highest) = highest {
+                    let mut coordinates = model.coupled_coordinates(first);
+                    coordinates.retain(|index| *index < model.len());
+                    coordinates.sort_unstable();
+                    coordinates.dedup();
+                    let modes = if key.highest.is_some() {
+                        self.synthesised(first, highest, [])?.up_to(model, first, &coordinates, highest)?
+                    } else {
+                        self.real_modes(first)?.up_to(model, first, &coordinates, highest)?
+                    };
+                    Projected::new(model, modes, speed).state_space()?
+                } else {
+                    self.linear(speed)?
                 };
                 let is_known = matches!(linear.matrix, StateMatrix::Pairs(_));
-                Ok(is_known.then(|| Arc::new(linear.growing_shapes(*speed))))
+                Ok(is_known.then(|| Arc::new(linear.growing_shapes(speed))))
             };
-            let Some(found) = self.linear_part().growing.get_or_try(GrowthKey { speed: *speed, highest }, find)? else {
+            let Some(found) = self.linear_part().growing.get_or_try(GrowthKey { speed, highest }, find)? else {
                 return Ok(None);
             };
             columns.extend(found.column_iter().map(|column| column.into_owned()));
         }
-        Ok(Some(if columns.is_empty() {
-            DMatrix::zeros(self.model.len(), 0)
-        } else {
-            DMatrix::from_columns(&columns)
-        }))
+        Ok(Some(if columns.is_empty() { DMatrix::zeros(model.len(), 0) } else { DMatrix::from_columns(&columns) }))
     }
 
     /// Undamped modes in the subspace of the component modes up to `highest`, rad/s, and of the static displacements under

@@ -18,9 +18,9 @@ use crate::connection::Row;
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::model::Model;
 
-/// C: negligible share at L = 1. From 0.01 to 0.1, six scenes of `benches/reduction.py` keep 5 % fewer modes, with errors that
-/// are up to 1.9 times as large and within the target.
-const SHARE: f64 = 0.03;
+/// C: negligible share at L = 1. With 0.03, three of the scenes of `benches/accuracy` need L = 13 instead of 6 or 9; with 0.003,
+/// runs at L = 6 keep 13 to 30 % more modes.
+const SHARE: f64 = 0.01;
 /// Modes below this multiple of the fastest rotation are kept, because bow and unbalance can be in resonance with them.
 const ROTATION_MARGIN: f64 = 1.5;
 /// A static shape whose energy outside of the other shapes is below this share of its interface is round-off.
@@ -53,8 +53,11 @@ pub struct SubspaceKey {
     /// Highest frequency of the component modes from which those of a large model follow, rad/s; none for all modes of a
     /// small model.
     pub highest: Option<f64>,
-    /// Loads on the interfaces as entries (index, coefficient).
+    /// Loads on the interfaces as entries (index, coefficient). A large model keeps the static displacement under unit loads
+    /// at all their coordinates.
     pub interfaces: Vec<Row>,
+    /// Further loads, on many coordinates of a shaft, as entries (index, coefficient).
+    pub distributed: Vec<Row>,
     /// How many modes the run keeps; none keeps all.
     pub extent: Option<Extent>,
 }
@@ -73,7 +76,7 @@ pub(super) fn kept_modes(
     let Some(extent) = key.extent else {
         return Ok(all.clone());
     };
-    let interfaces = Interfaces::new(all, &key.interfaces);
+    let interfaces = Interfaces::new(all, &[&key.interfaces[..], &key.distributed].concat());
     let (kept, statics) = match extent {
         Extent::Limit(limit) => {
             let is_kept = |mode: &usize| {
@@ -90,6 +93,28 @@ pub(super) fn kept_modes(
         Extent::Count(count) => interfaces.of_count(count.saturating_sub(all.null)),
     };
     Subspace { model, all, speed: key.speeds[0] }.modes(&kept, &statics, growing)
+}
+
+impl RealModes {
+    /// The modes up to `highest`, rad/s, and the static displacements of the others under unit loads at `coordinates`, with the
+    /// loaded tooth flanks of `speed` (reference shaft, rad/s).
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the decomposition of the static shapes fails.
+    pub(super) fn up_to(
+        &self,
+        model: &Model,
+        speed: f64,
+        coordinates: &[usize],
+        highest: f64,
+    ) -> Result<Self, DecompositionError> {
+        let rows: Vec<Row> = coordinates.iter().map(|index| vec![(*index, 1.0)]).collect();
+        let interfaces = Interfaces::new(self, &rows);
+        let kept: Vec<usize> =
+            (0..interfaces.shares.len()).filter(|mode| interfaces.frequencies[*mode] <= highest).collect();
+        let statics = interfaces.static_shapes(&kept, usize::MAX, DEPENDENT);
+        Subspace { model, all: self, speed }.modes(&kept, &statics, &DMatrix::zeros(model.len(), 0))
+    }
 }
 
 /// Interfaces in the elastic modes of a model.

@@ -198,6 +198,7 @@ fn amplitudes(cached: &CachedModel, key: StartKey) -> Result<DMatrix<Complex<f64
             rotation: 0.0,
             highest: Some(highest),
             interfaces: Vec::new(),
+            distributed: Vec::new(),
             extent: None,
         })?)
     } else {

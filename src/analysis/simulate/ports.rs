@@ -2,11 +2,9 @@
 
 use num_complex::Complex64;
 
-use super::Options;
 use crate::connection::{Connection, Row};
 use crate::exponential::Selection;
 use crate::model::{Excitation, Model};
-use crate::motion::Speed;
 
 /// Largest number of recorded coordinates whose static displacement under a load is kept.
 const MAX_RECORDED: usize = 128;
@@ -14,9 +12,9 @@ const MAX_RECORDED: usize = 128;
 const HARMONICS: f64 = 10.0;
 
 /// Loads on the interfaces as entries (index, coefficient): those of connections, along their lines of action and on each
-/// coordinate, those of bearings and links, unit loads at recorded coordinates, and at a changing speed bow and unbalance.
-pub(super) fn interfaces(model: &Model, options: &Options, selection: &Selection) -> Vec<Row> {
-    let speed = options.fastest();
+/// coordinate, those of bearings and links, and unit loads at recorded coordinates. `speed` is that of the reference shaft,
+/// rad/s.
+pub(super) fn interfaces(model: &Model, speed: f64, selection: &Selection) -> Vec<Row> {
     let mut rows: Vec<Row> =
         model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows()).collect();
     let mut single = model.coupled_coordinates(speed);
@@ -26,16 +24,13 @@ pub(super) fn interfaces(model: &Model, options: &Options, selection: &Selection
     single.sort_unstable();
     single.dedup();
     rows.extend(single.into_iter().filter(|index| *index < model.len()).map(|index| vec![(index, 1.0)]));
-    if matches!(options.speed, Speed::Changing(_)) {
-        rows.extend(rotating_loads(model));
-    }
     rows
 }
 
 /// Loads of bows and of unbalances at two angles of each shaft, as entries (index, coefficient) over the displacements. At a
 /// changing speed they act on the linear motion, which must carry them. Only their shape matters: they have the length 1, so
 /// that variations of their size share a subspace.
-fn rotating_loads(model: &Model) -> Vec<Row> {
+pub(super) fn rotating_loads(model: &Model) -> Vec<Row> {
     let parts = [Excitation::steady_amplitude, |excitation: &Excitation| excitation.unbalance];
     let mut loads = Vec::new();
     for (shaft, part) in model.shafts.iter().flat_map(|shaft| parts.map(|part| (shaft, part))) {
