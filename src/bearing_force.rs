@@ -29,7 +29,7 @@ pub enum Uncarried {
 /// Largest number of Newton iterations; ten are usual.
 const MAX_ITERATIONS: usize = 200;
 /// Residual force, relative to the load, below which the iteration has converged.
-const TOLERANCE: f64 = 1e-13;
+const FORCE_TOLERANCE: f64 = 1e-13;
 /// Smallest fraction of a Newton step. With a smaller one, the residual changes by round-off only.
 const MIN_FRACTION: f64 = 1e-10;
 
@@ -62,7 +62,7 @@ impl BalanceSearch<'_> {
     pub fn from(&self, start: Vector) -> Balance {
         let mut best = self.at(start);
         for _ in 0..MAX_ITERATIONS {
-            if best.residual <= TOLERANCE {
+            if best.residual <= FORCE_TOLERANCE {
                 break;
             }
             // Round-off limits the residual, or no load of this size is carried.

@@ -4,8 +4,8 @@ use nalgebra::Complex;
 
 /// Smallest correlation of a mode in a step; with a smaller value the step is halved.
 pub(super) const MIN_CORRELATION: f64 = 0.9;
-/// Two modes that exchange their order are treated as crossing if the mixing of their shapes is below this limit. A veering
-/// that takes less than a hundredth of the step is therefore treated as a crossing.
+/// Two modes that exchange their order are treated as crossing if the mixing of their shapes, beyond twice what they have in
+/// common before, is below this limit. A veering that takes less than a hundredth of the step is therefore a crossing.
 const MAX_MIXING_OF_CROSSING: f64 = 1e-4;
 /// Relative difference below which eigenvalues are equal. Their shapes may then be any combination.
 const EQUAL_TOLERANCE: f64 = 1e-7;
@@ -22,8 +22,15 @@ pub(super) struct Assignment {
 
 impl Assignment {
     /// Assigns the modes with the eigenvalues `after`, rad/s, to those with the eigenvalues `before` by the correlations
-    /// (before, after) of their shapes. The first `deciding` modes decide whether the assignment is clear.
-    pub fn new(correlations: &[Vec<f64>], before: &[Complex<f64>], after: &[Complex<f64>], deciding: usize) -> Self {
+    /// (before, after) of their shapes; `common` gives the correlation of two modes before, which damping and cross-coupling
+    /// cause. The first `deciding` modes decide whether the assignment is clear.
+    pub fn new(
+        correlations: &[Vec<f64>],
+        common: impl Fn(usize, usize) -> f64,
+        before: &[Complex<f64>],
+        after: &[Complex<f64>],
+        deciding: usize,
+    ) -> Self {
         // Among equal eigenvalues any mode is correct; the correlation is the sum over all of them.
         let shared = |mode: usize, index: usize| {
             let together = (0..after.len()).filter(|other| equal(after[*other], after[index]));
@@ -47,8 +54,10 @@ impl Assignment {
         let states: Vec<usize> =
             assigned.iter().map(|index| index.or_else(|| free.next()).unwrap_or_default()).collect();
         let kept: Vec<f64> = states.iter().enumerate().map(|(mode, index)| shared(mode, *index)).collect();
-        let mixed =
-            |a: usize, b: usize| correlations[a][states[b]].max(correlations[b][states[a]]) > MAX_MIXING_OF_CROSSING;
+        let mixed = |a: usize, b: usize| {
+            let mixing = correlations[a][states[b]].max(correlations[b][states[a]]);
+            mixing > MAX_MIXING_OF_CROSSING + 2.0 * common(a, b)
+        };
         let passed = |a: usize, b: usize| {
             let gap = |a: Complex<f64>, b: Complex<f64>| (a.im - b.im) / (a.im + b.im);
             let (before, after) = (gap(before[a], before[b]), gap(after[states[a]], after[states[b]]));

@@ -21,13 +21,15 @@ use nalgebra::Complex;
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{lowest_modes, require, uses_bands};
 use super::{AnalysisError, Interrupt};
-use crate::modal::{self, AtSpeed, CachedModel, Forces, Mode, OrderIntersection, Quadratic, Whirl};
+use crate::modal::{self, AtSpeed, CachedModel, Forces, Mode, ModeAtSpeed, Quadratic, Whirl};
 use crate::scene::EntryPath;
 use state::State;
 pub use threshold::Threshold;
 
 /// Largest number of times that a step is halved.
 const MAX_HALVINGS: u32 = 10;
+/// Largest number of times that a step is halved before the lowest modes are computed.
+const MAX_FOLLOWED_HALVINGS: u32 = 4;
 /// Fraction of the first step at which modes with equal eigenvalues at the first speed are distinguished.
 const START_OFFSET: f64 = 1e-3;
 /// Smallest |yᴴy'|² between a mode and its intersection with a line.
@@ -137,8 +139,7 @@ pub fn campbell(
         thresholds: Vec::new(),
     };
     for speed in speeds {
-        let here = tracker.at(*speed)?;
-        tracker.advance(*speed, here, 0)?;
+        tracker.advance_to(*speed, 0)?;
         diagram.eigenvalues.push(tracker.modes.iter().map(|mode| mode.eigenvalue).collect());
         diagram.whirl.push(tracker.modes.iter().map(|mode| mode.whirl).collect());
     }
@@ -212,15 +213,51 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         // At speed zero too, the flanks in contact are those of a positive speed.
         let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
-        let count = if uses_bands(&self.cached.model, self.wanted) { self.wanted } else { usize::MAX };
+        let count = if self.is_partial() { self.wanted } else { usize::MAX };
         let modes = lowest_modes(self.cached, speed, count)?;
         Ok(Rc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
+    }
+
+    /// The tracked mode with these `ends` at a speed between theirs: by Newton's method, or that of the lowest modes which
+    /// correlates most with the ends.
+    fn between(&self, ends: [(f64, &State); 2], speed: f64) -> Result<State, AnalysisError> {
+        self.interrupt.check()?;
+        let [low, high] = ends;
+        let part = ((speed - low.0) / (high.0 - low.0)).clamp(0.0, 1.0);
+        if self.has_band_newton() {
+            let nearest = if part < 0.5 { low.1 } else { high.1 };
+            let eigenvalue = low.1.eigenvalue * (1.0 - part) + high.1.eigenvalue * part;
+            let cached = self.cached.at_speed(speed)?;
+            let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
+            if let Some(met) = modal::mode_near(&cached.model, &start) {
+                let found = self.state(&cached, met)?;
+                if found.residual.is_accurate() && is_like(ends, &found) {
+                    return Ok(found);
+                }
+            }
+        }
+        let states = self.at(speed)?;
+        let like = |state: &&State| low.1.correlation(state) + high.1.correlation(state);
+        Ok(states.iter().max_by(|a, b| like(a).total_cmp(&like(b))).unwrap_or(low.1).clone())
+    }
+
+    /// A mode with its direction of whirl and its residual; `cached` is the model at its speed.
+    fn state(&self, cached: &CachedModel, met: ModeAtSpeed) -> Result<State, AnalysisError> {
+        let ModeAtSpeed { speed, eigenvalue, shape } = met;
+        let whirl = modal::whirl(&cached.model, speed, eigenvalue, &shape);
+        let residual = modal::residual(cached, speed, eigenvalue, &shape, Forces::All)?;
+        Ok(State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual }))
+    }
+
+    /// Whether only the lowest modes are computed at each speed.
+    fn is_partial(&self) -> bool {
+        uses_bands(&self.cached.model, self.wanted)
     }
 
     /// Computes more modes from here on if a tracked mode may lie above the computed `states`; whether it may.
     fn extend(&mut self, states: &[State], assignment: &Assignment) -> bool {
         let top = states.iter().map(|state| state.eigenvalue.im).fold(0.0, f64::max);
-        let partial = states.len() <= self.wanted && uses_bands(&self.cached.model, self.wanted);
+        let partial = states.len() <= self.wanted && self.is_partial();
         let left = |(mode, index): (&State, &usize)| {
             mode.eigenvalue.im > NEAR_TOP * top && mode.correlation(&states[*index]) < MIN_CORRELATION
         };
@@ -229,6 +266,50 @@ impl<'a> Tracker<'a> {
             self.wanted += FURTHER_MODES;
         }
         extends
+    }
+
+    /// Tracks the modes to `speed`: each by Newton's method, in smaller steps where that is not clear, or else among the
+    /// lowest modes.
+    fn advance_to(&mut self, speed: f64, halved: u32) -> Result<(), AnalysisError> {
+        let from = self.speed.filter(|_| self.has_band_newton() && speed > 0.0);
+        if let Some(from) = from {
+            if let Some(states) = self.followed(speed)? {
+                return self.adopt(from, speed, &states, (0..self.modes.len()).collect());
+            }
+            if halved < MAX_FOLLOWED_HALVINGS {
+                self.advance_to(f64::midpoint(from, speed), halved + 1)?;
+                return self.advance_to(speed, halved + 1);
+            }
+        }
+        let states = self.at(speed)?;
+        self.advance(speed, states, 0)
+    }
+
+    /// The tracked modes at `speed` by Newton's method, which begins with those at the current speed; `None` where it does not
+    /// lead to the same modes without doubt.
+    fn followed(&self, speed: f64) -> Result<Option<Vec<State>>, AnalysisError> {
+        self.interrupt.check()?;
+        let cached = self.cached.at_speed(speed)?;
+        let mut states: Vec<State> = Vec::new();
+        for mode in &self.modes {
+            let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape() };
+            let Some(met) = modal::mode_near(&cached.model, &start) else {
+                return Ok(None);
+            };
+            let found = self.state(&cached, met)?;
+            if !found.residual.is_accurate() || states.iter().any(|other| equal(other.eigenvalue, found.eigenvalue)) {
+                return Ok(None);
+            }
+            states.push(found);
+        }
+        let assignment = self.assign(&states);
+        let is_same = assignment.states.iter().enumerate().all(|(mode, state)| mode == *state);
+        Ok((assignment.clear && is_same).then_some(states))
+    }
+
+    /// Whether Newton's method with band matrices finds a mode: they contain all damping but that of modes.
+    fn has_band_newton(&self) -> bool {
+        self.cached.model.scene.modal_damping == 0.0 && self.is_partial()
     }
 
     /// Tracks the modes to the states at `speed`.
@@ -245,14 +326,28 @@ impl<'a> Tracker<'a> {
                 self.advance(middle, between, halved + 1)?;
                 return self.advance(speed, states, halved + 1);
             }
-            for mode in 0..self.modes.len() {
-                let before = self.modes[mode].clone();
-                let ends = [(from, &before), (speed, &states[assignment.states[mode]])];
-                self.add_intersections(mode, ends)?;
-                self.add_threshold(mode, ends)?;
-            }
+            return self.adopt(from, speed, &states, assignment.states);
         }
-        for (mode, index) in self.modes.iter_mut().zip(assignment.states) {
+        self.take(speed, &states, assignment.states);
+        Ok(())
+    }
+
+    /// Takes the states with these indices at `speed` for the tracked modes, which are those at the speed `from`, and finds
+    /// what lies between.
+    fn adopt(&mut self, from: f64, speed: f64, states: &[State], indices: Vec<usize>) -> Result<(), AnalysisError> {
+        for (mode, index) in indices.iter().enumerate() {
+            let before = self.modes[mode].clone();
+            let ends = [(from, &before), (speed, &states[*index])];
+            self.add_intersections(mode, ends)?;
+            self.add_threshold(mode, ends)?;
+        }
+        self.take(speed, states, indices);
+        Ok(())
+    }
+
+    /// Takes the states with these indices at `speed` for the tracked modes.
+    fn take(&mut self, speed: f64, states: &[State], indices: Vec<usize>) {
+        for (mode, index) in self.modes.iter_mut().zip(indices) {
             let state = &states[index];
             let distinct = states.iter().filter(|other| equal(other.eigenvalue, state.eigenvalue)).count() == 1;
             (mode.eigenvalue, mode.whirl) = (state.eigenvalue, state.whirl);
@@ -261,14 +356,14 @@ impl<'a> Tracker<'a> {
             }
         }
         self.speed = Some(speed);
-        Ok(())
     }
 
     fn assign(&self, states: &[State]) -> Assignment {
         let correlations: Vec<Vec<f64>> =
             self.modes.iter().map(|mode| states.iter().map(|state| mode.correlation(state)).collect()).collect();
+        let common = |a: usize, b: usize| self.modes[a].correlation(&self.modes[b]);
         let values = |of: &[State]| of.iter().map(|state| state.eigenvalue).collect::<Vec<_>>();
-        Assignment::new(&correlations, &values(&self.modes), &values(states), usize::MAX)
+        Assignment::new(&correlations, common, &values(&self.modes), &values(states), usize::MAX)
     }
 
     /// Stores the intersections of a mode with all lines between two speeds.
@@ -280,7 +375,7 @@ impl<'a> Tracker<'a> {
                 self.interrupt.check()?;
                 let (speed, eigenvalue, whirl, residual) = if self.has_newton() {
                     let met = self.intersection(order, ends, 0)?;
-                    let OrderIntersection { speed, eigenvalue, shape } = &met;
+                    let ModeAtSpeed { speed, eigenvalue, shape } = &met;
                     let whirl = modal::whirl(&self.cached.model, *speed, *eigenvalue, shape);
                     let residual = modal::residual(self.cached, *speed, *eigenvalue, shape, Forces::All)?;
                     (*speed, *eigenvalue, whirl, residual)
@@ -315,27 +410,21 @@ impl<'a> Tracker<'a> {
     }
 
     /// Finds the intersection of a mode with the line ω = `order`·Ω between two speeds on opposite sides of the line.
-    fn intersection(
-        &self,
-        order: f64,
-        ends: [(f64, &State); 2],
-        halved: u32,
-    ) -> Result<OrderIntersection, AnalysisError> {
+    fn intersection(&self, order: f64, ends: [(f64, &State); 2], halved: u32) -> Result<ModeAtSpeed, AnalysisError> {
         let [low, high] = ends;
         let distance = ends.map(|(speed, state)| (state.eigenvalue.im - order * speed).abs());
         let part = distance[0] / (distance[0] + distance[1]);
         let nearest = if part < 0.5 { low.1 } else { high.1 };
         let (speed, shape) = (low.0 + part * (high.0 - low.0), nearest.shape());
-        let start = OrderIntersection { speed, eigenvalue: nearest.eigenvalue, shape };
+        let start = ModeAtSpeed { speed, eigenvalue: nearest.eigenvalue, shape };
         // Newton's method may find another mode on the line: accept it only if its shape correlates with this mode.
-        let within = |met: &OrderIntersection| {
+        let within = |met: &ModeAtSpeed| {
             let slack = 1e-9 * high.0;
             met.speed >= low.0 - slack && met.speed <= high.0 + slack && {
                 let shape = met.shape.clone();
                 let (whirl, residual) = (Whirl::Coupled, nearest.residual);
                 let mode = Mode { eigenvalue: met.eigenvalue, shape, whirl, residual };
-                let known = State::new(&self.basis.model, met.speed, mode);
-                ends.iter().any(|(_, state)| known.correlation(state) > MIN_CORRELATION_ON_LINE)
+                is_like(ends, &State::new(&self.basis.model, met.speed, mode))
             }
         };
         let met = match &self.quadratic {
@@ -357,4 +446,9 @@ impl<'a> Tracker<'a> {
         let halves = if above(low) == above(between) { [between, high] } else { [low, between] };
         self.intersection(order, halves, halved + 1)
     }
+}
+
+/// Whether a mode between two speeds is that of the `ends`: its shape is close to one of them.
+fn is_like(ends: [(f64, &State); 2], found: &State) -> bool {
+    ends.iter().any(|(_, state)| found.correlation(state) > MIN_CORRELATION_ON_LINE)
 }

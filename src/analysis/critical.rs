@@ -5,14 +5,14 @@ mod speed_dependent;
 
 use super::modes::{has_structure, require};
 use super::{AnalysisError, Dense, Interrupt};
-use crate::modal::{self, CachedModel, Forces, OrderIntersection, Quadratic, Whirl};
+use crate::modal::{self, CachedModel, Forces, ModeAtSpeed, Quadratic, Whirl};
 use crate::model::Model;
 use crate::scene::EntryPath;
 pub use map::{CriticalPoint, critical_speed_map};
 
 /// Speed for the equilibrium of rolling bearings, rad/s, where no table has another lowest one: their stiffness depends on the
 /// direction of rotation only, which decides on the loaded flanks.
-const SLOW: f64 = 1.0;
+const EQUILIBRIUM_SPEED: f64 = 1.0;
 
 /// An undamped critical speed.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +45,7 @@ pub fn critical_speeds(
             "the damping of an oil film is too large for undamped critical speeds; use campbell() or synchronous()";
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
-    let lowest = cached.model.lowest_speed().unwrap_or(SLOW);
+    let lowest = cached.model.lowest_speed().unwrap_or(EQUILIBRIUM_SPEED);
     let at_speed = cached.with_operating_points_of(lowest)?;
     let cached = &*at_speed;
     if !cached.model.bearings.is_empty() {
@@ -57,7 +57,7 @@ pub fn critical_speeds(
 }
 
 /// The `count` lowest critical speeds of a model whose coefficients do not depend on the speed, with their modes.
-fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<OrderIntersection>, AnalysisError> {
+fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<ModeAtSpeed>, AnalysisError> {
     let mut found = None;
     if has_structure(&cached.model, count) {
         found = modal::lowest_critical(cached, order, count)?;
@@ -79,9 +79,9 @@ pub fn memory_of_critical_speeds(model: &Model, count: usize) -> Dense {
 }
 
 /// A critical speed with whirl and residual of its mode.
-fn named(cached: &CachedModel, met: &OrderIntersection, interrupt: &Interrupt) -> Result<Critical, AnalysisError> {
+fn named(cached: &CachedModel, met: &ModeAtSpeed, interrupt: &Interrupt) -> Result<Critical, AnalysisError> {
     interrupt.check()?;
-    let OrderIntersection { speed, eigenvalue, shape } = met;
+    let ModeAtSpeed { speed, eigenvalue, shape } = met;
     let residual = modal::residual(cached, *speed, *eigenvalue, shape, Forces::Undamped)?;
     require(residual, || format!("the mode at the critical speed {speed} rad/s"))?;
     let whirl = modal::whirl(&cached.model, *speed, *eigenvalue, shape);

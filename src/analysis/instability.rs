@@ -11,11 +11,11 @@ use super::{AnalysisError, Interrupt};
 use crate::modal::{CachedModel, is_growing};
 
 /// Number of lowest modes that are examined.
-const MODES: usize = 6;
+const EXAMINED_MODES: usize = 6;
 /// Number of modes more for each bearing, whose damper can make four modes without oscillation.
 const MODES_OF_BEARING: usize = 4;
 /// Number of speeds that are examined at first, from the first to the last speed.
-const SAMPLES: usize = 9;
+const FIRST_SPEEDS: usize = 9;
 
 /// Whether the linear motion at a speed of the reference shaft, rad/s, is unstable. The lowest modes decide; without an
 /// element that can feed energy into the motion, no mode is computed.
@@ -36,7 +36,7 @@ pub(super) fn growing_modes(cached: &CachedModel, speed: f64) -> Result<Vec<Comp
     if cached.at_speed(speed)?.model.is_dissipative(speed) {
         return Ok(Vec::new());
     }
-    let count = MODES + MODES_OF_BEARING * cached.model.scene.bearings.len();
+    let count = EXAMINED_MODES + MODES_OF_BEARING * cached.model.scene.bearings.len();
     let eigenvalues = lowest_modes(cached, speed, count)?.into_iter().map(|mode| mode.eigenvalue);
     Ok(eigenvalues.filter(|value| is_growing(*value, speed)).collect())
 }
@@ -58,7 +58,7 @@ pub fn unstable_ranges(
     let mut order: Vec<usize> = (0..speeds.len()).collect();
     order.sort_by(|a, b| speeds[*a].total_cmp(&speeds[*b]));
     let grows = |place: usize| is_unstable(cached, speeds[order[place]], interrupt);
-    let (steps, last) = ((SAMPLES - 1).min(speeds.len().saturating_sub(1)), speeds.len().saturating_sub(1));
+    let (steps, last) = ((FIRST_SPEEDS - 1).min(speeds.len().saturating_sub(1)), speeds.len().saturating_sub(1));
     let even = (0..=steps).filter(|_| !speeds.is_empty()).map(|step| step * last / steps.max(1));
     let at_peaks = (0..order.len()).filter(|place| peaks.contains(&order[*place]));
     // Whether the motion grows, by the place in the ascending order.

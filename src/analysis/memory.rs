@@ -53,7 +53,7 @@ impl Dense {
     /// [`SceneError`] with the required and the available memory.
     pub fn require(self, model: &Model) -> Result<(), SceneError> {
         let needed = self.bytes(model.len());
-        if needed <= UNCHECKED {
+        if needed <= UNCHECKED_BYTES {
             return Ok(());
         }
         check(model.len(), needed, available())
@@ -79,11 +79,11 @@ impl Kept<'_> {
     /// # Errors
     /// [`SceneError`] with the required and the available memory.
     pub fn require(&self) -> Result<(), SceneError> {
-        if self.bytes <= UNCHECKED { Ok(()) } else { self.check(available()) }
+        if self.bytes <= UNCHECKED_BYTES { Ok(()) } else { self.check(available()) }
     }
 
     fn check(&self, available: u64) -> Result<(), SceneError> {
-        let available = available.saturating_sub(UNCHECKED);
+        let available = available.saturating_sub(UNCHECKED_BYTES);
         if self.bytes <= available { Ok(()) } else { Err(self.refused(available)) }
     }
 
@@ -119,9 +119,9 @@ const BYTES_OF_BANDS: u64 = 8192;
 /// Memory of the factors of up to 45 band matrices with up to 13 entries in a row, for each degree of freedom, bytes.
 const BYTES_OF_ROOT: u64 = 32_768;
 /// Required memory up to which nothing is checked, and memory that is left for the work beside the results, bytes.
-const UNCHECKED: u64 = 64 << 20;
+const UNCHECKED_BYTES: u64 = 64 << 20;
 /// Assumed available memory if the system does not provide it, bytes.
-const ASSUMED: u64 = 16 << 30;
+const ASSUMED_BYTES: u64 = 16 << 30;
 
 fn check(n: usize, needed: u64, available: u64) -> Result<(), SceneError> {
     if needed <= available {
@@ -138,7 +138,8 @@ fn check(n: usize, needed: u64, available: u64) -> Result<(), SceneError> {
 /// Memory that this process can still allocate, bytes: the smallest of the free memory, the limit of the address space
 /// (`ulimit -v`) and the limits of its control groups, which containers and job schedulers set.
 fn available() -> u64 {
-    let machine = number_after(&read("/proc/meminfo"), "MemAvailable:").map_or(ASSUMED, |kibibytes| kibibytes << 10);
+    let machine =
+        number_after(&read("/proc/meminfo"), "MemAvailable:").map_or(ASSUMED_BYTES, |kibibytes| kibibytes << 10);
     machine.min(address_space().unwrap_or(u64::MAX)).min(control_groups().unwrap_or(u64::MAX))
 }
 
@@ -197,10 +198,10 @@ mod tests {
     fn results_that_do_not_fit_are_refused_with_the_remedy() {
         let kept =
             |bytes| Kept { argument: "speeds", what: "amplitudes".to_owned(), bytes, remedy: "give fewer speeds" };
-        assert!(kept(1_000_000).check(1_000_000 + UNCHECKED).is_ok());
-        assert!(kept(UNCHECKED).require().is_ok());
+        assert!(kept(1_000_000).check(1_000_000 + UNCHECKED_BYTES).is_ok());
+        assert!(kept(UNCHECKED_BYTES).require().is_ok());
         let text = "speeds: amplitudes need 12.000 GB of memory, 3.000 GB are available; give fewer speeds";
-        let refused = kept(12_000_000_000).check(3_000_000_000 + UNCHECKED).map_err(|error| error.to_string());
+        let refused = kept(12_000_000_000).check(3_000_000_000 + UNCHECKED_BYTES).map_err(|error| error.to_string());
         assert_eq!(refused, Err(text.to_owned()));
         assert!(kept(u64::MAX).require().is_err());
         assert!(kept(16).room::<u128>(usize::MAX).is_err());
@@ -217,6 +218,6 @@ mod tests {
 
     #[test]
     fn some_memory_is_available() {
-        assert!(available() > UNCHECKED);
+        assert!(available() > UNCHECKED_BYTES);
     }
 }

@@ -6,13 +6,13 @@ use crate::modal::{self, CachedModel, Mode, Residual};
 use crate::model::Model;
 
 /// Smallest number of degrees of freedom for which band matrices are faster than dense ones.
-const LARGE: usize = 100;
+const MIN_BAND_COORDINATES: usize = 100;
 /// Part of all modes up to which they are a few: band matrices are then faster, and the gaps between modes are wide.
-const FEW: f64 = 0.15;
+const MAX_BAND_MODE_FRACTION: f64 = 0.15;
 
 /// Whether band matrices are faster than dense ones for `count` undamped modes.
 pub(super) fn has_structure(model: &Model, count: usize) -> bool {
-    model.len() >= LARGE && count as f64 <= FEW * model.len() as f64
+    model.len() >= MIN_BAND_COORDINATES && count as f64 <= MAX_BAND_MODE_FRACTION * model.len() as f64
 }
 
 /// Whether band matrices give these modes, if `count` of them are wanted.

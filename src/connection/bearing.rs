@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::instant::{Instant, InterfaceOptions};
+use super::instant::{Instant, InterfaceOptions, Tangent};
 use super::{Bounds, Coefficients, Row};
 use crate::scene::{Bearing, EntryPath, Matrix2, SceneError, outside_table};
 
@@ -164,10 +164,10 @@ impl BearingInterface {
     }
 
     #[inline]
-    pub(super) fn residual_tangent(&self, instant: &Instant, [stiffness, damping]: [&mut [f64]; 2]) {
+    pub(super) fn residual_tangent(&self, instant: &Instant, tangent: Tangent<'_>) {
         let [k, c] = self.remainder(instant);
-        stiffness.copy_from_slice(k.as_flattened());
-        damping.copy_from_slice(c.as_flattened());
+        tangent.stiffness.copy_from_slice(k.as_flattened());
+        tangent.damping.copy_from_slice(c.as_flattened());
     }
 }
 

@@ -14,6 +14,15 @@ pub struct Instant {
     pub contact_mode: ContactMode,
 }
 
+/// Where the tangent of a connection over its d directions is written, row after row.
+#[derive(Debug)]
+pub struct Tangent<'a> {
+    /// ∂f_i/∂(g_j·u), N/m: d × d entries.
+    pub stiffness: &'a mut [f64],
+    /// ∂f_i/∂(g_j·u̇), N s/m: d × d entries, or none if no load of the run depends on rates.
+    pub damping: &'a mut [f64],
+}
+
 /// A journal that touches its bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {

@@ -6,7 +6,7 @@
 //! the instant, minus [`Interface::reference_force`], minus that of the linear part at the deviations.
 
 use super::bearing::BearingInterface;
-use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange};
+use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Tangent};
 use super::load::LoadInterface;
 use super::mesh::MeshInterface;
 use super::nonlinear_bearing::NonlinearInterface;
@@ -156,29 +156,28 @@ impl Interface {
         }
     }
 
-    /// Writes the tangent over the directions g that the linear motion does not contain: with the load −Σ g_i f_i, the
-    /// matrices ∂f_i/∂(g_j·u) [N/m] and ∂f_i/∂(g_j·u̇) [N s/m], each d × d, row after row. The second slice is empty if no
-    /// load of the run depends on rates. `contact` is the result of [`Self::load`] at the same deviations `u` and `rates`.
+    /// Writes the tangent over the directions g that the linear motion does not contain, for the load −Σ g_i f_i. `contact` is the result of [`Self::load`] at the same deviations `u` and `rates`.
     #[inline(always)]
     pub fn residual_tangent(
         &self,
         instant: &Instant,
-        (u, rates): (&[f64], &[f64]),
+        u: &[f64],
+        rates: &[f64],
         contact: &Contact,
-        [stiffness, damping]: [&mut [f64]; 2],
+        tangent: Tangent<'_>,
     ) {
         match self {
             Self::Mesh(interface) => {
                 let [k, c] = interface.residual_tangent(instant.contact_mode.flank, contact);
-                stiffness[0] = k;
-                damping.fill(c);
+                tangent.stiffness[0] = k;
+                tangent.damping.fill(c);
             }
-            Self::Bearing(interface) => interface.residual_tangent(instant, [stiffness, damping]),
-            Self::Nonlinear(interface) => interface.residual_tangent(instant, (u, rates), [stiffness, damping]),
+            Self::Bearing(interface) => interface.residual_tangent(instant, tangent),
+            Self::Nonlinear(interface) => interface.residual_tangent(instant, u, rates, tangent),
             Self::Load(interface) => {
-                stiffness.fill(0.0);
-                damping.fill(0.0);
-                interface.residual_tangent(instant, rates, damping);
+                tangent.stiffness.fill(0.0);
+                tangent.damping.fill(0.0);
+                interface.residual_tangent(instant, rates, tangent.damping);
             }
         }
     }

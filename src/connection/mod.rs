@@ -30,7 +30,7 @@ use nalgebra::DMatrix;
 
 pub use bearing::{BearingInterface, SpeedDependentBearing};
 pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, ROLLING_CHANNELS, mesh_values};
-pub use instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Touch};
+pub use instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Tangent, Touch};
 pub use interface::Interface;
 pub use load::{AppliedLoad, LoadInterface};
 pub use mesh::MeshInterface;

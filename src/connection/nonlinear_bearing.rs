@@ -16,7 +16,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::instant::{Instant, InterfaceOptions, OutOfRange, Touch};
+use super::instant::{Instant, InterfaceOptions, OutOfRange, Tangent, Touch};
 use super::{Bounds, Coefficients, Row};
 use crate::bearing_force::{BearingForce, Uncarried, Vector};
 use crate::film::Film;
@@ -25,7 +25,7 @@ use crate::rolling::RollingElements;
 use crate::scene::Matrix2;
 
 /// Spins below this are standstill, rad/s.
-const STANDSTILL: f64 = 1e-12;
+const STANDSTILL_SPIN: f64 = 1e-12;
 
 /// Linear coefficients that stand for a nonlinear bearing in the matrices.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -127,7 +127,7 @@ impl NonlinearBearing {
 
     /// Whether it has no force at a speed of the reference shaft, rad/s, because its shaft stands still.
     pub fn stands(&self, speed: f64) -> bool {
-        self.film().is_some() && (self.ratio * speed).abs() < STANDSTILL
+        self.film().is_some() && (self.ratio * speed).abs() < STANDSTILL_SPIN
     }
 
     /// Sets the stiffness with which a search of the equilibrium starts: the bearing carries a weight, N, at a displacement
@@ -294,14 +294,9 @@ impl NonlinearInterface {
     }
 
     #[inline]
-    pub(super) fn residual_tangent(
-        &self,
-        instant: &Instant,
-        (u, rates): (&[f64], &[f64]),
-        [stiffness, damping]: [&mut [f64]; 2],
-    ) {
+    pub(super) fn residual_tangent(&self, instant: &Instant, u: &[f64], rates: &[f64], tangent: Tangent<'_>) {
         let found = self.bearing.remainder(&instant.phases[0], self.displacement(u), [rates[0], rates[1]]);
-        stiffness.copy_from_slice(found.stiffness.as_flattened());
-        damping.copy_from_slice(found.damping.as_flattened());
+        tangent.stiffness.copy_from_slice(found.stiffness.as_flattened());
+        tangent.damping.copy_from_slice(found.damping.as_flattened());
     }
 }

@@ -5,7 +5,7 @@
 use num_complex::Complex64;
 
 use super::interface_maps::InterfaceMaps;
-use super::nonlinear_loads::NonlinearLoads;
+use super::loads::Loads;
 use super::packed::Rows;
 use super::state_map::StateMap;
 use crate::integrate::{Halt, Span};
@@ -22,20 +22,15 @@ pub(super) struct AccelerationMap {
 
 impl AccelerationMap {
     /// Collects the rows of the coordinates with these indices.
-    pub fn new(
-        nonlinear_loads: &NonlinearLoads<'_>,
-        linear: &ModalStateSpace,
-        maps: &InterfaceMaps,
-        coordinates: Vec<usize>,
-    ) -> Self {
+    pub fn new(loads: &Loads<'_>, linear: &ModalStateSpace, maps: &InterfaceMaps, coordinates: Vec<usize>) -> Self {
         let velocities: Vec<_> = coordinates.iter().map(|index| linear.row(&[(*index, 1.0)], true)).collect();
         let rows: Vec<_> = velocities.iter().map(|row| linear.rate_row(row)).chain(maps.rows.iter().cloned()).collect();
         let product = |row: &[f64], column: &[f64]| row.iter().zip(column).map(|(w, b)| w * b).sum::<f64>();
         let mobility = velocities.iter().flat_map(|row| maps.columns.iter().map(|column| product(row, column)));
-        let (sources, interface_len) = (nonlinear_loads.source_count(), maps.rows.len());
-        let amplitudes = nonlinear_loads.spins().into_iter().enumerate().flat_map(|(source, spin)| {
+        let (sources, interface_len) = (loads.source_count(), maps.rows.len());
+        let amplitudes = loads.spins().into_iter().enumerate().flat_map(|(source, spin)| {
             let rate = Complex64::new(0.0, spin);
-            let own = coordinates.iter().map(move |index| nonlinear_loads.amplitude(source, *index, true) * rate);
+            let own = coordinates.iter().map(move |index| loads.amplitude(source, *index, true) * rate);
             own.chain(maps.synchronous[source * interface_len..][..interface_len].iter().copied())
         });
         let reference = vec![0.0; rows.len()];
@@ -44,8 +39,8 @@ impl AccelerationMap {
             loaded: LoadedAccelerations {
                 mobility: mobility.collect(),
                 coordinates,
-                loads: vec![0.0; nonlinear_loads.load_count()],
-                contacts: vec![Contact::default(); nonlinear_loads.mesh_count()],
+                load_values: vec![0.0; loads.load_count()],
+                contacts: vec![Contact::default(); loads.connection_count()],
                 phasors: vec![Complex64::ZERO; sources],
             },
         }
@@ -60,13 +55,8 @@ impl AccelerationMap {
     ///
     /// # Errors
     /// [`Halt`] where a load is not defined.
-    pub fn read_gathered(
-        &mut self,
-        nonlinear_loads: &NonlinearLoads<'_>,
-        instants: &[f64],
-        a: &mut [f64],
-    ) -> Result<(), Halt> {
-        self.loaded.write(nonlinear_loads, self.map.evaluate(nonlinear_loads, instants), instants, a)
+    pub fn read_gathered(&mut self, loads: &Loads<'_>, instants: &[f64], a: &mut [f64]) -> Result<(), Halt> {
+        self.loaded.write(loads, self.map.evaluate(loads, instants), instants, a)
     }
 
     /// Writes the accelerations at instants within a step whose states are the cubic through both ends.
@@ -75,12 +65,12 @@ impl AccelerationMap {
     /// [`Halt`] where a load is not defined.
     pub fn interpolate(
         &mut self,
-        nonlinear_loads: &NonlinearLoads<'_>,
+        loads: &Loads<'_>,
         span: &Span<'_>,
         instants: &[f64],
         a: &mut [f64],
     ) -> Result<(), Halt> {
-        self.loaded.write(nonlinear_loads, self.map.interpolate(nonlinear_loads, span, instants), instants, a)
+        self.loaded.write(loads, self.map.interpolate(loads, span, instants), instants, a)
     }
 }
 
@@ -92,7 +82,7 @@ struct LoadedAccelerations {
     /// V b: acceleration of every coordinate under every load, coordinate after coordinate.
     mobility: Vec<f64>,
     /// Scratch: loads, contacts and phasors of an evaluation.
-    loads: Vec<f64>,
+    load_values: Vec<f64>,
     contacts: Vec<Contact>,
     phasors: Vec<Complex64>,
 }
@@ -101,19 +91,20 @@ impl LoadedAccelerations {
     /// Writes the accelerations for the values of [`AccelerationMap::map`] at each instant, one vector after the other.
     fn write<'v>(
         &mut self,
-        nonlinear_loads: &NonlinearLoads<'_>,
+        loads: &Loads<'_>,
         values: impl Iterator<Item = &'v [f64]>,
         instants: &[f64],
         a: &mut [f64],
     ) -> Result<(), Halt> {
-        let (count, len) = (self.loads.len(), (a.len() / instants.len().max(1)).max(1));
+        let (count, len) = (self.load_values.len(), (a.len() / instants.len().max(1)).max(1));
         for ((elapsed, values), a) in instants.iter().zip(values).zip(a.chunks_exact_mut(len)) {
             let (own, interface_state) = values.split_at(self.coordinates.len());
-            nonlinear_loads.phasors(*elapsed, &mut self.phasors);
-            nonlinear_loads.load(*elapsed, &self.phasors, interface_state, &mut self.loads, &mut self.contacts)?;
+            loads.phasors(*elapsed, &mut self.phasors);
+            loads.load(*elapsed, &self.phasors, interface_state, &mut self.load_values, &mut self.contacts)?;
             for (at, (index, value)) in self.coordinates.iter().zip(own).enumerate() {
                 let mobility = &self.mobility[at * count..(at + 1) * count];
-                let by_loads: f64 = mobility.iter().zip(&self.loads).map(|(mobility, load)| mobility * load).sum();
+                let by_loads: f64 =
+                    mobility.iter().zip(&self.load_values).map(|(mobility, load)| mobility * load).sum();
                 a[*index] = value + by_loads;
             }
         }

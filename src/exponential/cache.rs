@@ -46,7 +46,7 @@ impl PartialEq for PropagatorKey {
 pub struct PropagatorCache {
     /// What all entries follow from.
     key: Arc<PropagatorKey>,
-    /// Gram matrix of the columns b of the mesh loads.
+    /// Gram matrix of the columns b of the loads that depend on the motion.
     pub gram: Panel,
     propagators: Vec<OnceLock<StepPropagator>>,
     stage_responses: Vec<OnceLock<StageResponse>>,
@@ -68,8 +68,8 @@ impl PropagatorCache {
     /// Creates the cache of a key.
     pub fn new(key: Arc<PropagatorKey>) -> Self {
         let PropagatorKey { linear, rule, maps, time_grid, spins } = &*key;
-        let columns: Vec<f64> = maps.columns.iter().take(maps.meshes).flatten().copied().collect();
-        let gram = gram(&columns, maps.meshes);
+        let columns: Vec<f64> = maps.columns.iter().take(maps.coupled_loads).flatten().copied().collect();
+        let gram = gram(&columns, maps.coupled_loads);
         let (propagators, stage_responses) = match &linear.matrix {
             StateMatrix::Pairs(_) => {
                 (vec![OnceLock::new(); time_grid.finest + 1], vec![OnceLock::new(); time_grid.finest + 1])

@@ -52,7 +52,7 @@ pub(super) struct LoadCounts {
 
 impl ChangingSpeedLoads {
     /// Creates the loads and adds their rows and columns to the maps. Columns follow those of the connections: first the
-    /// loads that depend on the motion, which the maps count with the mesh loads, then bow and unbalance.
+    /// loads that depend on the motion, which the maps count with those of the connections, then bow and unbalance.
     pub fn new(
         motion: &EquationOfMotion<'_>,
         linear: &ModalStateSpace,
@@ -65,8 +65,8 @@ impl ChangingSpeedLoads {
             maps.rows.push(linear.row(&entries, true));
             columns.push(linear.column(&entries));
         }
-        let at = maps.meshes;
-        maps.meshes += columns.len();
+        let at = maps.coupled_loads;
+        maps.coupled_loads += columns.len();
         let rotating = motion.rotating_loads().to_vec();
         let rotating_columns = rotating.iter().flat_map(RotatingLoad::columns);
         columns.extend(rotating_columns.map(|column| linear.column(&column)));

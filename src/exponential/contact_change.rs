@@ -6,8 +6,9 @@
 //! the new contact mode acts from the change on through a jump of the loads.
 
 use super::contact_monitor::{CandidateEvent, ContactMonitor};
+use super::context::StepInstant;
 use super::jump::POINTS;
-use super::step::Stepper;
+use super::step::{DefectScratch, Stepper};
 use super::substep::SubstepSampler;
 use super::trajectory::CompletedStep;
 use crate::integrate::{FirstOrderSystem as _, Halt, State, Statistics};
@@ -43,7 +44,7 @@ pub(super) struct ExponentialEventLocator {
     pub new_contact_modes: Vec<i64>,
     /// Contact modes after the change that was located last.
     modes_after_change: Vec<i64>,
-    /// For each mesh whether its flank contact is unchanged over the step; empty if no flanks can separate.
+    /// For each connection whether its flank contact is unchanged over the step; empty if no flanks can separate.
     pub unchanged: Vec<bool>,
     /// Interface state minus its polynomial, near the change.
     interpolation_error: Vec<f64>,
@@ -61,23 +62,27 @@ pub(super) struct ExponentialEventLocator {
 impl ExponentialEventLocator {
     /// Allocates the locator.
     pub fn new(stepper: &Stepper<'_>) -> Self {
-        let (loads, len) = (stepper.nonlinear_loads().load_count(), stepper.nonlinear_loads().interface_len());
+        let (load_count, len) = (stepper.loads().load_count(), stepper.loads().interface_len());
         Self {
             new_contact_modes: Vec::new(),
             modes_after_change: Vec::new(),
             unchanged: Vec::new(),
             interpolation_error: vec![0.0; len],
-            monitor: ContactMonitor::new(&stepper.context.cache.rule, stepper.nonlinear_loads().mesh_count()),
+            monitor: ContactMonitor::new(&stepper.context.cache.rule, stepper.loads().connection_count()),
             interface_state: vec![0.0; len],
-            loads: vec![0.0; loads],
+            loads: vec![0.0; load_count],
             path_ends: [Vec::new(), Vec::new()],
-            jumps: std::array::from_fn(|_| vec![0.0; loads]),
+            jumps: std::array::from_fn(|_| vec![0.0; load_count]),
         }
     }
 
-    /// Scratch for [`Stepper::defect_at`]: an interface state and two vectors of loads.
-    pub fn scratch(&mut self) -> (&mut [f64], [&mut [f64]; 2]) {
-        (&mut self.interface_state, [&mut self.loads, &mut self.jumps[0]])
+    /// Scratch for [`Stepper::defect_at`].
+    pub fn scratch(&mut self) -> DefectScratch<'_> {
+        DefectScratch {
+            interface_state: &mut self.interface_state,
+            loads: &mut self.loads,
+            interpolated: &mut self.jumps[0],
+        }
     }
 
     /// Whether a contact change is possible within the last step: not if flank contact is unchanged and tooth pairs
@@ -157,7 +162,7 @@ impl ExponentialEventLocator {
         let mut change = self.narrow(step, (begin, high))?;
         self.keep_modes(step, change)?;
         for _ in 0..MAX_CORRECTIONS {
-            if !step.stepper.nonlinear_loads().motion.motion_changes_contact_modes() {
+            if !step.stepper.loads().motion.motion_changes_contact_modes() {
                 return Ok(Some(change));
             }
             // Round-off may decide on the contact modes so close to the beginning.
@@ -285,8 +290,8 @@ impl ExponentialEventLocator {
     ) -> Result<Option<f64>, Halt> {
         for (end, part) in [low, high].into_iter().enumerate() {
             self.move_to(step.stepper, part);
-            let nonlinear_loads = step.stepper.nonlinear_loads();
-            nonlinear_loads.path_ends(step.time(part), &self.interface_state, &mut self.path_ends[end])?;
+            let loads = step.stepper.loads();
+            loads.path_ends(step.time(part), &self.interface_state, &mut self.path_ends[end])?;
         }
         let [from, to] = &self.path_ends;
         let mut first: Option<f64> = None;
@@ -310,7 +315,7 @@ impl ExponentialEventLocator {
 
     /// Interpolates the interface state at a fraction of the step, if contact modes depend on the motion.
     fn move_to(&mut self, stepper: &Stepper<'_>, part: f64) {
-        if stepper.nonlinear_loads().motion.motion_changes_contact_modes() {
+        if stepper.loads().motion.motion_changes_contact_modes() {
             self.interpolate(stepper, part);
         }
     }
@@ -326,15 +331,15 @@ impl ExponentialEventLocator {
     /// Measures the difference between the motion and the polynomial at a fraction of the step.
     fn measure_error(&mut self, step: &CompletedStep<'_, '_>, sampler: &mut SubstepSampler, part: f64) {
         let z = step.state_at(sampler, part * step.length());
-        let at = (part, step.time(part));
+        let at = StepInstant { part, elapsed: step.time(part) };
         step.stepper.interpolation_error(at, z, &mut self.interface_state, &mut self.interpolation_error);
     }
 
     /// Whether the contact modes at a fraction of the step differ from those during the step.
     fn differs(&mut self, step: &CompletedStep<'_, '_>, part: f64) -> Result<bool, Halt> {
         self.move_to(step.stepper, part);
-        let (nonlinear_loads, time) = (step.stepper.nonlinear_loads(), step.time(part));
-        nonlinear_loads.contact_modes(time, &self.interface_state, &self.unchanged, &mut self.new_contact_modes)?;
+        let (loads, time) = (step.stepper.loads(), step.time(part));
+        loads.contact_modes(time, &self.interface_state, &self.unchanged, &mut self.new_contact_modes)?;
         Ok(self.new_contact_modes != step.contact_modes)
     }
 
@@ -364,7 +369,7 @@ impl ExponentialEventLocator {
         let delay = change.at - unit_time;
         let z = sampler.state_at(stepper, level, &state.y, within);
         stepper.end_state.copy_from_slice(z);
-        let (z, at) = (&stepper.end_state, (within / step, unit_time));
+        let (z, at) = (&stepper.end_state, StepInstant { part: within / step, elapsed: unit_time });
         stepper.interpolation_error(at, z, &mut self.interface_state, &mut self.interpolation_error);
         let part = |point: usize| (within + delay * point as f64 / (POINTS - 1) as f64) / step;
         for (point, jump) in self.jumps.iter_mut().enumerate() {
@@ -372,7 +377,7 @@ impl ExponentialEventLocator {
         }
         state.contact_modes.clear();
         state.contact_modes.extend_from_slice(&self.new_contact_modes);
-        stepper.context.nonlinear_loads.motion.set_contact_modes(&state.contact_modes);
+        stepper.context.loads.motion.set_contact_modes(&state.contact_modes);
         for point in (0..POINTS).rev() {
             self.interpolate(stepper, part(point));
             // Under the new loads, another path leads to the same motion at the change.

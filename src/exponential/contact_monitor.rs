@@ -4,11 +4,11 @@ use super::quadrature::{PointValues, QuadratureRule};
 use super::step::Stepper;
 
 /// Number of intervals in which the margins are followed. A step is at most a third of a period on the mesh stiffness.
-const INTERVALS: usize = 8;
+const MARGIN_INTERVALS: usize = 8;
 /// A minimum of the margin below this fraction of its range may be a contact change.
 const NEAR_FRACTION: f64 = 0.1;
 /// A minimum is refined on points that are closer together than the intervals by this factor.
-const REFINEMENT: f64 = 16.0;
+const MINIMUM_REFINEMENT: f64 = 16.0;
 
 /// Flanks touch at the last contact change if the margin there is below this fraction of its range, the level of round-off.
 const TOUCHING_FRACTION: f64 = 1e-8;
@@ -27,25 +27,25 @@ pub(super) struct CandidateEvent {
 
 pub(super) struct ContactMonitor {
     /// Interpolation weights at the ends of all intervals, including one before and one after the step.
-    weights: [PointValues; INTERVALS + 3],
+    weights: [PointValues; MARGIN_INTERVALS + 3],
     /// Candidates of the last step in the order of time.
     pub candidates: Vec<CandidateEvent>,
 }
 
 impl ContactMonitor {
-    /// Allocates the candidates of a number of meshes.
-    pub fn new(rule: &QuadratureRule, meshes: usize) -> Self {
-        let weights = std::array::from_fn(|point| rule.through((point as f64 - 1.0) / INTERVALS as f64));
+    /// Allocates the candidates of a number of connections.
+    pub fn new(rule: &QuadratureRule, connections: usize) -> Self {
+        let weights = std::array::from_fn(|point| rule.through((point as f64 - 1.0) / MARGIN_INTERVALS as f64));
         // Each of the two flanks has at most one candidate at the end of an interval and one minimum in it.
-        Self { weights, candidates: Vec::with_capacity(meshes * 2 * 2 * INTERVALS) }
+        Self { weights, candidates: Vec::with_capacity(connections * 2 * 2 * MARGIN_INTERVALS) }
     }
 
-    /// Finds the candidates of the last step for all meshes whose flank contact is not `unchanged`. The current contact
+    /// Finds the candidates of the last step for all connections whose flank contact is not `unchanged`. The current contact
     /// modes hold from the fraction `since` of the step on.
     pub fn search(&mut self, stepper: &Stepper<'_>, unchanged: &[bool], since: f64) {
         self.candidates.clear();
-        for (mesh, _) in unchanged.iter().enumerate().filter(|(_, unchanged)| !**unchanged) {
-            for margins in stepper.margins(mesh) {
+        for (connection, _) in unchanged.iter().enumerate().filter(|(_, unchanged)| !**unchanged) {
+            for margins in stepper.margins(connection) {
                 self.follow(&stepper.context.cache.rule, &margins, since);
             }
         }
@@ -66,7 +66,7 @@ impl ContactMonitor {
             |weights: &PointValues| weights.iter().zip(margins).map(|(weight, value)| weight * value).sum::<f64>();
         let values = self.weights.map(|weights| value(&weights));
         for (interval, around) in values.windows(3).enumerate() {
-            let at = interval as f64 / INTERVALS as f64;
+            let at = interval as f64 / MARGIN_INTERVALS as f64;
             let &[before, here, after] = around else { continue };
             if interval > 0 && here <= 0.0 {
                 self.candidates.push(CandidateEvent { at, is_minimum: false });
@@ -74,8 +74,8 @@ impl ContactMonitor {
             if here > before || here >= after {
                 continue;
             }
-            let spacing = 1.0 / (INTERVALS as f64 * REFINEMENT);
-            let middle = at + vertex([before, here, after]) / INTERVALS as f64;
+            let spacing = 1.0 / (MARGIN_INTERVALS as f64 * MINIMUM_REFINEMENT);
+            let middle = at + vertex([before, here, after]) / MARGIN_INTERVALS as f64;
             let around = [middle - spacing, middle, middle + spacing].map(|at| value(&rule.through(at)));
             let minimum = middle + spacing * vertex(around).clamp(-1.0, 1.0);
             let touches = || value(&rule.through(since)).abs() <= TOUCHING_FRACTION * range;

@@ -6,15 +6,33 @@ use num_complex::Complex64;
 use pulp::Arch;
 
 use super::cache::PropagatorCache;
-use super::nonlinear_loads::NonlinearLoads;
+use super::loads::Loads;
 use super::packed::{Aligned, Rows, aligned};
 use super::{kernel, panel_kernel};
+
+/// A step that is taken: its level, and the elapsed times of its beginning and its end, s. The end may differ from the sum of
+/// beginning and length by round-off.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepSpan {
+    pub level: usize,
+    pub begin: f64,
+    pub end: f64,
+}
+
+/// An instant within a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepInstant {
+    /// Fraction of the step.
+    pub part: f64,
+    /// Elapsed time, s.
+    pub elapsed: f64,
+}
 
 /// What a step reads and never changes.
 #[derive(Clone, Debug)]
 pub(super) struct StepContext<'m> {
     /// Loads on the linear motion.
-    pub nonlinear_loads: NonlinearLoads<'m>,
+    pub loads: Loads<'m>,
     /// Propagators of all step levels.
     pub cache: Arc<PropagatorCache>,
     /// Instruction set of the processor.
@@ -27,10 +45,10 @@ pub(super) struct StepContext<'m> {
 
 impl<'m> StepContext<'m> {
     /// Packs the interface maps of a cache.
-    pub fn new(nonlinear_loads: NonlinearLoads<'m>, cache: Arc<PropagatorCache>) -> Self {
+    pub fn new(loads: Loads<'m>, cache: Arc<PropagatorCache>) -> Self {
         let maps = &cache.maps;
         let (rows, columns) = (Rows::new(&maps.rows, &maps.parts), aligned(&maps.columns.concat()));
-        Self { nonlinear_loads, cache, arch: Arch::new(), rows, columns }
+        Self { loads, cache, arch: Arch::new(), rows, columns }
     }
 
     /// Number of stages of a step.
@@ -51,7 +69,7 @@ impl<'m> StepContext<'m> {
     /// Writes the interface state of a state at a time for which no phasors are stored.
     pub fn observe_at(&self, elapsed: f64, z: &[f64], out: &mut [f64]) {
         self.observe(z, out);
-        self.nonlinear_loads.add_synchronous_at(elapsed, out);
+        self.loads.add_synchronous_at(elapsed, out);
     }
 
     /// Twice the mesh energy that |z|² does not contain, J, from the scalars without the synchronous motion.
@@ -59,7 +77,7 @@ impl<'m> StepContext<'m> {
         self.cache.maps.tangents.iter().map(|tangent| tangent.mesh_energy_norm(interface_state).powi(2)).sum()
     }
 
-    /// Energy norm of the rate b p of the state under the mesh loads `loads`.
+    /// Energy norm of the rate b p of the state under `loads` that depend on the motion.
     pub fn load_norm(&self, loads: &[f64]) -> f64 {
         panel_kernel::quadratic_form(self.arch, &self.cache.gram, loads).max(0.0).sqrt()
     }
@@ -76,14 +94,14 @@ pub(super) struct SourcePhasors {
 
 impl SourcePhasors {
     /// Creates phasors without a time.
-    pub fn new(nonlinear_loads: &NonlinearLoads<'_>) -> Self {
-        Self { values: vec![Complex64::ZERO; nonlinear_loads.source_count()], elapsed: f64::NAN }
+    pub fn new(loads: &Loads<'_>) -> Self {
+        Self { values: vec![Complex64::ZERO; loads.source_count()], elapsed: f64::NAN }
     }
 
     /// Moves the phasors to a time. The end of a step is the beginning of the next, so that this is often free.
-    pub fn update(&mut self, nonlinear_loads: &NonlinearLoads<'_>, elapsed: f64) {
+    pub fn update(&mut self, loads: &Loads<'_>, elapsed: f64) {
         if self.elapsed != elapsed {
-            nonlinear_loads.phasors(elapsed, &mut self.values);
+            loads.phasors(elapsed, &mut self.values);
             self.elapsed = elapsed;
         }
     }

@@ -115,7 +115,8 @@ fn level(
         .flat_map(|j| (0..loads).map(move |k| (j, k)))
         .map(|(j, k)| weighted(step, &rule.lagrange[j], k).as_slice().to_vec())
         .collect();
-    let defect: Vec<f64> = (0..maps.meshes).flat_map(|k| weighted(step, &rule.defect, k).as_slice().to_vec()).collect();
+    let defect: Vec<f64> =
+        (0..maps.coupled_loads).flat_map(|k| weighted(step, &rule.defect, k).as_slice().to_vec()).collect();
 
     let mut rows = Vec::new();
     let mut response = vec![vec![0.0; stages * loads * scalars]; stages];
@@ -135,7 +136,7 @@ fn level(
     let transition = Transition::Dense(step.change.transpose().as_slice().to_vec());
     let columns = Columns::new(&columns, &maps.parts);
     (
-        StepPropagator { transition, columns, gram: gram(&defect, maps.meshes) },
+        StepPropagator { transition, columns, gram: gram(&defect, maps.coupled_loads) },
         StageResponse::of_rows(maps, &rows, &response, phasors),
     )
 }

@@ -1,17 +1,25 @@
 //! The loop over steps: step levels from the error estimate, and contact changes.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use super::Outcome;
 use super::contact_change::{ContactChange, ExponentialEventLocator};
+use super::context::{StepInstant, StepSpan};
 use super::level_control::{DOUBLING_FRACTION, LevelControl, level_for_error};
 use super::output::OutputMap;
 use super::step::Stepper;
+use super::step_point::StepPoint;
 use super::substep::SubstepSampler;
 use super::time_grid::TimeGrid;
 use super::trajectory::{CompletedStep, StepTrajectory};
 use crate::integrate::{
-    CHECK_INTERVAL, ExponentialState, FirstOrderSystem as _, Halt, Halted, MAX_CHANGES_AT_ONE_TIME, MethodState,
-    Observer, State, Statistics,
+    CHECK_INTERVAL, ExponentialState, FirstOrderSystem as _, ForceRange, Halt, Halted, MAX_CHANGES_AT_ONE_TIME,
+    MethodState, Observer, SHARE_OF_MEAN, State, Statistics,
 };
+
+/// Smallest reference of the tolerance, as a part of the motion: forces that vary less are differences of larger ones. With it,
+/// the level "engineering" takes steps no shorter than "reference" does.
+const MIN_REFERENCE: f64 = 1e-3;
 
 /// Integrates from `state` to `end` (elapsed time, s) and up to all instants for which the observer asks. `state.y` is a
 /// state z in modal coordinates.
@@ -19,7 +27,8 @@ use crate::integrate::{
 /// # Errors
 /// [`Halted`]. `state` is then the last valid one.
 pub fn run(
-    (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+    stepper: &mut Stepper<'_>,
+    output: &mut OutputMap,
     control: LevelControl,
     state: &mut State,
     end: f64,
@@ -27,9 +36,9 @@ pub fn run(
     statistics: &mut Statistics,
 ) -> Result<(), Halted> {
     let mut driver = Driver::new(stepper, control, state);
-    let outcome = driver.run((&mut *stepper, &mut *output), state, end, observer, statistics);
+    let outcome = driver.run(stepper, output, state, end, observer, statistics);
     if let Some(energies) = output.energies() {
-        energies.evaluate(stepper.nonlinear_loads(), true, &mut |energies| observer.shaft_energies(energies));
+        energies.evaluate(stepper.loads(), true, &mut |energies| observer.shaft_energies(energies));
     }
     state.method = MethodState::Exponential(driver.own);
     outcome.map_err(|halt| Halted { halt, elapsed: state.elapsed })
@@ -48,7 +57,7 @@ struct Driver {
     control: LevelControl,
     /// Step level that the error asks for.
     level: usize,
-    /// Energy norm of the motion.
+    /// Energy norm that the tolerance of a step is relative to.
     size: f64,
     /// Contact changes since the last unit.
     changes_at_this_time: u32,
@@ -84,14 +93,15 @@ impl Driver {
 
     fn run(
         &mut self,
-        (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+        stepper: &mut Stepper<'_>,
+        output: &mut OutputMap,
         state: &mut State,
         end: f64,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        self.start((&mut *stepper, &mut *output), state, observer, statistics)?;
-        let switches = stepper.nonlinear_loads().motion.switching().is_some();
+        self.start(stepper, output, state, observer, statistics)?;
+        let switches = stepper.loads().motion.switching().is_some();
         let mut checks = 0;
         while state.elapsed < end || observer.next().is_some() {
             // A run does not stop between two changes at one unit, because their count is not part of the state.
@@ -134,26 +144,31 @@ impl Driver {
     /// Evaluates the initial state and adopts its contact modes.
     fn start(
         &mut self,
-        (stepper, output): (&mut Stepper<'_>, &mut OutputMap),
+        stepper: &mut Stepper<'_>,
+        output: &mut OutputMap,
         state: &mut State,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         let mut evaluations = Statistics::new();
-        if stepper.nonlinear_loads().motion.switching().is_some() {
+        if stepper.loads().motion.switching().is_some() {
             stepper.evaluate_begin(state.elapsed, &state.y, &mut evaluations)?;
             if state.contact_modes.is_empty() {
                 let interface_state = &stepper.begin.interface_state;
-                let nonlinear_loads = stepper.nonlinear_loads();
-                nonlinear_loads.contact_modes(state.elapsed, interface_state, &[], &mut state.contact_modes)?;
+                let loads = stepper.loads();
+                loads.contact_modes(state.elapsed, interface_state, &[], &mut state.contact_modes)?;
             }
-            stepper.context.nonlinear_loads.motion.set_contact_modes(&state.contact_modes);
+            stepper.context.loads.motion.set_contact_modes(&state.contact_modes);
         }
         stepper.evaluate_begin(state.elapsed, &state.y, &mut evaluations)?;
-        self.size = stepper.size(&state.y, &stepper.begin);
+        if self.own.force_ranges.len() != stepper.begin.contacts.len() {
+            self.own.force_ranges =
+                stepper.begin.contacts.iter().map(|contact| ForceRange::of(contact.force)).collect();
+        }
+        self.size = self.reference_size(stepper, stepper.size(&state.y, &stepper.begin), &stepper.begin);
         statistics.begin(evaluations.evaluations);
-        let nonlinear_loads = stepper.nonlinear_loads();
-        let mut read = |q: &mut [f64], v: &mut [f64]| output.read(nonlinear_loads, state.elapsed, &state.y, q, v);
+        let loads = stepper.loads();
+        let mut read = |q: &mut [f64], v: &mut [f64]| output.read(loads, state.elapsed, &state.y, q, v);
         observer.switched(state.elapsed, &mut read, &state.contact_modes);
         Ok(())
     }
@@ -176,12 +191,14 @@ impl Driver {
                 Outcome::Unsolved => level + 1,
                 Outcome::Solved => {
                     let size = stepper.size(&stepper.end_state, &stepper.end);
+                    let is_finite = size.is_finite();
+                    let size = self.reference_size(stepper, size, &stepper.end);
                     let tolerance = self.control.tolerance(self.size.max(size));
                     let error = match self.control {
                         LevelControl::Fixed | LevelControl::Planned { .. } => 0.0,
                         LevelControl::Adaptive { .. } => stepper.error(level) / tolerance,
                     };
-                    if !size.is_finite() {
+                    if !is_finite {
                         return Err(Halt::Diverged);
                     }
                     // A long step in which the gears oscillate on the mesh stiffness is repeated with short steps.
@@ -227,10 +244,10 @@ impl Driver {
     ) -> Result<Outcome, Halt> {
         let solve_tolerance = self.control.solve_tolerance(self.size, stepper.context.cache.linear.includes_meshes);
         let history = &self.own.history;
-        let at = (level, state.elapsed);
-        stepper.solver.guess(&stepper.context, at, &stepper.begin, history, &mut stepper.stages);
         let end = self.time(state.count + self.time_grid.units(level));
-        match stepper.step(level, (state.elapsed, end), &state.y, solve_tolerance, statistics) {
+        let span = StepSpan { level, begin: state.elapsed, end };
+        stepper.solver.guess(&stepper.context, span, &stepper.begin, history, &mut stepper.stages);
+        match stepper.step(span, &state.y, solve_tolerance, statistics) {
             // The iteration may move the gear centres closer together than the motion does.
             Err(Halt::Overlap { .. } | Halt::Touch(_)) if level < self.time_grid.finest => Ok(Outcome::Unsolved),
             outcome => outcome,
@@ -245,10 +262,10 @@ impl Driver {
         state: &State,
     ) -> Result<Option<ContactChange>, Halt> {
         let end = state.elapsed + self.time_grid.step(level);
-        if !self.locator.is_possible(stepper) && !stepper.nonlinear_loads().motion.leaves_piece(end) {
+        if !self.locator.is_possible(stepper) && !stepper.loads().motion.leaves_piece(end) {
             return Ok(None);
         }
-        if stepper.nonlinear_loads().motion.motion_changes_contact_modes() {
+        if stepper.loads().motion.motion_changes_contact_modes() {
             stepper.stages.refresh(&stepper.context, level);
         }
         self.locator.locate(&completed(stepper, level, state), &mut self.sampler, self.own.pending_change)
@@ -264,7 +281,7 @@ impl Driver {
         units: u64,
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
-        let LevelControl::Adaptive { rtol, floor } = self.control else {
+        let LevelControl::Adaptive { rtol, floor, .. } = self.control else {
             return Ok(false);
         };
         if level == self.time_grid.finest || units == 0 {
@@ -272,9 +289,8 @@ impl Driver {
         }
         let within = self.time_grid.time(units);
         let z = self.sampler.state_at(stepper, level, &state.y, within);
-        let at = (within / self.time_grid.step(level), state.elapsed + within);
-        let (interface_state, loads) = self.locator.scratch();
-        let defect = stepper.defect_at(at, z, interface_state, loads)?;
+        let at = StepInstant { part: within / self.time_grid.step(level), elapsed: state.elapsed + within };
+        let defect = stepper.defect_at(at, z, self.locator.scratch())?;
         statistics.evaluations += 1;
         Ok(within * defect > rtol * self.size.max(floor))
     }
@@ -289,15 +305,15 @@ impl Driver {
         change: ContactChange,
         observer: &mut impl Observer,
     ) {
-        let nonlinear_loads = stepper.nonlinear_loads();
+        let loads = stepper.loads();
         // Angles of shafts within a piece of a variable speed follow from that piece only.
-        if let (Some(_), Some(energies)) = (nonlinear_loads.motion.piece_at(state.elapsed), output.energies()) {
-            energies.evaluate(nonlinear_loads, true, &mut |energies| observer.shaft_energies(energies));
+        if let (Some(_), Some(energies)) = (loads.motion.piece_at(state.elapsed), output.energies()) {
+            energies.evaluate(loads, true, &mut |energies| observer.shaft_energies(energies));
         }
         let sampler = &mut self.sampler;
         let mut read = |q: &mut [f64], v: &mut [f64]| {
             let z = sampler.state_at(stepper, level, &state.y, change.at - state.elapsed);
-            output.read(nonlinear_loads, change.at, z, q, v);
+            output.read(loads, change.at, z, q, v);
         };
         observer.switched(change.at, &mut read, &self.locator.new_contact_modes);
     }
@@ -324,7 +340,7 @@ impl Driver {
         statistics.events += 1;
         self.changes_at_this_time = if change.units == 0 { self.changes_at_this_time + 1 } else { 0 };
         stepper.evaluate_begin(state.elapsed, &state.y, statistics)?;
-        self.size = stepper.size(&state.y, &stepper.begin);
+        self.size = self.reference_size(stepper, stepper.size(&state.y, &stepper.begin), &stepper.begin);
         if change.units > 0 {
             statistics.accept(within, false);
         }
@@ -346,7 +362,10 @@ impl Driver {
             let z = self.sampler.state_at(stepper, level, &state.y, length);
             stepper.end_state.copy_from_slice(z);
             stepper.evaluate_end(self.time(state.count + units), statistics)?;
-            self.size = stepper.size(&stepper.end_state, &stepper.end);
+            self.size = self.reference_size(stepper, stepper.size(&stepper.end_state, &stepper.end), &stepper.end);
+        }
+        for (range, contact) in self.own.force_ranges.iter_mut().zip(&stepper.end.contacts) {
+            *range = range.with(contact.force);
         }
         stepper.commit(&mut state.y);
         state.count += units;
@@ -363,6 +382,23 @@ impl Driver {
         Ok(())
     }
 
+    /// Energy norm that the tolerance of a step to the point `end` is relative to, for a motion of the norm `size`.
+    ///
+    /// The tolerance permits errors of this energy in any part of the motion. Where the meshes carry little of it, as in a
+    /// train that a large bow moves, an error of the mesh forces would exceed what the accuracy permits. The norm is
+    /// therefore reduced until an error in one mesh alone, δF/√k, is at most the permitted part of the unit of this force.
+    fn reference_size(&self, stepper: &Stepper<'_>, size: f64, end: &StepPoint) -> f64 {
+        let LevelControl::Adaptive { rtol, force_error: Some(permitted), .. } = self.control else {
+            return size;
+        };
+        let meshes = &stepper.loads().motion.model().meshes;
+        let forces = self.own.force_ranges.iter().zip(&end.contacts).zip(meshes);
+        let limits = forces.map(|((range, contact), mesh)| {
+            permitted / rtol * unit_of_errors(range.with(contact.force)) / mesh.stiffness.sqrt()
+        });
+        size.min(limits.fold(f64::INFINITY, f64::min).max(MIN_REFERENCE * size))
+    }
+
     /// Units from `count` to the next multiple of a step of a level: at least one unit, at most the step.
     fn units_to_grid(&self, count: u64, level: usize) -> u64 {
         let units = self.time_grid.units(level);
@@ -373,6 +409,13 @@ impl Driver {
     fn time(&self, unit: u64) -> f64 {
         self.own.time_base + self.time_grid.time(unit)
     }
+}
+
+/// The unit of the errors of a force, N: its standard deviation, if it varies as a sine, or a share of its mean.
+fn unit_of_errors(range: ForceRange) -> f64 {
+    let amplitude = (range.largest - range.smallest) / 2.0;
+    let mean = (range.largest + range.smallest) / 2.0;
+    (amplitude * FRAC_1_SQRT_2).max(SHARE_OF_MEAN * mean.abs())
 }
 
 /// The last step, which began at `state`.

@@ -10,7 +10,7 @@ const UNRESOLVED_FRACTION: f64 = 0.5;
 /// The defect of the last step.
 #[derive(Clone, Debug)]
 pub(super) struct ErrorEstimator {
-    /// Defect d of the mesh loads, N.
+    /// Defect d of the loads that depend on the motion, N.
     defect: Vec<f64>,
     /// Change d′ of the defect over the step, N.
     defect_change: Vec<f64>,
@@ -21,11 +21,11 @@ pub(super) struct ErrorEstimator {
 }
 
 impl ErrorEstimator {
-    /// Allocates the estimator of a number of mesh loads.
-    pub fn new(mesh_loads: usize) -> Self {
+    /// Allocates the estimator of a number of loads that depend on the motion.
+    pub fn new(coupled_loads: usize) -> Self {
         Self {
-            defect: vec![0.0; mesh_loads],
-            defect_change: vec![0.0; mesh_loads],
+            defect: vec![0.0; coupled_loads],
+            defect_change: vec![0.0; coupled_loads],
             defect_ratio: 0.0,
             unresolved_error: 0.0,
         }
@@ -37,21 +37,22 @@ impl ErrorEstimator {
         &mut self,
         context: &StepContext<'_>,
         level: usize,
-        [begin_point, end_point]: [&StepPoint; 2],
+        begin_point: &StepPoint,
+        end_point: &StepPoint,
         stages: &Stages,
     ) -> f64 {
         if self.defect.is_empty() {
             return 0.0;
         }
-        let (loads, rule) = (context.nonlinear_loads.load_count(), &context.cache.rule);
+        let (load_count, rule) = (context.loads.load_count(), &context.cache.rule);
         // π is odd or even about the middle of the step.
         let parity = if rule.stages() % 2 == 0 { 1.0 } else { -1.0 };
         let (begin, end) = (&mut self.defect, &mut self.defect_change);
-        let meshes = begin.len();
-        begin.copy_from_slice(&begin_point.load[..meshes]);
-        end.copy_from_slice(&end_point.load[..meshes]);
+        let coupled = begin.len();
+        begin.copy_from_slice(&begin_point.load[..coupled]);
+        end.copy_from_slice(&end_point.load[..coupled]);
         let [at_begin, at_end] = &rule.at_ends;
-        for (load, (at_begin, at_end)) in stages.loads.chunks_exact(loads).zip(at_begin.iter().zip(at_end)) {
+        for (load, (at_begin, at_end)) in stages.loads.chunks_exact(load_count).zip(at_begin.iter().zip(at_end)) {
             for ((begin, end), load) in begin.iter_mut().zip(end.iter_mut()).zip(load) {
                 *begin -= at_begin * load;
                 *end -= at_end * load;

@@ -7,7 +7,7 @@ use pulp::Arch;
 
 use super::interface_maps::InterfaceMaps;
 use super::kernel;
-use super::nonlinear_loads::NonlinearLoads;
+use super::loads::Loads;
 use super::output::OutputMap;
 use crate::integrate::{FirstOrderSystem, Halt, Span, Trajectory};
 use crate::mesh::Contact;
@@ -16,7 +16,7 @@ use crate::modal::ModalStateSpace;
 /// The loads on the linear motion, as a first-order system in z.
 #[derive(Clone, Debug)]
 pub struct InModes<'m> {
-    nonlinear_loads: NonlinearLoads<'m>,
+    loads: Loads<'m>,
     linear: &'m ModalStateSpace,
     maps: InterfaceMaps,
     output: OutputMap,
@@ -27,28 +27,23 @@ pub struct InModes<'m> {
     every_slot: Vec<usize>,
     /// Scratch: interface state, loads, contacts and phasors of an evaluation.
     interface_state: Vec<f64>,
-    loads: Vec<f64>,
+    load_values: Vec<f64>,
     contacts: Vec<Contact>,
     phasors: Vec<Complex64>,
 }
 
 impl<'m> InModes<'m> {
     /// Creates the system; `output` maps z to the coordinates that observers read.
-    pub fn new(
-        nonlinear_loads: NonlinearLoads<'m>,
-        linear: &'m ModalStateSpace,
-        maps: InterfaceMaps,
-        output: OutputMap,
-    ) -> Self {
+    pub fn new(loads: Loads<'m>, linear: &'m ModalStateSpace, maps: InterfaceMaps, output: OutputMap) -> Self {
         Self {
             rows: maps.rows.concat(),
             arch: Arch::new(),
             every_slot: (0..linear.slots).collect(),
-            interface_state: vec![0.0; nonlinear_loads.interface_len()],
-            loads: vec![0.0; nonlinear_loads.load_count()],
-            contacts: vec![Contact::default(); nonlinear_loads.mesh_count()],
-            phasors: vec![Complex64::ZERO; nonlinear_loads.source_count()],
-            nonlinear_loads,
+            interface_state: vec![0.0; loads.interface_len()],
+            load_values: vec![0.0; loads.load_count()],
+            contacts: vec![Contact::default(); loads.connection_count()],
+            phasors: vec![Complex64::ZERO; loads.source_count()],
+            loads,
             linear,
             maps,
             output: output.complete(),
@@ -58,13 +53,13 @@ impl<'m> InModes<'m> {
     /// Computes the interface state of a state z.
     fn observe(&mut self, elapsed: f64, z: &[f64]) {
         kernel::scalars(self.arch, &self.rows, z, &mut self.interface_state);
-        self.nonlinear_loads.phasors(elapsed, &mut self.phasors);
-        self.nonlinear_loads.add_synchronous(&self.phasors, &mut self.interface_state);
+        self.loads.phasors(elapsed, &mut self.phasors);
+        self.loads.add_synchronous(&self.phasors, &mut self.interface_state);
     }
 
     /// The loads on the linear motion.
-    pub fn nonlinear_loads(&self) -> &NonlinearLoads<'m> {
-        &self.nonlinear_loads
+    pub fn loads(&self) -> &Loads<'m> {
+        &self.loads
     }
 }
 
@@ -75,15 +70,9 @@ impl FirstOrderSystem for InModes<'_> {
 
     fn derivative(&mut self, elapsed: f64, z: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
         self.observe(elapsed, z);
-        self.nonlinear_loads.load(
-            elapsed,
-            &self.phasors,
-            &self.interface_state,
-            &mut self.loads,
-            &mut self.contacts,
-        )?;
+        self.loads.load(elapsed, &self.phasors, &self.interface_state, &mut self.load_values, &mut self.contacts)?;
         self.linear.multiply(z, derivative);
-        for (p, column) in self.loads.iter().zip(&self.maps.columns) {
+        for (p, column) in self.load_values.iter().zip(&self.maps.columns) {
             for (derivative, b) in derivative.iter_mut().zip(column) {
                 *derivative += b * p;
             }
@@ -92,7 +81,7 @@ impl FirstOrderSystem for InModes<'_> {
     }
 
     fn switching(&self) -> Option<&[usize]> {
-        self.nonlinear_loads.motion.switching().map(|_| self.every_slot.as_slice())
+        self.loads.motion.switching().map(|_| self.every_slot.as_slice())
     }
 
     fn within(&self, span: &Span<'_>, elapsed: f64, z: &mut [f64]) {
@@ -109,16 +98,16 @@ impl FirstOrderSystem for InModes<'_> {
     }
 
     fn physical(&mut self, elapsed: f64, z: &[f64], q: &mut [f64], v: &mut [f64]) {
-        self.output.read(&self.nonlinear_loads, elapsed, z, q, v);
+        self.output.read(&self.loads, elapsed, z, q, v);
     }
 
     fn contact_modes_at(&mut self, elapsed: f64, z: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
         self.observe(elapsed, z);
-        self.nonlinear_loads.contact_modes(elapsed, &self.interface_state, &[], contact_modes)
+        self.loads.contact_modes(elapsed, &self.interface_state, &[], contact_modes)
     }
 
     fn set_contact_modes(&mut self, contact_modes: &[i64]) {
-        self.nonlinear_loads.motion.set_contact_modes(contact_modes);
+        self.loads.motion.set_contact_modes(contact_modes);
     }
 
     fn norm(&mut self, difference: &[f64]) -> f64 {
@@ -128,7 +117,7 @@ impl FirstOrderSystem for InModes<'_> {
     }
 
     fn size(&mut self, z: &[f64]) -> f64 {
-        self.norm(z).hypot(self.nonlinear_loads.synchronous_size)
+        self.norm(z).hypot(self.loads.synchronous_size)
     }
 }
 
@@ -149,13 +138,13 @@ impl Trajectory for ModalTrajectory<'_, '_> {
 
     fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
         let system = &mut *self.system;
-        system.output.interpolate(&system.nonlinear_loads, &self.span, instants, q, v);
+        system.output.interpolate(&system.loads, &self.span, instants, q, v);
     }
 
     fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
         let system = &mut *self.system;
         let Some(map) = system.output.accelerations() else { return Ok(()) };
-        map.interpolate(&system.nonlinear_loads, &self.span, instants, a)
+        map.interpolate(&system.loads, &self.span, instants, a)
     }
 
     fn end_displacement(&self) -> Option<&[f64]> {

@@ -20,11 +20,11 @@ pub struct InterfaceMaps {
     /// Columns b: one for each load. Loads that depend on the motion come first.
     pub columns: Vec<Vec<f64>>,
     /// Number of columns that belong to loads that depend on the motion.
-    pub meshes: usize,
+    pub coupled_loads: usize,
     /// Slots of the independent parts of the state: nothing linear couples two parts.
     pub parts: Vec<Range<usize>>,
     /// Every direction of every connection, linearised at rest.
-    pub tangents: Vec<LinearizedContact>,
+    pub tangents: Vec<LinearizedDirection>,
     /// Complex amplitudes of the rows in the synchronous motion, source after source.
     pub synchronous: Vec<Complex64>,
 }
@@ -32,7 +32,7 @@ pub struct InterfaceMaps {
 /// One direction of a connection, linearised at rest: the deflection is g·u over the scalars of the connection, and the
 /// force f acts on them as the loads −g f.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LinearizedContact {
+pub struct LinearizedDirection {
     /// Indices of the scalars of the connection among the scalars of all connections.
     pub scalars: Range<usize>,
     /// Gradient g of the deflection over these scalars.
@@ -42,7 +42,7 @@ pub struct LinearizedContact {
     pub root: f64,
 }
 
-impl LinearizedContact {
+impl LinearizedDirection {
     /// The directions of all connections.
     pub fn all(interfaces: &[Interface], includes_meshes: bool) -> Vec<Self> {
         let (mut from, mut tangents) = (0, Vec::new());

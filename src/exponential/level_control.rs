@@ -23,6 +23,8 @@ pub enum LevelControl {
         rtol: f64,
         /// Smallest energy norm that the tolerance is relative to.
         floor: f64,
+        /// Permitted error of mesh forces relative to the unit of their errors, if there is one.
+        force_error: Option<f64>,
     },
 }
 
@@ -48,7 +50,7 @@ impl LevelControl {
     pub(super) fn tolerance(&self, size: f64) -> f64 {
         match self {
             Self::Fixed | Self::Planned { .. } => f64::INFINITY,
-            Self::Adaptive { rtol, floor } => rtol * size.max(*floor),
+            Self::Adaptive { rtol, floor, .. } => rtol * size.max(*floor),
         }
     }
 
@@ -58,7 +60,7 @@ impl LevelControl {
         match self {
             Self::Fixed => FIXED_SOLVE_FRACTION * size,
             Self::Planned { solve_rtol, .. } => solve_rtol * size,
-            Self::Adaptive { rtol, floor } => {
+            Self::Adaptive { rtol, floor, .. } => {
                 let fraction = if is_meshed { SOLVE_FRACTION } else { SOLVE_FRACTION_UNMESHED };
                 fraction * rtol.min(MAX_SOLVE_RTOL) * size.max(*floor)
             }

@@ -1,18 +1,20 @@
 //! The exponential method: exact for the linear motion, Gauss collocation for the loads.
 //!
-//! The equation is ż = A z + Σ b p(t, w z). The linear part contains everything except the meshes, or their mean stiffness
-//! too, and is propagated exactly in the modes at speed. The meshes are a few scalar loads p, which depend on a few
-//! interface scalars w z. Over a step, the loads are the polynomial through Gauss nodes (Hochbruck and Ostermann 2005), so
-//! that the meshes set the step length and not the shortest element.
+//! The equation is ż = A z + Σ b p(t, w z). The linear part A is propagated exactly in the modes at speed. It contains the
+//! shafts, the bearings with constant coefficients and the linear part of the other connections: the mean stiffness of
+//! meshes, unless flanks can separate, and the coefficients of bearings at one speed or at their operating point. The
+//! remainder of the connections is a few scalar loads p, which depend on a few interface scalars w z. Over a step, the
+//! loads are the polynomial through Gauss nodes (Hochbruck and Ostermann 2005), so that the loads set the step length and
+//! not the shortest element.
 //!
-//! If flanks can separate, the linear part contains the shafts alone and consists of independent parts.
+//! If flanks can separate, the linear part contains no mesh and consists of independent parts.
 //!
 //! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length, so that
 //! the propagators of a few lengths serve all steps.
 //!
-//! - Loads: `nonlinear_loads`, `rotating_source`, `changing_speed`, `interface_maps`.
+//! - Loads: `loads`, `prescribed`, `rotating_source`, `changing_speed`, `interface_maps`.
 //! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`, `dense`.
-//! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `contact_tangent`, `small_lu`, `estimate`.
+//! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `tangent_solver`, `small_lu`, `estimate`.
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
 //! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`, `jump`.
 //! - The motion within a step: `substep` with `load_polynomials`, `substep_modes` (`mode_split`, `fractions`) and
@@ -24,7 +26,6 @@ mod cache;
 mod changing_speed;
 mod contact_change;
 mod contact_monitor;
-mod contact_tangent;
 mod context;
 mod dense;
 mod driver;
@@ -36,8 +37,8 @@ mod jump;
 mod kernel;
 mod level_control;
 mod load_polynomials;
+mod loads;
 mod mode_split;
-mod nonlinear_loads;
 mod output;
 mod packed;
 mod panel_kernel;
@@ -55,6 +56,7 @@ mod step_point;
 mod substep;
 mod substep_chain;
 mod substep_modes;
+mod tangent_solver;
 mod time_grid;
 mod trajectory;
 
@@ -64,7 +66,7 @@ pub use driver::run;
 pub use in_modes::InModes;
 pub use interface_maps::InterfaceMaps;
 pub use level_control::LevelControl;
-pub use nonlinear_loads::NonlinearLoads;
+pub use loads::Loads;
 pub use output::{OutputMap, Selection};
 pub(crate) use phi::phi;
 pub use quadrature::{MAX_STAGES, QuadratureRule};

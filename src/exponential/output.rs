@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::accelerations::AccelerationMap;
 use super::interface_maps::InterfaceMaps;
-use super::nonlinear_loads::NonlinearLoads;
+use super::loads::Loads;
 use super::packed::Rows;
 use super::state_map::StateMap;
 use crate::integrate::{Span, at_each};
@@ -52,31 +52,26 @@ pub struct OutputMap {
 
 impl OutputMap {
     /// Collects the rows of a selection.
-    pub fn new(
-        nonlinear_loads: &NonlinearLoads<'_>,
-        linear: &ModalStateSpace,
-        maps: &InterfaceMaps,
-        selection: Selection,
-    ) -> Self {
+    pub fn new(loads: &Loads<'_>, linear: &ModalStateSpace, maps: &InterfaceMaps, selection: Selection) -> Self {
         let Selection { displacements, velocities, accelerations, without_energies, powers } = selection;
         let sums = powers.as_ref().map_or_else(Vec::new, |powers| powers.constant_loads().to_vec());
         let powers = powers.map(|PowerCoordinates { displacements, velocities, combinations }| {
-            Box::new(Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &combinations))
+            Box::new(Self::of_sums(loads, linear, (displacements, velocities), &combinations))
         });
-        let accelerations = (!accelerations.is_empty())
-            .then(|| Box::new(AccelerationMap::new(nonlinear_loads, linear, maps, accelerations)));
-        let complete = Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &[]);
+        let accelerations =
+            (!accelerations.is_empty()).then(|| Box::new(AccelerationMap::new(loads, linear, maps, accelerations)));
+        let complete = Self::of_sums(loads, linear, (displacements, velocities), &[]);
         let Some([displacements, velocities]) = without_energies else {
             return Self { powers, accelerations, ..complete };
         };
-        let energies = Some(Box::new(ShaftEnergies::new(complete, nonlinear_loads.reference.len())));
-        let motion = Self::of_sums(nonlinear_loads, linear, (displacements, velocities), &sums);
+        let energies = Some(Box::new(ShaftEnergies::new(complete, loads.reference.len())));
+        let motion = Self::of_sums(loads, linear, (displacements, velocities), &sums);
         Self { powers, energies, accelerations, ..motion }
     }
 
     /// Collects the rows of displacements and velocities with these indices, and of sums of displacements.
     fn of_sums(
-        nonlinear_loads: &NonlinearLoads<'_>,
+        loads: &Loads<'_>,
         linear: &ModalStateSpace,
         (mut displacements, velocities): (Vec<usize>, Vec<usize>),
         sums: &[Vec<(usize, f64)>],
@@ -85,19 +80,18 @@ impl OutputMap {
         let mut scalars: Vec<_> = displacements.iter().map(|index| (single(index), false)).collect();
         scalars.extend(sums.iter().map(|entries| (entries.clone(), false)));
         scalars.extend(velocities.iter().map(|index| (single(index), true)));
-        let first = nonlinear_loads.reference.len();
+        let first = loads.reference.len();
         displacements.extend(first..first + sums.len());
         let rows: Vec<_> = scalars.iter().map(|(entries, rate)| linear.row(entries, *rate)).collect();
         let amplitude = |source: usize, entries: &[(usize, f64)], rate: bool| -> Complex64 {
-            entries.iter().map(|(index, factor)| nonlinear_loads.amplitude(source, *index, rate) * factor).sum()
+            entries.iter().map(|(index, factor)| loads.amplitude(source, *index, rate) * factor).sum()
         };
-        let sources = nonlinear_loads.source_count();
+        let sources = loads.source_count();
         let amplitudes = (0..sources)
             .flat_map(|source| scalars.iter().map(move |(entries, rate)| amplitude(source, entries, *rate)))
             .collect();
-        let at_reference = |entries: &[(usize, f64)]| {
-            entries.iter().map(|(index, factor)| nonlinear_loads.reference[*index] * factor).sum()
-        };
+        let at_reference =
+            |entries: &[(usize, f64)]| entries.iter().map(|(index, factor)| loads.reference[*index] * factor).sum();
         let reference = scalars.iter().map(|(entries, rate)| if *rate { 0.0 } else { at_reference(entries) }).collect();
         Self {
             map: StateMap::new(Rows::new(&rows, &linear.parts), reference, amplitudes, sources),
@@ -135,16 +129,9 @@ impl OutputMap {
 
     /// Writes the selected displacements and velocities of a state into vectors of all coordinates. The sums of displacements
     /// are written if there is room behind the coordinates.
-    pub fn read(
-        &mut self,
-        nonlinear_loads: &NonlinearLoads<'_>,
-        elapsed: f64,
-        z: &[f64],
-        q: &mut [f64],
-        v: &mut [f64],
-    ) {
+    pub fn read(&mut self, loads: &Loads<'_>, elapsed: f64, z: &[f64], q: &mut [f64], v: &mut [f64]) {
         self.gather(z);
-        self.read_gathered(nonlinear_loads, &[elapsed], q, v);
+        self.read_gathered(loads, &[elapsed], q, v);
     }
 
     /// Adds a state to those that [`Self::read_gathered`] reads together.
@@ -153,27 +140,21 @@ impl OutputMap {
     }
 
     /// Writes the selected coordinates of all gathered states, which belong to `instants`, one vector after the other.
-    pub(super) fn read_gathered(
-        &mut self,
-        nonlinear_loads: &NonlinearLoads<'_>,
-        instants: &[f64],
-        q: &mut [f64],
-        v: &mut [f64],
-    ) {
-        let values = self.map.evaluate(nonlinear_loads, instants);
+    pub(super) fn read_gathered(&mut self, loads: &Loads<'_>, instants: &[f64], q: &mut [f64], v: &mut [f64]) {
+        let values = self.map.evaluate(loads, instants);
         write((&self.displacements, &self.velocities), values, instants, q, v);
     }
 
     /// Writes the selected coordinates at instants within a step, by the cubic through the states and rates at both ends.
     pub(super) fn interpolate(
         &mut self,
-        nonlinear_loads: &NonlinearLoads<'_>,
+        loads: &Loads<'_>,
         span: &Span<'_>,
         instants: &[f64],
         q: &mut [f64],
         v: &mut [f64],
     ) {
-        let values = self.map.interpolate(nonlinear_loads, span, instants);
+        let values = self.map.interpolate(loads, span, instants);
         write((&self.displacements, &self.velocities), values, instants, q, v);
     }
 }
@@ -218,7 +199,7 @@ impl ShaftEnergies {
 
     /// Passes kinetic energy and elastic energy of the shafts, J, of all collected states to `receive`, oldest first, if there
     /// are enough of them or `all` are wanted.
-    pub fn evaluate(&mut self, loads: &NonlinearLoads<'_>, all: bool, receive: &mut dyn FnMut([f64; 2])) {
+    pub fn evaluate(&mut self, loads: &Loads<'_>, all: bool, receive: &mut dyn FnMut([f64; 2])) {
         if self.instants.len() < if all { 1 } else { BATCH } {
             return;
         }

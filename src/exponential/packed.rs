@@ -10,13 +10,13 @@ use crate::modal::LANES;
 pub(super) const WIDTH: usize = LANES;
 
 /// Numbers that begin at a cache line: otherwise half of all vector loads would cross a line.
-pub type Aligned = AVec<f64, ConstAlign<LINE>>;
+pub type Aligned = AVec<f64, ConstAlign<CACHE_LINE_BYTES>>;
 /// Size of a cache line, bytes.
-const LINE: usize = 64;
+const CACHE_LINE_BYTES: usize = 64;
 
 /// Copies numbers to the beginning of a cache line.
 pub fn aligned(values: &[f64]) -> Aligned {
-    Aligned::from_slice(LINE, values)
+    Aligned::from_slice(CACHE_LINE_BYTES, values)
 }
 
 /// Slots for which columns are summed in one pass: four registers of AVX2 for each coordinate. Every load is then read

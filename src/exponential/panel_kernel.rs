@@ -7,7 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::packed::{Panel, WIDTH};
 
 /// Lanes of one register of AVX2.
-const NARROW: usize = WIDTH / 2;
+const NARROW_WIDTH: usize = WIDTH / 2;
 
 /// Extrapolates vectors from the stages and the end of a step to the stages of the next. `nodes` holds the vectors of the
 /// stages, one after the other. For each new stage `weights` holds the weight of the end, then those of the stages.
@@ -54,9 +54,9 @@ impl WithSimd for Accumulate<'_> {
     fn with_simd<S: Simd>(mut self, _: S) {
         let len = self.out.len();
         let wide = len / WIDTH * WIDTH;
-        let narrow = len / NARROW * NARROW;
+        let narrow = len / NARROW_WIDTH * NARROW_WIDTH;
         self.over::<WIDTH>(0, wide);
-        self.over::<NARROW>(wide, narrow);
+        self.over::<NARROW_WIDTH>(wide, narrow);
         self.over::<1>(narrow, len);
     }
 }
@@ -105,8 +105,8 @@ impl WithSimd for AccumulatePanel<'_> {
         }
         // The remaining entries fit into one chunk.
         if let (Some(columns), false) = (columns.next(), rest.is_empty()) {
-            if rest.len() <= NARROW {
-                add_rest::<NARROW>(rest, self.p, columns)
+            if rest.len() <= NARROW_WIDTH {
+                add_rest::<NARROW_WIDTH>(rest, self.p, columns)
             } else {
                 add_rest::<WIDTH>(rest, self.p, columns)
             }

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use crate::modal::ModePair;
 
 /// Number of functions, φ_0 to φ_5: enough for four stages and the defect of their polynomial.
-pub const COUNT: usize = 6;
+pub const PHI_COUNT: usize = 6;
 /// 1/m!.
 const INVERSE_FACTORIAL: [f64; 24] = {
     let mut values = [1.0; 24];
@@ -53,18 +53,18 @@ pub fn phi<const N: usize>(z: Complex64) -> [Complex64; N] {
 }
 
 /// φ_0 to φ_5 of the 2×2 matrix of a mode pair times `step`, s.
-pub fn phi_of_pair(pair: &ModePair, step: f64) -> [Block; COUNT] {
+pub fn phi_of_pair(pair: &ModePair, step: f64) -> [Block; PHI_COUNT] {
     match pair {
         // The matrix a·1 + b·J with J² = −1 is the complex number a + ib.
         ModePair::Oscillation(value) => phi(value * step).map(|f| [[f.re, f.im], [-f.im, f.re]]),
         ModePair::Real(values) => {
-            let [a, d] = values.map(|value| phi::<COUNT>(Complex64::new(value * step, 0.0)));
+            let [a, d] = values.map(|value| phi::<PHI_COUNT>(Complex64::new(value * step, 0.0)));
             std::array::from_fn(|m| [[a[m].re, 0.0], [0.0, d[m].re]])
         }
         // The off-diagonal entry of a function f of a triangular block is the divided difference (f(λ) − f(0))/λ. For
         // f = φ_m it is φ_{m+1}.
         ModePair::RigidBodyPair(rate) => {
-            let f = phi::<{ COUNT + 1 }>(Complex64::new(rate * step, 0.0));
+            let f = phi::<{ PHI_COUNT + 1 }>(Complex64::new(rate * step, 0.0));
             std::array::from_fn(|m| [[INVERSE_FACTORIAL[m], step * f[m + 1].re], [0.0, f[m].re]])
         }
     }
@@ -94,8 +94,8 @@ mod tests {
         for angle in 0..8 {
             let direction = Complex64::from_polar(1.0, f64::from(angle) * std::f64::consts::FRAC_PI_4);
             let (inside, outside) = (
-                phi::<COUNT>(direction * (SERIES_RADIUS * (1.0 - 1e-15))),
-                phi::<COUNT>(direction * (SERIES_RADIUS * (1.0 + 1e-15))),
+                phi::<PHI_COUNT>(direction * (SERIES_RADIUS * (1.0 - 1e-15))),
+                phi::<PHI_COUNT>(direction * (SERIES_RADIUS * (1.0 + 1e-15))),
             );
             for (a, b) in inside.iter().zip(&outside) {
                 // At |z| = 2.5, five upward divisions cancel at most two digits.
@@ -107,10 +107,10 @@ mod tests {
     #[test]
     fn values_match_their_definitions() {
         let z = Complex64::new(-30.0, 4.0);
-        let values = phi::<COUNT>(z);
+        let values = phi::<PHI_COUNT>(z);
         assert!((values[1] - (z.exp() - 1.0) / z).norm() < 1e-15);
         assert!((values[2] - (z.exp() - 1.0 - z) / (z * z)).norm() < 1e-15);
-        for (m, value) in phi::<COUNT>(Complex64::ZERO).iter().enumerate() {
+        for (m, value) in phi::<PHI_COUNT>(Complex64::ZERO).iter().enumerate() {
             assert_eq!(value.re, 1.0 / factorial(m));
         }
     }

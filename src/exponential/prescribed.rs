@@ -40,7 +40,8 @@ impl Prescribed {
 pub(super) fn prescribed_loads(
     motion: &EquationOfMotion,
     linear: &ModalStateSpace,
-    (interfaces, entries): (&[Interface], &[Row]),
+    interfaces: &[Interface],
+    entries: &[Row],
     reference: &DVector<f64>,
 ) -> (Vec<Prescribed>, Vec<Vec<f64>>) {
     let (mut prescribed, mut columns) = (Vec::new(), Vec::new());

@@ -10,9 +10,9 @@
 use num_complex::Complex64;
 use pulp::Arch;
 
-use super::interface_maps::{InterfaceMaps, LinearizedContact, gram};
+use super::interface_maps::{InterfaceMaps, LinearizedDirection, gram};
 use super::packed::{Aligned, Columns, Panel, Rows, aligned};
-use super::phi::{Block, COUNT, factorial, phi_of_pair};
+use super::phi::{Block, PHI_COUNT, factorial, phi_of_pair};
 use super::quadrature::QuadratureRule;
 use super::{kernel, panel_kernel};
 use crate::modal::ModePair;
@@ -33,7 +33,8 @@ pub struct StepPropagator {
     pub transition: Transition,
     /// h ψ_j b of stage j and load k, at j·loads + k.
     pub columns: Columns,
-    /// Gram matrix of h ∫₀¹ e^{Ah(1−τ)} π(τ) dτ b over the mesh loads: a load defect d π(τ) causes the error norm √(dᵀ G d).
+    /// Gram matrix of h ∫₀¹ e^{Ah(1−τ)} π(τ) dτ b over the loads that depend on the motion: a load defect
+    /// d π(τ) causes the error norm √(dᵀ G d).
     pub gram: Panel,
 }
 
@@ -50,9 +51,9 @@ impl StepPropagator {
             columns.extend(maps.columns.iter().map(|load| apply(&psi, load)));
         }
         let chi = integrals(&rule.defect, &whole, 1.0, step);
-        let defect = maps.columns[..maps.meshes].iter().map(|load| maps.with_mesh_energy(apply(&chi, load)));
+        let defect = maps.columns[..maps.coupled_loads].iter().map(|load| maps.with_mesh_energy(apply(&chi, load)));
         let defect: Vec<f64> = defect.flatten().collect();
-        Self { transition, columns: Columns::new(&columns, &maps.parts), gram: gram(&defect, maps.meshes) }
+        Self { transition, columns: Columns::new(&columns, &maps.parts), gram: gram(&defect, maps.coupled_loads) }
     }
 
     /// `out = e^{Ah} z + Σ_j h ψ_j b p_j`. `p` holds the loads stage after stage.
@@ -156,7 +157,7 @@ impl StageResponse {
         let mut own = vec![0.0; felt * size];
         for (unit, own) in (0..felt).zip(own.chunks_exact_mut(size.max(1))) {
             for node in 0..stages {
-                for (direction, LinearizedContact { scalars, gradient, .. }) in maps.tangents.iter().enumerate() {
+                for (direction, LinearizedDirection { scalars, gradient, .. }) in maps.tangents.iter().enumerate() {
                     let column = |scalar: usize| along[(node * loads + scalar) * felt + unit];
                     own[node * directions + direction] =
                         scalars.clone().zip(gradient).map(|(k, g)| column(k) * g).sum();
@@ -175,12 +176,12 @@ impl StageResponse {
 }
 
 /// `step` ∫₀¹ e^{z(1−τ)} l(cτ) dτ = Σ a_m c^m m! φ_{m+1} of a polynomial l, for every mode pair, from its φ-functions.
-fn integrals(polynomial: &[f64], phi: &[[Block; COUNT]], c: f64, step: f64) -> Vec<Block> {
-    let mut factors = [0.0; COUNT - 1];
+fn integrals(polynomial: &[f64], phi: &[[Block; PHI_COUNT]], c: f64, step: f64) -> Vec<Block> {
+    let mut factors = [0.0; PHI_COUNT - 1];
     for (m, (factor, coefficient)) in factors.iter_mut().zip(polynomial).enumerate() {
         *factor = step * coefficient * c.powi(m as i32) * factorial(m);
     }
-    let sum = |phi: &[Block; COUNT]| {
+    let sum = |phi: &[Block; PHI_COUNT]| {
         let mut sum = [[0.0; 2]; 2];
         for (factor, phi) in factors.iter().zip(&phi[1..]) {
             for (sum, entry) in sum.as_flattened_mut().iter_mut().zip(phi.as_flattened()) {

@@ -1,6 +1,6 @@
 //! Stages of a step, and the polynomials of the loads through them.
 
-use super::phi::{Block, COUNT};
+use super::phi::{Block, PHI_COUNT};
 
 /// Largest number of stages.
 pub const MAX_STAGES: usize = 4;
@@ -64,7 +64,7 @@ impl QuadratureRule {
     }
 
     /// Contribution of each load to stage `i` of the explicit rule, divided by c_i h. `half` holds φ of half the step.
-    pub fn before(&self, i: usize, half: &[Block; COUNT]) -> Vec<Block> {
+    pub fn before(&self, i: usize, half: &[Block; PHI_COUNT]) -> Vec<Block> {
         let none = [[0.0; 2]; 2];
         let [exact, first] = [half[0], half[1]];
         match i {

@@ -1,5 +1,12 @@
 //! LU factorisation of small dense matrices, in place.
 
+/// The loads of a stage: the first `coupled` of its `load_count` loads depend on the motion and are unknowns.
+#[derive(Clone, Copy, Debug)]
+pub struct StageUnknowns {
+    pub coupled: usize,
+    pub load_count: usize,
+}
+
 /// A linear system of fixed size. Solving it allocates no memory.
 #[derive(Clone, Debug)]
 pub struct SmallLu {
@@ -39,26 +46,27 @@ impl SmallLu {
     }
 
     /// Scratch for the derivatives of all loads with respect to one scalar.
-    pub fn slopes(&mut self, loads: usize) -> &mut [f64] {
-        self.slopes.resize(loads, 0.0);
+    pub fn slopes(&mut self, load_count: usize) -> &mut [f64] {
+        self.slopes.resize(load_count, 0.0);
         &mut self.slopes
     }
 
-    /// Subtracts slopes times the `response` of their scalar to all loads from the rows from `row` on. Of every `loads`
-    /// loads, the first `meshes` are unknowns.
-    pub fn add(&mut self, row: usize, meshes: usize, loads: usize, response: impl Fn(usize) -> f64) {
-        for k in 0..meshes {
-            self.add_row(row + k, self.slopes[k], meshes, loads, &response);
+    /// Subtracts from the rows of a stage, which begin at `first_row`, the [`Self::slopes`] of its loads over one scalar times
+    /// the `response` of this scalar to each load.
+    pub fn subtract_slopes(&mut self, first_row: usize, unknowns: StageUnknowns, response: impl Fn(usize) -> f64) {
+        for k in 0..unknowns.coupled {
+            self.subtract(first_row + k, self.slopes[k], unknowns, &response);
         }
     }
 
-    /// Subtracts `slope` times a response from one row.
-    pub fn add_row(&mut self, row: usize, slope: f64, meshes: usize, loads: usize, response: impl Fn(usize) -> f64) {
+    /// Subtracts from one row `slope` times the `response` of a scalar to each unknown. The argument of `response` counts the
+    /// loads of all stages.
+    pub fn subtract(&mut self, row: usize, slope: f64, unknowns: StageUnknowns, response: impl Fn(usize) -> f64) {
         if slope != 0.0 {
             let line = &mut self.matrix[row * self.size..(row + 1) * self.size];
-            for (node, unknowns) in line.chunks_exact_mut(meshes).enumerate() {
-                for (k, entry) in unknowns.iter_mut().enumerate() {
-                    *entry -= slope * response(node * loads + k);
+            for (stage, entries) in line.chunks_exact_mut(unknowns.coupled).enumerate() {
+                for (k, entry) in entries.iter_mut().enumerate() {
+                    *entry -= slope * response(stage * unknowns.load_count + k);
                 }
             }
         }

@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::context::{SourcePhasors, StepContext};
-use super::nonlinear_loads::NonlinearLoads;
+use super::context::{SourcePhasors, StepContext, StepSpan};
+use super::loads::Loads;
 use super::{kernel, panel_kernel};
 use crate::integrate::{Halt, Statistics};
 use crate::mesh::Contact;
@@ -23,7 +23,7 @@ pub(super) struct Stages {
     pub homogeneous_response: Vec<f64>,
     /// Phasors e^{iϑ} of the sources, used only if loads depend on them.
     pub phasors: Vec<Complex64>,
-    /// Contacts of all meshes.
+    /// Contacts of all connections, stage after stage.
     pub contacts: Vec<Contact>,
     /// Whether `loads` have changed since `interface_states` were computed.
     stale: bool,
@@ -33,17 +33,17 @@ pub(super) struct Stages {
 
 impl Stages {
     /// Allocates a number of stages.
-    pub fn new(nonlinear_loads: &NonlinearLoads<'_>, stages: usize) -> Self {
-        let (loads, states) = (stages * nonlinear_loads.load_count(), stages * nonlinear_loads.interface_len());
-        let sources = nonlinear_loads.source_count();
+    pub fn new(loads: &Loads<'_>, stages: usize) -> Self {
+        let (len, states) = (stages * loads.load_count(), stages * loads.interface_len());
+        let sources = loads.source_count();
         Self {
-            loads: vec![0.0; loads],
-            evaluated_loads: vec![0.0; loads],
-            residual: vec![0.0; loads],
+            loads: vec![0.0; len],
+            evaluated_loads: vec![0.0; len],
+            residual: vec![0.0; len],
             interface_states: vec![0.0; states],
             homogeneous_response: vec![0.0; states],
             phasors: vec![Complex64::ZERO; stages * sources],
-            contacts: vec![Contact::default(); stages * nonlinear_loads.mesh_count()],
+            contacts: vec![Contact::default(); stages * loads.connection_count()],
             stale: false,
             phasor_parts: vec![0.0; 2 * sources],
         }
@@ -68,7 +68,7 @@ impl Stages {
         }
         let synchronous = &stage_response.synchronous;
         panel_kernel::accumulate_panel(context.arch, synchronous, &self.phasor_parts, &mut self.homogeneous_response);
-        if context.nonlinear_loads.is_resonant() {
+        if context.loads.is_resonant() {
             let factors = phasors.values.iter().cycle().zip(&stage_response.phasors);
             for (at_stage, (phasor, rotation)) in self.phasors.iter_mut().zip(factors) {
                 *at_stage = phasor * rotation;
@@ -78,7 +78,7 @@ impl Stages {
 
     /// Computes the interface state of stage `i` under the current loads.
     fn respond(&mut self, context: &StepContext<'_>, level: usize, i: usize) {
-        let len = context.nonlinear_loads.interface_len();
+        let len = context.loads.interface_len();
         let of_stage = i * len..(i + 1) * len;
         let state = &mut self.interface_states[of_stage.clone()];
         state.copy_from_slice(&self.homogeneous_response[of_stage]);
@@ -103,28 +103,27 @@ impl Stages {
     }
 
     /// Evaluates the loads of stage `i` into `residual`.
-    fn evaluate(&mut self, context: &StepContext<'_>, level: usize, elapsed: f64, i: usize) -> Result<(), Halt> {
-        let nonlinear_loads = &context.nonlinear_loads;
-        let (loads, len) = (nonlinear_loads.load_count(), nonlinear_loads.interface_len());
-        let (meshes, sources) = (nonlinear_loads.mesh_count(), nonlinear_loads.source_count());
-        let time = elapsed + context.cache.rule.nodes[i] * context.step(level);
+    fn evaluate(&mut self, context: &StepContext<'_>, span: StepSpan, i: usize) -> Result<(), Halt> {
+        let loads = &context.loads;
+        let (load_count, len) = (loads.load_count(), loads.interface_len());
+        let (connections, sources) = (loads.connection_count(), loads.source_count());
+        let time = span.begin + context.cache.rule.nodes[i] * context.step(span.level);
         let (u, load) =
-            (&self.interface_states[i * len..(i + 1) * len], &mut self.residual[i * loads..(i + 1) * loads]);
+            (&self.interface_states[i * len..(i + 1) * len], &mut self.residual[i * load_count..(i + 1) * load_count]);
         let phasors = &self.phasors[i * sources..(i + 1) * sources];
-        nonlinear_loads.load(time, phasors, u, load, &mut self.contacts[i * meshes..(i + 1) * meshes])
+        loads.load(time, phasors, u, load, &mut self.contacts[i * connections..(i + 1) * connections])
     }
 
     /// Evaluates the loads of all stages into `residual`.
     pub fn evaluate_all(
         &mut self,
         context: &StepContext<'_>,
-        level: usize,
-        elapsed: f64,
+        span: StepSpan,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
         let stages = context.stages();
         for i in 0..stages {
-            self.evaluate(context, level, elapsed, i)?;
+            self.evaluate(context, span, i)?;
         }
         statistics.evaluations += stages as u64;
         Ok(())
@@ -134,15 +133,14 @@ impl Stages {
     pub fn evaluate_in_sequence(
         &mut self,
         context: &StepContext<'_>,
-        level: usize,
-        elapsed: f64,
+        span: StepSpan,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        let (stages, loads) = (context.stages(), context.nonlinear_loads.load_count());
+        let (stages, load_count) = (context.stages(), context.loads.load_count());
         for i in 0..stages {
-            self.respond(context, level, i);
-            self.evaluate(context, level, elapsed, i)?;
-            let of_stage = i * loads..(i + 1) * loads;
+            self.respond(context, span.level, i);
+            self.evaluate(context, span, i)?;
+            let of_stage = i * load_count..(i + 1) * load_count;
             self.loads[of_stage.clone()].swap_with_slice(&mut self.residual[of_stage]);
         }
         statistics.evaluations += stages as u64;

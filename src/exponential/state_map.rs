@@ -4,7 +4,7 @@ use num_complex::Complex64;
 use pulp::Arch;
 
 use super::kernel;
-use super::nonlinear_loads::NonlinearLoads;
+use super::loads::Loads;
 use super::packed::Rows;
 use super::rotating_source::add_rotated;
 use crate::integrate::Span;
@@ -48,15 +48,15 @@ impl StateMap {
     }
 
     /// The values of all scalars at the gathered states, which belong to `instants`: one list for each instant.
-    pub fn evaluate(&mut self, nonlinear_loads: &NonlinearLoads<'_>, instants: &[f64]) -> impl Iterator<Item = &[f64]> {
+    pub fn evaluate(&mut self, loads: &Loads<'_>, instants: &[f64]) -> impl Iterator<Item = &[f64]> {
         self.map_states(instants.len());
-        self.complete(nonlinear_loads, instants)
+        self.complete(loads, instants)
     }
 
     /// The same at instants within a step, by the cubic through the states and rates at both ends.
     pub fn interpolate(
         &mut self,
-        nonlinear_loads: &NonlinearLoads<'_>,
+        loads: &Loads<'_>,
         span: &Span<'_>,
         instants: &[f64],
     ) -> impl Iterator<Item = &[f64]> {
@@ -73,7 +73,7 @@ impl StateMap {
                 *value = weights.iter().zip(ends).map(|(weight, end)| weight * end).sum();
             }
         }
-        self.complete(nonlinear_loads, instants)
+        self.complete(loads, instants)
     }
 
     /// Maps the gathered states to values.
@@ -84,10 +84,10 @@ impl StateMap {
     }
 
     /// Adds the reference and the synchronous motion to the values.
-    fn complete(&mut self, nonlinear_loads: &NonlinearLoads<'_>, instants: &[f64]) -> impl Iterator<Item = &[f64]> {
+    fn complete(&mut self, loads: &Loads<'_>, instants: &[f64]) -> impl Iterator<Item = &[f64]> {
         let count = self.rows.count.max(1);
         for (values, elapsed) in self.values.chunks_exact_mut(count).zip(instants) {
-            nonlinear_loads.phasors(*elapsed, &mut self.phasors);
+            loads.phasors(*elapsed, &mut self.phasors);
             for (value, reference) in values.iter_mut().zip(&self.reference) {
                 *value += reference;
             }

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::cache::PropagatorCache;
-use super::context::{SourcePhasors, StepContext};
+use super::context::{SourcePhasors, StepContext, StepInstant, StepSpan};
 use super::estimate::ErrorEstimator;
 use super::jump::JumpSeries;
-use super::nonlinear_loads::NonlinearLoads;
+use super::loads::Loads;
 use super::quadrature::{MAX_STAGES, PointValues};
 use super::solve::LoadSolver;
 use super::stages::Stages;
@@ -15,6 +15,13 @@ use super::time_grid::TimeGrid;
 use super::{Outcome, kernel};
 use crate::integrate::{Halt, Statistics};
 use crate::mesh::Contact;
+
+/// Scratch for the load defect at an instant.
+pub(super) struct DefectScratch<'a> {
+    pub interface_state: &'a mut [f64],
+    pub loads: &'a mut [f64],
+    pub interpolated: &'a mut [f64],
+}
 
 /// The method and the last step that it took.
 #[derive(Clone, Debug)]
@@ -44,29 +51,29 @@ pub struct Stepper<'m> {
 
 impl<'m> Stepper<'m> {
     /// Creates the stepper of nonlinear loads with the propagators of a time grid.
-    pub fn new(nonlinear_loads: NonlinearLoads<'m>, cache: Arc<PropagatorCache>) -> Self {
-        let motion = &nonlinear_loads.motion;
+    pub fn new(loads: Loads<'m>, cache: Arc<PropagatorCache>) -> Self {
+        let motion = &loads.motion;
         Self {
-            begin: StepPoint::new(&nonlinear_loads),
-            end: StepPoint::new(&nonlinear_loads),
-            stages: Stages::new(&nonlinear_loads, cache.rule.stages()),
-            solver: LoadSolver::new(&nonlinear_loads, &cache),
-            estimator: ErrorEstimator::new(nonlinear_loads.mesh_load_count()),
+            begin: StepPoint::new(&loads),
+            end: StepPoint::new(&loads),
+            stages: Stages::new(&loads, cache.rule.stages()),
+            solver: LoadSolver::new(&loads, &cache),
+            estimator: ErrorEstimator::new(loads.coupled_load_count()),
             jumps: JumpSeries::new(&cache.linear, &cache.maps),
             end_state: vec![0.0; cache.linear.len()],
             steps: 0,
             levels: None,
             sharp: motion.model().meshes.iter().any(|mesh| mesh.teeth.is_sharp()),
             separable: motion.flanks_can_separate(),
-            phasors: SourcePhasors::new(&nonlinear_loads),
-            contacts: vec![Contact::default(); nonlinear_loads.mesh_count()],
-            context: StepContext::new(nonlinear_loads, cache),
+            phasors: SourcePhasors::new(&loads),
+            contacts: vec![Contact::default(); loads.connection_count()],
+            context: StepContext::new(loads, cache),
         }
     }
 
     /// The loads on the linear motion.
-    pub fn nonlinear_loads(&self) -> &NonlinearLoads<'m> {
-        &self.context.nonlinear_loads
+    pub fn loads(&self) -> &Loads<'m> {
+        &self.context.loads
     }
 
     /// Energy norm of the motion about the reference, for the state `z` at an elapsed time, s.
@@ -98,7 +105,7 @@ impl<'m> Stepper<'m> {
     pub(super) fn size(&self, z: &[f64], at: &StepPoint) -> f64 {
         let mut square = [0.0];
         kernel::scalars(self.context.arch, z, z, &mut square);
-        (square[0] + at.mesh_energy + self.context.nonlinear_loads.synchronous_size.powi(2)).sqrt()
+        (square[0] + at.mesh_energy + self.context.loads.synchronous_size.powi(2)).sqrt()
     }
 
     /// Evaluates the interface of the state with which a step begins.
@@ -117,49 +124,48 @@ impl<'m> Stepper<'m> {
         std::mem::swap(&mut self.begin, &mut self.end);
     }
 
-    /// Takes a step of a level from `z` at `elapsed` to `end`, which may differ from their sum by round-off.
+    /// Takes a step from the state `z`.
     /// [`Self::end_state`] is the new state. `tolerance` limits the energy norm of the remaining load residual.
     ///
     /// # Errors
     /// [`Halt`] where the loads are not defined.
     pub(super) fn step(
         &mut self,
-        level: usize,
-        (elapsed, end): (f64, f64),
+        span: StepSpan,
         z: &[f64],
         tolerance: f64,
         statistics: &mut Statistics,
     ) -> Result<Outcome, Halt> {
         self.steps += 1;
         self.stages.mark_current();
-        if self.context.nonlinear_loads.load_count() > 0 {
-            self.phasors.update(&self.context.nonlinear_loads, elapsed);
-            self.stages.prepare(&self.context, level, &self.phasors, z);
-            if !self.solver.solve(&self.context, &mut self.stages, (level, elapsed), tolerance, statistics)? {
+        if self.context.loads.load_count() > 0 {
+            self.phasors.update(&self.context.loads, span.begin);
+            self.stages.prepare(&self.context, span.level, &self.phasors, z);
+            if !self.solver.solve(&self.context, &mut self.stages, span, tolerance, statistics)? {
                 return Ok(Outcome::Unsolved);
             }
         }
-        let propagator = self.context.cache.propagator(level);
+        let propagator = self.context.cache.propagator(span.level);
         propagator.advance(self.context.arch, &self.stages.loads, z, &mut self.end_state);
-        self.evaluate_end(end, statistics)?;
+        self.evaluate_end(span.end, statistics)?;
         Ok(Outcome::Solved)
     }
 
     /// Energy norm of the error of the last step.
     pub(super) fn error(&mut self, level: usize) -> f64 {
-        self.estimator.estimate(&self.context, level, [&self.begin, &self.end], &self.stages)
+        self.estimator.estimate(&self.context, level, &self.begin, &self.end, &self.stages)
     }
 
     /// Longest step at an instant, s; infinite at a constant speed, for which the time grid gives it.
     #[inline]
     pub(super) fn longest_step(&self, elapsed: f64) -> f64 {
-        self.context.nonlinear_loads.longest_step(elapsed, self.step_length(0))
+        self.context.loads.longest_step(elapsed, self.step_length(0))
     }
 
     /// Fastest oscillation on the mesh stiffness at the beginning of a step, rad/s; zero if flanks cannot separate.
     pub(super) fn frequency_at_begin(&self) -> f64 {
         if self.separable {
-            let intervals = self.context.nonlinear_loads.guaranteed_intervals(&self.begin.contacts);
+            let intervals = self.context.loads.guaranteed_intervals(&self.begin.contacts);
             intervals.map(|interval| interval.frequency).fold(0.0, f64::max)
         } else {
             0.0
@@ -167,18 +173,18 @@ impl<'m> Stepper<'m> {
     }
 
     /// Fastest oscillation on the mesh stiffness at the stages and at the end of the last step, rad/s. Writes for each
-    /// mesh whether its flank contact is unchanged over the step; writes nothing if flanks cannot separate.
+    /// connection whether its flank contact is unchanged over the step; writes nothing if flanks cannot separate.
     pub(super) fn check_flanks(&self, level: usize, unchanged: &mut Vec<bool>) -> f64 {
         unchanged.clear();
         if !self.separable {
             return 0.0;
         }
-        let nonlinear_loads = &self.context.nonlinear_loads;
+        let loads = &self.context.loads;
         let gap = self.context.cache.rule.gap() * self.step_length(level);
-        unchanged.resize(nonlinear_loads.mesh_count(), true);
+        unchanged.resize(loads.connection_count(), true);
         let mut frequency: f64 = 0.0;
         for contacts in self.stages.contacts.chunks_exact(unchanged.len().max(1)).chain([&self.end.contacts[..]]) {
-            for (unchanged, interval) in unchanged.iter_mut().zip(nonlinear_loads.guaranteed_intervals(contacts)) {
+            for (unchanged, interval) in unchanged.iter_mut().zip(loads.guaranteed_intervals(contacts)) {
                 *unchanged &= interval.time >= gap;
                 frequency = frequency.max(interval.frequency);
             }
@@ -186,15 +192,15 @@ impl<'m> Stepper<'m> {
         frequency
     }
 
-    /// Margins of both flanks of a mesh to the next contact change at the beginning, at the stages and at the end of the
+    /// Margins of both flanks of a connection to the next contact change at the beginning, at the stages and at the end of the
     /// last step, m.
-    pub(super) fn margins(&self, mesh: usize) -> [PointValues; 2] {
-        let nonlinear_loads = &self.context.nonlinear_loads;
+    pub(super) fn margins(&self, connection: usize) -> [PointValues; 2] {
+        let loads = &self.context.loads;
         let contacts = [&self.begin.contacts[..], &self.stages.contacts[..], &self.end.contacts[..]];
         let mut margins = [[0.0; MAX_STAGES + 2]; 2];
-        let points = contacts.into_iter().flat_map(|contacts| contacts.chunks_exact(nonlinear_loads.mesh_count()));
+        let points = contacts.into_iter().flat_map(|contacts| contacts.chunks_exact(loads.connection_count()));
         for (k, contacts) in points.enumerate() {
-            for (margins, margin) in margins.iter_mut().zip(nonlinear_loads.margins(mesh, &contacts[mesh])) {
+            for (margins, margin) in margins.iter_mut().zip(loads.margins(connection, &contacts[connection])) {
                 margins[k] = margin;
             }
         }
@@ -214,17 +220,11 @@ impl<'m> Stepper<'m> {
         }
     }
 
-    /// Difference between the interface state of the motion `z` at the fraction `part` of the last step and the
-    /// interpolated one, which is left in `interpolated`.
-    pub(super) fn interpolation_error(
-        &self,
-        (part, elapsed): (f64, f64),
-        z: &[f64],
-        interpolated: &mut [f64],
-        error: &mut [f64],
-    ) {
-        self.interpolate(part, interpolated);
-        self.context.observe_at(elapsed, z, error);
+    /// Difference between the interface state of the motion `z` at an instant of the last step and the interpolated
+    /// one, which is left in `interpolated`.
+    pub(super) fn interpolation_error(&self, at: StepInstant, z: &[f64], interpolated: &mut [f64], error: &mut [f64]) {
+        self.interpolate(at.part, interpolated);
+        self.context.observe_at(at.elapsed, z, error);
         for (error, polynomial) in error.iter_mut().zip(interpolated) {
             *error -= *polynomial;
         }
@@ -246,23 +246,18 @@ impl<'m> Stepper<'m> {
 
     /// Evaluates the loads at an interface state.
     pub(super) fn evaluate_at(&mut self, elapsed: f64, interface_state: &[f64], out: &mut [f64]) -> Result<(), Halt> {
-        let nonlinear_loads = &self.context.nonlinear_loads;
-        self.phasors.update(nonlinear_loads, elapsed);
-        nonlinear_loads.load(elapsed, &self.phasors.values, interface_state, out, &mut self.contacts)
+        let loads = &self.context.loads;
+        self.phasors.update(loads, elapsed);
+        loads.load(elapsed, &self.phasors.values, interface_state, out, &mut self.contacts)
     }
 
-    /// Energy norm of the rate of the state under the load defect at the fraction `part` of the last step, whose motion
-    /// there is `z`. The other slices are scratch: an interface state, the loads, and the interpolated loads.
-    pub(super) fn defect_at(
-        &mut self,
-        (part, elapsed): (f64, f64),
-        z: &[f64],
-        interface_state: &mut [f64],
-        [loads, interpolated]: [&mut [f64]; 2],
-    ) -> Result<f64, Halt> {
-        self.context.observe_at(elapsed, z, interface_state);
-        self.evaluate_at(elapsed, interface_state, loads)?;
-        self.interpolate_loads(part, interpolated);
+    /// Energy norm of the rate of the state under the load defect at an instant of the last step, where its motion is
+    /// `z`.
+    pub(super) fn defect_at(&mut self, at: StepInstant, z: &[f64], scratch: DefectScratch<'_>) -> Result<f64, Halt> {
+        let DefectScratch { interface_state, loads, interpolated } = scratch;
+        self.context.observe_at(at.elapsed, z, interface_state);
+        self.evaluate_at(at.elapsed, interface_state, loads)?;
+        self.interpolate_loads(at.part, interpolated);
         Ok(self.estimator.defect_of(&self.context, loads, interpolated))
     }
 }

@@ -1,7 +1,7 @@
 //! The interface at the beginning or at the end of a step.
 
 use super::context::{SourcePhasors, StepContext};
-use super::nonlinear_loads::NonlinearLoads;
+use super::loads::Loads;
 use crate::integrate::{Halt, Statistics};
 use crate::mesh::Contact;
 
@@ -12,7 +12,7 @@ pub(super) struct StepPoint {
     pub interface_state: Vec<f64>,
     /// Loads on the scalars (N, or N·m), then the prescribed loads.
     pub load: Vec<f64>,
-    /// Contacts of all meshes.
+    /// Contacts of all connections.
     pub contacts: Vec<Contact>,
     /// Twice the mesh energy that |z|² does not contain, J.
     pub mesh_energy: f64,
@@ -20,11 +20,11 @@ pub(super) struct StepPoint {
 
 impl StepPoint {
     /// Allocates a point.
-    pub fn new(nonlinear_loads: &NonlinearLoads<'_>) -> Self {
+    pub fn new(loads: &Loads<'_>) -> Self {
         Self {
-            interface_state: vec![0.0; nonlinear_loads.interface_len()],
-            load: vec![0.0; nonlinear_loads.load_count()],
-            contacts: vec![Contact::default(); nonlinear_loads.mesh_count()],
+            interface_state: vec![0.0; loads.interface_len()],
+            load: vec![0.0; loads.load_count()],
+            contacts: vec![Contact::default(); loads.connection_count()],
             mesh_energy: 0.0,
         }
     }
@@ -41,7 +41,7 @@ impl StepPoint {
         z: &[f64],
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        let loads = &context.nonlinear_loads;
+        let loads = &context.loads;
         context.observe(z, &mut self.interface_state);
         self.mesh_energy = context.mesh_energy(&self.interface_state);
         phasors.update(loads, elapsed);

@@ -34,7 +34,7 @@ impl SubstepChain {
             substeps: 0,
             states: vec![vec![0.0; len]; cache.time_grid.event + 1],
             remainder_state: vec![0.0; len],
-            derivatives: vec![0.0; stepper.nonlinear_loads().load_count() * cache.rule.whole.len()],
+            derivatives: vec![0.0; stepper.loads().load_count() * cache.rule.whole.len()],
             loads: vec![0.0; stepper.stages.loads.len()],
             term: vec![0.0; len],
             rate: vec![0.0; len],
@@ -93,7 +93,7 @@ impl SubstepChain {
     fn taylor_step(&mut self, stepper: &Stepper<'_>, rest: f64) {
         let context = &stepper.context;
         let terms = taylor_terms(context.cache.linear.radius * rest);
-        let loads = stepper.nonlinear_loads().load_count().max(1);
+        let load_count = stepper.loads().load_count().max(1);
         self.term.copy_from_slice(&self.remainder_state);
         let mut factor = 1.0;
         for order in 0..terms {
@@ -103,7 +103,7 @@ impl SubstepChain {
             for (term, rate) in self.term.iter_mut().zip(&self.rate) {
                 *term = by * rate;
             }
-            if let Some(derivative) = self.derivatives.chunks_exact(loads).nth(order) {
+            if let Some(derivative) = self.derivatives.chunks_exact(load_count).nth(order) {
                 for (p, column) in derivative.iter().zip(&context.cache.maps.columns).filter(|(p, _)| **p != 0.0) {
                     for (term, b) in self.term.iter_mut().zip(column) {
                         *term += factor * b * p;

@@ -37,7 +37,7 @@ impl SubstepModes {
         Self {
             free: vec![0.0; len],
             motion: vec![0.0; len / (2 * WIDTH) * CHUNK],
-            powers: if stepper.nonlinear_loads().load_count() > 0 { cache.rule.whole.len() } else { 0 },
+            powers: if stepper.loads().load_count() > 0 { cache.rule.whole.len() } else { 0 },
             state: vec![0.0; len],
         }
     }

@@ -66,7 +66,7 @@ impl Trajectory for StepTrajectory<'_, '_> {
     }
 
     fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
-        let loads = self.step.stepper.nonlinear_loads();
+        let loads = self.step.stepper.loads();
         each_state(self.step, self.sampler, instants, |elapsed, z| {
             self.output.gather(z);
             if let Some(energies) = self.output.energies() {
@@ -82,21 +82,21 @@ impl Trajectory for StepTrajectory<'_, '_> {
 
     fn shaft_energies(&mut self, receive: &mut dyn FnMut([f64; 2])) {
         if let Some(energies) = self.output.energies() {
-            energies.evaluate(self.step.stepper.nonlinear_loads(), false, receive);
+            energies.evaluate(self.step.stepper.loads(), false, receive);
         }
     }
 
     fn power_states(&mut self, instants: &[f64], _: &[usize], _: &[Vec<(usize, f64)>], q: &mut [f64], v: &mut [f64]) {
         if let Some(output) = self.output.powers() {
             each_state(self.step, self.sampler, instants, |_, z| output.gather(z));
-            output.read_gathered(self.step.stepper.nonlinear_loads(), instants, q, v);
+            output.read_gathered(self.step.stepper.loads(), instants, q, v);
         }
     }
 
     fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
         let Some(map) = self.output.accelerations() else { return Ok(()) };
         each_state(self.step, self.sampler, instants, |_, z| map.gather(z));
-        map.read_gathered(self.step.stepper.nonlinear_loads(), instants, a)
+        map.read_gathered(self.step.stepper.loads(), instants, a)
     }
 
     fn is_resolved(&self) -> bool {

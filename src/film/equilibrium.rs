@@ -6,9 +6,9 @@ use crate::bearing_force::{BalanceSearch, BearingForce, Uncarried, Vector};
 /// Largest residual force, relative to the load, of a result.
 const MAX_RESIDUAL: f64 = 1e-6;
 /// Eccentricity ratio above which a search that fails means that the journal touches.
-pub const TOUCHING: f64 = 0.9;
+pub const TOUCHING_RATIO: f64 = 0.9;
 /// Largest eccentricity ratio: closer surfaces touch.
-pub const CLOSEST: f64 = 0.99;
+pub const MAX_ECCENTRICITY_RATIO: f64 = 0.99;
 /// A Newton step may use this part of the clearance that is left.
 const CLEARANCE_SHARE: f64 = 0.8;
 
@@ -28,8 +28,10 @@ impl Film {
         };
         let found = search.from([0.0; 2]);
         match self.eccentricity_ratio(found.displacement) {
-            ratio if found.residual <= MAX_RESIDUAL && ratio < CLOSEST => Ok((found.displacement, found.bearing)),
-            ratio if ratio < TOUCHING => Err(Uncarried::Unbalanced(found.residual)),
+            ratio if found.residual <= MAX_RESIDUAL && ratio < MAX_ECCENTRICITY_RATIO => {
+                Ok((found.displacement, found.bearing))
+            }
+            ratio if ratio < TOUCHING_RATIO => Err(Uncarried::Unbalanced(found.residual)),
             _ => Err(Uncarried::Touching),
         }
     }

@@ -26,7 +26,7 @@ mod table;
 
 use std::sync::Arc;
 
-pub use equilibrium::{CLOSEST, TOUCHING};
+pub use equilibrium::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
 pub use reynolds::Reynolds;
 pub use table::FilmTable;
 

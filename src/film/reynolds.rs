@@ -19,17 +19,17 @@ use std::f64::consts::{PI, TAU};
 use super::{Vector, direction};
 
 /// Number of intervals over half the length, even for Simpson's rule.
-const AXIAL: usize = 8;
+const AXIAL_INTERVALS: usize = 8;
 /// Number of entries of a row of the band matrix.
-const WIDTH: usize = AXIAL + 1;
+const BAND_WIDTH: usize = AXIAL_INTERVALS + 1;
 /// Number of circumferential intervals of a full film.
-const CIRCUMFERENTIAL: usize = 120;
+const CIRCUMFERENTIAL_INTERVALS: usize = 120;
 /// Smallest number of circumferential intervals of a pad.
-const LEAST: usize = 16;
+const MIN_PAD_INTERVALS: usize = 16;
 /// Largest number of iterations; about six are usual.
 const MAX_ITERATIONS: usize = 100;
 /// Number of points at which the node density is integrated, for each interval.
-const FINE: usize = 4;
+const DENSITY_POINTS: usize = 4;
 
 /// A solver for one bearing. It keeps the wet nodes of the last solution as the start of the next one.
 #[derive(Clone, Debug)]
@@ -53,9 +53,9 @@ struct Grid {
     cubes: Vec<f64>,
     /// Conductance H³/Δα of each interval.
     conductances: Vec<f64>,
-    /// Pressure at the inner nodes, one row of [`AXIAL`] values after the other.
+    /// Pressure at the inner nodes, one row of [`AXIAL_INTERVALS`] values after the other.
     pressure: Vec<f64>,
-    /// Lower band of the matrix, [`AXIAL`] + 1 entries for each node.
+    /// Lower band of the matrix, [`AXIAL_INTERVALS`] + 1 entries for each node.
     band: Vec<f64>,
 }
 
@@ -89,11 +89,12 @@ impl Reynolds {
 impl Grid {
     /// Places the nodes of a pad; their density is that of the pressure curvature, H^{−1/2}.
     fn place(&mut self, [begin, end]: [f64; 2], u: Vector) {
-        let intervals = ((CIRCUMFERENTIAL as f64 * (end - begin) / TAU).ceil() as usize).max(LEAST);
+        let intervals =
+            ((CIRCUMFERENTIAL_INTERVALS as f64 * (end - begin) / TAU).ceil() as usize).max(MIN_PAD_INTERVALS);
         let (along, ratio) = direction(u);
         let psi = along[1].atan2(along[0]);
         let thickness = |angle: f64| 1.0 - ratio * (angle - psi).cos();
-        let fine = FINE * intervals;
+        let fine = DENSITY_POINTS * intervals;
         let step = (end - begin) / fine as f64;
         let density = |k: usize| thickness(begin + (k as f64 + 0.5) * step).sqrt().recip();
         let total: f64 = (0..fine).map(density).sum();
@@ -129,7 +130,7 @@ impl Grid {
 
     /// Conductance to the neighbour towards the end of the bearing.
     fn axial(&self, slenderness: f64, row: usize) -> f64 {
-        slenderness * self.cubes[row + 1] * self.width(row) * AXIAL as f64
+        slenderness * self.cubes[row + 1] * self.width(row) * AXIAL_INTERVALS as f64
     }
 
     /// Source of the equation at a node.
@@ -140,10 +141,10 @@ impl Grid {
     /// Finds the pressure that is positive at the wet nodes and zero at all others (Reynolds' condition). The search begins
     /// with the wet nodes of an earlier solution.
     fn solve(&mut self, slenderness: f64, beta: f64, wet: &mut Vec<bool>) {
-        let count = self.rows() * AXIAL;
+        let count = self.rows() * AXIAL_INTERVALS;
         if wet.len() != count {
             wet.clear();
-            wet.extend((0..count).map(|at| self.source(at / AXIAL, 0, beta) > 0.0));
+            wet.extend((0..count).map(|at| self.source(at / AXIAL_INTERVALS, 0, beta) > 0.0));
         }
         for _ in 0..MAX_ITERATIONS {
             self.solve_wet(slenderness, beta, wet);
@@ -162,19 +163,19 @@ impl Grid {
 
     /// Source plus inflow from the neighbours of a dry node.
     fn inflow(&self, slenderness: f64, beta: f64, at: usize) -> f64 {
-        let (row, column) = (at / AXIAL, at % AXIAL);
+        let (row, column) = (at / AXIAL_INTERVALS, at % AXIAL_INTERVALS);
         let mut sum = self.source(row, column, beta);
         if row > 0 {
-            sum += height(column) * self.conductances[row] * self.pressure[at - AXIAL];
+            sum += height(column) * self.conductances[row] * self.pressure[at - AXIAL_INTERVALS];
         }
         if row + 1 < self.rows() {
-            sum += height(column) * self.conductances[row + 1] * self.pressure[at + AXIAL];
+            sum += height(column) * self.conductances[row + 1] * self.pressure[at + AXIAL_INTERVALS];
         }
         let axial = self.axial(slenderness, row);
         if column > 0 {
             sum += axial * self.pressure[at - 1];
         }
-        if column + 1 < AXIAL {
+        if column + 1 < AXIAL_INTERVALS {
             sum += axial * self.pressure[at + 1];
         }
         sum
@@ -187,23 +188,23 @@ impl Grid {
         self.pressure.resize(count, 0.0);
         let Some(first) = wet.iter().position(|wet| *wet) else { return };
         let last = wet.iter().rposition(|wet| *wet).unwrap_or(first);
-        let (first, last) = (first - first % AXIAL, last - last % AXIAL + AXIAL);
+        let (first, last) = (first - first % AXIAL_INTERVALS, last - last % AXIAL_INTERVALS + AXIAL_INTERVALS);
         self.band.clear();
-        self.band.resize((last - first) * WIDTH, 0.0);
+        self.band.resize((last - first) * BAND_WIDTH, 0.0);
         for at in first..last {
-            let (row, column) = (at / AXIAL, at % AXIAL);
-            let own = (at - first) * WIDTH;
+            let (row, column) = (at / AXIAL_INTERVALS, at % AXIAL_INTERVALS);
+            let own = (at - first) * BAND_WIDTH;
             if !wet[at] {
-                self.band[own + AXIAL] = 1.0;
+                self.band[own + AXIAL_INTERVALS] = 1.0;
                 continue;
             }
             let axial = self.axial(slenderness, row);
             let around = self.conductances[row] + self.conductances[row + 1];
-            self.band[own + AXIAL] = height(column) * around + axial * if column == 0 { 1.0 } else { 2.0 };
+            self.band[own + AXIAL_INTERVALS] = height(column) * around + axial * if column == 0 { 1.0 } else { 2.0 };
             if column > 0 && wet[at - 1] {
-                self.band[own + AXIAL - 1] = -axial;
+                self.band[own + AXIAL_INTERVALS - 1] = -axial;
             }
-            if at >= first + AXIAL && wet[at - AXIAL] {
+            if at >= first + AXIAL_INTERVALS && wet[at - AXIAL_INTERVALS] {
                 self.band[own] = -height(column) * self.conductances[row];
             }
             self.pressure[at] = self.source(row, column, beta);
@@ -215,7 +216,7 @@ impl Grid {
     /// ∫∫ P e_α dα dζ.
     fn integral(&self) -> Vector {
         let mut sum = [0.0; 2];
-        for (row, pressure) in self.pressure.chunks_exact(AXIAL).enumerate() {
+        for (row, pressure) in self.pressure.chunks_exact(AXIAL_INTERVALS).enumerate() {
             let line: f64 = pressure.iter().enumerate().map(|(column, pressure)| simpson(column) * pressure).sum();
             let (sin, cos) = self.angles[row + 1].sin_cos();
             let weighted = self.width(row) * line;
@@ -227,7 +228,7 @@ impl Grid {
 
 /// Axial extent of a node; half a step at the middle of the bearing.
 fn height(column: usize) -> f64 {
-    if column == 0 { 0.5 / AXIAL as f64 } else { 1.0 / AXIAL as f64 }
+    if column == 0 { 0.5 / AXIAL_INTERVALS as f64 } else { 1.0 / AXIAL_INTERVALS as f64 }
 }
 
 /// Weight of Simpson's rule at a node.
@@ -239,22 +240,22 @@ fn simpson(column: usize) -> f64 {
     } else {
         2.0
     };
-    factor / (3.0 * AXIAL as f64)
+    factor / (3.0 * AXIAL_INTERVALS as f64)
 }
 
-/// Solves a symmetric positive definite band system in place. A row of the band has the [`AXIAL`] entries before the
+/// Solves a symmetric positive definite band system in place. A row of the band has the [`AXIAL_INTERVALS`] entries before the
 /// diagonal, then the diagonal.
 fn solve_band(band: &mut [f64], x: &mut [f64]) {
     for i in 0..x.len() {
-        let (known, rest) = band.split_at_mut(i * WIDTH);
-        let (own, reach) = (&mut rest[..WIDTH], i.min(AXIAL));
+        let (known, rest) = band.split_at_mut(i * BAND_WIDTH);
+        let (own, reach) = (&mut rest[..BAND_WIDTH], i.min(AXIAL_INTERVALS));
         for back in (1..=reach).rev() {
-            let row = &known[(i - back) * WIDTH..][..WIDTH];
-            let shared = AXIAL - back;
-            let sum: f64 = own[..shared].iter().zip(&row[back..AXIAL]).map(|(a, b)| a * b).sum();
-            own[shared] = (own[shared] - sum) / row[AXIAL];
+            let row = &known[(i - back) * BAND_WIDTH..][..BAND_WIDTH];
+            let shared = AXIAL_INTERVALS - back;
+            let sum: f64 = own[..shared].iter().zip(&row[back..AXIAL_INTERVALS]).map(|(a, b)| a * b).sum();
+            own[shared] = (own[shared] - sum) / row[AXIAL_INTERVALS];
         }
-        let before = &mut own[AXIAL - reach..];
+        let before = &mut own[AXIAL_INTERVALS - reach..];
         let square: f64 = before[..reach].iter().map(|value| value * value).sum();
         before[reach] = (before[reach] - square).sqrt();
         let (solved, rest) = x.split_at_mut(i);
@@ -262,10 +263,10 @@ fn solve_band(band: &mut [f64], x: &mut [f64]) {
         rest[0] = (rest[0] - sum) / before[reach];
     }
     for i in (0..x.len()).rev() {
-        let (row, reach) = (&band[i * WIDTH..][..WIDTH], i.min(AXIAL));
+        let (row, reach) = (&band[i * BAND_WIDTH..][..BAND_WIDTH], i.min(AXIAL_INTERVALS));
         let (earlier, rest) = x.split_at_mut(i);
-        rest[0] /= row[AXIAL];
-        for (value, factor) in earlier[i - reach..].iter_mut().zip(&row[AXIAL - reach..AXIAL]) {
+        rest[0] /= row[AXIAL_INTERVALS];
+        for (value, factor) in earlier[i - reach..].iter_mut().zip(&row[AXIAL_INTERVALS - reach..AXIAL_INTERVALS]) {
             *value -= factor * rest[0];
         }
     }

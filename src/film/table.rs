@@ -20,20 +20,20 @@ use super::reynolds::Reynolds;
 use super::spline::{bounded, periodic, slopes, weights};
 use super::{Matrix, Response, Vector, direction};
 
-/// Number of nodes in ξ, from 0 to [`LAST`].
-const RADIAL: usize = 19;
+/// Number of nodes in ξ, from 0 to [`MAX_RADIAL_COORDINATE`].
+const RADIAL_NODES: usize = 19;
 /// Largest ξ of the table: ε = 0.99.
-const LAST: f64 = 0.9;
+const MAX_RADIAL_COORDINATE: f64 = 0.9;
 /// Number of directions of w.
-const DIRECTIONS: usize = 48;
+const VELOCITY_DIRECTIONS: usize = 48;
 /// Number of directions of u over a full turn, with grooves.
-const TURNS: usize = 36;
+const DISPLACEMENT_DIRECTIONS: usize = 36;
 /// Eccentricity ratio from which the derivative at the centre is computed.
-const NEAR: f64 = 0.05;
+const CENTRE_RATIO: f64 = 0.05;
 /// Grooves are equal if their angles differ by less, rad.
-const SAME: f64 = 1e-9;
+const GROOVE_ANGLE_TOLERANCE: f64 = 1e-9;
 /// Number of tables that are kept.
-const CAPACITY: usize = 16;
+const KEPT_TABLES: usize = 16;
 
 /// What a table follows from.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +76,7 @@ impl FilmTable {
             return Arc::clone(table);
         }
         let table = Arc::new(Self::new(&key));
-        if list.len() >= CAPACITY {
+        if list.len() >= KEPT_TABLES {
             list.remove(0);
         }
         list.push((key, Arc::clone(&table)));
@@ -86,44 +86,47 @@ impl FilmTable {
     fn new(TableKey { length_ratio, grooves }: &TableKey) -> Self {
         let mut solver = Reynolds::new(*length_ratio, grooves);
         let sector = (!grooves.is_empty()).then(|| TAU / f64::from(symmetry(grooves)));
-        let turns = sector.map_or(1, |sector| ((TURNS as f64 * sector / TAU).round() as usize).max(6));
-        let angle = |index: usize| TAU * index as f64 / DIRECTIONS as f64;
-        let centre: Vec<Vector> = (0..DIRECTIONS).map(|i| solver.force([0.0; 2], angle(i))).collect();
+        let turns =
+            sector.map_or(1, |sector| ((DISPLACEMENT_DIRECTIONS as f64 * sector / TAU).round() as usize).max(6));
+        let angle = |index: usize| TAU * index as f64 / VELOCITY_DIRECTIONS as f64;
+        let centre: Vec<Vector> = (0..VELOCITY_DIRECTIONS).map(|i| solver.force([0.0; 2], angle(i))).collect();
         let centred = centre[0][0];
         let axis = mirror(grooves);
         let origin = axis.unwrap_or(0.0);
-        let mut values = vec![[0.0; 2]; RADIAL * turns * DIRECTIONS];
-        let at = |node: usize, turn: usize, i: usize| (node * turns + turn % turns) * DIRECTIONS + i % DIRECTIONS;
+        let mut values = vec![[0.0; 2]; RADIAL_NODES * turns * VELOCITY_DIRECTIONS];
+        let at = |node: usize, turn: usize, i: usize| {
+            (node * turns + turn % turns) * VELOCITY_DIRECTIONS + i % VELOCITY_DIRECTIONS
+        };
         for turn in 0..turns {
             let psi = origin + sector.unwrap_or(0.0) * turn as f64 / turns as f64;
             // The motion that is mirrored about an axis of the bearing has the mirrored force.
             let count = match axis {
                 Some(_) if 2 * turn > turns => continue,
-                Some(_) if turn == 0 || 2 * turn == turns => DIRECTIONS / 2 + 1,
-                _ => DIRECTIONS,
+                Some(_) if turn == 0 || 2 * turn == turns => VELOCITY_DIRECTIONS / 2 + 1,
+                _ => VELOCITY_DIRECTIONS,
             };
             for i in 0..count {
                 let centre = at_ratio(&mut solver, 0.0, psi, angle(i));
-                for node in 0..RADIAL {
+                for node in 0..RADIAL_NODES {
                     let value = deviation(&mut solver, node, (psi, angle(i)), centre);
                     values[at(node, turn, i)] = value;
                     if axis.is_some() {
-                        values[at(node, turns - turn, DIRECTIONS - i)] = [value[0], -value[1]];
+                        values[at(node, turns - turn, VELOCITY_DIRECTIONS - i)] = [value[0], -value[1]];
                     }
                 }
             }
         }
-        let along = [bounded(RADIAL), periodic(DIRECTIONS), periodic(turns.max(3))];
+        let along = [bounded(RADIAL_NODES), periodic(VELOCITY_DIRECTIONS), periodic(turns.max(3))];
         let [Some(radial), Some(directions), Some(around)] = along else {
             // The matrices are diagonally dominant.
             return Self { sector, origin, turns, coefficients: Vec::new(), centre, centred };
         };
-        let mut coefficients = transformed(&values, [RADIAL, turns, DIRECTIONS], 2, &directions);
+        let mut coefficients = transformed(&values, [RADIAL_NODES, turns, VELOCITY_DIRECTIONS], 2, &directions);
         if turns > 1 {
-            coefficients = transformed(&coefficients, [RADIAL, turns, DIRECTIONS], 1, &around);
+            coefficients = transformed(&coefficients, [RADIAL_NODES, turns, VELOCITY_DIRECTIONS], 1, &around);
         }
-        let coefficients = transformed(&coefficients, [RADIAL, turns, DIRECTIONS], 0, &radial);
-        let centre = transformed(&centre, [1, 1, DIRECTIONS], 2, &directions);
+        let coefficients = transformed(&coefficients, [RADIAL_NODES, turns, VELOCITY_DIRECTIONS], 0, &radial);
+        let centre = transformed(&centre, [1, 1, VELOCITY_DIRECTIONS], 2, &directions);
         Self { sector, origin, turns, coefficients, centre, centred }
     }
 
@@ -132,8 +135,9 @@ impl FilmTable {
     pub fn response(&self, u: Vector, w: Vector) -> Response {
         let ((radial, ratio), (along, size)) = (direction(u), direction(w));
         let (psi, beta) = (radial[1].atan2(radial[0]), along[1].atan2(along[0]));
-        let [value, slope, aside, along_gamma] =
-            self.interpolated(ratio, psi, &local(beta - psi, TAU, DIRECTIONS)).map(|vector| turned(radial, vector));
+        let [value, slope, aside, along_gamma] = self
+            .interpolated(ratio, psi, &local(beta - psi, TAU, VELOCITY_DIRECTIONS))
+            .map(|vector| turned(radial, vector));
         let (value_0, slope_0) = self.centre(beta, along);
         let inside = (1.0 - ratio * ratio).max(f64::MIN_POSITIVE);
         let growth = 1.0 / (inside * inside * inside.sqrt());
@@ -159,12 +163,12 @@ impl FilmTable {
     fn interpolated(&self, ratio: f64, psi: f64, gamma: &Local) -> [Vector; 4] {
         // ε = ξ(2 − ξ).
         let root = (1.0 - ratio).max(0.0).sqrt();
-        let node = (1.0 - root) / LAST * (RADIAL - 1) as f64;
-        let limit = (RADIAL - 1) as f64;
+        let node = (1.0 - root) / MAX_RADIAL_COORDINATE * (RADIAL_NODES - 1) as f64;
+        let limit = (RADIAL_NODES - 1) as f64;
         let (node, is_inside) = if node < limit { (node, true) } else { (limit, false) };
-        let first = (node as usize).min(RADIAL - 2);
+        let first = (node as usize).min(RADIAL_NODES - 2);
         let (at, by) = (weights(node - first as f64), slopes(node - first as f64));
-        let by_ratio = if is_inside { (RADIAL - 1) as f64 / (2.0 * LAST * root) } else { 0.0 };
+        let by_ratio = if is_inside { (RADIAL_NODES - 1) as f64 / (2.0 * MAX_RADIAL_COORDINATE * root) } else { 0.0 };
         let around = match self.sector {
             None => ([0; 4], [1.0, 0.0, 0.0, 0.0], [0.0; 4]),
             Some(sector) => local(psi - self.origin, sector, self.turns),
@@ -173,7 +177,7 @@ impl FilmTable {
         let mut sums = [[0.0; 2]; 4];
         for i in 0..4 {
             for j in 0..turns {
-                let row = ((first + i) * self.turns + around.0[j]) * DIRECTIONS;
+                let row = ((first + i) * self.turns + around.0[j]) * VELOCITY_DIRECTIONS;
                 let (mut value, mut slope) = ([0.0; 2], [0.0; 2]);
                 for k in 0..4 {
                     let [y, z] = self.coefficients[row + gamma.0[k]];
@@ -197,7 +201,7 @@ impl FilmTable {
         if self.sector.is_none() {
             return (along.map(|value| self.centred * value), [-self.centred * along[1], self.centred * along[0]]);
         }
-        let beta = local(beta, TAU, DIRECTIONS);
+        let beta = local(beta, TAU, VELOCITY_DIRECTIONS);
         let (mut value, mut slope) = ([0.0; 2], [0.0; 2]);
         for k in 0..4 {
             let [y, z] = self.centre[beta.0[k]];
@@ -216,12 +220,12 @@ fn at_ratio(solver: &mut Reynolds, ratio: f64, psi: f64, gamma: f64) -> Vector {
 
 /// h over (e_ψ, e_ψ⊥) at a node in ξ, for the directions ψ of u and ψ + γ of w; `centre` is f at ε = 0.
 fn deviation(solver: &mut Reynolds, node: usize, (psi, gamma): (f64, f64), centre: Vector) -> Vector {
-    let xi = LAST * node as f64 / (RADIAL - 1) as f64;
+    let xi = MAX_RADIAL_COORDINATE * node as f64 / (RADIAL_NODES - 1) as f64;
     let ratio = xi * (2.0 - xi);
     let mut at = |ratio: f64| at_ratio(solver, ratio, psi, gamma);
     if node == 0 {
-        let (ahead, behind) = (at(NEAR), at(-NEAR));
-        return [0, 1].map(|i| (ahead[i] - behind[i]) / (2.0 * NEAR));
+        let (ahead, behind) = (at(CENTRE_RATIO), at(-CENTRE_RATIO));
+        return [0, 1].map(|i| (ahead[i] - behind[i]) / (2.0 * CENTRE_RATIO));
     }
     let (force, inside) = (at(ratio), 1.0 - ratio * ratio);
     [0, 1].map(|i| (force[i] - centre[i]) * inside * inside * inside.sqrt() / ratio)
@@ -266,7 +270,8 @@ fn mirror(grooves: &[[f64; 2]]) -> Option<f64> {
 
 /// Whether two grooves are equal.
 fn same(a: [f64; 2], b: [f64; 2]) -> bool {
-    ((a[0] - b[0] + PI).rem_euclid(TAU) - PI).abs() < SAME && (a[1] - b[1]).abs() < SAME
+    ((a[0] - b[0] + PI).rem_euclid(TAU) - PI).abs() < GROOVE_ANGLE_TOLERANCE
+        && (a[1] - b[1]).abs() < GROOVE_ANGLE_TOLERANCE
 }
 
 /// Applies a matrix along one of three axes of an array.

@@ -21,7 +21,7 @@ pub struct Adaptive {
 }
 
 /// Safety factor on the step that would just meet the tolerance.
-const SAFETY: f64 = 0.9;
+const STEP_SAFETY: f64 = 0.9;
 /// Largest ratio of two successive steps.
 const MAX_GROWTH: f64 = 5.0;
 /// Smallest ratio of two successive steps.
@@ -34,12 +34,12 @@ impl Adaptive {
     /// accepted one before it, in multiples of the tolerance.
     pub fn grow(&self, order: u32, error: f64, previous: f64) -> f64 {
         let order = f64::from(order);
-        let factor = SAFETY * error.max(1e-10).powf(-0.7 / order) * previous.max(1e-4).powf(0.4 / order);
+        let factor = STEP_SAFETY * error.max(1e-10).powf(-0.7 / order) * previous.max(1e-4).powf(0.4 / order);
         factor.clamp(MIN_SHRINKAGE, MAX_GROWTH)
     }
 
     /// Factor on the step length after a rejected step of this error, in multiples of the tolerance.
     pub fn shrink(&self, order: u32, error: f64) -> f64 {
-        (SAFETY * error.powf(-1.0 / f64::from(order))).clamp(MIN_SHRINKAGE, SAFETY)
+        (STEP_SAFETY * error.powf(-1.0 / f64::from(order))).clamp(MIN_SHRINKAGE, STEP_SAFETY)
     }
 }

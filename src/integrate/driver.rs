@@ -8,6 +8,7 @@ use super::controller::MIN_STEP_FRACTION;
 use super::event_locator::{ChangeLocation, MAX_CHANGES_AT_ONE_TIME, RungeKuttaEventLocator};
 use super::{
     Adaptive, FirstOrderSystem, Halt, MethodState, Observer, RungeKutta, Span, State, Statistics, StepControl,
+    StepInterval,
 };
 
 /// Number of steps between two questions to the observer whether to continue.
@@ -22,13 +23,20 @@ pub struct Halted {
     pub elapsed: f64,
 }
 
+/// An elapsed time and its compensation, s (compensated summation).
+#[derive(Clone, Copy, Debug)]
+struct CompensatedTime {
+    elapsed: f64,
+    compensation: f64,
+}
+
 /// A step that meets the tolerance, and what follows from it. The state after it is `RungeKutta::end`.
 #[derive(Clone, Copy, Debug)]
 struct AcceptedStep {
     /// Length, s.
     step: f64,
     /// Elapsed time after the step and the compensation of its round-off, s.
-    end: (f64, f64),
+    end: CompensatedTime,
     /// Length of the step to try next, s.
     next_step: f64,
     /// Error in multiples of the tolerance.
@@ -50,12 +58,13 @@ pub fn run<const S: usize>(
     observer: &mut impl Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Halted> {
-    let outcome = take_steps((system, method), control, state, end, observer, statistics);
+    let outcome = take_steps(system, method, control, state, end, observer, statistics);
     outcome.map_err(|halt| Halted { halt, elapsed: state.elapsed })
 }
 
 fn take_steps<const S: usize>(
-    (system, method): (&mut impl FirstOrderSystem, &mut RungeKutta<S>),
+    system: &mut impl FirstOrderSystem,
+    method: &mut RungeKutta<S>,
     control: &StepControl,
     state: &mut State,
     end: f64,
@@ -73,7 +82,7 @@ fn take_steps<const S: usize>(
         if changes_at_this_time == 0 && checks % CHECK_INTERVAL == 1 && !observer.continues(state.elapsed) {
             return Err(Halt::Interrupted);
         }
-        let mut accepted = take_step((system, method), control, state, statistics)?;
+        let mut accepted = take_step(system, method, control, state, statistics)?;
         let change = match &mut locator {
             Some(locator) if changes_at_this_time < MAX_CHANGES_AT_ONE_TIME => {
                 locator.locate(system, state, &span(method, state, accepted.step))?
@@ -84,28 +93,32 @@ fn take_steps<const S: usize>(
         match change {
             Some(ChangeLocation::AtBeginning) => {
                 changes_at_this_time += 1;
-                adopt((system, method), state, new_contact_modes, observer, statistics)?;
+                adopt(system, method, state, new_contact_modes, observer, statistics)?;
                 continue;
             }
             Some(ChangeLocation::Within(step)) => {
                 accepted.step = step;
                 accepted.end = advanced(state, step);
-                method.step(system, (state.elapsed, accepted.end.0), &state.y, step)?;
+                method.step(
+                    system,
+                    StepInterval { begin: state.elapsed, end: accepted.end.elapsed, length: step },
+                    &state.y,
+                )?;
                 statistics.evaluations += S as u64 - 1;
             }
             Some(ChangeLocation::AtEnd) | None => {}
         }
         changes_at_this_time = 0;
-        if observer.sees_every_step() || observer.next().is_some_and(|next| next <= accepted.end.0) {
+        if observer.sees_every_step() || observer.next().is_some_and(|next| next <= accepted.end.elapsed) {
             let mut trajectory = system.trajectory(span(method, state, accepted.step));
-            observer.observe(&mut trajectory, accepted.end.0)?;
+            observer.observe(&mut trajectory, accepted.end.elapsed)?;
         }
-        if accepted.end.0 > end {
+        if accepted.end.elapsed > end {
             break;
         }
         commit(method, state, &accepted, matches!(change, Some(ChangeLocation::Within(_))), statistics);
         if change.is_some() {
-            adopt((system, method), state, new_contact_modes, observer, statistics)?;
+            adopt(system, method, state, new_contact_modes, observer, statistics)?;
         }
     }
     Ok(())
@@ -113,7 +126,8 @@ fn take_steps<const S: usize>(
 
 /// Takes a step whose end is finite.
 fn take_step<const S: usize>(
-    (system, method): (&mut impl FirstOrderSystem, &mut RungeKutta<S>),
+    system: &mut impl FirstOrderSystem,
+    method: &mut RungeKutta<S>,
     control: &StepControl,
     state: &State,
     statistics: &mut Statistics,
@@ -140,7 +154,7 @@ fn commit<const S: usize>(
     statistics: &mut Statistics,
 ) {
     method.commit(&mut state.y);
-    let (elapsed, compensation) = accepted.end;
+    let CompensatedTime { elapsed, compensation } = accepted.end;
     state.elapsed = elapsed;
     state.method = MethodState::RungeKutta { compensation };
     statistics.accept(accepted.step, accepted.at_limit);
@@ -153,7 +167,8 @@ fn commit<const S: usize>(
 
 /// Adopts new contact modes. The first stage is evaluated again, because it belongs to the old modes.
 fn adopt<const S: usize>(
-    (system, method): (&mut impl FirstOrderSystem, &mut RungeKutta<S>),
+    system: &mut impl FirstOrderSystem,
+    method: &mut RungeKutta<S>,
     state: &mut State,
     new_contact_modes: &[i64],
     observer: &mut impl Observer,
@@ -170,10 +185,10 @@ fn adopt<const S: usize>(
 }
 
 /// Elapsed time after a step and its compensation, s (compensated summation).
-fn advanced(state: &State, step: f64) -> (f64, f64) {
+fn advanced(state: &State, step: f64) -> CompensatedTime {
     let addend = step - state.method.compensation();
-    let sum = state.elapsed + addend;
-    (sum, (sum - state.elapsed) - addend)
+    let elapsed = state.elapsed + addend;
+    CompensatedTime { elapsed, compensation: (elapsed - state.elapsed) - addend }
 }
 
 /// Takes a fixed step. Step i ends at (i + 1) `step`.
@@ -184,11 +199,11 @@ fn fixed<const S: usize>(
     step: f64,
     statistics: &mut Statistics,
 ) -> Result<AcceptedStep, Halt> {
-    let end = ((state.count + 1) as f64 * step, 0.0);
+    let end = CompensatedTime { elapsed: (state.count + 1) as f64 * step, compensation: 0.0 };
     // After a contact change within step i, the rest of that step follows.
     let is_begun = state.elapsed != state.count as f64 * step;
-    let step = if is_begun { end.0 - state.elapsed } else { step };
-    method.step(system, (state.elapsed, end.0), &state.y, step)?;
+    let step = if is_begun { end.elapsed - state.elapsed } else { step };
+    method.step(system, StepInterval { begin: state.elapsed, end: end.elapsed, length: step }, &state.y)?;
     statistics.evaluations += S as u64 - 1;
     Ok(AcceptedStep { step, end, next_step: step, error: 1.0, at_limit: false })
 }
@@ -207,7 +222,7 @@ fn attempt<const S: usize>(
     let before = system.size(&state.y);
     loop {
         let end = advanced(state, step);
-        method.step(system, (state.elapsed, end.0), &state.y, step)?;
+        method.step(system, StepInterval { begin: state.elapsed, end: end.elapsed, length: step }, &state.y)?;
         statistics.evaluations += S as u64 - 1;
         let scale = before.max(system.size(method.end())).max(control.floor);
         let error = method.error(system, step);

@@ -13,7 +13,7 @@ use crate::numerics::bisect;
 /// Fractions of the step at which the contact mode is evaluated.
 const EVALUATED_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// The change is located to this fraction of the step.
-const RESOLUTION: f64 = 1e-13;
+const EVENT_RESOLUTION: f64 = 1e-13;
 /// A change closer to an end of the step than this fraction happens at that end: no step is shorter.
 const MIN_FRACTION: f64 = 1e-9;
 /// Contact changes at one instant after which a step is accepted as it is: grazing contact could change its mode for ever.
@@ -71,7 +71,7 @@ impl RungeKuttaEventLocator {
         let Some(first) = first else {
             return Ok(None);
         };
-        let [_, high] = bisect(0.0, first, RESOLUTION, |part| self.differs(system, state, span, part))?;
+        let [_, high] = bisect(0.0, first, EVENT_RESOLUTION, |part| self.differs(system, state, span, part))?;
         self.differs(system, state, span, high)?;
         Ok(Some(match high {
             high if high <= MIN_FRACTION => ChangeLocation::AtBeginning,

@@ -43,8 +43,35 @@ pub struct ExponentialState {
     pub time_base: f64,
     /// Time from the state to the contact change that is adopted already, s; zero if the change is in the past.
     pub pending_change: f64,
+    /// Range of the force of each connection since the origin, or since the last change of the method; empty before the first
+    /// step.
+    pub force_ranges: Vec<ForceRange>,
     /// The previous step, from which the loads of the next step are predicted.
     pub history: StepHistory,
+}
+
+/// Smallest unit of the error of a signal, as a part of its mean; `gearbow.accuracy.scale` has the same value and its reason.
+pub const SHARE_OF_MEAN: f64 = 0.02;
+
+/// Smallest and largest value of a force, N.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceRange {
+    /// Smallest value, N.
+    pub smallest: f64,
+    /// Largest value, N.
+    pub largest: f64,
+}
+
+impl ForceRange {
+    /// The range of one value, N.
+    pub fn of(force: f64) -> Self {
+        Self { smallest: force, largest: force }
+    }
+
+    /// The smallest range that also contains `force`, N.
+    pub fn with(self, force: f64) -> Self {
+        Self { smallest: self.smallest.min(force), largest: self.largest.max(force) }
+    }
 }
 
 /// The previous step of the exponential method; empty if there is none.
@@ -96,10 +123,11 @@ impl State {
         if !self.modal.is_empty() {
             push(&self.modal);
         }
-        if let MethodState::Exponential(ExponentialState { time_base, history, .. }) = &self.method {
+        if let MethodState::Exponential(ExponentialState { time_base, force_ranges, history, .. }) = &self.method {
             push(&history.loads);
             push(&history.interface_states);
             push(&history.residual_tangent);
+            push(&force_ranges.iter().flat_map(|range| [range.smallest, range.largest]).collect::<Vec<f64>>());
             numbers.extend([*time_base, history.step, history.contraction]);
         }
         numbers
@@ -168,9 +196,12 @@ impl Numbers<'_> {
 
     fn exponential(&mut self, pending_change: f64) -> Option<ExponentialState> {
         let (loads, interface_states, residual_tangent) = (self.vector()?, self.vector()?, self.vector()?);
+        let ranges = self.vector()?;
+        let force_ranges =
+            ranges.chunks_exact(2).map(|range| ForceRange { smallest: range[0], largest: range[1] }).collect();
         let (time_base, step, contraction) = (self.number()?, self.number()?, self.number()?);
         let history = StepHistory { loads, interface_states, residual_tangent, step, contraction };
-        self.0.is_empty().then_some(ExponentialState { time_base, pending_change, history })
+        self.0.is_empty().then_some(ExponentialState { time_base, pending_change, force_ranges, history })
     }
 }
 
@@ -186,7 +217,8 @@ mod tests {
             step: 1e-5,
             contraction: f64::INFINITY,
         };
-        let own = ExponentialState { time_base: 0.5, pending_change: 1e-9, history };
+        let force_ranges = vec![ForceRange::of(-3.0).with(4.0), ForceRange::of(0.0)];
+        let own = ExponentialState { time_base: 0.5, pending_change: 1e-9, force_ranges, history };
         let modal = vec![0.25, -0.5];
         let compensated = MethodState::RungeKutta { compensation: -1e-17 };
         [

@@ -3,6 +3,18 @@
 use super::tableau::Tableau;
 use super::{FirstOrderSystem, Halt};
 
+/// Where a step begins and ends. The end may differ from the sum of beginning
+/// and length by round-off.
+#[derive(Clone, Copy, Debug)]
+pub struct StepInterval {
+    /// Elapsed time of the beginning, s.
+    pub begin: f64,
+    /// Elapsed time of the end, s.
+    pub end: f64,
+    /// Length, s.
+    pub length: f64,
+}
+
 /// A tableau, and the last step that was taken with it.
 #[derive(Clone, Debug)]
 pub struct RungeKutta<const S: usize> {
@@ -30,23 +42,17 @@ impl<const S: usize> RungeKutta<S> {
         system.derivative(elapsed, y, &mut self.stages[0])
     }
 
-    /// Steps from `y` at `elapsed` by `step` to `end`, which may differ from their sum by round-off. The first stage must
-    /// be known. Stages at the end are evaluated at `end` itself, like the first stage of the next step.
+    /// Takes a step from `y`. The first stage must be known. Stages at the end are evaluated at the end of the span itself,
+    /// like the first stage of the next step.
     ///
     /// # Errors
     /// [`Halt`] of the system.
-    pub fn step(
-        &mut self,
-        system: &mut impl FirstOrderSystem,
-        (elapsed, end): (f64, f64),
-        y: &[f64],
-        step: f64,
-    ) -> Result<(), Halt> {
+    pub fn step(&mut self, system: &mut impl FirstOrderSystem, span: StepInterval, y: &[f64]) -> Result<(), Halt> {
         for stage in 1..S {
             let (done, rest) = self.stages.split_at_mut(stage);
-            combine(y, step, &self.tableau.weights[stage], done, &mut self.end);
+            combine(y, span.length, &self.tableau.weights[stage], done, &mut self.end);
             let node = self.tableau.nodes[stage];
-            let time = if node < 1.0 { elapsed + node * step } else { end };
+            let time = if node < 1.0 { span.begin + node * span.length } else { span.end };
             system.derivative(time, &self.end, &mut rest[0])?;
         }
         Ok(())

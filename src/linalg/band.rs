@@ -22,11 +22,11 @@ pub trait Number: ComplexField<RealField = f64> + Copy {}
 impl<T: ComplexField<RealField = f64> + Copy> Number for T {}
 
 /// An imaginary part below this fraction of the real part is round-off.
-const REAL: f64 = 1e-12;
+const IMAGINARY_TOLERANCE: f64 = 1e-12;
 /// Number of subdiagonals of shafts of degree one in torsion.
-const NARROW: usize = 1;
+const TORSION_BAND_WIDTH: usize = 1;
 /// The same in bending.
-const WIDE: usize = 3;
+const BENDING_BAND_WIDTH: usize = 3;
 
 /// A band matrix; row i stores the columns from i − L to i + L.
 #[derive(Clone, Debug)]
@@ -81,8 +81,8 @@ impl<T: Number> Band<T> {
         Arch::new().dispatch(
             #[inline(always)]
             || match self.reach {
-                NARROW => self.factor_with(NARROW, true),
-                WIDE => self.factor_with(WIDE, true),
+                TORSION_BAND_WIDTH => self.factor_with(TORSION_BAND_WIDTH, true),
+                BENDING_BAND_WIDTH => self.factor_with(BENDING_BAND_WIDTH, true),
                 reach => self.factor_with(reach, true),
             },
         )
@@ -146,7 +146,10 @@ impl<T: Number> Band<T> {
 impl Band<Complex<f64>> {
     /// The same matrix with real numbers, if every entry is real but for round-off.
     pub fn real(&self) -> Option<Band<f64>> {
-        let entries = self.entries.iter().map(|value| (value.im.abs() <= REAL * value.re.abs()).then_some(value.re));
+        let entries = self
+            .entries
+            .iter()
+            .map(|value| (value.im.abs() <= IMAGINARY_TOLERANCE * value.re.abs()).then_some(value.re));
         Some(Band { reach: self.reach, size: self.size, entries: entries.collect::<Option<_>>()? })
     }
 }
@@ -183,8 +186,8 @@ impl<T: Number> BandLu<T> {
         Arch::new().dispatch(
             #[inline(always)]
             || match self.reach {
-                NARROW => self.solve_with(NARROW, x, from, to),
-                WIDE => self.solve_with(WIDE, x, from, to),
+                TORSION_BAND_WIDTH => self.solve_with(TORSION_BAND_WIDTH, x, from, to),
+                BENDING_BAND_WIDTH => self.solve_with(BENDING_BAND_WIDTH, x, from, to),
                 reach => self.solve_with(reach, x, from, to),
             },
         );

@@ -8,9 +8,9 @@ use pulp::Arch;
 use super::band::Number;
 
 /// Number of partial sums of a product.
-const LANES: usize = 8;
+const PARTIAL_SUMS: usize = 8;
 /// Columns that share one pass over the vector.
-const TOGETHER: usize = 4;
+const COLUMNS_PER_PASS: usize = 4;
 
 /// Vᴴx for the columns V of x.len() entries each.
 pub fn products<T: Number>(columns: &[T], x: &[T]) -> Vec<T> {
@@ -19,10 +19,10 @@ pub fn products<T: Number>(columns: &[T], x: &[T]) -> Vec<T> {
     Arch::new().dispatch(
         #[inline(always)]
         || {
-            let together = columns.chunks_exact(TOGETHER * size);
+            let together = columns.chunks_exact(COLUMNS_PER_PASS * size);
             let rest = together.remainder();
             for columns in together {
-                out.extend(products_of::<T, TOGETHER>(columns, x));
+                out.extend(products_of::<T, COLUMNS_PER_PASS>(columns, x));
             }
             for column in rest.chunks_exact(size) {
                 out.extend(products_of::<T, 1>(column, x));
@@ -34,10 +34,10 @@ pub fn products<T: Number>(columns: &[T], x: &[T]) -> Vec<T> {
 
 #[inline(always)]
 fn products_of<T: Number, const N: usize>(columns: &[T], x: &[T]) -> [T; N] {
-    let mut sums = [[T::zero(); LANES]; N];
-    let (whole, last) = x.as_chunks::<LANES>();
+    let mut sums = [[T::zero(); PARTIAL_SUMS]; N];
+    let (whole, last) = x.as_chunks::<PARTIAL_SUMS>();
     let columns: [&[T]; N] = std::array::from_fn(|k| &columns[k * x.len()..(k + 1) * x.len()]);
-    let chunks: [&[[T; LANES]]; N] = columns.map(|column| &column.as_chunks::<LANES>().0[..whole.len()]);
+    let chunks: [&[[T; PARTIAL_SUMS]]; N] = columns.map(|column| &column.as_chunks::<PARTIAL_SUMS>().0[..whole.len()]);
     for (i, x) in whole.iter().enumerate() {
         for (sums, column) in sums.iter_mut().zip(chunks) {
             for ((sum, value), x) in sums.iter_mut().zip(column[i]).zip(x) {
@@ -58,7 +58,7 @@ pub fn add_combination<T: Number>(columns: &[T], size: usize, weights: &[T], x: 
     Arch::new().dispatch(
         #[inline(always)]
         || {
-            let (fours, rest) = weights.as_chunks::<TOGETHER>();
+            let (fours, rest) = weights.as_chunks::<COLUMNS_PER_PASS>();
             let count = x.len();
             let mut columns = columns.chunks_exact(size.max(1)).map(|column| &column[..count]);
             for weights in fours {

@@ -28,7 +28,7 @@ use num_complex::Complex64;
 
 use super::band::{Band, BandLu, Number, Singular};
 use super::couplings::{Couplings, chain_of};
-use super::dense::{ComplexLu, NEGLIGIBLE};
+use super::dense::{ComplexLu, ENTRY_ROUND_OFF};
 use super::determinant::Determinant;
 
 /// Matrix of one chain.
@@ -250,7 +250,7 @@ impl CoupledFactors {
 
     /// Residual f − S x and the componentwise backward error max |f − S x|/(|S||x| + |f|), with f = `right`.
     fn residual(&self, right: &[Complex64], x: &[Complex64]) -> (Vec<Complex64>, f64) {
-        let floor = NEGLIGIBLE * x.iter().map(|value| value.l1_norm()).fold(0.0, f64::max);
+        let floor = ENTRY_ROUND_OFF * x.iter().map(|value| value.l1_norm()).fold(0.0, f64::max);
         let (mut residual, mut sizes) = (vec![Complex64::ZERO; x.len()], vec![0.0; x.len()]);
         for (chain, start) in self.matrix.chains.iter().zip(&self.matrix.starts) {
             for row in 0..chain.size() {

@@ -38,12 +38,12 @@ impl From<Singular> for DecompositionError {
 
 /// Fraction of ‖A_i‖‖x‖∞ that is added to |A_i||x| of each row i: an entry of x that is zero up to round-off has no
 /// relative accuracy.
-pub(super) const NEGLIGIBLE: f64 = 1e-8;
+pub(super) const ENTRY_ROUND_OFF: f64 = 1e-8;
 
 /// Componentwise backward error max |f − A x|/(|A||x| + |f|) of a solution x of A x = f (Oettli and Prager, Numer. Math. 6,
 /// 1964).
 pub fn backward_error(matrix: &DMatrix<Complex<f64>>, right: &DVector<Complex<f64>>, x: &DVector<Complex<f64>>) -> f64 {
-    let floor = NEGLIGIBLE * x.iter().map(|value| value.l1_norm()).fold(0.0, f64::max);
+    let floor = ENTRY_ROUND_OFF * x.iter().map(|value| value.l1_norm()).fold(0.0, f64::max);
     let (mut residual, mut sizes) = (right.clone(), right.map(|value| value.l1_norm()));
     for (column, x) in matrix.column_iter().zip(x) {
         for (row, value) in column.iter().enumerate() {

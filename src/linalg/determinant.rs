@@ -5,7 +5,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 /// Magnitudes of partial products of a determinant.
-const REPRESENTABLE: Range<f64> = 1e-140..1e140;
+const PARTIAL_PRODUCT_RANGE: Range<f64> = 1e-140..1e140;
 
 /// A determinant as a phase factor and the logarithm of its magnitude, which neither overflow nor underflow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ impl Determinant {
         for factor in factors {
             let next = product * factor;
             // Few products need their magnitude, which takes longer than a multiplication.
-            if REPRESENTABLE.contains(&next.l1_norm()) {
+            if PARTIAL_PRODUCT_RANGE.contains(&next.l1_norm()) {
                 product = next;
                 continue;
             }

@@ -13,15 +13,15 @@ use super::convert::{copy, view};
 /// An eigenvector is wrong if its residual exceeds this times ‖A‖√n.
 const MAX_RESIDUAL: f64 = 1e-14;
 /// Eigenvalues closer than this times ‖A‖ may have wrong eigenvectors.
-const CLOSE: f64 = 1e-5;
+const CLOSE_EIGENVALUES: f64 = 1e-5;
 /// Eigenvalues closer than this times ‖A‖ differ only by round-off.
-const EQUAL: f64 = 1e-12;
+const EQUAL_EIGENVALUES: f64 = 1e-12;
 /// Distance of the shift of inverse iteration to the eigenvalue, times ‖A‖; it keeps the shifted matrix regular.
-const SHIFT: f64 = 1e-15;
+const SHIFT_DISTANCE: f64 = 1e-15;
 /// Two steps reach round-off; a third one makes up for a bad start vector.
-const STEPS: usize = 3;
+const MAX_ITERATIONS: usize = 3;
 /// Norm of the perturbation of the start vector of unit length.
-const PERTURBATION: f64 = 0.1;
+const START_PERTURBATION: f64 = 0.1;
 
 type Vector = DVector<Complex<f64>>;
 
@@ -31,7 +31,8 @@ pub(super) fn refine_eigenvectors(matrix: &DMatrix<f64>, values: &[Complex<f64>]
     let size = matrix.norm();
     let tolerance = MAX_RESIDUAL * size * (matrix.nrows() as f64).sqrt();
     let closer = |a: usize, b: usize, fraction: f64| (values[a] - values[b]).norm_sqr() <= (fraction * size).powi(2);
-    let isolated = |index: usize| !(0..values.len()).any(|other| other != index && closer(index, other, CLOSE));
+    let isolated =
+        |index: usize| !(0..values.len()).any(|other| other != index && closer(index, other, CLOSE_EIGENVALUES));
     let close: Vec<usize> = (0..values.len()).filter(|index| !isolated(*index)).collect();
     let mut correct = vec![true; values.len()];
     for (index, residual) in close.iter().zip(residuals(matrix, values, vectors, &close)) {
@@ -42,10 +43,10 @@ pub(super) fn refine_eigenvectors(matrix: &DMatrix<f64>, values: &[Complex<f64>]
             continue;
         }
         let equals: Vec<Vector> = (0..values.len())
-            .filter(|other| correct[*other] && closer(index, *other, EQUAL))
+            .filter(|other| correct[*other] && closer(index, *other, EQUAL_EIGENVALUES))
             .map(|other| vectors[other].clone())
             .collect();
-        let shift = value + Complex::new(SHIFT * size, SHIFT * size);
+        let shift = value + Complex::new(SHIFT_DISTANCE * size, SHIFT_DISTANCE * size);
         let vector = inverse_iteration(matrix, shift, &vectors[index], &equals);
         let refined = residual(matrix, value, &vector);
         if refined < residual(matrix, value, &vectors[index]) {
@@ -80,7 +81,7 @@ fn residuals(matrix: &DMatrix<f64>, values: &[Complex<f64>], vectors: &[Vector],
     indices.iter().enumerate().map(residual).collect()
 }
 
-/// Unit vector after [`STEPS`] of inverse iteration from `start`, orthogonal to the unit vectors `equals`.
+/// Unit vector after [`MAX_ITERATIONS`] of inverse iteration from `start`, orthogonal to the unit vectors `equals`.
 fn inverse_iteration(matrix: &DMatrix<f64>, shift: Complex<f64>, start: &Vector, equals: &[Vector]) -> Vector {
     let n = matrix.nrows();
     let shifted =
@@ -88,9 +89,9 @@ fn inverse_iteration(matrix: &DMatrix<f64>, shift: Complex<f64>, start: &Vector,
     let factors = view(&shifted).partial_piv_lu();
     // The start vector may have no component in the direction of the eigenvector. A fixed perturbation adds components
     // in all directions.
-    let perturbation = |i: usize| Complex::from_polar(PERTURBATION / (n as f64).sqrt(), (i * i) as f64);
+    let perturbation = |i: usize| Complex::from_polar(START_PERTURBATION / (n as f64).sqrt(), (i * i) as f64);
     let mut vector = DVector::from_fn(n, |i, _| start[i] + perturbation(i));
-    for _ in 0..STEPS {
+    for _ in 0..MAX_ITERATIONS {
         let solved = factors.solve(view(&DMatrix::from_column_slice(n, 1, vector.as_slice())));
         vector = copy(solved.as_ref()).column(0).into_owned();
         // Orthogonalization is done twice, because the first time leaves round-off of the removed components.

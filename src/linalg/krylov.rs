@@ -13,7 +13,7 @@ use super::columns::{add_combination, products};
 use super::dense::{DecompositionError, Eigen, eigen};
 
 /// A vector that loses more than this factor in orthogonalization lies in the space.
-const DEPENDENT: f64 = 1e-12;
+const DEPENDENCE_TOLERANCE: f64 = 1e-12;
 
 /// An operator with the inner product in which it is close to normal.
 pub trait Operator {
@@ -112,7 +112,7 @@ impl<'a, T: Operator> Krylov<'a, T> {
             weighted = self.operator.weigh(&vector);
         }
         let after = norm(&vector, &weighted);
-        if after > DEPENDENT * before && after.is_finite() {
+        if after > DEPENDENCE_TOLERANCE * before && after.is_finite() {
             self.basis.extend(vector.iter().map(|value| value.unscale(after)));
             components.push(T::Scalar::from_real(after));
         }

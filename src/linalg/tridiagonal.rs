@@ -9,9 +9,9 @@ use super::band::Band;
 /// Largest number of bisections: each halves an interval of doubles.
 const MAX_BISECTIONS: usize = 128;
 /// Relative distance of the shift of inverse iteration to the eigenvalue, which keeps the matrix regular.
-const OFFSET: f64 = 8.0 * f64::EPSILON;
+const SHIFT_DISTANCE: f64 = 8.0 * f64::EPSILON;
 /// Number of inverse iterations. One is enough unless the start vector has almost no part in the eigenvector.
-const ITERATIONS: usize = 3;
+const INVERSE_ITERATIONS: usize = 3;
 
 /// Largest eigenvalue of the matrix with the diagonal entries `diagonal`, m of them, and `beside` next to them, m − 1.
 pub fn largest_eigenvalue(diagonal: &[f64], beside: &[f64]) -> f64 {
@@ -51,7 +51,7 @@ pub fn eigenvector(diagonal: &[f64], beside: &[f64], value: f64) -> Vec<f64> {
     let size = diagonal.len();
     let mut shifted = Band::zeros(size, 1);
     for (row, entry) in diagonal.iter().enumerate() {
-        shifted.add(row, row, entry - value * (1.0 + OFFSET));
+        shifted.add(row, row, entry - value * (1.0 + SHIFT_DISTANCE));
     }
     for (row, entry) in beside.iter().enumerate().take(size.saturating_sub(1)) {
         shifted.add(row, row + 1, *entry);
@@ -59,7 +59,7 @@ pub fn eigenvector(diagonal: &[f64], beside: &[f64], value: f64) -> Vec<f64> {
     }
     let mut vector = vec![1.0; size];
     if let Ok(factors) = shifted.factor() {
-        for _ in 0..ITERATIONS {
+        for _ in 0..INVERSE_ITERATIONS {
             factors.solve(&mut vector);
             let length = vector.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
             vector.iter_mut().for_each(|entry| *entry /= length);

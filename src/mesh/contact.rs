@@ -65,10 +65,10 @@ impl ContactMode {
     pub const ALWAYS: Self = Self { flank: Flank::Drive, engaged: [(0, 0); 2] };
 
     /// Length of [`Self::code`].
-    pub const CODE: usize = 5;
+    pub const CODE_LENGTH: usize = 5;
 
     /// The contact mode as numbers: flank, then first and last pair of each flank.
-    pub fn code(&self) -> [i64; Self::CODE] {
+    pub fn code(&self) -> [i64; Self::CODE_LENGTH] {
         let [(a, b), (c, d)] = self.engaged;
         [self.flank as i64, a, b, c, d]
     }
@@ -78,7 +78,7 @@ impl ContactMode {
         let range = |pairs: &[i64]| {
             pairs.iter().all(|pair| pair.unsigned_abs() <= MOST_PAIR) && pairs[1].abs_diff(pairs[0]) <= MOST_PAIRS
         };
-        code.len() == Self::CODE && (0..=3).contains(&code[0]) && range(&code[1..3]) && range(&code[3..5])
+        code.len() == Self::CODE_LENGTH && (0..=3).contains(&code[0]) && range(&code[1..3]) && range(&code[3..5])
     }
 
     /// The contact mode of numbers that [`Self::is_code`] accepts.

@@ -292,11 +292,11 @@ impl Involute {
 /// Angle of the vector (x, y), rad. For small centre displacements, six terms of the series give full precision.
 #[inline(always)]
 fn angle(y: f64, x: f64) -> f64 {
-    const SERIES: [f64; 5] = [1.0 / 11.0, 1.0 / 9.0, 1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0];
+    const ARCTANGENT_SERIES: [f64; 5] = [1.0 / 11.0, 1.0 / 9.0, 1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0];
     let slope = y / x;
     let square = slope * slope;
     if x > 0.0 && square < 1e-3 {
-        slope - slope * square * SERIES.iter().fold(0.0, |rest, term| term - square * rest)
+        slope - slope * square * ARCTANGENT_SERIES.iter().fold(0.0, |rest, term| term - square * rest)
     } else {
         y.atan2(x)
     }

@@ -11,7 +11,7 @@ use num_complex::Complex64;
 
 use super::CachedModel;
 use super::contour::{self, Contour, Known};
-use super::intersection::OrderIntersection;
+use super::intersection::ModeAtSpeed;
 use super::pins::Pins;
 use super::real::null_motions;
 use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, RitzPair, solve_complex};
@@ -38,7 +38,7 @@ pub fn lowest_critical(
     cached: &CachedModel,
     order: f64,
     count: usize,
-) -> Result<Option<Vec<OrderIntersection>>, DecompositionError> {
+) -> Result<Option<Vec<ModeAtSpeed>>, DecompositionError> {
     let inverse = CriticalInverse::new(&cached.model, order)?;
     let mut space = Krylov::new(&inverse, []);
     // Forward and backward modes, or equal shafts, may have equal critical speeds.
@@ -150,7 +150,7 @@ impl<'m> CriticalInverse<'m> {
     }
 
     /// The critical speed of a vector, from its Rayleigh quotient.
-    fn mode(&self, mut shape: DVector<Complex64>) -> OrderIntersection {
+    fn mode(&self, mut shape: DVector<Complex64>) -> ModeAtSpeed {
         self.without_null(&mut shape);
         let part = |part: fn(&Complex64) -> f64| {
             self.model.elastic_form(shape.map(|value| part(&value)).as_slice(), |mesh| self.model.sigma(mesh, FORWARD))
@@ -158,7 +158,7 @@ impl<'m> CriticalInverse<'m> {
         let elastic = part(|value| value.re) + part(|value| value.im);
         let frequency = (elastic / shape.dotc(&self.inertia(&shape)).re).sqrt();
         let size = self.model.complex_kinetic_form(&shape).sqrt();
-        OrderIntersection {
+        ModeAtSpeed {
             speed: frequency / self.order,
             eigenvalue: Complex64::new(0.0, frequency),
             shape: shape.unscale(size),

@@ -15,7 +15,7 @@ use self::forces::{AtRest, BearingTangent, Contacts, Forces, Laws};
 use super::clearance::{Entry, check_journals, regularisation, within_clearances};
 use super::pins::Pins;
 use super::real::null_motions;
-use crate::film::{CLOSEST, TOUCHING};
+use crate::film::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
 use crate::mesh::{Flank, Geometry, Overlap};
 use crate::model::{Dof, DofKind, Model, Weights};
@@ -304,7 +304,7 @@ impl<'m> Search<'m> {
                 point = self.at(q, &flanks, Laws::Exact)?;
                 if is_final {
                     check_constraints(&point.carried, load)?;
-                    check_journals(model, &point.q, UNLOADED..CLOSEST)?;
+                    check_journals(model, &point.q, UNLOADED..MAX_ECCENTRICITY_RATIO)?;
                     return Ok((point.q, flanks));
                 }
                 continue;
@@ -325,7 +325,7 @@ impl<'m> Search<'m> {
                 None => break,
             }
         }
-        check_journals(model, &point.q, 0.0..TOUCHING)?;
+        check_journals(model, &point.q, 0.0..TOUCHING_RATIO)?;
         check_constraints(&point.carried, load)?;
         Err(match overlap {
             Some(overlap) => overlap,

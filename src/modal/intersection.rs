@@ -1,4 +1,5 @@
-//! Modes on a line of the Campbell diagram, Im λ = order·Ω, from the band matrices of the shafts.
+//! One mode by Newton's method, from the band matrices of the shafts: at a speed, or on a line of the Campbell diagram,
+//! Im λ = order·Ω.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
@@ -13,10 +14,9 @@ const CONVERGED: f64 = 1e-9;
 /// Relative change of λ and Ω below which changes that no longer decrease are due to round-off in stiff scenes.
 const STALLED: f64 = 1e-8;
 
-/// A mode whose frequency is a multiple (order) of the speed, Im λ = order·Ω: its intersection with the line of this
-/// order in the Campbell diagram.
+/// A mode and the speed at which it is one.
 #[derive(Clone, Debug)]
-pub struct OrderIntersection {
+pub struct ModeAtSpeed {
     /// Speed Ω of the reference shaft, rad/s.
     pub speed: f64,
     /// Eigenvalue λ, rad/s.
@@ -25,42 +25,80 @@ pub struct OrderIntersection {
     pub shape: DVector<Complex<f64>>,
 }
 
-/// Mode with Im λ = `order`·Ω near `start`, by Newton's method for φ, Re λ and Ω, with the flanks in contact at positive
-/// speeds; `None` if it does not converge.
-///
-/// Each iteration solves S Δφ = −Sφ − (∂S/∂Re λ φ) ΔRe λ − (∂S/∂Ω φ) ΔΩ with φᴴMΔφ = 0, where Im λ = order·Ω: the
-/// bordered system of Spence and Poulton (J. Comput. Phys. 204, 2005). The residual Sφ comes from the strains, so that the
-/// stiff modes cause no round-off in the soft ones.
-pub fn intersection(model: &Model, order: f64, start: &OrderIntersection) -> Option<OrderIntersection> {
+/// What Newton's method changes besides the shape and Re λ.
+#[derive(Clone, Copy, Debug)]
+enum Unknown {
+    /// The frequency Im λ, at the given speed.
+    Frequency,
+    /// The speed Ω, with Im λ = order·Ω for this order.
+    Speed(f64),
+}
+
+/// Mode with Im λ = `order`·Ω near `start`, its intersection with the line of this order in the Campbell diagram, with the
+/// flanks in contact at positive speeds; `None` if the iteration does not converge. Matrices must not depend on the speed.
+pub fn intersection(model: &Model, order: f64, start: &ModeAtSpeed) -> Option<ModeAtSpeed> {
     let mut at = start.clone();
     at.eigenvalue.im = order * at.speed;
+    newton(model, Unknown::Speed(order), at)
+}
+
+/// Mode near `start` at its speed, with the flanks in contact there; `None` if the iteration does not converge.
+pub fn mode_near(model: &Model, start: &ModeAtSpeed) -> Option<ModeAtSpeed> {
+    newton(model, Unknown::Frequency, start.clone())
+}
+
+/// A mode, from the approximation `at`, by Newton's method.
+///
+/// Each iteration solves S Δφ = −Sφ − (∂S/∂Re λ φ) ΔRe λ − (∂S/∂p φ) Δp with φᴴMΔφ = 0 and the further unknown p: the
+/// bordered system of Spence and Poulton (J. Comput. Phys. 204, 2005). The residual Sφ comes from the strains, so that the
+/// stiff modes cause no round-off in the soft ones.
+fn newton(model: &Model, unknown: Unknown, mut at: ModeAtSpeed) -> Option<ModeAtSpeed> {
     let (mut previous, mut is_close) = (f64::INFINITY, false);
     for _ in 0..MAX_ITERATIONS {
-        let (shape, decay, speed) = newton_step(model, order, &at).ok()?;
-        let of_values = (decay.abs() / at.eigenvalue.norm()).max(speed.abs() / at.speed.abs());
-        let change = of_values.max(model.complex_kinetic_form(&shape).sqrt());
+        let change = newton_step(model, unknown, &at).ok()?;
+        let size = match unknown {
+            Unknown::Frequency => at.eigenvalue.norm(),
+            Unknown::Speed(_) => at.speed.abs(),
+        };
+        let of_values = (change.decay.abs() / at.eigenvalue.norm()).max(change.further.abs() / size);
+        let largest = of_values.max(model.complex_kinetic_form(&change.shape).sqrt());
         // At the root, S is singular to round-off, and a further step would spoil φ.
-        if is_close && change >= previous / 2.0 {
+        if is_close && largest >= previous / 2.0 {
             return Some(at);
         }
-        at.shape += shape;
-        let size = model.complex_kinetic_form(&at.shape).sqrt();
-        at.shape.unscale_mut(size);
-        at.speed += speed;
-        at.eigenvalue = Complex::new(at.eigenvalue.re + decay, order * at.speed);
-        if !(change.is_finite() && size.is_finite() && size > 0.0 && at.speed > 0.0) {
+        at.shape += change.shape;
+        let norm = model.complex_kinetic_form(&at.shape).sqrt();
+        at.shape.unscale_mut(norm);
+        at.eigenvalue.re += change.decay;
+        match unknown {
+            Unknown::Frequency => at.eigenvalue.im += change.further,
+            Unknown::Speed(order) => {
+                at.speed += change.further;
+                at.eigenvalue.im = order * at.speed;
+            }
+        }
+        if !(largest.is_finite() && norm.is_finite() && norm > 0.0 && at.eigenvalue.im > 0.0) {
             return None;
         }
-        if change <= CONVERGED {
+        if largest <= CONVERGED {
             return Some(at);
         }
-        (previous, is_close) = (change, of_values <= STALLED);
+        (previous, is_close) = (largest, of_values <= STALLED);
     }
     None
 }
 
-/// Changes of φ, Re λ and Ω.
-fn newton_step(model: &Model, order: f64, at: &OrderIntersection) -> Result<(DVector<Complex64>, f64, f64), Singular> {
+/// Changes in one iteration.
+struct Change {
+    shape: DVector<Complex64>,
+    /// Change of Re λ, rad/s.
+    decay: f64,
+    /// Change of the further unknown, rad/s.
+    further: f64,
+}
+
+/// One iteration of Newton's method.
+fn newton_step(model: &Model, unknown: Unknown, at: &ModeAtSpeed) -> Result<Change, Singular> {
     let (lambda, phi) = (at.eigenvalue, &at.shape);
     let [inertia, damping, gyroscopic] = [
         model.product(phi, |x, out| model.multiply_mass(x, out)),
@@ -71,18 +109,21 @@ fn newton_step(model: &Model, order: f64, at: &OrderIntersection) -> Result<(DVe
     let rate = &damping + &gyroscopic * Complex64::from(at.speed);
     let residual = elastic + &rate * lambda + &inertia * (lambda * lambda);
     let by_decay = &inertia * (2.0 * lambda) + rate;
-    let by_speed = &by_decay * Complex64::new(0.0, order) + gyroscopic * lambda;
+    let by_further = match unknown {
+        Unknown::Frequency => &by_decay * Complex64::I,
+        Unknown::Speed(order) => &by_decay * Complex64::new(0.0, order) + gyroscopic * lambda,
+    };
     let sense = if lambda.re < 0.0 { -1.0 } else { 1.0 };
     let factors = model.dynamic_stiffness(&Weights::dynamic(lambda, at.speed), at.speed).factor(sense)?;
-    let [by_decay, by_speed, residual] = [by_decay, by_speed, residual].map(|right| {
+    let [by_decay, by_further, residual] = [by_decay, by_further, residual].map(|right| {
         let mut x = model.to_circular(right.as_slice());
         factors.solve_once(&mut x);
         DVector::from_vec(model.from_circular(&x))
     });
-    let [decay, speed, constant] = [&by_decay, &by_speed, &residual].map(|column| inertia.dotc(column));
-    let borders = DMatrix::from_row_slice(2, 2, &[decay.re, speed.re, decay.im, speed.im]);
+    let [decay, further, constant] = [&by_decay, &by_further, &residual].map(|column| inertia.dotc(column));
+    let borders = DMatrix::from_row_slice(2, 2, &[decay.re, further.re, decay.im, further.im]);
     let change = solve(&borders, &DMatrix::from_row_slice(2, 1, &[-constant.re, -constant.im]));
-    let (decay, speed) = (change[(0, 0)], change[(1, 0)]);
-    let shape = -(residual + by_decay * Complex64::from(decay) + by_speed * Complex64::from(speed));
-    Ok((shape, decay, speed))
+    let (decay, further) = (change[(0, 0)], change[(1, 0)]);
+    let shape = -(residual + by_decay * Complex64::from(decay) + by_further * Complex64::from(further));
+    Ok(Change { shape, decay, further })
 }

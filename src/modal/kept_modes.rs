@@ -20,16 +20,16 @@ use crate::model::Model;
 
 /// C: negligible share at L = 1. With 0.03, three of the scenes of `benches/accuracy` need L = 13 instead of 6 or 9; with 0.003,
 /// runs at L = 6 keep 13 to 30 % more modes.
-const SHARE: f64 = 0.01;
+const NEGLIGIBLE_SHARE: f64 = 0.01;
 /// Modes below this multiple of the fastest rotation are kept, because bow and unbalance can be in resonance with them.
 const ROTATION_MARGIN: f64 = 1.5;
 /// A static shape whose energy outside of the other shapes is below this share of its interface is round-off.
-const DEPENDENT: f64 = 1e-10;
+const DEPENDENCE_TOLERANCE: f64 = 1e-10;
 /// Weight of the load on a single coordinate relative to those of connections, which act along lines of action. With 0.003,
 /// a train with separation loses modes that matter: its error of mesh forces rises from 1.5e-3 to 2.3e-2.
-const ACROSS: f64 = 0.03;
+const COORDINATE_WEIGHT: f64 = 0.03;
 /// Part of a given number of modes that static shapes take at most. Half leaves errors up to twice as large with 40 of 75 modes.
-const STATIC_PART: f64 = 0.33;
+const MAX_STATIC_PART: f64 = 0.33;
 
 /// How many modes a run keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,12 +82,12 @@ pub(super) fn kept_modes(
             let is_kept = |mode: &usize| {
                 let frequency = interfaces.frequencies[*mode];
                 let relative = frequency / (limit * key.excited);
-                let smallest = SHARE * (relative / limit).powi(2);
+                let smallest = NEGLIGIBLE_SHARE * (relative / limit).powi(2);
                 frequency <= ROTATION_MARGIN * key.rotation
                     || frequency <= limit * key.excited && interfaces.shares[*mode] > smallest
             };
             let kept: Vec<usize> = (0..interfaces.shares.len()).filter(is_kept).collect();
-            let statics = interfaces.static_shapes(&kept, usize::MAX, SHARE / limit.powi(2));
+            let statics = interfaces.static_shapes(&kept, usize::MAX, NEGLIGIBLE_SHARE / limit.powi(2));
             (kept, statics)
         }
         Extent::Count(count) => interfaces.of_count(count.saturating_sub(all.null)),
@@ -112,7 +112,7 @@ impl RealModes {
         let interfaces = Interfaces::new(self, &rows);
         let kept: Vec<usize> =
             (0..interfaces.shares.len()).filter(|mode| interfaces.frequencies[*mode] <= highest).collect();
-        let statics = interfaces.static_shapes(&kept, usize::MAX, DEPENDENT);
+        let statics = interfaces.static_shapes(&kept, usize::MAX, DEPENDENCE_TOLERANCE);
         Subspace { model, all: self, speed }.modes(&kept, &statics, &DMatrix::zeros(model.len(), 0))
     }
 }
@@ -142,7 +142,8 @@ impl Interfaces {
                 column /= size;
             }
         }
-        let weights: Vec<f64> = rows.iter().map(|row| if row.len() == 1 { ACROSS * ACROSS } else { 1.0 }).collect();
+        let weights: Vec<f64> =
+            rows.iter().map(|row| if row.len() == 1 { COORDINATE_WEIGHT * COORDINATE_WEIGHT } else { 1.0 }).collect();
         let shares = energies
             .row_iter()
             .map(|row| row.iter().zip(&weights).map(|(entry, weight)| weight * entry * entry).fold(0.0, f64::max))
@@ -154,11 +155,11 @@ impl Interfaces {
     fn of_count(&self, count: usize) -> (Vec<usize>, Vec<DVector<f64>>) {
         let mut order: Vec<usize> = (0..self.shares.len()).collect();
         order.sort_by(|a, b| self.shares[*b].total_cmp(&self.shares[*a]));
-        let largest = (STATIC_PART * count as f64) as usize;
+        let largest = (MAX_STATIC_PART * count as f64) as usize;
         let mut number = count.saturating_sub(largest).min(order.len());
         loop {
             let kept = &order[..number];
-            let statics = self.static_shapes(kept, count - number, DEPENDENT);
+            let statics = self.static_shapes(kept, count - number, DEPENDENCE_TOLERANCE);
             // Modes take the places of static shapes that do not exist.
             let free = (count - number - statics.len()).min(order.len() - number);
             if free == 0 {
@@ -177,7 +178,7 @@ impl Interfaces {
         while shapes.len() < count {
             let sizes: Vec<f64> = rests.column_iter().map(|rest| rest.norm_squared()).collect();
             let largest = (0..sizes.len()).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b]));
-            let Some(largest) = largest.filter(|index| sizes[*index] > smallest.max(DEPENDENT)) else {
+            let Some(largest) = largest.filter(|index| sizes[*index] > smallest.max(DEPENDENCE_TOLERANCE)) else {
                 break;
             };
             let mut shape = rests.column(largest).into_owned();
@@ -229,7 +230,7 @@ impl Subspace<'_> {
                     rest.axpy(-known.dot(&rest), known, 1.0);
                 }
             }
-            if rest.norm_squared() > DEPENDENT * given.norm_squared() {
+            if rest.norm_squared() > DEPENDENCE_TOLERANCE * given.norm_squared() {
                 further.push(rest.normalize());
             }
         }

@@ -52,7 +52,7 @@ pub use damped::{Mode, modes, structured_modes, whirl};
 pub use equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use growth::is_growing;
 pub use gyroscopic::{GyroscopicPair, gyroscopic_pairs};
-pub use intersection::{OrderIntersection, intersection};
+pub use intersection::{ModeAtSpeed, intersection, mode_near};
 pub use kept_modes::{Extent, SubspaceKey};
 pub use pairs::ModePair;
 pub use pins::Pins;

@@ -10,7 +10,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::cached::CachedModel;
-use super::intersection::OrderIntersection;
+use super::intersection::ModeAtSpeed;
 use crate::linalg::{DecompositionError, hermitian_eigen, solve, solve_complex};
 
 /// Newton's method converges quadratically; if it needs more iterations, it diverges.
@@ -67,7 +67,7 @@ impl Quadratic {
     ///
     /// Each iteration solves −P η⁺ = (∂P/∂Re λ η) ΔRe λ + (∂P/∂Ω η) ΔΩ with cᴴη⁺ = 1, where Im λ = order·Ω: the
     /// bordered system of Spence and Poulton (J. Comput. Phys. 204, 2005).
-    pub fn intersection(&self, order: f64, start: &OrderIntersection) -> Option<OrderIntersection> {
+    pub fn intersection(&self, order: f64, start: &ModeAtSpeed) -> Option<ModeAtSpeed> {
         let coordinates = map(&self.momenta.transpose(), &start.shape);
         let mut at = Point { speed: start.speed, eigenvalue: start.eigenvalue, coordinates };
         at.eigenvalue.im = order * at.speed;
@@ -91,7 +91,7 @@ impl Quadratic {
             at.coordinates = next.unscale(norm);
             if decay.abs() <= CONVERGED * at.eigenvalue.norm() && speed.abs() <= CONVERGED * at.speed.abs() {
                 let shape = map(&self.shapes, &at.coordinates);
-                return Some(OrderIntersection { speed: at.speed, eigenvalue: at.eigenvalue, shape });
+                return Some(ModeAtSpeed { speed: at.speed, eigenvalue: at.eigenvalue, shape });
             }
         }
         None
@@ -104,7 +104,7 @@ impl Quadratic {
     ///
     /// # Errors
     /// [`DecompositionError`] if the eigenvalue iteration fails.
-    pub fn critical(&self, order: f64) -> Result<Vec<OrderIntersection>, DecompositionError> {
+    pub fn critical(&self, order: f64) -> Result<Vec<ModeAtSpeed>, DecompositionError> {
         let n = self.frequencies.len();
         let inertia = DMatrix::from_fn(n, n, |i, j| {
             Complex::new(if i == j { 1.0 } else { 0.0 }, -self.gyroscopic[(i, j)] / order)
@@ -126,7 +126,7 @@ impl Quadratic {
             coordinates.rows_mut(null, rest).copy_from(&elastic);
             let frequency = 1.0 / value.sqrt();
             let norm = coordinates.norm();
-            OrderIntersection {
+            ModeAtSpeed {
                 speed: frequency / order,
                 eigenvalue: Complex::new(0.0, frequency),
                 shape: map(&self.shapes, &coordinates.unscale(norm)),

@@ -20,10 +20,10 @@ const RIGID_STIFFNESS: f64 = 1e8;
 
 /// Points of the Gauss rule on a piece of an element, over which the curvature is a sine over one radian or a line. The rule
 /// is exact to round-off with shape functions of the largest degree.
-const POINTS: usize = 16;
+const CURVATURE_GAUSS_POINTS: usize = 16;
 
 /// Number of parts of an element between whose ends the largest deflection is searched.
-const SAMPLES: usize = 16;
+const DEFLECTION_SAMPLES: usize = 16;
 /// Relative error of the position of the largest deflection: the deflection there is accurate to its square.
 const POSITION_TOLERANCE: f64 = 1e-9;
 
@@ -54,7 +54,7 @@ fn shape_of_curve(shaft: &Shaft, curve: &BowCurve, stiffness: &ChainMatrix<2>) -
         let (deflection, slope) = curve.at(*x);
         shape.extend([deflection, slope]);
     }
-    let rule = if stiffness.internal.is_empty() { Vec::new() } else { gauss(POINTS) };
+    let rule = if stiffness.internal.is_empty() { Vec::new() } else { gauss(CURVATURE_GAUSS_POINTS) };
     for (element, blocks) in stiffness.internal.iter().enumerate() {
         shape.extend(internal(shaft, curve, element, &rule, &blocks.block));
     }
@@ -139,10 +139,10 @@ fn largest_deflection(shaft: &Shaft, nodes: &[f64]) -> f64 {
     let within = |(index, element): (usize, &Element)| {
         let ends = Vector4::from_column_slice(&nodes[2 * index..2 * index + 4]);
         let at = |xi: f64| deflection(element, &shaft.material, shaft.shear, ends, xi).abs();
-        let point = |i: usize| i as f64 / SAMPLES as f64;
-        let best = (0..=SAMPLES).max_by(|a, b| at(point(*a)).total_cmp(&at(point(*b)))).unwrap_or_default();
+        let point = |i: usize| i as f64 / DEFLECTION_SAMPLES as f64;
+        let best = (0..=DEFLECTION_SAMPLES).max_by(|a, b| at(point(*a)).total_cmp(&at(point(*b)))).unwrap_or_default();
         // Between two samples the deflection has one maximum.
-        let ends = [best.saturating_sub(1), (best + 1).min(SAMPLES)].map(point);
+        let ends = [best.saturating_sub(1), (best + 1).min(DEFLECTION_SAMPLES)].map(point);
         let found: Result<Sample, Infallible> = maximum(ends[0], ends[1], POSITION_TOLERANCE, |xi| Ok(at(xi)));
         found.map_or(0.0, |top| top.value).max(at(point(best)))
     };

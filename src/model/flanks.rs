@@ -10,7 +10,7 @@ use crate::linalg::LuFactors;
 use crate::scene::Coupling;
 
 /// A mesh is unloaded if the moment of its tooth force is below this fraction of the largest given torque.
-const UNLOADED: f64 = 1e-9;
+const UNLOADED_FRACTION: f64 = 1e-9;
 
 /// Directions of rotation with different σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +63,7 @@ impl Model {
         let sigma = |(mesh, force): (usize, &f64)| {
             let moment = force * self.meshes[mesh].involute.base_radius[0];
             // NaN, the result of a singular system, counts as unloaded.
-            if moment.abs() > UNLOADED * largest { force.signum() } else { self.sigma_forward(mesh) }
+            if moment.abs() > UNLOADED_FRACTION * largest { force.signum() } else { self.sigma_forward(mesh) }
         };
         forces.iter().enumerate().map(sigma).collect()
     }

@@ -100,7 +100,7 @@ impl Support {
 /// A principal stiffness below this fraction of the largest one counts as zero.
 const ZERO_STIFFNESS: f64 = 1e-12;
 /// (K + Kᵀ)/2 counts as positive definite if its lower eigenvalue exceeds this fraction of ‖K‖.
-const DEFINITE: f64 = 1e-3;
+const MIN_DEFINITE_FRACTION: f64 = 1e-3;
 
 /// (K + Kᵀ)/2 if it is positive definite or K is diagonal; otherwise the factor (KᵀK)^½ of the polar decomposition of
 /// K, which has the null space of K (Higham 2008, Functions of Matrices, chapter 8).
@@ -109,7 +109,7 @@ fn symmetric_part(k: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let cross = k[0][1] / 2.0 + k[1][0] / 2.0;
     let lowest = k[0][0] / 2.0 + k[1][1] / 2.0 - ((k[0][0] - k[1][1]) / 2.0).hypot(cross);
     let diagonal = k[0][1] == 0.0 && k[1][0] == 0.0;
-    if diagonal || lowest > DEFINITE * norm {
+    if diagonal || lowest > MIN_DEFINITE_FRACTION * norm {
         return [[k[0][0], cross], [cross, k[1][1]]];
     }
     // √S = (S + √(det S) I)/√(tr S + 2√(det S)) with S = KᵀK and √(det S) = |det K|. K is divided by its norm, so that

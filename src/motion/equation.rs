@@ -246,11 +246,11 @@ impl<'m> EquationOfMotion<'m> {
     /// Whether the contact modes of a final state are valid for this motion: none, or one code for each mesh and the
     /// piece of the speed profile.
     pub fn accepts_contact_modes(&self, contact_modes: &[i64]) -> bool {
-        let meshes = self.contact_modes.len() * ContactMode::CODE;
+        let meshes = self.contact_modes.len() * ContactMode::CODE_LENGTH;
         let whole = meshes + usize::from(self.variable_speed.is_some());
         contact_modes.is_empty()
             || contact_modes.len() == whole
-                && contact_modes[..meshes].chunks_exact(ContactMode::CODE).all(ContactMode::is_code)
+                && contact_modes[..meshes].chunks_exact(ContactMode::CODE_LENGTH).all(ContactMode::is_code)
     }
 
     /// Whether the times of contact mode changes depend on the motion.

@@ -139,7 +139,9 @@ impl FirstOrderSystem for EquationOfMotion<'_> {
     }
 
     fn set_contact_modes(&mut self, contact_modes: &[i64]) {
-        for (contact_mode, code) in self.contact_modes.iter_mut().zip(contact_modes.chunks_exact(ContactMode::CODE)) {
+        for (contact_mode, code) in
+            self.contact_modes.iter_mut().zip(contact_modes.chunks_exact(ContactMode::CODE_LENGTH))
+        {
             *contact_mode = ContactMode::from_code(code);
         }
         if let (Some(variable_speed), Some(piece)) = (&mut self.variable_speed, contact_modes.last()) {

@@ -12,7 +12,7 @@ use crate::model::{Excitation, Model, ShaftModel, Support};
 pub const SOURCES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
 
 /// Number of sums of a scalar product.
-const LANES: usize = 8;
+const PARTIAL_SUMS: usize = 8;
 
 /// The coordinates from which powers follow.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub struct PowerCoordinates {
 impl PowerCoordinates {
     /// The [`PowerLoads::constant`] loads.
     pub fn constant_loads(&self) -> &[Vec<(usize, f64)>] {
-        &self.combinations[self.combinations.len() - CONSTANT..]
+        &self.combinations[self.combinations.len() - CONSTANT_LOAD_SUMS..]
     }
 
     /// The coordinates of a model.
@@ -74,7 +74,7 @@ impl PowerCoordinates {
 #[derive(Clone, Debug)]
 pub struct PowerLoads {
     /// Constant torques and forces of the scene, and weights, N m and N, with the indices of their coordinates.
-    pub constant: [Vec<(usize, f64)>; CONSTANT],
+    pub constant: [Vec<(usize, f64)>; CONSTANT_LOAD_SUMS],
     /// Excitations with unbalance, and their shafts.
     unbalances: Vec<(usize, Excitation)>,
     /// Bowed shafts.
@@ -99,15 +99,15 @@ impl PowerLoads {
     }
 
     /// Constant loads times velocities, W, or times displacements, J. Differences of the latter are works.
-    pub fn times(&self, values: &[f64]) -> [f64; CONSTANT] {
+    pub fn times(&self, values: &[f64]) -> [f64; CONSTANT_LOAD_SUMS] {
         self.constant.each_ref().map(|forces| forces.iter().map(|(index, force)| force * values[*index]).sum())
     }
 }
 
 /// Scalar product, summed in lanes because one sum would wait for each addition.
 fn product(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    let mut sums = [0.0; LANES];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<PARTIAL_SUMS>(), b.as_chunks::<PARTIAL_SUMS>());
+    let mut sums = [0.0; PARTIAL_SUMS];
     for (a, b) in a.iter().zip(b) {
         for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
             *sum += a * b;
@@ -117,7 +117,7 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Number of sums over constant loads.
-const CONSTANT: usize = 2;
+const CONSTANT_LOAD_SUMS: usize = 2;
 
 /// Whether the bow of a shaft exerts a force.
 fn is_bowed(shaft: &ShaftModel) -> bool {

@@ -65,9 +65,9 @@ impl ShaftRotation {
 
 /// Jump of the acceleration between two pieces of a speed profile, relative to the largest acceleration, below which the
 /// acceleration is continuous. Pieces that are sampled from a smooth function have smaller jumps.
-const SMOOTH: f64 = 1e-4;
+const ACCELERATION_JUMP_TOLERANCE: f64 = 1e-4;
 /// Duration of a stretch, s, below which its acceleration is round-off: a function with a kink is sampled in such stretches.
-const SHORTEST: f64 = 1e-9;
+const MIN_STRETCH: f64 = 1e-9;
 
 /// A variable speed as a function of elapsed time. The current piece is fixed within a step, so that no step crosses a
 /// kink and an evaluation needs no search.
@@ -134,22 +134,23 @@ impl VariableSpeed {
     /// Joins stretches at whose border Ω̇ does not jump to one piece. A very short stretch joins the next one, and counts
     /// as a part of the border before it.
     pub fn join_smooth_pieces(&mut self) {
-        let long: Vec<Stretch> = self.stretches.iter().copied().filter(|stretch| stretch.length > SHORTEST).collect();
+        let long: Vec<Stretch> =
+            self.stretches.iter().copied().filter(|stretch| stretch.length > MIN_STRETCH).collect();
         let ends = |stretch: &Stretch| stretch.acceleration(0.0).abs().max(stretch.last_acceleration().abs());
         let largest = long.iter().map(ends).fold(0.0, f64::max);
         let mut passed = 0_usize;
         for index in 0..self.stretches.len() {
-            let after_short = index > 0 && self.stretches[index - 1].length <= SHORTEST;
+            let after_short = index > 0 && self.stretches[index - 1].length <= MIN_STRETCH;
             let jumps = match (passed.checked_sub(1).map(|last| long[last]), long.get(passed)) {
                 (Some(before), Some(after)) => {
-                    (after.acceleration(0.0) - before.last_acceleration()).abs() > SMOOTH * largest
+                    (after.acceleration(0.0) - before.last_acceleration()).abs() > ACCELERATION_JUMP_TOLERANCE * largest
                 }
                 _ => false,
             };
             if index > 0 && (after_short || !jumps) {
                 self.stretches[index].piece = self.stretches[index - 1].piece;
             }
-            passed += usize::from(self.stretches[index].length > SHORTEST);
+            passed += usize::from(self.stretches[index].length > MIN_STRETCH);
         }
         self.set_piece(0);
     }
@@ -171,7 +172,7 @@ impl VariableSpeed {
         let last = self.stretches.partition_point(|stretch| stretch.piece <= first).saturating_sub(1);
         let last = last.max(first);
         // The law of the piece before its begin is that of its first long stretch.
-        let is_long = |index: &usize| self.stretches[*index].length > SHORTEST;
+        let is_long = |index: &usize| self.stretches[*index].length > MIN_STRETCH;
         self.current = ((first..=last).find(is_long).unwrap_or(first), last);
     }
 

@@ -83,7 +83,7 @@ pub fn steady_state<'py>(
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
     let (outcome, raised) = background::run(py, progress, move |_, watch| match &sections {
         None => steady::steady_state(&cached, &options, &recorded, samples, watch),
-        Some(sections) => steady::quasi_periodic_state(&cached, &options, (&recorded, sections), samples, watch),
+        Some(sections) => steady::quasi_periodic_state(&cached, &options, &recorded, sections, samples, watch),
     })?;
     let found = finished(outcome, raised)?;
     let largest = found.response.record.displacement.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -153,7 +153,7 @@ pub fn corrected_states<'py>(
     let states = states.collect::<PyResult<Vec<Vec<f64>>>>()?;
     let cached = Arc::clone(&owner.cached);
     let (outcome, raised) = background::run(py, None, move |_, watch| {
-        steady::corrected_states(&cached, &options, (&states, levels.as_deref()), watch)
+        steady::corrected_states(&cached, &options, &states, levels.as_deref(), watch)
     })?;
     let found = finished(outcome, raised)?;
     let numbering = &owner.model().numbering;
@@ -208,7 +208,7 @@ pub fn recorded_period<'py>(
     plan.require_memory(owner.model(), samples)?;
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
     let (outcome, raised) = background::run(py, None, move |_, watch| {
-        steady::recorded_period(&cached, &options, (&recorded, samples), &state, watch)
+        steady::recorded_period(&cached, &options, &recorded, &state, samples, watch)
     })?;
     response_dict(owner, py, &plan, finished(outcome, raised)?)
 }

@@ -11,7 +11,7 @@ use super::{Body, EntryPath, SceneError, Shaft, complex};
 /// Largest relative difference between the base pitches of a pair in mesh. Published data round their radii.
 pub(super) const BASE_PITCH_TOLERANCE: f64 = 0.05;
 /// Dedendum of full-depth teeth in modules (ISO 53).
-const DEDENDUM: f64 = 1.25;
+const STANDARD_DEDENDUM: f64 = 1.25;
 /// Relative difference below which modules, pressure angles and base pitches count as equal.
 pub(super) const SAME: f64 = 1e-9;
 /// Default pressure angle of the basic rack, rad (ISO 53).
@@ -99,7 +99,7 @@ impl Gear {
 
     /// Root radius of full-depth teeth, m.
     pub fn root_radius(&self) -> f64 {
-        self.pitch_radius - self.module * (DEDENDUM - self.profile_shift)
+        self.pitch_radius - self.module * (STANDARD_DEDENDUM - self.profile_shift)
     }
 }
 

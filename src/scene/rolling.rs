@@ -7,11 +7,11 @@ use super::hertz::{ball_stiffness, roller_stiffness};
 use super::{EntryPath, SceneError};
 
 /// Fewest elements that hold the shaft in every direction.
-const FEWEST: u32 = 3;
+const MIN_ELEMENTS: u32 = 3;
 /// Most elements; the largest slewing bearings have about 300.
-const MOST: u32 = 1000;
+const MAX_ELEMENTS: u32 = 1000;
 /// Usual radius of a groove over the diameter of its balls.
-const GROOVE: f64 = 0.52;
+const GROOVE_CONFORMITY: f64 = 0.52;
 
 /// Geometry and contact of a rolling bearing.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,8 +84,9 @@ impl Rolling {
 
 /// Refuses elements that do not fit on the pitch circle.
 fn check_fit(elements: u32, diameter: f64, pitch: f64, at: &EntryPath) -> Result<(), SceneError> {
-    if !(FEWEST..=MOST).contains(&elements) {
-        let message = format!("must be between {FEWEST} and {MOST}, got {elements}; fewer do not hold the shaft");
+    if !(MIN_ELEMENTS..=MAX_ELEMENTS).contains(&elements) {
+        let message =
+            format!("must be between {MIN_ELEMENTS} and {MAX_ELEMENTS}, got {elements}; fewer do not hold the shaft");
         return Err(at.field("elements").error(message));
     }
     if diameter >= pitch {
@@ -116,7 +117,7 @@ fn point_stiffness(
         return Err(at.field("roller_length").error("a ball has none; give contact=\"roller\""));
     }
     let radius = |name: &str, value: Option<f64>| {
-        let found = at.field(name).finite(value.unwrap_or(GROOVE))?;
+        let found = at.field(name).finite(value.unwrap_or(GROOVE_CONFORMITY))?;
         if found > 0.5 {
             return Ok(found);
         }

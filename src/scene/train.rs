@@ -7,7 +7,7 @@ use super::place::Names;
 use super::{Coupling, EntryPath, Gear, Mesh, SceneError, Shaft, Torque};
 
 /// Relative difference below which speed ratios around a loop of meshes count as equal.
-const SAME: f64 = 1e-9;
+const RATIO_TOLERANCE: f64 = 1e-9;
 
 /// Signed speed of each shaft relative to the reference shaft. Each external mesh multiplies it by −z_a/z_b.
 pub(super) fn speed_ratios(
@@ -33,7 +33,7 @@ pub(super) fn speed_ratios(
     for (index, mesh) in meshes.iter().enumerate() {
         let (a, b) = (gears[mesh.driver].body.node.shaft, gears[mesh.driven].body.node.shaft);
         let expected = -ratios[a] * teeth(mesh.driver) / teeth(mesh.driven);
-        if (expected - ratios[b]).abs() > SAME * expected.abs() {
+        if (expected - ratios[b]).abs() > RATIO_TOLERANCE * expected.abs() {
             let message = format!(
                 "closes a loop that cannot rotate: it gives shaft \"{}\" the speed ratio {expected}, the other meshes give {}",
                 system.shafts[b].name, ratios[b]
@@ -43,7 +43,7 @@ pub(super) fn speed_ratios(
     }
     for (index, Coupling { hubs: [a, b], .. }) in couplings.iter().enumerate() {
         let [first, second] = [ratios[a.shaft], ratios[b.shaft]];
-        if (first - second).abs() > SAME * first.abs() {
+        if (first - second).abs() > RATIO_TOLERANCE * first.abs() {
             let [a, b] = [a, b].map(|hub| &system.shafts[hub.shaft].name);
             let message = format!(
                 "joins \"{a}\" and \"{b}\", whose speed ratios are {first} and {second}; a coupling needs shafts of one speed"

@@ -4,7 +4,7 @@
 use crate::common::{Noise, largest, model, train};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, Response, simulate};
 use gearbow::analysis::{ExcitationPart, Interrupt, Spectrum, campbell, critical_speeds, equilibrium, synchronous};
-use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions};
+use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions, Tangent};
 use gearbow::integrate::Statistics;
 use gearbow::mesh::{Contact, ContactMode, Geometry, ShaftPhase};
 use gearbow::modal::{CachedModel, modes};
@@ -257,7 +257,8 @@ fn the_tangent_is_the_derivative_of_the_load() {
             load
         };
         let [mut stiffness, mut damping] = [[0.0; 4]; 2];
-        interface.residual_tangent(&instant, (&u, &rates), &Contact::default(), [&mut stiffness, &mut damping]);
+        let tangent = Tangent { stiffness: &mut stiffness, damping: &mut damping };
+        interface.residual_tangent(&instant, &u, &rates, &Contact::default(), tangent);
         for k in 0..2 {
             let shifted = |values: &[f64], by: f64| -> Vec<f64> {
                 values.iter().enumerate().map(|(i, value)| value + if i == k { by } else { 0.0 }).collect()

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::common::{Noise, cached, everything, largest, motion, train};
 use gearbow::analysis::{ExcitationPart, equilibrium, synchronous};
 use gearbow::exponential::{
-    InterfaceMaps, LevelControl, NonlinearLoads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection,
-    Stepper, TimeGrid, run,
+    InterfaceMaps, LevelControl, Loads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection, Stepper,
+    TimeGrid, run,
 };
 use gearbow::integrate::{Halt, Observer, State, Statistics, Trajectory};
 use gearbow::mesh::Geometry;
@@ -165,11 +165,7 @@ fn equal_modes_of_coupled_planes_carry_the_motion() {
 }
 
 /// Nonlinear loads and interface maps for a linear motion.
-fn field<'m>(
-    cached: &'m CachedModel,
-    geometry: Geometry,
-    linear: &ModalStateSpace,
-) -> (NonlinearLoads<'m>, InterfaceMaps) {
+fn field<'m>(cached: &'m CachedModel, geometry: Geometry, linear: &ModalStateSpace) -> (Loads<'m>, InterfaceMaps) {
     let reference = equilibrium(cached, geometry, SPEED).unwrap();
     let motion = motion(cached, geometry, SPEED, 0.0);
     let mut amplitudes = synchronous(cached, SPEED, ExcitationPart::Both).unwrap();
@@ -179,7 +175,7 @@ fn field<'m>(
             amplitudes.set_column(source.shaft, &amplitude.unwrap());
         }
     }
-    NonlinearLoads::new(motion, linear, reference, &amplitudes).unwrap()
+    Loads::new(motion, linear, reference, &amplitudes).unwrap()
 }
 
 /// The same linear motion in dense form.
@@ -209,7 +205,7 @@ fn propagators(
     rule: &QuadratureRule,
     maps: &InterfaceMaps,
     time_grid: TimeGrid,
-    field: &NonlinearLoads<'_>,
+    field: &Loads<'_>,
 ) -> PropagatorCache {
     let (linear, rule, maps, spins) = (Arc::clone(linear), rule.clone(), maps.clone(), field.spins());
     PropagatorCache::new(Arc::new(PropagatorKey { linear, rule, maps, time_grid, spins }))
@@ -365,7 +361,7 @@ fn integrate(
     let control = LevelControl::Adaptive { rtol: 1e-9, floor: 1e-12 };
     let mut statistics = Statistics::new();
     for end in ends {
-        run((&mut stepper, &mut output), control.clone(), &mut state, *end, edges, &mut statistics).unwrap();
+        run(&mut stepper, &mut output, control.clone(), &mut state, *end, edges, &mut statistics).unwrap();
     }
     state
 }

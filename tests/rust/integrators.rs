@@ -5,7 +5,8 @@ use std::rc::Rc;
 use crate::common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
-    Adaptive, FirstOrderSystem as _, Halt, Observer, RungeKutta, Span, State, Statistics, StepControl, Trajectory, run,
+    Adaptive, FirstOrderSystem as _, Halt, Observer, RungeKutta, Span, State, Statistics, StepControl, StepInterval,
+    Trajectory, run,
 };
 use proptest::prelude::*;
 
@@ -46,7 +47,7 @@ fn the_embedded_error_is_of_fourth_order() {
     let mut error = |step: f64| {
         let mut method = RungeKutta::new(DORMAND_PRINCE, system.len());
         method.begin(&mut system, 0.0, &state.y).unwrap();
-        method.step(&mut system, (0.0, step), &state.y, step).unwrap();
+        method.step(&mut system, StepInterval { begin: 0.0, end: step, length: step }, &state.y).unwrap();
         method.error(&mut system, step)
     };
     // The error of one step has the order h⁵.

@@ -7,7 +7,7 @@ use allocation_counter::{AllocationInfo, measure};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, simulate};
 use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, synchronous};
 use gearbow::exponential::{
-    self, NonlinearLoads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection, Stepper, TimeGrid,
+    self, Loads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection, Stepper, TimeGrid,
 };
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
@@ -238,8 +238,7 @@ fn exponential(
     let linear = cached.linear(speed).unwrap();
     let reference = equilibrium(&cached, geometry, speed).unwrap();
     let amplitudes = synchronous(&cached, speed, ExcitationPart::Both).unwrap();
-    let (field, maps) =
-        NonlinearLoads::new(motion(&cached, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
+    let (field, maps) = Loads::new(motion(&cached, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
     let event = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
     let time_grid = TimeGrid { longest, finest: event + 12, event };
@@ -266,8 +265,9 @@ fn exponential(
         let end = state.elapsed + f64::from(steps) * longest;
         let mut onlooker = Onlooker { end, next: state.elapsed, seen: 0.0 };
         let info = measure(|| {
-            let method = (&mut stepper, &mut output);
-            exponential::run(method, control.clone(), &mut state, end, &mut onlooker, &mut statistics).unwrap();
+            let control = control.clone();
+            exponential::run(&mut stepper, &mut output, control, &mut state, end, &mut onlooker, &mut statistics)
+                .unwrap();
         });
         (info, statistics)
     };

@@ -57,12 +57,7 @@ impl Tracker<'_> {
         value: impl Fn(f64, &State) -> f64,
     ) -> Result<(f64, State), AnalysisError> {
         let values = ends.map(|(speed, state)| Sample { at: speed, value: value(speed, state) });
-        let mode = |speed: f64| -> Result<State, AnalysisError> {
-            let states = self.at(speed)?;
-            let like = |state: &&State| ends[0].1.correlation(state) + ends[1].1.correlation(state);
-            let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
-            Ok(found.unwrap_or(ends[0].1).clone())
-        };
+        let mode = |speed: f64| self.between(ends, speed);
         let speed = root(values, |speed| mode(speed).map(|state| value(speed, &state)))?;
         Ok((speed, mode(speed)?))
     }

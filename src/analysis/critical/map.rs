@@ -10,14 +10,14 @@ use num_complex::Complex64;
 use super::super::assignment::{Assignment, equal};
 use super::{Critical, modes, named};
 use crate::analysis::{AnalysisError, Interrupt};
-use crate::modal::{CachedModel, OrderIntersection};
+use crate::modal::{CachedModel, ModeAtSpeed};
 use crate::model::Model;
 use crate::scene::EntryPath;
 
 /// Largest number of times that a step of the stiffness is halved.
 const MAX_HALVINGS: u32 = 6;
 /// Number of the lowest lines for which steps are halved.
-const DECIDING: usize = 16;
+const DECIDING_LINES: usize = 16;
 /// Number of modes that are computed beyond those of the map.
 const FURTHER_MODES: usize = 4;
 /// Smallest correlation of a line with its continuation: less than half of it belongs to another mode.
@@ -36,7 +36,7 @@ pub struct CriticalPoint {
 #[derive(Clone)]
 struct Found {
     /// Speed and eigenvalue.
-    met: OrderIntersection,
+    met: ModeAtSpeed,
     /// x with |xᴴBx| = 1, n entries in the order of the core.
     shape: DVector<Complex64>,
     /// B x, n entries.
@@ -62,7 +62,7 @@ pub fn critical_speed_map(
     let mut previous = None;
     for stiffness in stiffnesses {
         let (cached, found) = lines.modes(*stiffness)?;
-        lines.advance(previous, (*stiffness, &found), 0)?;
+        lines.advance(previous, *stiffness, &found, 0)?;
         previous = Some(*stiffness);
         let point = |(met, (line, _)): (&Found, &(usize, Found))| {
             Ok(CriticalPoint { critical: named(&cached, &met.met, interrupt)?, line: *line })
@@ -100,7 +100,8 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
     fn advance(
         &mut self,
         from: Option<f64>,
-        (stiffness, found): (f64, &[Found]),
+        stiffness: f64,
+        found: &[Found],
         halved: u32,
     ) -> Result<(), AnalysisError> {
         let correlations: Vec<Vec<f64>> =
@@ -110,8 +111,9 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
         let mut numbers = vec![None; found.len()];
         if !found.is_empty() {
             // The last modes may leave the computed ones.
-            let deciding = DECIDING.min(self.count).min(found.len());
-            let assignment = Assignment::new(&correlations, &before, &after, deciding);
+            let deciding = DECIDING_LINES.min(self.count).min(found.len());
+            let common = |a: usize, b: usize| self.alive[a].1.correlation(&self.alive[b].1);
+            let assignment = Assignment::new(&correlations, common, &before, &after, deciding);
             if let Some(from) = from.filter(|_| !assignment.clear && halved < MAX_HALVINGS) {
                 let middle = if from > 0.0 && stiffness > 0.0 {
                     from.sqrt() * stiffness.sqrt()
@@ -119,8 +121,8 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
                     f64::midpoint(from, stiffness)
                 };
                 let (_, between) = self.modes(middle)?;
-                self.advance(Some(from), (middle, &between), halved + 1)?;
-                return self.advance(Some(middle), (stiffness, found), halved + 1);
+                self.advance(Some(from), middle, &between, halved + 1)?;
+                return self.advance(Some(middle), stiffness, found, halved + 1);
             }
             for ((line, index), kept) in self.alive.iter().zip(&assignment.states).zip(&assignment.kept) {
                 if *kept > MIN_CONTINUATION {
@@ -147,7 +149,7 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
 }
 
 impl Found {
-    fn new(model: &Model, order: f64, met: OrderIntersection) -> Self {
+    fn new(model: &Model, order: f64, met: ModeAtSpeed) -> Self {
         let mass = model.product(&met.shape, |x, out| model.multiply_mass(x, out));
         let gyroscopic = model.product(&met.shape, |x, out| model.multiply_gyroscopic(x, out));
         let momentum = mass - gyroscopic * Complex64::new(0.0, 1.0 / order);

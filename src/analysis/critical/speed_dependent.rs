@@ -4,7 +4,7 @@
 //! the rotor is a root of Ω_j(s) − s, because only there mode and bearings belong to the same speed. The functions Ω_j are
 //! continuous, since eigenvalues are. They are sampled at the speeds of all tables and between them, and each change of
 //! sign is closed by the method of Illinois (Dowell and Jarratt, BIT 11, 1971). Two roots between neighbouring samples
-//! would be missed: between two speeds of a table there are [`SAMPLES`], and the stiffness is monotone there.
+//! would be missed: between two speeds of a table there are [`SAMPLES_PER_INTERVAL`], and the stiffness is monotone there.
 
 use super::{Critical, Interrupt, named};
 use crate::analysis::AnalysisError;
@@ -12,7 +12,7 @@ use crate::modal::{CachedModel, Quadratic};
 use crate::numerics::{Sample, root};
 
 /// Samples between two neighbouring speeds of the tables.
-const SAMPLES: usize = 8;
+const SAMPLES_PER_INTERVAL: usize = 8;
 
 /// Critical speeds with the stiffness at the same speed, ascending.
 pub(super) fn critical_speeds(
@@ -68,7 +68,9 @@ fn samples(cached: &CachedModel) -> Result<Vec<f64>, AnalysisError> {
     knots.dedup();
     let between = |pair: &[f64]| {
         let (low, width) = (pair[0], pair[1] - pair[0]);
-        (0..SAMPLES).map(move |sample| low + width * sample as f64 / SAMPLES as f64).collect::<Vec<_>>()
+        (0..SAMPLES_PER_INTERVAL)
+            .map(move |sample| low + width * sample as f64 / SAMPLES_PER_INTERVAL as f64)
+            .collect::<Vec<_>>()
     };
     let last = knots.last().copied();
     let mut samples: Vec<f64> = knots.windows(2).flat_map(between).chain(last).collect();

@@ -11,7 +11,7 @@ use crate::model::{Model, RodChain, ShaftModel};
 
 /// Step of a mesh force, relative to the static force, that its teeth excite. A pair of teeth that engages without
 /// transition has the fraction 1/ε of the mean stiffness, with contact ratios ε of 1.4 to 1.8.
-const STEP: f64 = 0.6;
+const ENGAGEMENT_STEP: f64 = 0.6;
 /// Smallest number of coordinates of a model whose modes follow from the loads.
 const LARGE_MODEL: usize = 400;
 /// Numbers of vectors of the Krylov space of these modes: the smallest one, and that for each load. With them, a rotor of 20
@@ -137,7 +137,7 @@ fn add_mesh(
     let load = model.constant_load.as_slice();
     let static_deflection: f64 =
         elastic.iter().zip(&deflections).map(|((w, shape), value)| value * dot(load, shape) / (w * w)).sum();
-    let step = STEP * mesh.stiffness * static_deflection;
+    let step = ENGAGEMENT_STEP * mesh.stiffness * static_deflection;
     signals.push(Signal { steady: 0.0, displacement: false });
     for (((w, _), value), squares) in elastic.iter().zip(&deflections).zip(squares.iter_mut()) {
         squares.push((value / w).powi(4));

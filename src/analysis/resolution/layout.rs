@@ -14,7 +14,7 @@ const TONE_LENGTHS: i32 = 10;
 /// Smallest distance between the end of an equal part and a station, in lengths of a part. The highest natural frequency is
 /// inversely proportional to the length of the shortest element, and the round-off error of the low modes grows with its
 /// square.
-const SHORTEST: f64 = 0.1;
+const MIN_STATION_DISTANCE: f64 = 0.1;
 
 /// A segment of a shaft: a uniform cross-section, with nodes at given positions.
 #[derive(Clone, Debug)]
@@ -190,7 +190,10 @@ impl Segment {
             let nearest = (station / part).round();
             let distance = (station / part - nearest).abs();
             // The ends of the segment are places that the scene gives.
-            nearest == 0.0 || nearest == count as f64 || distance * part <= 1e-9 * self.length || distance >= SHORTEST
+            nearest == 0.0
+                || nearest == count as f64
+                || distance * part <= 1e-9 * self.length
+                || distance >= MIN_STATION_DISTANCE
         })
     }
 

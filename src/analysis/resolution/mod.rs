@@ -39,7 +39,7 @@ use crate::scene::description::Resolution;
 use crate::scene::{MAX_DEGREE, Scene, SceneDescription, SceneError};
 
 /// Time over which phase errors grow, s: that of the errors that the accuracy levels promise.
-const TIME: f64 = 0.1;
+const PHASE_ERROR_TIME: f64 = 0.1;
 /// Degree of the elements of the model whose modes are examined.
 const PROBE_DEGREE: usize = 4;
 /// Longest element of that model, in diameters of the shaft.
@@ -52,15 +52,15 @@ const PROBE_ELEMENTS: f64 = 8.0;
 /// Safety factor on the error of the step response. Without it, the measured error of mesh forces is between 1/200 and 0.9
 /// of that error in the calibration scenes of `benches/accuracy`. Where a harmonic of the tooth frequency is close to a
 /// lightly damped natural frequency, the responses to successive steps add up, and it is up to 1.2 times as large.
-const SAFETY: f64 = 2.0;
+const STEP_RESPONSE_SAFETY: f64 = 2.0;
 /// Further safety factor on displacements at [`Resolution::Reference`]. Where teeth separate, a difference of the instants
 /// of impact adds to that of the frequencies. Without this factor, the error of a displacement in random scene 1 of
 /// `benches/accuracy` is 1.2e-6, and the expected one at most 9.2e-7.
 const FINE_DISPLACEMENT_SAFETY: f64 = 2.0;
 /// Ratio between successive element lengths that are examined.
-const FINER: f64 = 0.8;
+const LENGTH_RATIO: f64 = 0.8;
 /// Number of element lengths that are examined.
-const LENGTHS: usize = 16;
+const EXAMINED_LENGTHS: usize = 16;
 /// Largest number of models that are examined until one meets the level.
 const MAX_PROBES: usize = 4;
 /// Number of positions in a tooth cycle among which the least and the largest stiffness are sought.
@@ -68,7 +68,7 @@ const CYCLE_POSITIONS: usize = 64;
 /// Largest number of coordinates that is chosen.
 const MAX_COORDINATES: usize = 1200;
 /// Relative error of a natural frequency that counts as resolved.
-const RESOLVED: f64 = 1e-3;
+const RESOLVED_FREQUENCY_ERROR: f64 = 1e-3;
 
 /// Numbers and degrees of the elements of a scene, and what to expect of them.
 #[derive(Clone, Debug)]
@@ -152,7 +152,7 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
         if !is_accurate && best.error <= permitted_error && examined < MAX_PROBES {
             continue;
         }
-        let highest = |i: usize| layouts[i].highest_frequency(&best.lengths[i], degrees[i], RESOLVED);
+        let highest = |i: usize| layouts[i].highest_frequency(&best.lengths[i], degrees[i], RESOLVED_FREQUENCY_ERROR);
         let choice = Choice {
             level,
             expected_error: best.error.min(1.0),
@@ -330,9 +330,9 @@ impl Search<'_> {
         let mut most_accurate: Option<Candidate> = None;
         let longest = self.layouts.iter().map(Layout::longest).fold(0.0, f64::max);
         for degree in 2..=MAX_DEGREE {
-            for i in 0..LENGTHS {
+            for i in 0..EXAMINED_LENGTHS {
                 interrupt.check()?;
-                let candidate = self.uniform(degree, longest * FINER.powi(i as i32));
+                let candidate = self.uniform(degree, longest * LENGTH_RATIO.powi(i as i32));
                 let cheapest = best.as_ref().map_or(MAX_COORDINATES, |best| best.coordinates);
                 if candidate.coordinates >= cheapest && (best.is_some() || most_accurate.is_some()) {
                     break;
@@ -421,12 +421,12 @@ impl Search<'_> {
     /// Expected error of the worst load and stiffness of the meshes: RMS of the difference between the step responses.
     fn error(&self, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> f64 {
         let errors = self.excitations.iter().map(|excitation| self.step_error(excitation, lengths, degrees));
-        SAFETY * errors.fold(0.0, f64::max)
+        STEP_RESPONSE_SAFETY * errors.fold(0.0, f64::max)
     }
 
     fn step_error(&self, excitation: &Excitation, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> f64 {
         let Excitation { signals, modes } = excitation;
-        let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * TIME]).collect();
+        let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * PHASE_ERROR_TIME]).collect();
         for mode in modes {
             let [difference, response] = self.squares(mode, lengths, degrees);
             for (sum, square) in sums.iter_mut().zip(&mode.squares) {
@@ -470,15 +470,15 @@ impl Search<'_> {
 
 /// ∫₀ᵀ e^{−ct} dt, s.
 fn decay(damping: f64) -> f64 {
-    if damping * TIME > 1e-6 { -(-damping * TIME).exp_m1() / damping } else { TIME }
+    if damping * PHASE_ERROR_TIME > 1e-6 { -(-damping * PHASE_ERROR_TIME).exp_m1() / damping } else { PHASE_ERROR_TIME }
 }
 
 /// ∫₀ᵀ e^{−ct} cos(dt) dt, s.
 fn decaying_cosine(c: f64, d: f64) -> f64 {
-    if c.hypot(d) * TIME < 1e-4 {
+    if c.hypot(d) * PHASE_ERROR_TIME < 1e-4 {
         // Two terms of the series in d; the difference from `decay` would lose its digits.
-        return decay(c) - d * d * TIME * TIME * TIME / 6.0;
+        return decay(c) - d * d * PHASE_ERROR_TIME * PHASE_ERROR_TIME * PHASE_ERROR_TIME / 6.0;
     }
-    let ((sin, cos), fade) = ((d * TIME).sin_cos(), (-c * TIME).exp());
+    let ((sin, cos), fade) = ((d * PHASE_ERROR_TIME).sin_cos(), (-c * PHASE_ERROR_TIME).exp());
     (c - fade * (c * cos - d * sin)) / (c * c + d * d)
 }

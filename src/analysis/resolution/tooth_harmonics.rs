@@ -13,14 +13,14 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use super::excited_modes::{damping, dot, elastic_modes, energy, examined_modes};
-use super::{Candidate, SAFETY, Search, TIME};
+use super::{Candidate, PHASE_ERROR_TIME, STEP_RESPONSE_SAFETY, Search};
 use crate::linalg::DecompositionError;
 use crate::modal::CachedModel;
 use crate::model::{Model, ShaftModel};
 
 /// Largest number of harmonics of a tooth frequency, and number of samples of a tooth cycle.
 const MAX_HARMONICS: usize = 128;
-const SAMPLES: usize = 512;
+const TOOTH_CYCLE_SAMPLES: usize = 512;
 /// Smallest unit of an error, as a part of the mean of the signal; `gearbow.accuracy.scale` has the same value and its reason.
 const SHARE_OF_MEAN: f64 = 0.02;
 
@@ -96,7 +96,7 @@ impl ToothResponse {
                 exact: frequency / (1.0 + error),
                 given: *frequency,
                 // A resonance without damping grows for the time T, as one with this damping.
-                damping: damping(model, *frequency, shape).max(2.0 / TIME),
+                damping: damping(model, *frequency, shape).max(2.0 / PHASE_ERROR_TIME),
                 deflections: meshes.map(|(i, mesh)| mesh.deflection_at_rest(model.sigma(i, 0.0), shape)).collect(),
                 rotating: rotating_forces(model, shape),
             }
@@ -157,7 +157,7 @@ impl ToothResponse {
             let unit = f64::max(square, SHARE_OF_MEAN * SHARE_OF_MEAN * signal.mean_square);
             signal.weight * (difference / unit.max(f64::MIN_POSITIVE)).sqrt()
         });
-        SAFETY * errors.fold(0.0, f64::max)
+        STEP_RESPONSE_SAFETY * errors.fold(0.0, f64::max)
     }
 
     /// Amplitude of a mode under a harmonic of a mesh: its difference due to the elements, and the exact one.
@@ -207,12 +207,13 @@ fn rotating_forces(model: &Model, shape: &[f64]) -> Vec<[Complex64; 2]> {
 /// The force that the teeth of a mesh excite at a static deflection, m.
 fn teeth(model: &Model, index: usize, deflection: f64) -> Teeth {
     let driver = &model.scene.gears[model.scene.meshes[index].driver];
-    let cycle = model.meshes[index].tooth_cycle(model.sigma(index, 0.0), SAMPLES);
+    let cycle = model.meshes[index].tooth_cycle(model.sigma(index, 0.0), TOOTH_CYCLE_SAMPLES);
     let force: Vec<f64> = cycle.iter().map(|teeth| teeth.stiffness * (deflection - teeth.error)).collect();
-    let phasors: Vec<Complex64> = (0..SAMPLES).map(|i| Complex64::cis(-TAU * i as f64 / SAMPLES as f64)).collect();
+    let phasors: Vec<Complex64> =
+        (0..TOOTH_CYCLE_SAMPLES).map(|i| Complex64::cis(-TAU * i as f64 / TOOTH_CYCLE_SAMPLES as f64)).collect();
     let harmonic = |order: usize| -> Complex64 {
-        let terms = force.iter().enumerate().map(|(i, force)| phasors[i * order % SAMPLES] * *force);
-        terms.sum::<Complex64>() * (2.0 / SAMPLES as f64)
+        let terms = force.iter().enumerate().map(|(i, force)| phasors[i * order % TOOTH_CYCLE_SAMPLES] * *force);
+        terms.sum::<Complex64>() * (2.0 / TOOTH_CYCLE_SAMPLES as f64)
     };
     Teeth {
         order: f64::from(driver.teeth) * model.shafts[driver.body.node.shaft].ratio.abs(),

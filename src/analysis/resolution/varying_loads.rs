@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use super::TIME;
+use super::PHASE_ERROR_TIME;
 use crate::connection::AppliedLoad;
 use crate::exponential::phi;
 use crate::model::Model;
@@ -22,7 +22,7 @@ use crate::scene::{Curve, LoadLaw, Scene};
 const SAME_WIDTH: f64 = 1e-9;
 /// A load has a tone at a frequency where a mode without damping reaches this amplitude, relative to the range of the load.
 /// A step reaches 1, a pulse 2, and two periods of a tone 2π.
-const TONE: f64 = 3.0;
+const MIN_TONE: f64 = 3.0;
 /// Frequencies near a tone, relative to it: those of modes that elements of an error of up to a factor of two shift to it, and
 /// those that lie above it by the uncertainty of the tone.
 const NEAR_TONE: [f64; 2] = [0.5, 1.25];
@@ -48,12 +48,12 @@ impl VaryingLoad<'_> {
             return own;
         }
         // A tone sustains its motion, while the rule for released loads counts a vibration that decays.
-        let sustained = (damping * TIME).max(1.0).sqrt();
+        let sustained = (damping * PHASE_ERROR_TIME).max(1.0).sqrt();
         if frequency < NEAR_TONE[0] * self.tone || frequency > NEAR_TONE[1] * self.tone {
             return own * sustained;
         }
         // A tone of the amplitude A that is in resonance for the time T, or until damping limits the motion: A ωT/2.
-        let time = if damping > 0.0 { TIME.min(2.0 / damping) } else { TIME };
+        let time = if damping > 0.0 { PHASE_ERROR_TIME.min(2.0 / damping) } else { PHASE_ERROR_TIME };
         own.max(curve.span() / 2.0 * frequency * time / 2.0) * sustained
     }
 }
@@ -97,7 +97,7 @@ fn highest_tone_of(curve: &Curve) -> f64 {
     // Two points for each half period show a tone.
     let mut frequency = PI / (2.0 * curve.mean_spacing());
     while frequency > lowest {
-        if amplitude(curve, Complex64::new(0.0, frequency)) > TONE * span {
+        if amplitude(curve, Complex64::new(0.0, frequency)) > MIN_TONE * span {
             return frequency;
         }
         frequency /= TONE_STEP;

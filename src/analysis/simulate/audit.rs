@@ -218,7 +218,7 @@ impl Audit {
             return;
         };
         let flanks = |contact_modes: &[i64]| {
-            contact_modes.chunks_exact(ContactMode::CODE).map(|code| code[0]).collect::<Vec<_>>()
+            contact_modes.chunks_exact(ContactMode::CODE_LENGTH).map(|code| code[0]).collect::<Vec<_>>()
         };
         let source = if flanks(&old) == flanks(contact_modes) { TEETH } else { DAMPING };
         // The integrator reports overlapping base circles.

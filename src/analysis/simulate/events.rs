@@ -69,7 +69,7 @@ const MAX_EVENTS: usize = 1_000_000;
 
 /// A motion of the gears below this part of the driver's base radius is round-off. Measured deflections of touching
 /// flanks at the start are below 1e-16 of it.
-const TOUCHING: f64 = 1e-12;
+const TOUCHING_DISTANCE: f64 = 1e-12;
 
 /// Records the events of all meshes.
 #[derive(Clone, Debug)]
@@ -143,7 +143,7 @@ impl EventRecorder {
         contact_modes: &[i64],
     ) {
         let mut is_read = false;
-        for (mesh, code) in contact_modes.chunks_exact(ContactMode::CODE).enumerate() {
+        for (mesh, code) in contact_modes.chunks_exact(ContactMode::CODE_LENGTH).enumerate() {
             let flank = ContactMode::from_code(code).flank;
             let before = self.flanks[mesh].replace(flank);
             if before.is_none_or(|before| before == flank) {
@@ -219,5 +219,5 @@ fn has_moved(mesh: &GearMesh, v: &[f64], since: f64) -> bool {
         helix.slope.abs() * y.hypot(z) * rate.tilt[0].hypot(rate.tilt[1])
     };
     let fastest = fastest + mesh.helix.as_ref().map_or(0.0, tilting);
-    fastest * since > TOUCHING * mesh.involute.base_radius[0]
+    fastest * since > TOUCHING_DISTANCE * mesh.involute.base_radius[0]
 }

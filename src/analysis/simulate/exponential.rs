@@ -10,7 +10,7 @@ use super::longest_step::{RESONANT_FACTOR, STEPS_PER_CYCLE, excitation_frequency
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use super::run_cache::RunCache;
 use crate::exponential::{
-    InterfaceMaps, LevelControl, NonlinearLoads, PropagatorCache, PropagatorKey, QuadratureRule, Stepper, TimeGrid,
+    InterfaceMaps, LevelControl, Loads, PropagatorCache, PropagatorKey, QuadratureRule, Stepper, TimeGrid,
     run as integrate,
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
@@ -50,7 +50,7 @@ pub(super) fn run(
     observer: &mut impl Observer,
     statistics: &mut Statistics,
 ) -> Result<(State, Result<(), Halted>), AnalysisError> {
-    let ModalSetup { linear, nonlinear_loads, maps, mut output } = coordinates;
+    let ModalSetup { linear, loads, maps, mut output } = coordinates;
     if options.is_explicit() && linear.condition > MAX_CONDITION {
         let message = format!(
             "\"etdrk4\" needs modes that are not parallel, and their condition number is {:.1e}; use \"exponential\"",
@@ -58,23 +58,26 @@ pub(super) fn run(
         );
         return Err(SceneError::new("method", message).into());
     }
-    let time_grid = countable_grid(cached, options, (&linear, &nonlinear_loads), end)?;
-    let propagators = propagators(cached, options, (&linear, maps), time_grid, nonlinear_loads.spins());
-    let mut state = in_modal_coordinates(cached, &linear, &nonlinear_loads, start);
-    let mut stepper = Stepper::new(nonlinear_loads, propagators);
+    let time_grid = countable_grid(cached, options, &linear, &loads, end)?;
+    let propagators = propagators(cached, options, &linear, maps, time_grid, loads.spins());
+    let mut state = in_modal_coordinates(cached, &linear, &loads, start);
+    let mut stepper = Stepper::new(loads, propagators);
     let control = match options.step {
-        None if !options.is_explicit() => LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor },
+        None if !options.is_explicit() => {
+            LevelControl::Adaptive { rtol: options.tolerance(), floor: start.floor, force_error: options.force_error() }
+        }
         _ => LevelControl::Fixed,
     };
-    let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, observer, statistics);
-    Ok((in_physical_coordinates(state, &linear, stepper.nonlinear_loads()), outcome))
+    let outcome = integrate(&mut stepper, &mut output, control, &mut state, end, observer, statistics);
+    Ok((in_physical_coordinates(state, &linear, stepper.loads()), outcome))
 }
 
 /// The propagators of a run, which the runs of a system share.
 pub(super) fn propagators(
     cached: &CachedModel,
     options: &Options,
-    (linear, maps): (&Arc<ModalStateSpace>, InterfaceMaps),
+    linear: &Arc<ModalStateSpace>,
+    maps: InterfaceMaps,
     time_grid: TimeGrid,
     spins: Vec<f64>,
 ) -> Arc<PropagatorCache> {
@@ -92,10 +95,11 @@ pub(super) fn propagators(
 pub(super) fn countable_grid(
     cached: &CachedModel,
     options: &Options,
-    (linear, nonlinear_loads): (&ModalStateSpace, &NonlinearLoads<'_>),
+    linear: &ModalStateSpace,
+    loads: &Loads<'_>,
     end: f64,
 ) -> Result<TimeGrid, AnalysisError> {
-    let time_grid = time_grid(cached, options, linear, nonlinear_loads)?;
+    let time_grid = time_grid(cached, options, linear, loads)?;
     if end / time_grid.unit() > MAX_UNITS {
         let longest = time_grid.longest;
         let message =
@@ -110,16 +114,16 @@ fn time_grid(
     cached: &CachedModel,
     options: &Options,
     linear: &ModalStateSpace,
-    nonlinear_loads: &NonlinearLoads<'_>,
+    loads: &Loads<'_>,
 ) -> Result<TimeGrid, AnalysisError> {
-    let mesh_frequency = nonlinear_loads.motion.highest_mesh_frequency();
+    let mesh_frequency = loads.motion.highest_mesh_frequency();
     let longest = match options.step {
         Some(step) => step,
         None => {
             let model = &cached.model;
             let at_fastest = cached.at_speed(options.fastest())?;
             let slowest = at_fastest.spectral_range(options.fastest())?.slowest;
-            let resonant = if nonlinear_loads.is_resonant() { RESONANT_FACTOR } else { 1.0 };
+            let resonant = if loads.is_resonant() { RESONANT_FACTOR } else { 1.0 };
             let speed = options.fastest().abs();
             // At a changing speed, the longest step is that of the slowest speed; faster speeds use shorter ones.
             let excitation = match options.speed {
@@ -130,7 +134,7 @@ fn time_grid(
             let mut most = TAU / (STEPS_PER_CYCLE * fastest);
             if options.is_explicit() {
                 most *= EXPLICIT_FRACTION;
-                if nonlinear_loads.motion.flanks_can_separate() {
+                if loads.motion.flanks_can_separate() {
                     most = most.min(TAU / (STEPS_PER_MESH_PERIOD * mesh_frequency));
                 }
             }

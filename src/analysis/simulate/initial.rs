@@ -29,7 +29,7 @@ const MAX_REMAINING_ROTATION: f64 = 1e12;
 
 /// Highest frequency of the modes that are damped in the synchronous motion of a reduced run, in multiples of the fastest
 /// speed. The damping of a mode of frequency ω changes its part of the motion by 2ζΩ/ω.
-const DAMPED: f64 = 100.0;
+const MAX_DAMPED_FREQUENCY: f64 = 100.0;
 
 /// Initial conditions of a run.
 #[derive(Clone, Debug)]
@@ -191,7 +191,7 @@ fn amplitudes(cached: &CachedModel, key: StartKey) -> Result<DMatrix<Complex<f64
     // The matrix of modal damping is full. In a reduced run it acts on few modes.
     let subspace = if uses_components && model.scene.modal_damping > 0.0 && !sources.is_empty() {
         let at_speed = cached.at_speed(speed)?;
-        let highest = DAMPED * model.max_speed_ratio() * speed.abs();
+        let highest = MAX_DAMPED_FREQUENCY * model.max_speed_ratio() * speed.abs();
         Some(at_speed.subspace(SubspaceKey {
             speeds: vec![speed],
             excited: highest,

@@ -15,7 +15,7 @@ const STEPS_PER_TOOTH: f64 = 2.0;
 pub(super) const RESONANT_FACTOR: f64 = 8.0;
 
 /// Largest number of intervals of a time series in one step, so that no step misses a pulse.
-const INTERVALS: f64 = 4.0;
+const MAX_SERIES_INTERVALS: f64 = 4.0;
 
 /// Angular frequency of shafts, teeth, rolling elements and loads at a speed, rad/s, that the longest step resolves; `turning` is the number of steps
 /// per revolution in multiples of [`STEPS_PER_CYCLE`].
@@ -27,7 +27,7 @@ pub(super) fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f
     let loads = model.loads.iter().map(|load| match &load.law {
         LoadLaw::Turning { order, .. } => (order * load.ratio * speed).abs(),
         LoadLaw::Force([curve, _]) | LoadLaw::Torque(curve) => {
-            TAU / (STEPS_PER_CYCLE * INTERVALS * curve.mean_spacing())
+            TAU / (STEPS_PER_CYCLE * MAX_SERIES_INTERVALS * curve.mean_spacing())
         }
         LoadLaw::SpeedTorque { .. } => 0.0,
     });

@@ -47,7 +47,7 @@ use modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use record::Recorder;
 
 /// Interval at which a run asks whether to continue.
-const HEARTBEAT: Duration = Duration::from_millis(50);
+const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(50);
 
 /// The result of a run.
 #[derive(Clone, Debug)]
@@ -114,7 +114,7 @@ pub fn simulate(
         recorder: Recorder::new(motion.clone(), plan, &options.times, origin, during),
         watch,
         span: (options.start - origin, end),
-        last_check: Instant::now() - HEARTBEAT,
+        last_check: Instant::now() - HEARTBEAT_INTERVAL,
     };
     let mut statistics = Statistics::new();
     if let Some(checkpoint) = &options.checkpoint {
@@ -233,16 +233,11 @@ impl Run<'_> {
             let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;
             return Ok(Ended { state, condition, reduction, outcome });
         }
-        let ModalSetup { linear, nonlinear_loads, maps, output } = setup;
-        let mut state = in_modal_coordinates(cached, &linear, &nonlinear_loads, start);
-        let mut system = InModes::new(nonlinear_loads, &linear, maps, output);
+        let ModalSetup { linear, loads, maps, output } = setup;
+        let mut state = in_modal_coordinates(cached, &linear, &loads, start);
+        let mut system = InModes::new(loads, &linear, maps, output);
         let outcome = self.runge_kutta(&mut system, &mut state, observer, statistics)?;
-        Ok(Ended {
-            state: in_physical_coordinates(state, &linear, system.nonlinear_loads()),
-            condition,
-            reduction,
-            outcome,
-        })
+        Ok(Ended { state: in_physical_coordinates(state, &linear, system.loads()), condition, reduction, outcome })
     }
 
     /// Integrates with a Runge–Kutta method.
@@ -362,7 +357,7 @@ impl Observer for RunObserver<'_, '_> {
     }
 
     fn continues(&mut self, elapsed: f64) -> bool {
-        if self.last_check.elapsed() < HEARTBEAT {
+        if self.last_check.elapsed() < HEARTBEAT_INTERVAL {
             return true;
         }
         self.last_check = Instant::now();

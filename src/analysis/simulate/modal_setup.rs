@@ -9,7 +9,7 @@ use super::super::synchronous::synchronous_in;
 use super::initial::{Start, start_amplitudes};
 use super::run_cache::{ResponseKey, RunCache, StartKey};
 use super::{Method, Options, ramp};
-use crate::exponential::{InterfaceMaps, NonlinearLoads, OutputMap, Selection, is_resonant};
+use crate::exponential::{InterfaceMaps, Loads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
 use crate::modal::{CachedModel, ModalStateSpace, Projected};
 use crate::motion::{EquationOfMotion, RotatingLoad, Speed};
@@ -20,7 +20,7 @@ pub(super) struct ModalSetup<'m> {
     /// The linear motion ż = A z.
     pub linear: Arc<ModalStateSpace>,
     /// The loads on it.
-    pub nonlinear_loads: NonlinearLoads<'m>,
+    pub loads: Loads<'m>,
     /// The maps between both.
     pub maps: InterfaceMaps,
     /// The map to the recorded coordinates.
@@ -80,28 +80,23 @@ impl<'m> ModalSetup<'m> {
                 }
             }
         }
-        let loads = NonlinearLoads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
-        let (mut nonlinear_loads, mut maps) = loads.map_err(|(mesh, overlap)| {
+        let loads = Loads::new(motion, &linear, start.equilibrium.clone(), &amplitudes);
+        let (mut loads, mut maps) = loads.map_err(|(mesh, overlap)| {
             let [driver, driven] = cached.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, "at the beginning", overlap)
         })?;
         if changes {
             let modes = subspace.map_or_else(|| at_fastest.real_modes(speed), |subspace| Ok(&subspace.modes))?;
             let change = ramp::speed_change(&cached.model, options, modes)?;
-            nonlinear_loads.add_changing_speed(&linear, &change, &mut maps);
+            loads.add_changing_speed(&linear, &change, &mut maps);
         }
-        Ok(Self::recording(linear, nonlinear_loads, maps, selection))
+        Ok(Self::recording(linear, loads, maps, selection))
     }
 
     /// The set-up of a linear motion with its loads that records a selection of coordinates.
-    fn recording(
-        linear: Arc<ModalStateSpace>,
-        nonlinear_loads: NonlinearLoads<'m>,
-        maps: InterfaceMaps,
-        selection: Selection,
-    ) -> Self {
-        let output = OutputMap::new(&nonlinear_loads, &linear, &maps, selection);
-        Self { linear, nonlinear_loads, maps, output }
+    fn recording(linear: Arc<ModalStateSpace>, loads: Loads<'m>, maps: InterfaceMaps, selection: Selection) -> Self {
+        let output = OutputMap::new(&loads, &linear, &maps, selection);
+        Self { linear, loads, maps, output }
     }
 }
 
@@ -109,15 +104,15 @@ impl<'m> ModalSetup<'m> {
 pub(super) fn in_modal_coordinates(
     cached: &CachedModel,
     linear: &ModalStateSpace,
-    nonlinear_loads: &NonlinearLoads<'_>,
+    loads: &Loads<'_>,
     start: &Start,
 ) -> State {
     let mut state = start.state.clone();
     let modal = std::mem::take(&mut state.modal);
-    if resumes(linear, nonlinear_loads, start) {
+    if resumes(linear, loads, start) {
         return State { y: modal, ..state };
     }
-    let (reference_q, reference_v) = nonlinear_loads.reference_motion(state.elapsed);
+    let (reference_q, reference_v) = loads.reference_motion(state.elapsed);
     let half = reference_q.len();
     let minus = |given: &[f64], reference: &[f64]| -> Vec<f64> {
         given.iter().zip(reference).map(|(given, reference)| given - reference).collect()
@@ -129,25 +124,21 @@ pub(super) fn in_modal_coordinates(
 }
 
 /// Whether the stored z of an initial state gives exactly its displacements and velocities, so that a run continues from z.
-pub(super) fn resumes(linear: &ModalStateSpace, nonlinear_loads: &NonlinearLoads<'_>, start: &Start) -> bool {
+pub(super) fn resumes(linear: &ModalStateSpace, loads: &Loads<'_>, start: &Start) -> bool {
     let State { elapsed, y, modal, .. } = &start.state;
-    start.resumes && modal.len() == linear.len() && physical(linear, nonlinear_loads, *elapsed, modal) == *y
+    start.resumes && modal.len() == linear.len() && physical(linear, loads, *elapsed, modal) == *y
 }
 
 /// Converts the final state to displacements and velocities, and keeps its modal coordinates.
-pub(super) fn in_physical_coordinates(
-    mut state: State,
-    linear: &ModalStateSpace,
-    nonlinear_loads: &NonlinearLoads<'_>,
-) -> State {
-    let y = physical(linear, nonlinear_loads, state.elapsed, &state.y);
+pub(super) fn in_physical_coordinates(mut state: State, linear: &ModalStateSpace, loads: &Loads<'_>) -> State {
+    let y = physical(linear, loads, state.elapsed, &state.y);
     state.modal = std::mem::replace(&mut state.y, y);
     state
 }
 
 /// Displacements and velocities of a state z.
-fn physical(linear: &ModalStateSpace, nonlinear_loads: &NonlinearLoads<'_>, elapsed: f64, z: &[f64]) -> Vec<f64> {
+fn physical(linear: &ModalStateSpace, loads: &Loads<'_>, elapsed: f64, z: &[f64]) -> Vec<f64> {
     let (q, v) = linear.motion(z);
-    let (reference_q, reference_v) = nonlinear_loads.reference_motion(elapsed);
+    let (reference_q, reference_v) = loads.reference_motion(elapsed);
     [(q + reference_q).as_slice(), (v + reference_v).as_slice()].concat()
 }

@@ -53,6 +53,8 @@ impl Method {
 
 /// Smallest number of coordinates of a model that a reduction builds from the modes of its components.
 const LARGE_MODEL: usize = 250;
+/// Part of the error of an accuracy level that a reduction to fewer modes may cause, as in `gearbow.accuracy.levels`.
+const REDUCTION_SHARE: f64 = 1.0 / 3.0;
 /// Default relative tolerance.
 const DEFAULT_RTOL: f64 = 1e-6;
 /// Smallest relative tolerance: the round-off of a step.
@@ -243,6 +245,11 @@ impl Options {
             return Err(SceneError::new("rtol", message));
         }
         Ok(())
+    }
+
+    /// Error of mesh forces that the run permits, relative to the unit of the errors, if an accuracy level asks for one.
+    pub(super) fn force_error(&self) -> Option<f64> {
+        self.reduction.map(|[_, mesh_force]| mesh_force / REDUCTION_SHARE)
     }
 
     /// Relative tolerance of the run: the given or the default value, at least the level of round-off of a step.

@@ -17,8 +17,8 @@ use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinat
 use super::options::is_large;
 use super::record::Recorder;
 use super::{
-    HEARTBEAT, Options, RecordPlan, Response, Run, RunObserver, explain, foreign_contact_modes, limited_by, motion,
-    of_run, reduced_setup, tolerance,
+    HEARTBEAT_INTERVAL, Options, RecordPlan, Response, Run, RunObserver, explain, foreign_contact_modes, limited_by,
+    motion, of_run, reduced_setup, tolerance,
 };
 use crate::analysis::instability::growing_modes;
 use crate::analysis::{AnalysisError, Spectrum};
@@ -27,13 +27,13 @@ use crate::integrate::{Halt, Halted, Observer, State, Statistics, Trajectory};
 use crate::modal::{CachedModel, ModalStateSpace};
 
 /// Duration of the run that a reduction to fewer modes is chosen for, in periods: about as many as a solution takes.
-const PERIODS: f64 = 10.0;
+const EXPECTED_PERIODS: f64 = 10.0;
 /// The stage equations of planned steps are solved to this fraction of the motion: differences of two runs then have
 /// seven digits, where two states differ by 1e-6 of the motion.
 const SOLVE_RTOL: f64 = 1e-13;
 
 /// Relative distance of two eigenvalues of one mode, of the complete model and of the modes of its components.
-const CLOSE: f64 = 1e-2;
+const SAME_MODE_TOLERANCE: f64 = 1e-2;
 
 /// The period map of a system at a constant speed.
 pub struct PeriodMap<'a> {
@@ -68,8 +68,9 @@ pub fn with_period_map<T>(
     watch: &mut dyn FnMut(f64) -> bool,
     solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
 ) -> Result<T, AnalysisError> {
-    let several = Options { duration: PERIODS * options.duration, ..options.clone() };
-    with_map_of((cached, options, plan), (&several, options.duration), watch, solve)
+    let several = Options { duration: EXPECTED_PERIODS * options.duration, ..options.clone() };
+    let run = MapRun { options: &several, period: options.duration };
+    with_map_of(cached, options, plan, run, watch, solve)
 }
 
 /// Calls `solve` with the map over sections of the length `section`, s, that follow each other for `options.duration`, s.
@@ -79,17 +80,35 @@ pub fn with_period_map<T>(
 pub fn with_section_map<T>(
     cached: &CachedModel,
     options: &Options,
-    (plan, section): (&RecordPlan, f64),
+    plan: &RecordPlan,
+    section: f64,
     watch: &mut dyn FnMut(f64) -> bool,
     solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
 ) -> Result<T, AnalysisError> {
-    with_map_of((cached, options, plan), (options, section), watch, solve)
+    with_map_of(cached, options, plan, MapRun { options, period: section }, watch, solve)
 }
 
-/// Calls `solve` with the map over a period, s. The modes are those of the run `several`.
+/// The run whose modes the map has.
+struct MapRun<'a> {
+    options: &'a Options,
+    /// Period of the map, s.
+    period: f64,
+}
+
+/// Where an integration ends.
+struct Target {
+    /// Elapsed time, s.
+    end: f64,
+    /// Number of periods up to there.
+    count: u64,
+}
+
+/// Calls `solve` with the map over the period of a run.
 fn with_map_of<T>(
-    (cached, options, plan): (&CachedModel, &Options, &RecordPlan),
-    (several, period): (&Options, f64),
+    cached: &CachedModel,
+    options: &Options,
+    plan: &RecordPlan,
+    MapRun { options: several, period }: MapRun<'_>,
     watch: &mut dyn FnMut(f64) -> bool,
     solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
 ) -> Result<T, AnalysisError> {
@@ -115,12 +134,12 @@ fn with_map_of<T>(
         let complete = cached.at_speed(options.fastest())?.projected(options.fastest())?;
         run.complete(motion, &start, plan, Some(&complete))?
     };
-    let grid = countable_grid(cached, several, (&setup.linear, &setup.nonlinear_loads), end)?;
+    let grid = countable_grid(cached, several, &setup.linear, &setup.loads, end)?;
     let steps = (period / grid.longest).ceil().max(1.0);
     let time_grid = TimeGrid { longest: period / steps, ..grid };
-    let spins = setup.nonlinear_loads.spins();
-    let cache = propagators(cached, options, (&setup.linear, setup.maps.clone()), time_grid, spins);
-    let stepper = Stepper::new(setup.nonlinear_loads.clone(), cache);
+    let spins = setup.loads.spins();
+    let cache = propagators(cached, options, &setup.linear, setup.maps.clone(), time_grid, spins);
+    let stepper = Stepper::new(setup.loads.clone(), cache);
     let levels = vec![0; steps as usize].into();
     let mut map = PeriodMap {
         cached,
@@ -165,7 +184,8 @@ impl PeriodMap<'_> {
         }
         let pair = |value: Complex<f64>| if value.im == 0.0 { vec![value] } else { vec![value, value.conj()] };
         let growing = growing_modes(self.cached, speed)?;
-        let is_known = |value: &Complex<f64>| kept.iter().any(|own| (own - value).norm() <= CLOSE * value.norm());
+        let is_known =
+            |value: &Complex<f64>| kept.iter().any(|own| (own - value).norm() <= SAME_MODE_TOLERANCE * value.norm());
         Ok(growing.into_iter().filter(|value| !is_known(value)).flat_map(pair).collect())
     }
 
@@ -181,25 +201,25 @@ impl PeriodMap<'_> {
 
     /// The initial state of the options.
     pub fn initial(&self) -> Vec<f64> {
-        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.nonlinear_loads, &self.start).y
+        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.loads, &self.start).y
     }
 
     /// The state z of displacements and velocities at the beginning of a period.
     pub fn modal(&self, y: &[f64]) -> Vec<f64> {
         let state = State { y: y.to_vec(), elapsed: self.start.state.elapsed, ..State::new(Vec::new()) };
         let start = Start { state, resumes: false, ..self.start.clone() };
-        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.nonlinear_loads, &start).y
+        in_modal_coordinates(self.cached, &self.setup.linear, &self.setup.loads, &start).y
     }
 
     /// Displacements and velocities of a state z at the beginning of a period.
     pub fn physical(&self, z: Vec<f64>) -> Vec<f64> {
         let state = State { elapsed: self.start.state.elapsed, ..State::new(z) };
-        in_physical_coordinates(state, &self.setup.linear, &self.setup.nonlinear_loads).y
+        in_physical_coordinates(state, &self.setup.linear, &self.setup.loads).y
     }
 
     /// Whether the map is affine in z: all loads are, and no flank changes its contact.
     pub fn is_affine(&self) -> bool {
-        let loads = &self.setup.nonlinear_loads;
+        let loads = &self.setup.loads;
         loads.is_affine() && !loads.motion.flanks_can_separate() && !loads.motion.motion_changes_contact_modes()
     }
 
@@ -299,18 +319,13 @@ impl PeriodMap<'_> {
     ///
     /// # Errors
     /// [`AnalysisError`] if the run ends early.
-    pub fn periods_from(
-        &mut self,
-        (first, count): (i64, u64),
-        z: &[f64],
-        rtol: f64,
-    ) -> Result<Vec<f64>, AnalysisError> {
+    pub fn periods_from(&mut self, first: i64, count: u64, z: &[f64], rtol: f64) -> Result<Vec<f64>, AnalysisError> {
         let mut stepper = self.stepper.clone();
         let elapsed =
             self.start.state.elapsed + first as f64 * self.time_grid.time(self.steps * self.time_grid.units(0));
         let state = State { elapsed, ..State::new(z.to_vec()) };
         let (control, end) = (self.control(rtol), self.end(elapsed, count));
-        Ok(self.follow((&mut stepper, control), state, (end, count))?.y)
+        Ok(self.follow(&mut stepper, control, state, Target { end, count })?.y)
     }
 
     /// The recorded motion of `count` periods from a state z, with steps that meet the tolerance, whose levels are kept.
@@ -323,7 +338,7 @@ impl PeriodMap<'_> {
         let (end, duration) = (self.end(begin, count), self.period * count as f64);
         let times: Vec<f64> =
             (0..samples).map(|sample| origin + begin + duration * sample as f64 / samples as f64).collect();
-        let motion = self.setup.nonlinear_loads.motion.clone();
+        let motion = self.setup.loads.motion.clone();
         let during = (begin, tolerance(self.options, &motion));
         let mut stepper = self.stepper.clone();
         stepper.levels = Some(vec![0; self.steps as usize]);
@@ -337,13 +352,13 @@ impl PeriodMap<'_> {
             span: (begin, end),
             last_check: Instant::now(),
         };
-        let outcome = integrate((&mut stepper, &mut output), control, &mut state, end, &mut observer, &mut statistics);
+        let outcome = integrate(&mut stepper, &mut output, control, &mut state, end, &mut observer, &mut statistics);
         let (record, recorder_state) = observer.recorder.finish();
         outcome.map_err(|halted| explain(self.cached, &halted, origin))?;
         self.runs += count as usize;
         self.levels = stepper.levels.take().unwrap_or_default().into();
         let last = state.y.clone();
-        let state = in_physical_coordinates(state, &self.setup.linear, &self.setup.nonlinear_loads);
+        let state = in_physical_coordinates(state, &self.setup.linear, &self.setup.loads);
         let response = Response {
             record,
             recorder_state,
@@ -366,19 +381,20 @@ impl PeriodMap<'_> {
     ) -> Result<State, AnalysisError> {
         let state = self.state(z);
         let end = self.end(state.elapsed, 1);
-        self.follow((stepper, control), state, (end, 1))
+        self.follow(stepper, control, state, Target { end, count: 1 })
     }
 
-    /// Integrates up to the elapsed time `end`, over a number of periods.
+    /// Integrates up to a target.
     fn follow(
         &mut self,
-        (stepper, control): (&mut Stepper<'_>, LevelControl),
+        stepper: &mut Stepper<'_>,
+        control: LevelControl,
         mut state: State,
-        (end, count): (f64, u64),
+        Target { end, count }: Target,
     ) -> Result<State, AnalysisError> {
         let mut output = self.setup.output.clone();
         let outcome =
-            integrate((stepper, &mut output), control, &mut state, end, &mut self.heartbeat, &mut Statistics::new());
+            integrate(stepper, &mut output, control, &mut state, end, &mut self.heartbeat, &mut Statistics::new());
         outcome.map_err(|halted| self.explained(&halted))?;
         self.runs += count as usize;
         Ok(state)
@@ -403,7 +419,7 @@ impl PeriodMap<'_> {
     fn control(&self, rtol: f64) -> LevelControl {
         match self.options.step {
             Some(_) => LevelControl::Fixed,
-            None => LevelControl::Adaptive { rtol, floor: self.start.floor },
+            None => LevelControl::Adaptive { rtol, floor: self.start.floor, force_error: None },
         }
     }
 }
@@ -442,7 +458,7 @@ impl Observer for PeriodHeartbeat<'_> {
     }
 
     fn continues(&mut self, _elapsed: f64) -> bool {
-        if self.last_check.elapsed() < HEARTBEAT {
+        if self.last_check.elapsed() < HEARTBEAT_INTERVAL {
             return true;
         }
         self.last_check = Instant::now();

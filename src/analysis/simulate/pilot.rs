@@ -10,7 +10,7 @@ use super::modal_setup::ModalSetup;
 use super::record::{Record, Recorder};
 use super::{RecordPlan, Run, RunObserver, exponential, sample_step};
 use crate::analysis::AnalysisError;
-use crate::integrate::{Halt, Observer, Statistics};
+use crate::integrate::{Halt, Observer, SHARE_OF_MEAN, Statistics};
 
 /// Longest duration of a pilot run, s: the time over which errors are compared.
 pub(super) const PILOT_DURATION: f64 = 0.1;
@@ -22,8 +22,6 @@ const MEASURING: (f64, f64) = (0.1, 0.01);
 const CHECK_DURATION: f64 = 0.02;
 /// Smallest and largest number of samples of a pilot run.
 const PILOT_SAMPLES: [f64; 2] = [200.0, 4000.0];
-/// Smallest unit of an error, as a part of the mean of the signal; `gearbow.accuracy.scale` has the same value and its reason.
-const SHARE_OF_MEAN: f64 = 0.02;
 
 /// The part of a run that is integrated with models of different size.
 pub(super) struct Pilot {
@@ -78,7 +76,7 @@ impl Pilot {
         }
         let [begin, end] = self.span;
         let plan = RecordPlan { energy: false, velocity: false, acceleration: false, ..plan.clone() };
-        let (motion, origin) = (setup.nonlinear_loads.motion.clone(), self.start.rotation.origin);
+        let (motion, origin) = (setup.loads.motion.clone(), self.start.rotation.origin);
         let mut pilot = RunObserver {
             recorder: Recorder::new(motion, &plan, &self.times, origin, (begin, 0.0)),
             watch: &mut |_| observer.continues(run.options.start - origin),

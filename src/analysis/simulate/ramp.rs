@@ -13,7 +13,7 @@ use crate::motion::Speed;
 
 /// A gyroscopic coupling is neglected if its acceleration, relative to that of the motion, is below this multiple of the
 /// tolerance. Tolerances limit the error of a step; the error of a run is about ten times as large.
-const NEGLECTED: f64 = 10.0;
+const NEGLECTED_COUPLING: f64 = 10.0;
 /// The same limit in multiples of the error of displacements that a reduction may cause.
 const NEGLECTED_SHARE: f64 = 0.1;
 /// Tolerance of the gyroscopic couplings with fixed steps.
@@ -37,8 +37,8 @@ pub(super) fn speed_change(model: &Model, options: &Options, real: &RealModes) -
     let corner = corner_frequency(model, real, fastest);
     let neglected = match (options.reduction, options.step) {
         (Some([displacement, _]), _) => NEGLECTED_SHARE * displacement,
-        (None, Some(_)) => NEGLECTED * FIXED_TOLERANCE,
-        (None, None) => NEGLECTED * options.tolerance(),
+        (None, Some(_)) => NEGLECTED_COUPLING * FIXED_TOLERANCE,
+        (None, None) => NEGLECTED_COUPLING * options.tolerance(),
     };
     let difference = (largest - slowest) / 2.0;
     let pairs = if difference > 0.0 {

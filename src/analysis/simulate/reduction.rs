@@ -156,7 +156,7 @@ impl<'m> Reducer<'_, 'm> {
                 let Some((setup, _)) = self.set_up(Some(Extent::Limit(limit)), limit)? else {
                     return Ok(None);
                 };
-                if resumes(&setup.linear, &setup.nonlinear_loads, self.start) {
+                if resumes(&setup.linear, &setup.loads, self.start) {
                     continued = Some(limit);
                     break;
                 }
@@ -277,7 +277,7 @@ impl<'m> Reducer<'_, 'm> {
             return Ok(None);
         }
         // A run that cannot be counted ends before its pilot.
-        countable_grid(run.cached, options, (&setup.linear, &setup.nonlinear_loads), run.end)?;
+        countable_grid(run.cached, options, &setup.linear, &setup.loads, run.end)?;
         Ok(Some((setup, projected)))
     }
 }

@@ -11,7 +11,7 @@ use crate::exponential::{PropagatorCache, PropagatorKey};
 use crate::modal::{ModalStateSpace, Recent};
 
 /// Number of settings whose propagators and reductions are kept: they take most of the memory, see docs/limits.md.
-const SETTINGS: usize = 2;
+const KEPT_SETTINGS: usize = 2;
 
 /// What the synchronous motion at the start of a run reads beside its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,14 +60,14 @@ pub(super) type SourceResponses = Arc<Vec<Option<DVector<Complex<f64>>>>>;
 #[derive(Debug, Default)]
 pub(super) struct RunCache {
     /// Propagators.
-    pub propagators: Recent<Arc<PropagatorKey>, Arc<PropagatorCache>, SETTINGS>,
+    pub propagators: Recent<Arc<PropagatorKey>, Arc<PropagatorCache>, KEPT_SETTINGS>,
     /// Synchronous motions at the start.
     pub start_amplitudes: Recent<StartKey, Amplitudes>,
     /// Synchronous responses of the linear motion; they keep this in memory, as the propagators do.
-    pub responses: Recent<ResponseKey, SourceResponses, SETTINGS>,
+    pub responses: Recent<ResponseKey, SourceResponses, KEPT_SETTINGS>,
     /// Reductions with their measured errors; none for a run that keeps all modes.
-    pub reductions: Recent<ReductionKey, Option<KnownReduction>, SETTINGS>,
+    pub reductions: Recent<ReductionKey, Option<KnownReduction>, KEPT_SETTINGS>,
     /// Reduction that variations of the model share; none for a run that fails or keeps all modes. One variation finds it,
     /// while the others wait.
-    pub shared_reductions: Mutex<Recent<ReductionKey, Option<KnownReduction>, SETTINGS>>,
+    pub shared_reductions: Mutex<Recent<ReductionKey, Option<KnownReduction>, KEPT_SETTINGS>>,
 }

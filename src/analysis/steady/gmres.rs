@@ -7,7 +7,7 @@ use super::norm;
 /// Largest dimension of the Krylov space.
 const MAX_PRODUCTS: usize = 80;
 /// A product that loses more than this factor in orthogonalization lies in the space.
-const DEPENDENT: f64 = 1e-12;
+const DEPENDENCE_TOLERANCE: f64 = 1e-12;
 
 /// Solves A x = b up to a residual of `rtol`·|b|, or the smallest one in the largest space.
 ///
@@ -35,7 +35,7 @@ pub fn gmres<E>(b: &[f64], rtol: f64, mut apply: impl FnMut(&[f64]) -> Result<Ve
             }
         }
         let rest = image.norm();
-        let is_complete = rest <= DEPENDENT * before;
+        let is_complete = rest <= DEPENDENCE_TOLERANCE * before;
         column.push(if is_complete { 0.0 } else { rest });
         columns.push(column);
         let count = columns.len();

@@ -12,10 +12,10 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Complex, DMatrix, DVector, Dyn, LU, RowDVector};
 
 /// Difference of two angles, relative to a turn, below which both harmonics are the same.
-const SAME: f64 = 1e-9;
+const ANGLE_TOLERANCE: f64 = 1e-9;
 /// Number of sections for each unknown among which the sections are selected, and the factor by which it grows.
-const CANDIDATES: usize = 20;
-const GROWTH: usize = 4;
+const CANDIDATE_SECTIONS: usize = 20;
+const CANDIDATE_GROWTH: usize = 4;
 /// Largest number of entries of the matrix of candidates: 64 MB.
 const MAX_ENTRIES: usize = 8_000_000;
 /// Smallest ratio of the pivots of the decomposition.
@@ -88,7 +88,7 @@ impl Combinations {
         // A frequency and its negative give the same motion.
         let part = cycles.rem_euclid(1.0);
         let angle = TAU * part.min(1.0 - part);
-        let known = self.angles.iter().position(|other| (other - angle).abs() <= TAU * SAME);
+        let known = self.angles.iter().position(|other| (other - angle).abs() <= TAU * ANGLE_TOLERANCE);
         let number = known.unwrap_or_else(|| {
             self.angles.push(angle);
             self.angles.len() - 1
@@ -132,14 +132,14 @@ impl Harmonics {
         if unknowns > MAX_UNKNOWNS {
             return None;
         }
-        let mut candidates = CANDIDATES * unknowns;
+        let mut candidates = CANDIDATE_SECTIONS * unknowns;
         while candidates * unknowns <= MAX_ENTRIES {
             if let Some(sections) = selected(&angles, candidates) {
                 let rows: Vec<Vec<f64>> = sections.iter().map(|section| row(&angles, *section)).collect();
                 let matrix = DMatrix::from_fn(unknowns, unknowns, |section, unknown| rows[section][unknown]);
                 return Some(Self { angles, sections, decomposition: matrix.lu() });
             }
-            candidates *= GROWTH;
+            candidates *= CANDIDATE_GROWTH;
         }
         None
     }
@@ -185,7 +185,7 @@ impl Harmonics {
 
 /// Number of unknowns of a harmonic: those of a cosine, and of a sine unless it is zero in all sections.
 fn parts(angle: f64) -> usize {
-    if angle <= TAU * SAME || angle >= PI - TAU * SAME { 1 } else { 2 }
+    if angle <= TAU * ANGLE_TOLERANCE || angle >= PI - TAU * ANGLE_TOLERANCE { 1 } else { 2 }
 }
 
 fn count(angles: &[f64]) -> usize {

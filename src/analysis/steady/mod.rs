@@ -91,7 +91,7 @@ fn begin_from_sections(
     if count < MANY_SECTIONS {
         return Ok(None);
     }
-    let begin = with_section_map(cached, options, (plan, sections.length), watch, |map| {
+    let begin = with_section_map(cached, options, plan, sections.length, watch, |map| {
         if count < if map.is_affine() { MANY_SECTIONS } else { MANY_NONLINEAR_SECTIONS } {
             return Ok(None);
         }
@@ -114,12 +114,13 @@ fn begin_from_sections(
 pub fn quasi_periodic_state(
     cached: &CachedModel,
     options: &Options,
-    (plan, sections): (&RecordPlan, &Sections),
+    plan: &RecordPlan,
+    sections: &Sections,
     samples: usize,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<SteadyState, AnalysisError> {
     let count = (options.duration / sections.length).round().max(1.0) as u64;
-    with_section_map(cached, options, (plan, sections.length), watch, |map| {
+    with_section_map(cached, options, plan, sections.length, watch, |map| {
         QuasiPeriodic::new(map, sections)?.solve(count, samples)
     })
 }
@@ -142,7 +143,8 @@ pub struct Corrected {
 pub fn corrected_states(
     cached: &CachedModel,
     options: &Options,
-    (states, levels): (&[Vec<f64>], Option<&[u8]>),
+    states: &[Vec<f64>],
+    levels: Option<&[u8]>,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Corrected, AnalysisError> {
     with_period_map(cached, options, &RecordPlan::default(), watch, |map| {
@@ -183,8 +185,9 @@ pub fn initial_state(
 pub fn recorded_period(
     cached: &CachedModel,
     options: &Options,
-    (plan, samples): (&RecordPlan, usize),
+    plan: &RecordPlan,
     state: &[f64],
+    samples: usize,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Response, AnalysisError> {
     with_period_map(cached, options, plan, watch, |map| {

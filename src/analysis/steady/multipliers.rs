@@ -15,19 +15,19 @@ use crate::modal::{ModePair, StateMatrix};
 const ROUND_OFF: f64 = 1e-13;
 /// Difference of two states from which a derivative is taken, relative to the motion. The central difference has an error
 /// of about its square, and [`ROUND_OFF`] divided by it.
-const DIFFERENCE: f64 = 1e-5;
+const DERIVATIVE_DIFFERENCE: f64 = 1e-5;
 /// Sizes of the disturbance that the steps resolve, relative to the motion: the first one that can be integrated.
-const DISTURBANCES: [f64; 3] = [0.1, 0.01, 0.001];
+const DISTURBANCE_SIZES: [f64; 3] = [0.1, 0.01, 0.001];
 /// Energy norm that differences are relative to where there is no motion, √J: that of a mesh of 2e8 N/m deflected by 1e-7 m.
-const REST: f64 = 1e-3;
+const REST_ENERGY_NORM: f64 = 1e-3;
 /// Energy norm below which there is no motion.
 const NO_MOTION: f64 = 1e-100;
 /// Largest residual of a multiplier, relative to it.
-const RESIDUAL: f64 = 1e-6;
+const MAX_RESIDUAL: f64 = 1e-6;
 /// Largest number of products with the derivative.
 const MAX_PRODUCTS: usize = 400;
 /// Number of products between two checks of the residuals.
-const INTERVAL: usize = 8;
+const CHECK_INTERVAL: usize = 8;
 
 /// The multipliers of magnitude `smallest` and more, the largest first, of the steady state in which the map begins. They are
 /// those of the linear motion if `is_constant`: the coefficients of the equation of motion are constant.
@@ -64,10 +64,10 @@ fn multipliers_of_map(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Comp
     let z = map.initial();
     let image = map.adapt(&z)?;
     // Without a motion, the equations have no scale.
-    let size = Some(map.size(&z)?).filter(|size| *size > NO_MOTION).unwrap_or(REST);
+    let size = Some(map.size(&z)?).filter(|size| *size > NO_MOTION).unwrap_or(REST_ENERGY_NORM);
     let unknown: Vec<usize> = unknowns(map, &preconditioner);
     let is_affine = map.is_affine();
-    for part in DISTURBANCES {
+    for part in DISTURBANCE_SIZES {
         match map.refine(&disturbed(map, &z, &unknown, part * size)) {
             Ok(()) => break,
             Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
@@ -125,7 +125,7 @@ impl Monodromy<'_, '_> {
         if length == 0.0 {
             return Ok(direction.to_vec());
         }
-        let factor = if self.is_affine { 1.0 } else { DIFFERENCE } * self.size / length;
+        let factor = if self.is_affine { 1.0 } else { DERIVATIVE_DIFFERENCE } * self.size / length;
         let moved = |sign: f64| {
             let mut z = self.z.clone();
             for (entry, part) in self.unknown.iter().zip(direction) {
@@ -175,16 +175,16 @@ fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Comple
         if operator.failure.borrow().is_some() {
             return Ok(Vec::new());
         }
-        if count % INTERVAL != 0 && count < limit {
+        if count % CHECK_INTERVAL != 0 && count < limit {
             continue;
         }
         let pairs = space.ritz_pairs()?;
         // An approximation may become one of the wanted values if its residual reaches them.
         let may_be_wanted = pairs.iter().filter(|pair| pair.value.norm() * (1.0 + pair.residual) >= smallest);
         largest_residual = may_be_wanted.clone().map(|pair| pair.residual).fold(0.0, f64::max);
-        if count == operator.size() || largest_residual <= RESIDUAL && may_be_wanted.count() + 2 < count {
+        if count == operator.size() || largest_residual <= MAX_RESIDUAL && may_be_wanted.count() + 2 < count {
             let largest = pairs.iter().map(|pair| pair.value.norm()).fold(0.0, f64::max);
-            let lost = largest * if operator.is_affine { ROUND_OFF } else { ROUND_OFF / DIFFERENCE };
+            let lost = largest * if operator.is_affine { ROUND_OFF } else { ROUND_OFF / DERIVATIVE_DIFFERENCE };
             if lost > smallest {
                 return Err(AnalysisError::Convergence(format!(
                     "multipliers: those below {lost:.0e} are lost in the round-off of the largest one, {largest:.1e}; take a larger magnitude with multipliers_above()"
@@ -197,6 +197,6 @@ fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Comple
         return Ok(Vec::new());
     }
     Err(AnalysisError::Convergence(format!(
-        "multipliers: one of magnitude {smallest} or more has a relative residual of {largest_residual:.1e} after {limit} products, and must have {RESIDUAL:e}; add damping, or take a larger magnitude with multipliers_above()"
+        "multipliers: one of magnitude {smallest} or more has a relative residual of {largest_residual:.1e} after {limit} products, and must have {MAX_RESIDUAL:e}; add damping, or take a larger magnitude with multipliers_above()"
     )))
 }

@@ -14,10 +14,10 @@ use crate::scene::{LoadLaw, Scene, SceneError};
 /// Largest denominator of an order that is not a ratio of tooth numbers, for example that of a force.
 const LARGEST_DENOMINATOR: u64 = 1000;
 /// Relative difference between an order and a ratio of whole numbers below which both are equal.
-const SAME: f64 = 1e-12;
+const ORDER_TOLERANCE: f64 = 1e-12;
 
 /// What to do without a common period.
-const ALTERNATIVES: &str = "or run in with simulate()";
+const RUN_IN_INSTEAD: &str = "or run in with simulate()";
 
 /// A positive ratio of two whole numbers without a common divisor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +62,7 @@ impl Ratio {
             if q[1] > LARGEST_DENOMINATOR {
                 return None;
             }
-            if (p[1] as f64 / q[1] as f64 - value).abs() <= SAME * value {
+            if (p[1] as f64 / q[1] as f64 - value).abs() <= ORDER_TOLERANCE * value {
                 return Self::new(u128::from(p[1]), u128::from(q[1]));
             }
             rest = (rest - whole).recip();
@@ -126,8 +126,8 @@ pub fn common_period(model: &Model, speed: f64, given: Option<f64>, longest: f64
     if speed == 0.0 {
         return Err(error("nothing rotates at speed 0", "give a speed, or period= for loads over time"));
     }
-    let action = format!("give period= if you know one, {ALTERNATIVES}");
-    let same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs();
+    let action = format!("give period= if you know one, {RUN_IN_INSTEAD}");
+    let same = |a: f64, b: f64| (a - b).abs() <= ORDER_TOLERANCE * a.abs();
     let first = sources[0].order;
     let order = if sources.iter().all(|source| source.order.zip(first).is_some_and(|(a, b)| same(a, b))) {
         first
@@ -143,7 +143,7 @@ pub fn common_period(model: &Model, speed: f64, given: Option<f64>, longest: f64
     if period > longest {
         let reason =
             format!("the common period of the excitation is {period:.4} s, longer than max_period = {longest} s");
-        return Err(error(&reason, &format!("give a larger max_period, {ALTERNATIVES}")));
+        return Err(error(&reason, &format!("give a larger max_period, {RUN_IN_INSTEAD}")));
     }
     Ok(period)
 }
@@ -209,7 +209,7 @@ pub fn sections(model: &Model, speed: f64, longest: f64) -> Option<Sections> {
         };
         let frequency = BaseFrequency { cycles, harmonics };
         // A source whose period divides the section has no frequency of its own.
-        if cycles.min(1.0 - cycles) > SAME && !base.contains(&frequency) {
+        if cycles.min(1.0 - cycles) > ORDER_TOLERANCE && !base.contains(&frequency) {
             base.push(frequency);
         }
     }

@@ -11,7 +11,7 @@ use crate::modal::{ModalStateSpace, ModePair, StateMatrix};
 /// Decay of a rigid-body motion within a period below which it is round-off.
 pub const NO_DECAY: f64 = 1e-9;
 /// Singular values of I − e^{AT} below this fraction of the largest belong to rigid-body motions.
-const SINGULAR: f64 = 1e-8;
+const SINGULAR_FRACTION: f64 = 1e-8;
 
 /// (I − e^{AT})⁻¹.
 pub struct Preconditioner {
@@ -41,7 +41,7 @@ impl Preconditioner {
             StateMatrix::Dense(matrix) => {
                 let size = matrix.nrows();
                 let defect = DMatrix::identity(size, size) - (matrix * period).exp();
-                let tolerance = SINGULAR * defect.norm();
+                let tolerance = SINGULAR_FRACTION * defect.norm();
                 let inverse = defect.pseudo_inverse(tolerance);
                 let inverse = inverse.map_err(|message| AnalysisError::Convergence(message.to_owned()))?;
                 return Ok(Self { form: Form::Dense(inverse), positions, velocities });

@@ -13,31 +13,32 @@ use super::harmonics::{Combinations, Harmonics};
 use super::period::Sections;
 use super::preconditioner::Preconditioner;
 use super::solver::{
-    AMPLIFICATION, COARSEST, FRACTION, REPEATED, SECANT, drift, next_rtol, predicted, progress, stalls,
+    FIRST_TOLERANCE, MAX_REPETITION_ERROR, MIN_SECANT, STATE_ERROR_FACTOR, TOLERANCE_FRACTION, drift, next_rtol,
+    predicted, progress, stalls,
 };
 use super::turning::Turning;
 use super::{SteadyState, norm};
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::PeriodMap;
 
-/// No more harmonics are added after [`RESISTS`] additions in a row whose change of the motion is more than [`LITTLE`] times
+/// No more harmonics are added after [`MAX_SLOW_ADDITIONS`] additions in a row whose change of the motion is more than [`SLOW_ADDITION_RATIO`] times
 /// that of the addition before, or after [`MAX_ADDITIONS`].
-const RESISTS: usize = 2;
-const LITTLE: f64 = 0.5;
+const MAX_SLOW_ADDITIONS: usize = 2;
+const SLOW_ADDITION_RATIO: f64 = 0.5;
 const MAX_ADDITIONS: usize = 20;
 /// Duration of running in over that of the first run before the record.
 const SHORTEST_RUN_IN: u64 = 8;
 /// Longest run before the record in multiples of the duration of running in, and the margin of its prediction.
 const LONGEST_RUN_IN: u64 = 4;
-const MARGIN: f64 = 1.2;
+const RUN_IN_SAFETY: f64 = 1.2;
 /// Work in multiples of running in, beyond that of the unknowns, after which no more harmonics are added.
 const MAX_WORK: u64 = 8;
 /// Number of sections for each unknown that the first harmonics take. Where running in takes less, it is tried first.
 const FIRST_HARMONICS: u64 = 8;
 /// Largest error, relative to the motion, that may remain.
-const ACCEPTABLE: f64 = 1e-2;
+const MAX_TRANSIENT: f64 = 1e-2;
 /// Coefficients of a harmonic in multiples of the tolerance from which its neighbours matter.
-const SIGNIFICANT: f64 = 0.1;
+const SIGNIFICANT_AMPLITUDE: f64 = 0.1;
 /// Number of iterations in which the accelerated iteration must converge.
 const MAX_ITERATIONS: usize = 40;
 /// Relative error up to which the first harmonics are solved if others follow. The others are solved up to a fraction of the
@@ -45,9 +46,9 @@ const MAX_ITERATIONS: usize = 40;
 const FIRST_GOAL: f64 = 1e-3;
 const NEXT_GOAL: f64 = 0.1;
 /// Sections at which the harmonics are checked, in multiples of the largest one of the unknowns.
-const CHECKED: [f64; 3] = [1.37, 2.19, 3.53];
+const CHECKED_SECTIONS: [f64; 3] = [1.37, 2.19, 3.53];
 /// Largest difference of the recorded motion from the harmonics at its end, in multiples of the tolerance.
-const LEAVES: f64 = 1000.0;
+const MAX_END_DIFFERENCE: f64 = 1000.0;
 
 /// The solution for the states at the sections.
 pub struct QuasiPeriodic<'s, 'a> {
@@ -110,7 +111,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         let (response, last) = self.map.record(sections, &found.state, samples)?;
         let expected = found.solution.state(sections as i64);
         let difference = self.distance(&last, &expected);
-        if found.error == 0.0 && difference > LEAVES * self.tolerance {
+        if found.error == 0.0 && difference > MAX_END_DIFFERENCE * self.tolerance {
             return Err(AnalysisError::Convergence(format!(
                 "the motion of these frequencies is unstable, or contains further ones: a run that begins with it differs by {difference:.1e} of the motion at its end, {}; run in with simulate()",
                 self.map
@@ -128,7 +129,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
             residual: if found.error > 0.0 { found.error } else { found.solution.defect.max(difference) },
             periods: self.map.runs,
             is_affine: self.map.is_affine(),
-            warning: Some(warning).filter(|_| found.error > AMPLIFICATION * self.tolerance),
+            warning: Some(warning).filter(|_| found.error > STATE_ERROR_FACTOR * self.tolerance),
         })
     }
 
@@ -148,7 +149,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
                 Solution { harmonics: mean, coefficients: coefficients.clone(), defect: 1.0 },
                 LONGEST_RUN_IN,
             )?;
-            if found.error <= AMPLIFICATION * self.tolerance {
+            if found.error <= STATE_ERROR_FACTOR * self.tolerance {
                 return Ok(found);
             }
         }
@@ -169,23 +170,23 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
                 changes.relative.push((&solution.coefficients - before).norm() / self.size);
             }
             coefficients.clone_from(&solution.coefficients);
-            let limit = SIGNIFICANT * self.tolerance * self.size;
+            let limit = SIGNIFICANT_AMPLITUDE * self.tolerance * self.size;
             let grows = combinations.grow(|harmonic| solution.amplitude(harmonic) > limit);
             if goal <= 1.0 && (self.map.is_affine() || !grows || changes.converge()) {
                 let unseen = self.unseen(&solution)?;
-                if unseen <= REPEATED * AMPLIFICATION * self.tolerance {
+                if unseen <= MAX_REPETITION_ERROR * STATE_ERROR_FACTOR * self.tolerance {
                     solution.defect = solution.defect.max(unseen);
                     return Ok(Begin { state: solution.state(0), error: 0.0, solution });
                 }
             }
             let found = self.settled(solution, 1)?;
-            if found.error <= AMPLIFICATION * self.tolerance {
+            if found.error <= STATE_ERROR_FACTOR * self.tolerance {
                 return Ok(found);
             }
             best = Some(found).filter(|found| best.as_ref().is_none_or(|best| found.error < best.error)).or(best);
         }
         let best = best.map(|best| self.settled(best.solution, LONGEST_RUN_IN)).transpose()?;
-        best.filter(|best| best.error <= ACCEPTABLE).ok_or_else(|| {
+        best.filter(|best| best.error <= MAX_TRANSIENT).ok_or_else(|| {
             AnalysisError::Convergence(failure.unwrap_or_else(|| format!(
                 "the quasi-periodic motion did not converge: further harmonics change it by {:.1e} of its size, with {} unknowns of each coordinate; it is unstable, or its transient decays slowly; run in with simulate() and give its response as initial, or add damping",
                 changes.last(),
@@ -218,7 +219,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         let (mut shorter, mut count) = (0, shortest);
         while count <= longest * self.sections.run_in {
             let first = -(count as i64);
-            let state = match self.map.periods_from((first, count), &begin.solution.state(first), self.tolerance) {
+            let state = match self.map.periods_from(first, count, &begin.solution.state(first), self.tolerance) {
                 Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
                 // An unstable motion may end the contact geometry.
                 Err(_) => break,
@@ -231,13 +232,14 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
             let error = self.distance(&state, &begin.state).max(norm(&slow.correct(&change)) / self.size);
             let decay = (begin.error / error).ln() / (count - shorter) as f64;
             begin = Begin { state, error, ..begin };
-            let left = error / (AMPLIFICATION * self.tolerance);
+            let left = error / (STATE_ERROR_FACTOR * self.tolerance);
             if left <= 1.0 {
                 break;
             }
             shorter = count;
             // Not longer than it must be, but at most twice as long: the first changes decay in another way than later ones.
-            let needed = if decay.is_finite() { (MARGIN * left.ln() / decay.max(0.0)).ceil() } else { f64::INFINITY };
+            let needed =
+                if decay.is_finite() { (RUN_IN_SAFETY * left.ln() / decay.max(0.0)).ceil() } else { f64::INFINITY };
             count += if needed < count as f64 { (needed as u64).max(1) } else { count };
         }
         Ok(begin)
@@ -252,12 +254,12 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
     ) -> Result<Solution, AnalysisError> {
         let turning = Turning::at(self.map.linear(), self.map.period(), &harmonics.angles[1..]);
         let (mut iteration, mut errors) = (Anderson::default(), Vec::new());
-        let finest = self.tolerance * (FRACTION * goal).max(1.0);
-        let mut rtol = COARSEST.max(finest);
+        let finest = self.tolerance * (TOLERANCE_FRACTION * goal).max(1.0);
+        let mut rtol = FIRST_TOLERANCE.max(finest);
         for count in 0..MAX_ITERATIONS {
             let before = rtol;
             if count > 0 {
-                rtol = next_rtol(&errors, rtol, (self.tolerance, finest));
+                rtol = next_rtol(&errors, rtol, self.tolerance, finest);
             }
             let defects = self.defects(&harmonics, &coefficients, rtol)?;
             let correction = self.correction(&harmonics, &turning, &defects).ok_or_else(|| {
@@ -274,7 +276,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
                 return Ok(Solution { harmonics, coefficients: change, defect: size });
             }
             self.map.report(progress(&errors, error));
-            let noise = SECANT * AMPLIFICATION * before * self.size;
+            let noise = MIN_SECANT * STATE_ERROR_FACTOR * before * self.size;
             let next = iteration.next(coefficients.as_slice(), correction.as_slice(), noise);
             coefficients.copy_from_slice(&next);
         }
@@ -294,7 +296,7 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
     ) -> Result<DMatrix<f64>, AnalysisError> {
         let mut defects = DMatrix::zeros(coefficients.nrows(), harmonics.unknowns());
         for (section, mut column) in harmonics.sections.iter().zip(defects.column_iter_mut()) {
-            column.copy_from_slice(&self.defect(harmonics, coefficients, (*section, rtol))?);
+            column.copy_from_slice(&self.defect(harmonics, coefficients, *section, rtol)?);
         }
         Ok(defects)
     }
@@ -303,9 +305,10 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         &mut self,
         harmonics: &Harmonics,
         coefficients: &DMatrix<f64>,
-        (section, rtol): (i64, f64),
+        section: i64,
+        rtol: f64,
     ) -> Result<Vec<f64>, AnalysisError> {
-        let image = self.map.periods_from((section, 1), &harmonics.state(coefficients, section), rtol)?;
+        let image = self.map.periods_from(section, 1, &harmonics.state(coefficients, section), rtol)?;
         let next = harmonics.state(coefficients, section + 1);
         Ok(image.iter().zip(&next).map(|(image, next)| image - next).collect())
     }
@@ -327,9 +330,9 @@ impl<'s, 'a> QuasiPeriodic<'s, 'a> {
         let Solution { harmonics, coefficients, .. } = solution;
         let last = harmonics.sections.iter().copied().max().unwrap_or(0);
         let mut largest = 0.0_f64;
-        for factor in CHECKED {
+        for factor in CHECKED_SECTIONS {
             let section = (factor * (last + 1) as f64).ceil() as i64;
-            let defect = self.defect(harmonics, coefficients, (section, self.tolerance))?;
+            let defect = self.defect(harmonics, coefficients, section, self.tolerance)?;
             drift(&self.constant, &defect, self.tolerance * self.size)?;
             largest = largest.max(self.relative_size(defect));
         }
@@ -371,12 +374,12 @@ impl Changes {
 
     /// Whether the next harmonics would change less than the error of a state.
     fn converge(&self) -> bool {
-        predicted(&self.relative) <= AMPLIFICATION * self.tolerance
+        predicted(&self.relative) <= STATE_ERROR_FACTOR * self.tolerance
     }
 
     /// Whether further harmonics do not help.
     fn resist(&self) -> bool {
-        let little = self.relative.windows(2).rev().take_while(|pair| pair[1] > LITTLE * pair[0]).count();
-        little >= RESISTS || self.relative.len() >= MAX_ADDITIONS
+        let little = self.relative.windows(2).rev().take_while(|pair| pair[1] > SLOW_ADDITION_RATIO * pair[0]).count();
+        little >= MAX_SLOW_ADDITIONS || self.relative.len() >= MAX_ADDITIONS
     }
 }

@@ -9,25 +9,25 @@ use crate::analysis::simulate::{PeriodMap, Response};
 use crate::scene::SceneError;
 
 /// Predicted error in multiples of the tolerance below which a period is recorded.
-const EXPECTED: f64 = 0.5;
+const RECORDED_ERROR: f64 = 0.5;
 /// Difference after a period in multiples of the tolerance up to which a recorded motion repeats: its steps are not those of
 /// the iteration, and each has an error of the tolerance.
-pub(super) const REPEATED: f64 = 10.0;
+pub(super) const MAX_REPETITION_ERROR: f64 = 10.0;
 /// Largest error in multiples of the tolerance at which the iteration may stall, and the reduction of the error that is too
 /// little.
-const STALLED: f64 = 100.0;
-const SLOW: f64 = 0.3;
+const MAX_STALLED_ERROR: f64 = 100.0;
+const STALLED_REDUCTION: f64 = 0.3;
 /// Number of iterations in which the accelerated iteration must converge.
 const MAX_ITERATIONS: usize = 30;
 /// Tolerance of the first iteration. That of the next ones is a fraction of the error that is left, until it is the given one:
 /// a period of a large error need not be integrated accurately.
-pub(super) const COARSEST: f64 = 1e-4;
+pub(super) const FIRST_TOLERANCE: f64 = 1e-4;
 /// That fraction.
-pub(super) const FRACTION: f64 = 1e-3;
+pub(super) const TOLERANCE_FRACTION: f64 = 1e-3;
 /// Error of a state in multiples of the tolerance of the integration.
-pub(super) const AMPLIFICATION: f64 = 10.0;
+pub(super) const STATE_ERROR_FACTOR: f64 = 10.0;
 /// Change of a correction in multiples of its error from which a secant is taken.
-pub(super) const SECANT: f64 = 5.0;
+pub(super) const MIN_SECANT: f64 = 5.0;
 /// Number of periods of running in before each attempt of Newton's method.
 const RUN_IN: [usize; 3] = [0, 20, 100];
 /// Largest number of iterations of an attempt.
@@ -38,9 +38,9 @@ const NEWTON_RTOL: f64 = 1e-3;
 const SHORTEST_STEP: f64 = 1.0 / 32.0;
 /// Difference of the states from which a derivative is taken, relative to the motion: the stage equations are solved to
 /// 1e-13, so that a product has six digits.
-const DIFFERENCE: f64 = 1e-7;
+const DERIVATIVE_DIFFERENCE: f64 = 1e-7;
 /// Change of the rigid-body velocity in a period, in multiples of the tolerance, that a mean torque causes.
-const DRIFT: f64 = 10.0;
+const MIN_DRIFT: f64 = 10.0;
 
 /// The iteration for the fixed point of a period map.
 pub struct Solver<'s, 'a> {
@@ -147,21 +147,21 @@ impl<'s, 'a> Solver<'s, 'a> {
         let (mut iteration, mut errors) = (Anderson::default(), Vec::new());
         let mut best: Option<Point> = None;
         // Tolerance of the steps.
-        let mut rtol = COARSEST.max(self.tolerance);
+        let mut rtol = FIRST_TOLERANCE.max(self.tolerance);
         for count in 0..MAX_ITERATIONS {
             let (is_fine, stalls, before) = (rtol <= self.tolerance, stalls(&errors), rtol);
             if count > 0 {
-                rtol = next_rtol(&errors, rtol, (self.tolerance, self.tolerance));
+                rtol = next_rtol(&errors, rtol, self.tolerance, self.tolerance);
             }
             // A period that is expected to be the last one is recorded.
-            let is_last = is_fine && (predicted(&errors) <= EXPECTED || stalls);
+            let is_last = is_fine && (predicted(&errors) <= RECORDED_ERROR || stalls);
             let point = self.point(z, if is_last { Steps::Recorded } else { Steps::Adapted(rtol) })?;
             if is_last && (point.error <= 1.0 || stalls && self.repeats(&point)) {
                 return Ok(Ok(point));
             }
             self.map.report(progress(&errors, point.error));
             errors.push(point.error);
-            z = iteration.next(&point.z, &point.correction, SECANT * AMPLIFICATION * before * point.size);
+            z = iteration.next(&point.z, &point.correction, MIN_SECANT * STATE_ERROR_FACTOR * before * point.size);
             if best.as_ref().is_none_or(|best| point.error < best.error) {
                 best = Some(point);
             } else if count > MAX_ITERATIONS / 2 && point.error > 1e3 * best.as_ref().map_or(0.0, |best| best.error) {
@@ -176,7 +176,8 @@ impl<'s, 'a> Solver<'s, 'a> {
     fn repeats(&self, point: &Point) -> bool {
         let rigid = &self.preconditioner.positions;
         let changes = point.defect.iter().enumerate().filter(|(entry, _)| !rigid.contains(entry));
-        changes.map(|(_, change)| change * change).sum::<f64>().sqrt() <= REPEATED * self.tolerance * point.size
+        changes.map(|(_, change)| change * change).sum::<f64>().sqrt()
+            <= MAX_REPETITION_ERROR * self.tolerance * point.size
     }
 
     /// Newton's method from z: the recorded fixed point, or the last point.
@@ -185,7 +186,7 @@ impl<'s, 'a> Solver<'s, 'a> {
         for _ in 0..MAX_NEWTON {
             // Derivatives need a base of the same steps.
             let base = self.point(point.z, Steps::Same)?;
-            if base.error <= EXPECTED {
+            if base.error <= RECORDED_ERROR {
                 point = self.point(base.z, Steps::Recorded)?;
                 if point.error <= 1.0 || self.repeats(&point) {
                     return Ok(Ok(point));
@@ -200,7 +201,7 @@ impl<'s, 'a> Solver<'s, 'a> {
 
     /// (I − e^{AT})⁻¹ (I − P′) times a direction.
     fn product(&mut self, base: &Point, direction: &[f64]) -> Result<Vec<f64>, AnalysisError> {
-        let factor = DIFFERENCE * base.size / norm(direction);
+        let factor = DERIVATIVE_DIFFERENCE * base.size / norm(direction);
         let moved: Vec<f64> = base.z.iter().zip(direction).map(|(z, part)| z + factor * part).collect();
         let image = self.map.apply(&moved)?;
         let difference = image.iter().zip(&moved).zip(&base.defect);
@@ -248,7 +249,7 @@ impl<'s, 'a> Solver<'s, 'a> {
 /// [`SceneError`] that names the remedy if it does.
 pub(super) fn drift(preconditioner: &Preconditioner, defect: &[f64], tolerance: f64) -> Result<(), AnalysisError> {
     let drift = preconditioner.velocities.iter().map(|entry| defect[*entry].abs()).fold(0.0, f64::max);
-    if drift <= DRIFT * tolerance {
+    if drift <= MIN_DRIFT * tolerance {
         return Ok(());
     }
     let message = "a mean torque accelerates the train, so that no motion is periodic; balance the torques, or hold the rotation with gb.Drive(at, stiffness=...)";
@@ -256,9 +257,9 @@ pub(super) fn drift(preconditioner: &Preconditioner, defect: &[f64], tolerance: 
 }
 
 /// Tolerance of the steps of the next iteration, between `finest` and that of the last one.
-pub(super) fn next_rtol(errors: &[f64], rtol: f64, (tolerance, finest): (f64, f64)) -> f64 {
-    let expected = predicted(errors).max(AMPLIFICATION * rtol / tolerance);
-    (FRACTION * expected * tolerance).clamp(finest, rtol)
+pub(super) fn next_rtol(errors: &[f64], rtol: f64, tolerance: f64, finest: f64) -> f64 {
+    let expected = predicted(errors).max(STATE_ERROR_FACTOR * rtol / tolerance);
+    (TOLERANCE_FRACTION * expected * tolerance).clamp(finest, rtol)
 }
 
 /// Error of the next iterate in multiples of the tolerance, if it decreases as in the last iteration.
@@ -272,7 +273,7 @@ pub(super) fn predicted(errors: &[f64]) -> f64 {
 
 /// Whether the error is near the tolerance and decreases little: it is the error of the integration.
 pub(super) fn stalls(errors: &[f64]) -> bool {
-    matches!(errors, [.., before, last] if *last <= STALLED && *last > SLOW * before)
+    matches!(errors, [.., before, last] if *last <= MAX_STALLED_ERROR && *last > STALLED_REDUCTION * before)
 }
 
 /// Completed part of the solution: that of the decades between the first error and the tolerance.

@@ -14,9 +14,9 @@ pub struct Iso6336 {
 }
 
 /// Correction factor of the theory: measured stiffness divided by theoretical stiffness of elastic teeth.
-const CORRECTION: f64 = 0.8;
+const MEASURED_OVER_THEORETICAL: f64 = 0.8;
 /// Conversion factor from N/(mm µm) to N/m².
-const UNIT: f64 = 1e9;
+const N_PER_MM_UM: f64 = 1e9;
 
 /// Stiffness of a pair of solid gears; the gear blank and basic rack factors C_R and C_B are 1. Helical gears have the virtual
 /// numbers of teeth z/cos³β, and cos β converts the stiffness to the transverse section; `contact_ratio` is the transverse
@@ -32,6 +32,6 @@ pub fn iso6336(a: &Gear, b: &Gear, contact_ratio: f64) -> Iso6336 {
         - 0.241_88 * xb / zb
         + 0.005_29 * xa * xa
         + 0.001_82 * xb * xb;
-    let single = CORRECTION / flexibility * UNIT * helix;
+    let single = MEASURED_OVER_THEORETICAL / flexibility * N_PER_MM_UM * helix;
     Iso6336 { flexibility, single, mesh: single * (0.75 * contact_ratio + 0.25) }
 }

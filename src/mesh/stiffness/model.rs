@@ -8,7 +8,7 @@ use crate::mesh::{ContactPath, Involute};
 use crate::scene::{Engagement, Foundation, Gear, Scale, StiffnessModel, Teeth};
 
 /// Number of knots of the compliance curve of a tooth.
-const KNOTS: usize = 257;
+const COMPLIANCE_KNOTS: usize = 257;
 
 /// The stiffness of the mesh in the transverse section that `teeth` describe, scaled on the path of contact of the centres at
 /// rest. Given numbers are those in the direction normal to the teeth, which is the same for spur gears.
@@ -76,8 +76,8 @@ fn potential_energy(
     let table = |gear: &Gear, bore: f64, compliance: fn(&Tooth, f64) -> f64| {
         let (from, to) = (gear.root_reach() - margin, gear.tip_reach() + margin);
         let tooth = Tooth::new(gear, bore);
-        let spacing = (to - from) / (KNOTS - 1) as f64;
-        let values: Vec<f64> = (0..KNOTS).map(|i| compliance(&tooth, from + i as f64 * spacing)).collect();
+        let spacing = (to - from) / (COMPLIANCE_KNOTS - 1) as f64;
+        let values: Vec<f64> = (0..COMPLIANCE_KNOTS).map(|i| compliance(&tooth, from + i as f64 * spacing)).collect();
         UniformCurve::new(from, spacing, &values)
     };
     let tables = |compliance| Box::new([0, 1].map(|i| table(pair[i], bores[i], compliance)));

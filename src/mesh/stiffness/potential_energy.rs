@@ -17,10 +17,10 @@ const POISSON_RATIO: f64 = 0.3;
 /// Compliance of the contact of two flanks times face width, m²/N.
 pub const CONTACT_COMPLIANCE: f64 = 4.0 * (1.0 - POISSON_RATIO * POISSON_RATIO) / (PI * YOUNGS_MODULUS);
 /// Shear correction of a rectangular section.
-const SHEAR: f64 = 1.2;
+const SHEAR_CORRECTION: f64 = 1.2;
 
 /// Polynomials of the fillet-foundation deflection: A/θ² + B h² + C h/θ + D/θ + E h + F for L*, M*, P*, Q*.
-const FOUNDATION: [[f64; 6]; 4] = [
+const FOUNDATION_POLYNOMIALS: [[f64; 6]; 4] = [
     [-5.574e-5, -1.9986e-3, -2.3015e-4, 4.7702e-3, 0.0271, 6.8045],
     [60.111e-5, 28.100e-3, -83.431e-4, -9.9256e-3, 0.1624, 0.9086],
     [-50.952e-5, 185.50e-3, 0.0538e-4, 53.3e-3, 0.2895, 0.9236],
@@ -28,7 +28,7 @@ const FOUNDATION: [[f64; 6]; 4] = [
 ];
 
 /// Points of the Gauss rule on each piece of the profile.
-const POINTS: usize = 8;
+const GAUSS_POINTS: usize = 8;
 
 /// One tooth of a gear.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +77,7 @@ impl Tooth {
             let moment = cos * (contact - x) - sin * lever;
             let inertia = 2.0 / 3.0 * h.powi(3);
             moment * moment / (YOUNGS_MODULUS * inertia)
-                + SHEAR * cos * cos / (2.0 * shear_modulus * h)
+                + SHEAR_CORRECTION * cos * cos / (2.0 * shear_modulus * h)
                 + sin * sin / (2.0 * YOUNGS_MODULUS * h)
         };
         // Along the involute from the larger one of base circle and root circle; x' = r_b·roll·cos(roll − half_angle).
@@ -98,7 +98,7 @@ impl Tooth {
         let (sin, cos) = (roll - self.half_angle).sin_cos();
         let (contact, lever) = self.flank(roll);
         let (theta, h) = (self.root_angle(), self.root_radius / self.bore_radius);
-        let [l, m, p, q] = FOUNDATION
+        let [l, m, p, q] = FOUNDATION_POLYNOMIALS
             .map(|[a, b, c, d, e, f]| a / (theta * theta) + b * h * h + c * h / theta + d / theta + e * h + f);
         let arc = 2.0 * theta * self.root_radius;
         // Height above the root circle at which the line of action intersects the axis of the tooth.
@@ -122,7 +122,7 @@ impl Tooth {
 /// Integral by a Gauss rule on eight pieces.
 fn integral(from: f64, to: f64, integrand: impl Fn(f64) -> f64) -> f64 {
     const PIECES: usize = 8;
-    static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(POINTS));
+    static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(GAUSS_POINTS));
     let length = (to - from) / PIECES as f64;
     let piece = |begin: f64| RULE.iter().map(|(at, weight)| weight * integrand(begin + at * length)).sum::<f64>();
     (0..PIECES).map(|index| piece(from + index as f64 * length)).sum::<f64>() * length

@@ -7,7 +7,7 @@ use crate::scene::EntryPath;
 use crate::scene::number::short;
 
 /// A full turn, rad, with a tolerance for round-off.
-const TURN: f64 = TAU * (1.0 + 1e-9);
+const FULL_TURN: f64 = TAU * (1.0 + 1e-9);
 
 /// A quantity outside its range.
 struct Finding {
@@ -40,7 +40,7 @@ impl Findings {
 
     /// Adds a finding if an angle, rad, is larger than a full turn.
     pub(super) fn check_angle(&mut self, at: &EntryPath, angle: f64) {
-        if angle.abs() > TURN {
+        if angle.abs() > FULL_TURN {
             self.add("angle", at, &format!("{} rad is more than a full turn, 2π = 6.283 rad; {DEGREES}", short(angle)));
         }
     }

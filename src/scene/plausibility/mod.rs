@@ -28,13 +28,13 @@ const INERTIA_TOLERANCE: f64 = 0.05;
 const PITCH_LINE_SPEED: f64 = 250.0;
 
 /// Largest plausible deflection of a bow at the end of a shaft beyond the points, relative to the largest amplitude.
-const EXTRAPOLATED: f64 = 0.5;
+const MAX_EXTRAPOLATED_BOW: f64 = 0.5;
 
 /// Smallest plausible stiffness of a bearing relative to that of its shaft. Smaller values give a warning if the
-/// displacement under the weight also exceeds [`SETTLING`].
-const SOFT: f64 = 0.01;
+/// displacement under the weight also exceeds [`MAX_SETTLING`].
+const MIN_RELATIVE_STIFFNESS: f64 = 0.01;
 /// Largest plausible displacement of the bearings under the weight of the shaft, relative to its radius.
-const SETTLING: f64 = 0.01;
+const MAX_SETTLING: f64 = 0.01;
 
 /// Returns a warning for each implausible quantity.
 ///
@@ -128,7 +128,7 @@ fn check_extrapolation(shaft: &Shaft, largest: f64, at: &EntryPath, found: &mut 
     let [first, last] = spline.range();
     for (end, measured) in [(0.0, first), (shaft.length(), last)] {
         let deflection = spline.at(end).0.norm();
-        if (end - measured).abs() > 1e-9 * shaft.length() && deflection > EXTRAPOLATED * largest {
+        if (end - measured).abs() > 1e-9 * shaft.length() && deflection > MAX_EXTRAPOLATED_BOW * largest {
             found.add(
                 "extrapolated bow",
                 &at.field("positions"),
@@ -265,7 +265,7 @@ fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
     let own = 48.0 / (compliance * span.powi(3));
     for (index, bearing) in bearings {
         let stiffness = largest_stiffness(&bearing.stiffness);
-        if stiffness > 0.0 && stiffness < SOFT * own && settling > SETTLING {
+        if stiffness > 0.0 && stiffness < MIN_RELATIVE_STIFFNESS * own && settling > MAX_SETTLING {
             let message = format!(
                 "{} N/m is {} % of the stiffness of the shaft, and the weight of the shaft displaces it by {} % of its radius; is it in N/mm?",
                 short(stiffness),

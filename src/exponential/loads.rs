@@ -1,4 +1,5 @@
-//! Loads on the linear motion: mesh forces through the interfaces, and prescribed loads.
+//! Loads on the linear motion: forces of the connections through their interfaces, loads of a changing speed, and
+//! prescribed loads.
 //!
 //! The integrated motion is the deviation from a reference and from the synchronous motion. The reference is the static
 //! equilibrium, if it exists. The synchronous motion is the response of the linear motion to bow and unbalance. It does not
@@ -10,10 +11,10 @@ use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::changing_speed::{ChangingSpeedLoads, LoadCounts, SpeedChange};
-use super::interface_maps::{InterfaceMaps, LinearizedContact};
+use super::interface_maps::{InterfaceMaps, LinearizedDirection};
 use super::prescribed::{Prescribed, prescribed_loads};
 use super::rotating_source::{add_rotated, interface_amplitudes, synchronous_amplitudes};
-use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions};
+use crate::connection::{GuaranteedInterval, Interface, InterfaceOptions, Tangent};
 use crate::integrate::Halt;
 use crate::mesh::{Contact, ContactMode, Overlap};
 use crate::modal::ModalStateSpace;
@@ -21,7 +22,7 @@ use crate::motion::EquationOfMotion;
 
 /// Loads on the linear motion.
 #[derive(Clone, Debug)]
-pub struct NonlinearLoads<'m> {
+pub struct Loads<'m> {
     /// The equation of motion.
     pub motion: EquationOfMotion<'m>,
     /// Displacements of the reference, m or rad.
@@ -44,7 +45,7 @@ pub struct NonlinearLoads<'m> {
     pub synchronous_size: f64,
 }
 
-impl<'m> NonlinearLoads<'m> {
+impl<'m> Loads<'m> {
     /// Collects the loads of a motion about `reference`, and the maps between them and `linear`. `synchronous` holds the
     /// complex amplitudes of all displacements, one column for each shaft as the source. Columns of shafts that are
     /// resonant, see [`super::is_resonant`], are not read.
@@ -63,12 +64,12 @@ impl<'m> NonlinearLoads<'m> {
         let kinds: &[bool] = if has_rates { &[false, true] } else { &[false] };
         let rows: Vec<Vec<f64>> =
             kinds.iter().flat_map(|rate| entries.iter().map(|entry| linear.row(entry, *rate))).collect();
-        let mesh_columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
-        let tangents = LinearizedContact::all(&interfaces, linear.includes_meshes);
-        let (prescribed, prescribed_columns) = prescribed_loads(&motion, linear, (&interfaces, &entries), &reference);
+        let connection_columns: Vec<Vec<f64>> = entries.iter().map(|entry| linear.column(entry)).collect();
+        let tangents = LinearizedDirection::all(&interfaces, linear.includes_meshes);
+        let (prescribed, prescribed_columns) = prescribed_loads(&motion, linear, &interfaces, &entries, &reference);
         let amplitudes = synchronous_amplitudes(linear, motion.sources(), synchronous);
         let interface_amplitudes = interface_amplitudes(motion.sources(), kinds, &entries, &amplitudes);
-        let mut nonlinear_loads = Self {
+        let mut loads = Self {
             scalars: entries.len(),
             motion,
             reference,
@@ -81,11 +82,12 @@ impl<'m> NonlinearLoads<'m> {
             changing_counts: LoadCounts::default(),
             synchronous_size: 0.0,
         };
-        nonlinear_loads.synchronous_size = nonlinear_loads.size_of_synchronous(linear.includes_meshes);
-        let (parts, synchronous) = (linear.parts.clone(), nonlinear_loads.interface_amplitudes.clone());
-        let (scalars, columns) = (mesh_columns.len(), [mesh_columns, prescribed_columns].concat());
-        let maps = InterfaceMaps { rows, scalars, has_rates, columns, meshes: scalars, parts, tangents, synchronous };
-        Ok((nonlinear_loads, maps))
+        loads.synchronous_size = loads.size_of_synchronous(linear.includes_meshes);
+        let (parts, synchronous) = (linear.parts.clone(), loads.interface_amplitudes.clone());
+        let (scalars, columns) = (connection_columns.len(), [connection_columns, prescribed_columns].concat());
+        let maps =
+            InterfaceMaps { rows, scalars, has_rates, columns, coupled_loads: scalars, parts, tangents, synchronous };
+        Ok((loads, maps))
     }
 
     /// Adds the loads of a changing speed, and their rows and columns to the maps.
@@ -117,13 +119,13 @@ impl<'m> NonlinearLoads<'m> {
     }
 
     /// Number of connections with an interface.
-    pub fn mesh_count(&self) -> usize {
+    pub fn connection_count(&self) -> usize {
         self.interfaces.len()
     }
 
     /// Number of loads that depend on the motion: those of connections, one for each interface scalar, and those of a
     /// changing speed.
-    pub fn mesh_load_count(&self) -> usize {
+    pub fn coupled_load_count(&self) -> usize {
         self.scalars + self.changing_counts.coupled_loads
     }
 
@@ -161,7 +163,7 @@ impl<'m> NonlinearLoads<'m> {
         }
     }
 
-    /// Whether every mesh has one scalar and its load is an affine function of it.
+    /// Whether every connection has one scalar and its load is an affine function of it.
     pub fn is_affine(&self) -> bool {
         self.changing_counts.coupled_loads == 0 && self.interfaces.iter().all(Interface::is_affine)
     }
@@ -178,7 +180,7 @@ impl<'m> NonlinearLoads<'m> {
         add_rotated(&self.interface_amplitudes[index * self.interface_len()..], phasor, u);
     }
 
-    /// Evaluates the loads and the contacts of all meshes at the interface state `u`.
+    /// Evaluates the loads and the contacts of all connections at the interface state `u`.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
@@ -235,14 +237,15 @@ impl<'m> NonlinearLoads<'m> {
         elapsed: f64,
         u: &[f64],
         contacts: &[Contact],
-        [stiffness, damping]: [&mut [f64]; 2],
+        Tangent { stiffness, damping }: Tangent<'_>,
     ) {
         let mut from = 0;
         for ((interface, scalars, rates), contact) in self.each(u).zip(contacts) {
             let to = from + interface.direction_count().pow(2);
             let instant = self.motion.instant(interface.mesh(), interface.turning(), elapsed);
             let damping = damping.get_mut(from..to).unwrap_or_default();
-            interface.residual_tangent(&instant, (scalars, rates), contact, [&mut stiffness[from..to], damping]);
+            let tangent = Tangent { stiffness: &mut stiffness[from..to], damping };
+            interface.residual_tangent(&instant, scalars, rates, contact, tangent);
             from = to;
         }
     }
@@ -257,9 +260,9 @@ impl<'m> NonlinearLoads<'m> {
         })
     }
 
-    /// Margin of both flanks of a mesh to the next contact change, m.
-    pub fn margins(&self, mesh: usize, contact: &Contact) -> [f64; 2] {
-        let interface = &self.interfaces[mesh];
+    /// Margins of both flanks of a connection to the next contact change, m; infinite if it is no mesh.
+    pub fn margins(&self, connection: usize, contact: &Contact) -> [f64; 2] {
+        let interface = &self.interfaces[connection];
         interface.margins(self.motion.contact_mode(interface.mesh()), contact)
     }
 
@@ -281,8 +284,8 @@ impl<'m> NonlinearLoads<'m> {
         u[..u.len() - self.changing_counts.scalars].split_at(self.scalars)
     }
 
-    /// Writes the contact modes at the interface state `u` as integer codes. The flank contact of meshes that are
-    /// `unchanged` is not evaluated.
+    /// Writes the contact modes at the interface state `u` as integer codes. The flank contact of connections
+    /// that are `unchanged` is not evaluated.
     ///
     /// # Errors
     /// [`Halt`] where base circles overlap.
@@ -294,8 +297,8 @@ impl<'m> NonlinearLoads<'m> {
         contact_modes: &mut Vec<i64>,
     ) -> Result<(), Halt> {
         contact_modes.clear();
-        for (mesh, (interface, scalars, rates)) in self.each(u).enumerate() {
-            let unchanged = unchanged.get(mesh) == Some(&true);
+        for (connection, (interface, scalars, rates)) in self.each(u).enumerate() {
+            let unchanged = unchanged.get(connection) == Some(&true);
             let instant = self.motion.instant(interface.mesh(), interface.turning(), elapsed);
             let contact_mode = interface
                 .contact_mode(&instant, scalars, rates, unchanged)

@@ -14,18 +14,28 @@
 
 use pulp::Arch;
 
-use super::context::StepContext;
-use super::interface_maps::LinearizedContact;
-use super::nonlinear_loads::NonlinearLoads;
+use super::context::{StepContext, StepSpan};
+use super::interface_maps::LinearizedDirection;
+use super::loads::Loads;
 use super::packed::Panel;
 use super::panel_kernel;
 use super::small_lu::SmallLu;
 use super::stages::Stages;
+use crate::connection::Tangent;
 use crate::mesh::Contact;
+
+/// Interface state and contacts at one stage.
+pub(super) struct StageContacts<'a> {
+    /// Elapsed time, s.
+    pub elapsed: f64,
+    pub interface_state: &'a [f64],
+    /// Contacts of all connections.
+    pub contacts: &'a [Contact],
+}
 
 /// The linear system of all stages and directions. One unknown is the force of one direction at one stage.
 #[derive(Clone, Debug)]
-pub(super) struct ContactTangentSolver {
+pub(super) struct TangentSolver {
     /// Entries of the blocks of K (N/m), stage after stage, connection after connection, row after row; then, where rates
     /// matter, of C (N·s/m). The matrix is factorised for them.
     pub residual_tangent: Vec<f64>,
@@ -46,19 +56,19 @@ pub(super) struct ContactTangentSolver {
     deflection_change: Vec<f64>,
 }
 
-impl ContactTangentSolver {
+impl TangentSolver {
     /// Allocates the system of a number of stages.
-    pub fn new(nonlinear_loads: &NonlinearLoads<'_>, tangents: &[LinearizedContact], stages: usize) -> Self {
-        let (directions, load_count) = (tangents.len(), nonlinear_loads.load_count());
-        let (size, loads) = (stages * directions, stages * load_count);
-        let mut force_loads = vec![0.0; size * loads];
-        for (unknown, column) in force_loads.chunks_exact_mut(loads.max(1)).enumerate() {
-            let LinearizedContact { scalars, gradient, .. } = &tangents[unknown % directions];
+    pub fn new(loads: &Loads<'_>, tangents: &[LinearizedDirection], stages: usize) -> Self {
+        let (directions, load_count) = (tangents.len(), loads.load_count());
+        let (size, len) = (stages * directions, stages * load_count);
+        let mut force_loads = vec![0.0; size * len];
+        for (unknown, column) in force_loads.chunks_exact_mut(len.max(1)).enumerate() {
+            let LinearizedDirection { scalars, gradient, .. } = &tangents[unknown % directions];
             let own = scalars.clone().map(|scalar| unknown / directions * load_count + scalar);
             own.zip(gradient).for_each(|(at, g)| column[at] = -g);
         }
-        let kinds = if nonlinear_loads.has_rates() { 2 } else { 1 };
-        let entries = entries(nonlinear_loads, [kinds, stages, directions]);
+        let kinds = if loads.has_rates() { 2 } else { 1 };
+        let entries = entries(loads, kinds, stages, directions);
         Self {
             residual_tangent: vec![f64::NAN; entries.len()],
             next_tangent: vec![0.0; entries.len()],
@@ -67,37 +77,38 @@ impl ContactTangentSolver {
             solvable: false,
             idle: false,
             system: SmallLu::new(size),
-            force_loads: Panel::new(&force_loads, loads),
+            force_loads: Panel::new(&force_loads, len),
             deflection_change: vec![0.0; kinds * size],
         }
     }
 
-    /// Takes K and C of all stages from contacts and interface states. `at` gives them for each stage, with the elapsed
-    /// time.
-    pub fn set_contacts<'a>(
-        &mut self,
-        context: &StepContext<'_>,
-        at: impl Fn(usize) -> (f64, &'a [f64], &'a [Contact]),
-    ) {
+    /// Takes K and C of all stages from contacts and interface states, which `at` gives for each stage.
+    pub fn set_contacts<'a>(&mut self, context: &StepContext<'_>, at: impl Fn(usize) -> StageContacts<'a>) {
         let stages = context.stages();
-        let nonlinear_loads = &context.nonlinear_loads;
-        let len = nonlinear_loads.tangent_len();
+        let loads = &context.loads;
+        let len = loads.tangent_len();
         let (stiffness, damping) = self.next_tangent.split_at_mut(stages * len);
         for stage in 0..stages {
-            let (elapsed, state, contacts) = at(stage);
+            let StageContacts { elapsed, interface_state, contacts } = at(stage);
             let own = stage * len..(stage + 1) * len;
             let damping = damping.get_mut(own.clone()).unwrap_or_default();
-            nonlinear_loads.residual_tangent(elapsed, state, contacts, [&mut stiffness[own], damping]);
+            loads.residual_tangent(
+                elapsed,
+                interface_state,
+                contacts,
+                Tangent { stiffness: &mut stiffness[own], damping },
+            );
         }
     }
 
-    /// Takes K and C from the last evaluation of the stages of a step from `elapsed` on.
-    pub fn set_stages(&mut self, context: &StepContext<'_>, (level, elapsed): (usize, f64), stages: &Stages) {
-        let (len, count) = (context.nonlinear_loads.interface_len(), context.nonlinear_loads.mesh_count());
-        let (step, nodes) = (context.step(level), &context.cache.rule.nodes);
-        self.set_contacts(context, |stage| {
-            let state = &stages.interface_states[stage * len..(stage + 1) * len];
-            (elapsed + nodes[stage] * step, state, &stages.contacts[stage * count..(stage + 1) * count])
+    /// Takes K and C from the last evaluation of the stages of a step.
+    pub fn set_stages(&mut self, context: &StepContext<'_>, span: StepSpan, stages: &Stages) {
+        let (len, count) = (context.loads.interface_len(), context.loads.connection_count());
+        let (step, nodes) = (context.step(span.level), &context.cache.rule.nodes);
+        self.set_contacts(context, |stage| StageContacts {
+            elapsed: span.begin + nodes[stage] * step,
+            interface_state: &stages.interface_states[stage * len..(stage + 1) * len],
+            contacts: &stages.contacts[stage * count..(stage + 1) * count],
         });
     }
 
@@ -143,8 +154,8 @@ impl ContactTangentSolver {
     /// Corrects predicted stage loads for the difference between the motion that they cause and the predicted interface
     /// states. Returns whether the correction exists. The interface states are scratch afterwards.
     pub fn predict(&mut self, context: &StepContext<'_>, level: usize, stages: &mut Stages) -> bool {
-        let nonlinear_loads = &context.nonlinear_loads;
-        let (len, rates) = (nonlinear_loads.interface_len(), nonlinear_loads.scalars());
+        let loads = &context.loads;
+        let (len, rates) = (loads.interface_len(), loads.scalars());
         let (stage_response, tangents) = (context.cache.stage_response(level), &context.cache.maps.tangents);
         if !self.factorize(level, &stage_response.own) || self.idle {
             return self.solvable;
@@ -166,12 +177,12 @@ impl ContactTangentSolver {
         true
     }
 
-    /// Corrects the stage loads of a step from `elapsed` on for the motion that their last change, the residual, causes at
+    /// Corrects the stage loads of a step for the motion that their last change, the residual, causes at
     /// the connections. Returns whether the correction exists.
-    pub fn correct(&mut self, context: &StepContext<'_>, (level, elapsed): (usize, f64), stages: &mut Stages) -> bool {
-        let stage_response = context.cache.stage_response(level);
-        self.set_stages(context, (level, elapsed), stages);
-        if !self.factorize(level, &stage_response.own) || self.idle {
+    pub fn correct(&mut self, context: &StepContext<'_>, span: StepSpan, stages: &mut Stages) -> bool {
+        let stage_response = context.cache.stage_response(span.level);
+        self.set_stages(context, span, stages);
+        if !self.factorize(span.level, &stage_response.own) || self.idle {
             return self.solvable;
         }
         self.deflection_change.fill(0.0);
@@ -187,10 +198,10 @@ impl ContactTangentSolver {
 }
 
 /// The force and the change that every entry of K, and then of C, relates.
-fn entries(nonlinear_loads: &NonlinearLoads<'_>, [kinds, stages, directions]: [usize; 3]) -> Vec<[usize; 2]> {
-    let mut entries = Vec::with_capacity(kinds * stages * nonlinear_loads.tangent_len());
+fn entries(loads: &Loads<'_>, kinds: usize, stages: usize, directions: usize) -> Vec<[usize; 2]> {
+    let mut entries = Vec::with_capacity(kinds * stages * loads.tangent_len());
     for at in (0..kinds * stages).map(|at| at * directions) {
-        for block in nonlinear_loads.direction_ranges() {
+        for block in loads.direction_ranges() {
             for row in block.clone() {
                 entries.extend(block.clone().map(|column| [(at + row) % (stages * directions), at + column]));
             }
