@@ -263,14 +263,16 @@ def test_a_run_up_against_rk45():
     assert (errors(found, exact) < (1e-4, 1e-3)).all()
 
 
-@pytest.mark.parametrize("elements", [LARGE, 20])
+@pytest.mark.parametrize("elements", [4, LARGE, 20])
 def test_a_level_at_a_changing_speed(elements: int):
     system = train(elements, engagement=0.4)
     profile = gb.SpeedProfile.ramp(50.0, 150.0, 0.31)
     run: dict[str, Any] = {"output_step": 1e-4}
     exact = system.simulate(0.31, profile, rtol=1e-6, **run)
     found = system.simulate(0.31, profile, accuracy="engineering", **run)
-    assert found.statistics.modes < 0.75 * len(system.dofs)
+    modes = found.statistics.modes
+    # With four elements, more than three quarters of the modes would be necessary.
+    assert modes is None if elements == 4 else modes < 0.75 * len(system.dofs)
     assert (errors(found, exact) < (1e-3, 1e-2)).all()
 
 
@@ -283,7 +285,8 @@ def test_every_place_of_a_large_model_at_a_changing_speed(damping: float):
     run: dict[str, Any] = {"output_step": 1e-4, "record": ["nodes"]}
     exact = system.simulate(0.02, profile, rtol=1e-7, **run)
     found = system.simulate(0.02, profile, accuracy="engineering", **run)
-    assert found.statistics.modes < 0.6 * len(system.dofs)
+    # Each recorded coordinate may need a static shape.
+    assert found.statistics.modes < 0.75 * len(system.dofs)
     for place in exact.recorded:
         values = exact.displacement(place)
         mean = values.mean(axis=0)
