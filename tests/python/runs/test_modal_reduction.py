@@ -177,14 +177,12 @@ def test_small_systems_and_short_runs_keep_all_modes():
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_a_reduced_run_in_parts_is_the_whole(name: str, options: dict[str, Any]):
     system = train(**CASES[name][0])
-    duration = 0.02 if "modes" in options else 0.31
+    # Below 0.3 s, a run at a level keeps all modes of a small system.
+    duration = 0.02 if "modes" in options else 0.29
     times = np.linspace(0.0, duration, 41)
     parts = (times[:19], times[19:])
     whole = system.simulate(duration, SPEED, times=times, **options)
     first = system.simulate(0.45 * duration, SPEED, times=parts[0], **options)
-    if "accuracy" in options:
-        # the first part decides: a short run keeps all modes
-        whole = system.simulate(duration, SPEED, times=times, rtol=LEVELS["draft"].rtol)
     rest = duration - 0.45 * duration
     second = system.simulate(rest, SPEED, initial=first, times=parts[1], **options)
     assert np.array_equal(second.final["state"], whole.final["state"])
