@@ -9,19 +9,23 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::components::ComponentModes;
 use super::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use super::first_order::FirstOrder;
+use super::kept_modes::{SubspaceKey, kept_modes};
 use super::load_modes::modes_of_loads;
 use super::pins::Pins;
 use super::projected::Projected;
 use super::real::{RealModes, null_motions};
 use super::recent::Recent;
 use super::spectral_range::SpectralRange;
-use super::state_space::ModalStateSpace;
+use super::state_space::{ModalStateSpace, StateMatrix};
 use crate::linalg::{CoupledFactors, DecompositionError, Singular};
 use crate::mesh::Geometry;
 use crate::model::{Model, Weights};
 
 /// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
 const MIN_KRYLOV: usize = 100;
+/// Multiple of the highest frequency that the teeth excite up to which undamped modes show the growing modes. Oil films and
+/// circulating forces let modes below the speed of rotation grow.
+const GROWTH_LIMIT: f64 = 2.0;
 
 /// What a state-space model reads beside its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,28 +36,24 @@ struct LinearKey {
     includes_meshes: bool,
 }
 
-/// What a subspace of the component modes reads beside its model.
+/// What the undamped modes of a large model up to a frequency read beside it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SubspaceKey {
-    /// Speed of the reference shaft, rad/s.
-    pub speed: f64,
+struct SynthesisKey {
+    /// Direction of rotation.
+    rotation: usize,
     /// Highest frequency of the component modes, rad/s.
-    pub highest: f64,
+    highest: f64,
     /// Coordinates under whose loads the static displacements are exact, ascending.
-    pub loaded: Vec<usize>,
-    /// What selects directions in the space of the component modes; none keeps all.
-    pub selection: Option<DirectionSelection>,
+    loaded: Vec<usize>,
 }
 
-/// What selects the directions of a subspace.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DirectionSelection {
-    /// Scalars of loads and signals as entries (index, coefficient).
-    pub scalars: Vec<Vec<(usize, f64)>>,
-    /// Horizon of the responses, s.
-    pub horizon: f64,
-    /// Largest share of the omitted directions in the motion.
-    pub share: f64,
+/// What the growing modes of a model read beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct GrowthKey {
+    /// Speed of the reference shaft, rad/s.
+    speed: f64,
+    /// Highest frequency of the undamped modes in which they are found, rad/s; none for all modes.
+    highest: Option<f64>,
 }
 
 /// What the dynamic stiffness without modal damping reads beside its model.
@@ -97,7 +97,11 @@ struct LinearPart {
     linear: Recent<LinearKey, Option<Arc<ModalStateSpace>>>,
     /// Undamped modes of the components.
     components: OnceLock<Result<ComponentModes, DecompositionError>>,
-    /// Subspaces.
+    /// Undamped modes of a large model from those of its components.
+    synthesised: Recent<SynthesisKey, Arc<RealModes>>,
+    /// Displacements of growing modes; `None` where nearly parallel modes hide them.
+    growing: Recent<GrowthKey, Option<Arc<DMatrix<f64>>>>,
+    /// The modes that runs keep.
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
     /// Factors of the dynamic stiffness at the last speeds.
     dynamic: Recent<DynamicKey, Arc<DynamicFactors>>,
@@ -325,18 +329,86 @@ impl CachedModel {
         modes_of_loads(&self.model, speed, self.spectral_range(speed)?, loads, steps)
     }
 
-    /// A subspace of the component modes.
+    /// The model in the modes that a run keeps.
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
     pub fn subspace(&self, key: SubspaceKey) -> Result<Arc<Projected>, DecompositionError> {
-        let subspaces = &self.linear_part().subspaces;
-        if let Some(known) = subspaces.get(&key) {
-            return Ok(known);
+        let speed = key.speeds[0];
+        if key.highest.is_none() && key.extent.is_none() {
+            return self.projected(speed).map(Arc::new);
         }
-        let found = Arc::new(Projected::of_components(&self.model, self.component_modes()?, &key)?);
-        subspaces.insert(key, Arc::clone(&found));
-        Ok(found)
+        self.linear_part().subspaces.get_or_try(key.clone(), || {
+            let synthesised = key.highest.map(|highest| {
+                let loaded = key.interfaces.iter().flatten().map(|(index, _)| *index);
+                self.synthesised(speed, highest, loaded)
+            });
+            let synthesised = synthesised.transpose()?;
+            let all = match &synthesised {
+                Some(modes) => modes,
+                None => self.real_modes(speed)?,
+            };
+            let growing = if key.extent.is_some() { self.growing_of(&key)? } else { None };
+            let modes = match growing {
+                Some(growing) => kept_modes(&self.model, all, &key, &growing)?,
+                // All are kept, or nearly parallel modes hide which ones grow.
+                None => all.clone(),
+            };
+            Ok(Arc::new(Projected::new(&self.model, modes, speed)))
+        })
+    }
+
+    /// Displacements of the growing modes at the speeds of a key, n rows; `None` if nearly parallel modes hide them. The modes
+    /// of a model with meshes are those up to a frequency, with the static displacements at coupled coordinates.
+    fn growing_of(&self, key: &SubspaceKey) -> Result<Option<DMatrix<f64>>, DecompositionError> {
+        let (model, first) = (&self.model, key.speeds[0]);
+        let mut columns: Vec<DVector<f64>> = Vec::new();
+        for speed in key.speeds.iter().copied().filter(|speed| !model.is_dissipative(*speed)) {
+            let highest = (!model.meshes.is_empty()).then_some(GROWTH_LIMIT * key.excited);
+            let find = || -> Result<_, DecompositionError> {
+                let linear = if let Some(highest) = highest {
+                    let mut coordinates = model.coupled_coordinates(first);
+                    coordinates.retain(|index| *index < model.len());
+                    coordinates.sort_unstable();
+                    coordinates.dedup();
+                    let modes = if key.highest.is_some() {
+                        self.synthesised(first, highest, [])?.up_to(model, first, &coordinates, highest)?
+                    } else {
+                        self.real_modes(first)?.up_to(model, first, &coordinates, highest)?
+                    };
+                    Projected::new(model, modes, speed).state_space()?
+                } else {
+                    self.linear(speed)?
+                };
+                let is_known = matches!(linear.matrix, StateMatrix::Pairs(_));
+                Ok(is_known.then(|| Arc::new(linear.growing_shapes(speed))))
+            };
+            let Some(found) = self.linear_part().growing.get_or_try(GrowthKey { speed, highest }, find)? else {
+                return Ok(None);
+            };
+            columns.extend(found.column_iter().map(|column| column.into_owned()));
+        }
+        Ok(Some(if columns.is_empty() { DMatrix::zeros(model.len(), 0) } else { DMatrix::from_columns(&columns) }))
+    }
+
+    /// Undamped modes in the subspace of the component modes up to `highest`, rad/s, and of the static displacements under
+    /// loads at coupled coordinates and at the coordinates `loaded`; with the loaded tooth flanks of `speed` (reference
+    /// shaft, rad/s).
+    fn synthesised(
+        &self,
+        speed: f64,
+        highest: f64,
+        loaded: impl IntoIterator<Item = usize>,
+    ) -> Result<Arc<RealModes>, DecompositionError> {
+        let mut coordinates = self.model.coupled_coordinates(speed);
+        coordinates.extend(loaded);
+        coordinates.sort_unstable();
+        coordinates.dedup();
+        let rotation = self.model.rotation(speed);
+        let key = SynthesisKey { rotation: rotation as usize, highest, loaded: coordinates };
+        self.linear_part().synthesised.get_or_try(key.clone(), || {
+            self.component_modes()?.modes(&self.model, rotation.speed(), &key.loaded, highest).map(Arc::new)
+        })
     }
 
     /// Factors of the dynamic stiffness K + iωC − ω²M + iωΩG of the spin ω, without modal damping.

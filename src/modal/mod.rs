@@ -11,7 +11,6 @@
 //! projection (`lowest_damped`, `galerkin`, `square_root`), with a count of the eigenvalues (`contour`), bounds of them
 //! (`bound`), and the lowest and highest undamped frequency (`spectral_range`). `load_modes` finds the modes that given loads excite. `rotating_response` is the response to bow and unbalance with modal damping.
 
-mod balanced;
 mod bound;
 mod cached;
 mod clearance;
@@ -27,6 +26,7 @@ mod galerkin;
 mod growth;
 mod gyroscopic;
 mod intersection;
+mod kept_modes;
 mod load_modes;
 mod lowest;
 mod lowest_damped;
@@ -45,8 +45,7 @@ mod square_root;
 mod state_space;
 mod whirl;
 
-pub use balanced::{Directions, Ports};
-pub use cached::{AtSpeed, CachedModel, DirectionSelection, DynamicKey, SubspaceKey};
+pub use cached::{AtSpeed, CachedModel, DynamicKey};
 pub use components::ComponentModes;
 pub use critical::lowest_critical;
 pub use damped::{Mode, modes, structured_modes, whirl};
@@ -54,6 +53,7 @@ pub use equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium, equilibr
 pub use growth::is_growing;
 pub use gyroscopic::{GyroscopicPair, gyroscopic_pairs};
 pub use intersection::{ModeAtSpeed, intersection, mode_near};
+pub use kept_modes::{Extent, SubspaceKey};
 pub use pairs::ModePair;
 pub use pins::Pins;
 pub use projected::Projected;

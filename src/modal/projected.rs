@@ -2,20 +2,17 @@
 //!
 //! Galerkin projection keeps the structure of the second-order equations: mass and stiffness stay symmetric, damping
 //! stays positive semidefinite, and the gyroscopic matrix stays skew-symmetric. A reduced model therefore has no growing
-//! motion that the complete model does not have. The projection is repeatable: a subspace of a subspace is one too.
+//! motion that the complete model does not have.
 
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::balanced::Directions;
-use super::cached::{DirectionSelection, SubspaceKey};
-use super::components::ComponentModes;
 use super::first_order::FirstOrder;
 use super::real::RealModes;
 use super::recent::Recent;
-use super::state_space::{ModalStateSpace, StateMatrix};
-use crate::linalg::{DecompositionError, LuFactors, symmetric_pencil};
+use super::state_space::ModalStateSpace;
+use crate::linalg::{DecompositionError, LuFactors};
 use crate::model::Model;
 
 /// Undamped modes of a subspace, with the other linear forces in their coordinates η.
@@ -36,37 +33,7 @@ pub struct Projected {
 }
 
 impl Projected {
-    /// The model in a subspace of the modes of its components and of static displacements. Modal damping acts on the modes of
-    /// this subspace.
-    ///
-    /// # Errors
-    /// [`DecompositionError`] if the modes cannot be computed.
-    pub(super) fn of_components(
-        model: &Model,
-        components: &ComponentModes,
-        key: &SubspaceKey,
-    ) -> Result<Self, DecompositionError> {
-        let SubspaceKey { speed, highest, loaded, selection } = key;
-        let whole = Self::new(model, components.modes(model, *speed, loaded, *highest)?, *speed);
-        let Some(DirectionSelection { scalars, horizon, share }) = selection else {
-            return Ok(whole);
-        };
-        let growing = if model.is_dissipative(*speed) {
-            DMatrix::zeros(model.len(), 0)
-        } else {
-            let linear = whole.state_space()?;
-            if matches!(linear.matrix, StateMatrix::Dense(_)) {
-                // Which modes grow is unknown.
-                return Ok(whole);
-            }
-            linear.growing_shapes(*speed)
-        };
-        let directions = Directions::of_undamped(model, &whole, scalars, *horizon, &growing)?;
-        let kept = directions.vectors.columns(0, directions.count(*share)).into_owned();
-        whole.restricted(model, *speed, &kept)
-    }
-
-    /// The model in undamped `modes`, at `speed` of the reference shaft, rad/s.
+    /// The model in undamped `modes`, at `speed` of the reference shaft, rad/s. Modal damping acts on these modes.
     pub(super) fn new(model: &Model, modes: RealModes, speed: f64) -> Self {
         let (rate, skew_part, ratio) = (model.sparse_rate(speed), model.sparse_skew_part(), model.scene.modal_damping);
         let mut damping = modes.project_sparse(&rate);
@@ -111,37 +78,6 @@ impl Projected {
     /// The same with a known state-space model.
     pub(super) fn with_state_space(self, linear: Arc<ModalStateSpace>) -> Self {
         Self { linear: OnceLock::from(linear), ..self }
-    }
-
-    /// Damping of an undamped mode by itself, 1/s.
-    pub(super) fn damping_of(&self, mode: usize) -> f64 {
-        self.damping[(mode, mode)]
-    }
-
-    /// The model in a subspace of this one; `directions` are its orthonormal directions in the coordinates η of the
-    /// elastic modes, one per column. Rigid-body modes are always in the subspace.
-    ///
-    /// # Errors
-    /// [`DecompositionError`] if the undamped modes of the subspace cannot be computed.
-    pub fn restricted(&self, model: &Model, speed: f64, directions: &DMatrix<f64>) -> Result<Self, DecompositionError> {
-        let (null, elastic) = (self.modes.null, self.modes.frequencies.len() - self.modes.null);
-        let frequencies = self.modes.frequencies.rows(null, elastic);
-        let scaled = DMatrix::from_fn(elastic, directions.ncols(), |i, j| frequencies[i] * directions[(i, j)]);
-        // Products with an explicit transpose run several times as fast.
-        let stiffness = scaled.transpose() * &scaled;
-        let size = stiffness.nrows();
-        let rotation = symmetric_pencil(&stiffness, &DMatrix::identity(size, size), &DMatrix::zeros(size, 0))?.vectors;
-        let shapes = self.modes.vectors.columns(null, elastic) * (directions * rotation);
-        let mut vectors = DMatrix::zeros(model.len(), null + size);
-        vectors.columns_mut(0, null).copy_from(&self.modes.vectors.columns(0, null));
-        vectors.columns_mut(null, size).copy_from(&shapes);
-        let modes = RealModes::of_shapes(model, speed, vectors, null);
-        let coordinates = self.modes.vectors.transpose() * model.mass_times(&modes.vectors);
-        let transposed = coordinates.transpose();
-        let project = |matrix: &DMatrix<f64>| &transposed * (matrix * &coordinates);
-        let (damping, skew_part) = (project(&self.damping), project(&self.skew_part));
-        let (linear, dynamic) = (OnceLock::new(), Arc::default());
-        Ok(Self { modes, damping, skew_part, undamped: self.undamped, linear, dynamic })
     }
 
     /// State-space model of the subspace.

@@ -103,22 +103,6 @@ impl ModalStateSpace {
         Ok(Some(Self::assemble(false, largest, parts)))
     }
 
-    /// Input columns b of `other`, a model of the same system in another subspace, in this one.
-    pub fn columns_of(&self, model: &Model, other: &Self, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let states = joined(columns, other.len());
-        let [displacement, velocity] =
-            [&other.displacement, &other.velocity].map(|motion| model.mass_times(&(motion * &states)));
-        separate(&(&self.from_displacement * displacement + &self.from_velocity * velocity))
-    }
-
-    /// Output rows w of `other`, a model of the same system in another subspace, in this one.
-    pub fn rows_of(&self, model: &Model, other: &Self, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let states = joined(rows, other.len()).transpose();
-        let [displacement, velocity] = [&other.from_displacement, &other.from_velocity]
-            .map(|from| model.mass_times(&(&states * from).transpose()).transpose());
-        separate(&(displacement * &self.displacement + velocity * &self.velocity).transpose())
-    }
-
     /// Combines uncoupled parts and pads their slots; a dense part is the only one.
     fn assemble(includes_meshes: bool, condition: f64, given: Vec<(StateMatrix, Maps)>) -> Self {
         let mut parts: Vec<Range<usize>> = Vec::with_capacity(given.len());
@@ -357,16 +341,6 @@ impl Maps {
             }
         }
     }
-}
-
-/// Columns of `len` entries as a matrix.
-fn joined(columns: &[Vec<f64>], len: usize) -> DMatrix<f64> {
-    DMatrix::from_iterator(len, columns.len(), columns.iter().flatten().copied())
-}
-
-/// Columns of a matrix, one list each.
-fn separate(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix.column_iter().map(|column| column.iter().copied().collect()).collect()
 }
 
 /// Copies a matrix into a zero matrix of `size` rows and columns; `place` gives the new index of a row or column.

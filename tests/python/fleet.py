@@ -29,8 +29,6 @@ POSSIBLE: dict[tuple[str, str], tuple[type[Warning], str]] = {
         "coaxial_reducer|helical_gear|idler_train",
         "changing|many|orders|run up|sensors|waterfall",
     ): _ACCURACY,
-    # The selection of modes of the largest model leaves more than the accuracy permits.
-    ("turbine_generator", ".*"): _ACCURACY,
     # The transient of a run is no order.
     (".*", "orders"): (gb.AccuracyWarning, r"orders: \d+ % of the RMS"),
 }

@@ -93,8 +93,8 @@ def simulate(
         Number of Gauss nodes in a step of "exponential", 1 to 4. The order is twice this
         number. None is 3.
     modes : int, optional
-        Number of modes of "exponential" and "etdrk4": the displacements that carry the loads to
-        the recorded signals are kept. None is all, or as many as the accuracy needs.
+        Number of modes of "exponential" and "etdrk4": the undamped modes and static displacements
+        that matter most for the loads are kept. None is all, or as many as the accuracy needs.
         `Statistics.modes_error` gives the error.
     initial : {"synchronous", "static", "rest"}, Response or SteadyState
         Initial state: static equilibrium plus linear synchronous response, static equilibrium,

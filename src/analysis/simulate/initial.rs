@@ -192,8 +192,15 @@ fn amplitudes(cached: &CachedModel, key: StartKey) -> Result<DMatrix<Complex<f64
     let subspace = if uses_components && model.scene.modal_damping > 0.0 && !sources.is_empty() {
         let at_speed = cached.at_speed(speed)?;
         let highest = MAX_DAMPED_FREQUENCY * model.max_speed_ratio() * speed.abs();
-        let loaded = at_speed.model.coupled_coordinates(flank_speed);
-        Some(at_speed.subspace(SubspaceKey { speed, highest, loaded, selection: None })?)
+        Some(at_speed.subspace(SubspaceKey {
+            speeds: vec![speed],
+            excited: highest,
+            rotation: 0.0,
+            highest: Some(highest),
+            interfaces: Vec::new(),
+            distributed: Vec::new(),
+            extent: None,
+        })?)
     } else {
         None
     };

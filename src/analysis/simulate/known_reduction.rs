@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Initial, Options, RecordPlan, Run};
-use crate::modal::{ModalStateSpace, Projected};
+use crate::modal::Projected;
 
 /// A reduction of the linear motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,25 +42,14 @@ impl ReductionKey {
 /// A reduction that a run with the same key found.
 #[derive(Clone, Debug)]
 pub(super) struct KnownReduction {
-    /// The linear motion of the complete model, or of the modes of its components.
+    /// The linear motion in the modes that the run keeps.
     pub projected: Arc<Projected>,
-    /// The reduced motion.
-    pub linear: Arc<ModalStateSpace>,
-    /// Errors of displacements and mesh forces from the modes of the components; `None` for the complete model.
-    pub components: Option<[f64; 2]>,
-    pub reduction: Option<Reduction>,
+    /// L, whose multiple of the highest frequency that teeth excite limits the modes; none for a given number.
+    pub limit: Option<f64>,
+    pub reduction: Reduction,
 }
 
-/// Errors of displacements and mesh forces of a reduction that differs by `found` from the motion in the modes of the
-/// components. This difference and the error of these modes are independent, so that their squares add up.
-pub(super) fn with_components(found: [f64; 2], components: Option<[f64; 2]>) -> [f64; 2] {
-    let components = components.unwrap_or_default();
-    std::array::from_fn(|kind| found[kind].hypot(components[kind]))
-}
-
-/// Largest ratio of the errors, with those from the modes of the components, to their target.
-pub(super) fn excess(errors: [f64; 2], components: Option<[f64; 2]>, target: [f64; 2]) -> f64 {
-    let components = components.unwrap_or_default();
-    let ratio = |kind: usize| errors[kind].max(components[kind]) / target[kind];
-    ratio(0).max(ratio(1))
+/// Largest ratio of the errors to their target.
+pub(super) fn excess(errors: [f64; 2], target: [f64; 2]) -> f64 {
+    (errors[0] / target[0]).max(errors[1] / target[1])
 }

@@ -3,7 +3,6 @@
 mod audit;
 mod audit_piece;
 mod checkpoint;
-mod component_subspace;
 mod events;
 mod exponential;
 mod initial;
@@ -20,7 +19,6 @@ mod record_plan;
 mod reduced_setup;
 mod reduction;
 mod run_cache;
-mod variation;
 
 use std::time::{Duration, Instant};
 

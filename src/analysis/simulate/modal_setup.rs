@@ -12,7 +12,6 @@ use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, Loads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
 use crate::modal::{CachedModel, ModalStateSpace, Projected};
-use crate::model::Model;
 use crate::motion::{EquationOfMotion, RotatingLoad, Speed};
 
 /// The parts of a run in modal coordinates.
@@ -98,17 +97,6 @@ impl<'m> ModalSetup<'m> {
     fn recording(linear: Arc<ModalStateSpace>, loads: Loads<'m>, maps: InterfaceMaps, selection: Selection) -> Self {
         let output = OutputMap::new(&loads, &linear, &maps, selection);
         Self { linear, loads, maps, output }
-    }
-
-    /// The same run with the linear motion of a subspace.
-    pub fn with_linear(&self, model: &Model, linear: Arc<ModalStateSpace>, selection: Selection) -> Self {
-        let maps = InterfaceMaps {
-            rows: linear.rows_of(model, &self.linear, &self.maps.rows),
-            columns: linear.columns_of(model, &self.linear, &self.maps.columns),
-            parts: linear.parts.clone(),
-            ..self.maps.clone()
-        };
-        Self::recording(linear, self.loads.clone(), maps, selection)
     }
 }
 

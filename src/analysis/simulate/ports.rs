@@ -1,73 +1,56 @@
-//! Ports of a reduced model: the scalars through which loads and signals reach the linear motion.
+//! Interfaces of the linear motion: what loads act on and what is recorded.
 
 use num_complex::Complex64;
 
-use super::modal_setup::ModalSetup;
-use crate::connection::Connection;
+use crate::connection::{Connection, Row};
 use crate::exponential::Selection;
-use crate::modal::Ports;
-use crate::model::Model;
-use crate::scene::Node;
+use crate::model::{Excitation, Model};
 
-/// Largest number of recorded coordinates whose static displacement under a load is kept exactly.
+/// Largest number of recorded coordinates whose static displacement under a load is kept.
 const MAX_RECORDED: usize = 128;
-/// Weight of loads across the line of action relative to those along it.
-const ACROSS: f64 = 0.03;
+/// Harmonics of the tooth meshing frequency, or of the rotation without teeth, that count as excited.
+const HARMONICS: f64 = 10.0;
 
-/// Scalars on which loads act or that are recorded, as entries (index, coefficient) over the displacements.
-pub(super) fn interface(model: &Model, speed: f64, selection: &Selection) -> Vec<Vec<(usize, f64)>> {
-    let mut scalars: Vec<_> =
+/// Loads on the interfaces as entries (index, coefficient): those of connections, along their lines of action and on each
+/// coordinate, those of bearings and links, and unit loads at recorded coordinates. `speed` is that of the reference shaft,
+/// rad/s.
+pub(super) fn interfaces(model: &Model, speed: f64, selection: &Selection) -> Vec<Row> {
+    let mut rows: Vec<Row> =
         model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows()).collect();
+    let mut single = model.coupled_coordinates(speed);
     if selection.displacements.len() <= MAX_RECORDED {
-        scalars.extend(selection.displacements.iter().map(|index| vec![(*index, 1.0)]));
+        single.extend_from_slice(&selection.displacements);
     }
-    scalars
+    single.sort_unstable();
+    single.dedup();
+    rows.extend(single.into_iter().filter(|index| *index < model.len()).map(|index| vec![(index, 1.0)]));
+    rows
 }
 
-/// What the reduced motion carries: forces of connections, prescribed loads, recorded displacements, and the states in
-/// which a run can begin.
-pub(super) fn ports(model: &Model, setup: &ModalSetup<'_>, selection: &Selection) -> Ports {
-    let ModalSetup { linear, loads, maps, .. } = setup;
-    let along = |vectors: &[Vec<f64>], gradient: &[f64]| {
-        let mut sum = vec![0.0; linear.len()];
-        for (vector, factor) in vectors.iter().zip(gradient) {
-            sum.iter_mut().zip(vector).for_each(|(sum, value)| *sum += factor * value);
-        }
-        sum
-    };
-    let (mut ports, mut of_connections) = (Ports::default(), Vec::new());
-    for tangent in &maps.tangents {
-        of_connections.push(along(&maps.columns[tangent.scalars.clone()], &tangent.gradient));
-        ports.rows.push(vec![along(&maps.rows[tangent.scalars.clone()], &tangent.gradient)]);
-    }
-    for column in &maps.columns[..maps.scalars] {
-        of_connections.push(column.iter().map(|value| ACROSS * value).collect());
-    }
-    // The gyroscopic couplings of a changing speed act on low modes, which every reduced model contains.
-    ports.columns = vec![of_connections, maps.columns[maps.coupled_loads..].to_vec()];
-    let recorded = |index: usize| selection.displacements.binary_search(&index).is_ok();
-    let nodes = model.scene.shafts.iter().enumerate();
-    for node in nodes.flat_map(|(shaft, given)| (0..given.nodes.len()).map(move |node| Node { shaft, node })) {
-        if let Some(v) = model.numbering.translation(node).filter(|v| recorded(*v)) {
-            ports.rows.push([v, v + 1].map(|index| linear.row(&[(index, 1.0)], false)).to_vec());
-        }
-        let single = model.numbering.twist(node).into_iter().chain(model.numbering.displacement_along(node));
-        for index in single.filter(|index| recorded(*index)) {
-            ports.rows.push(vec![linear.row(&[(index, 1.0)], false)]);
+/// Loads of bows and of unbalances at two angles of each shaft, as entries (index, coefficient) over the displacements. At a
+/// changing speed they act on the linear motion, which must carry them. Only their shape matters: they have the length 1, so
+/// that variations of their size share a subspace.
+pub(super) fn rotating_loads(model: &Model) -> Vec<Row> {
+    let parts = [Excitation::steady_amplitude, |excitation: &Excitation| excitation.unbalance];
+    let mut loads = Vec::new();
+    for (shaft, part) in model.shafts.iter().flat_map(|shaft| parts.map(|part| (shaft, part))) {
+        let size = shaft.excitations.iter().map(|excitation| part(excitation).norm_sqr()).sum::<f64>().sqrt();
+        for angle in [Complex64::ONE, Complex64::I] {
+            let entries = shaft.excitations.iter().flat_map(|excitation| {
+                let load = part(excitation) * angle / size;
+                [(excitation.index, load.re), (excitation.index + 1, load.im)]
+            });
+            if size > 0.0 {
+                loads.push(entries.collect());
+            }
         }
     }
-    for index in model.housings.coordinates().filter(|index| recorded(*index)) {
-        ports.rows.push(vec![linear.row(&[(index, 1.0)], false)]);
-    }
-    let rest = vec![0.0; model.len()];
-    ports.states.push(linear.state(model, loads.reference.as_slice(), &rest).as_slice().to_vec());
-    for source in 0..loads.source_count() {
-        for part in [|value: Complex64| value.re, |value: Complex64| value.im] {
-            let values = |rate: bool| -> Vec<f64> {
-                (0..model.len()).map(|index| part(loads.amplitude(source, index, rate))).collect()
-            };
-            ports.states.push(linear.state(model, &values(false), &values(true)).as_slice().to_vec());
-        }
-    }
-    ports
+    loads
+}
+
+/// Highest angular frequency that is excited, rad/s: of the gears on their mesh stiffness, or of the harmonics of the tooth
+/// meshing frequency or of the rotation.
+pub(super) fn excited_frequency(model: &Model, speed: f64) -> f64 {
+    let order = model.max_mesh_order().max(model.max_speed_ratio());
+    model.highest_mesh_frequency().max(HARMONICS * order * speed.abs())
 }

@@ -1,19 +1,18 @@
-//! The set-up of a run with the reduction that its options ask for: a known one, that of the system of which the model is a
-//! variation, or one that the run finds.
+//! The set-up of a run with the modes that its options ask for: known ones, or those that the run finds.
+
+use std::sync::PoisonError;
 
 use super::initial::Start;
 use super::known_reduction::{KnownReduction, Reduction, ReductionKey};
 use super::modal_setup::ModalSetup;
-use super::options::is_large;
-use super::reduction::{find, is_short};
+use super::reduction::{Reducer, keeps_all};
 use super::run_cache::RunCache;
-use super::variation::{adopt, reductions_of_base};
-use super::{RecordPlan, Run, initial, motion};
-use crate::analysis::AnalysisError;
+use super::{RecordPlan, Run, initial, motion, of_run};
+use crate::analysis::{AnalysisError, Spectrum};
 use crate::integrate::Observer;
 use crate::motion::EquationOfMotion;
 
-/// Sets up a run, and reduces its linear motion as the options ask.
+/// Sets up a run with the modes that the options ask for.
 pub(super) fn set_up<'m>(
     run: &Run<'m>,
     motion: EquationOfMotion<'m>,
@@ -21,31 +20,22 @@ pub(super) fn set_up<'m>(
     plan: &RecordPlan,
     observer: &mut impl Observer,
 ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
-    let (options, model) = (run.options, &run.cached.model);
-    let keeps_all = match (options.modes, options.reduction) {
-        (Some(count), _) => count >= model.len(),
-        (None, Some(_)) => plan.energy || !is_large(model) && is_short(run, start, &motion),
-        (None, None) => true,
-    };
-    if keeps_all {
+    if keeps_all(run, plan, start) {
         return Ok((run.complete(motion, start, plan, None)?, None));
     }
     // A run that continues another one keeps the modes of that run.
     let Some(key) = ReductionKey::new(run, plan) else {
-        return match find(run, &motion, start, plan, &[1.0], observer)?.pop() {
-            Some((setup, reduction)) => Ok((setup, reduction.reduction)),
+        return match (Reducer { run, motion: &motion, start, plan }).find(None, observer)? {
+            Some((setup, known)) => Ok((setup, Some(known.reduction))),
             None => Ok((run.complete(motion, start, plan, None)?, None)),
         };
     };
-    let Some(known) = reduction_of(run, key, observer)? else {
-        return Ok((run.complete(motion, start, plan, None)?, None));
-    };
-    let (unreduced, reduced) = run.with_reduction(&known, motion, start, plan)?;
-    Ok((reduced.unwrap_or(unreduced), known.reduction))
+    let known = reduction_of(run, key, observer)?;
+    let subspace = known.as_ref().map(|known| &*known.projected);
+    Ok((run.complete(motion, start, plan, subspace)?, known.map(|known| known.reduction)))
 }
 
-/// The reduction of a key: a known one, one of the system of which the model is a variation, or one that is found; none if the
-/// modes are nearly parallel.
+/// The reduction of a key: a known one, or one that is found; none if the run keeps all modes.
 fn reduction_of(
     run: &Run<'_>,
     key: ReductionKey,
@@ -53,21 +43,49 @@ fn reduction_of(
 ) -> Result<Option<KnownReduction>, AnalysisError> {
     let known = run.cached.run_results::<RunCache>();
     if let Some(known) = known.reductions.get(&key) {
-        return Ok(Some(known));
+        return Ok(known);
     }
-    let found = {
-        let ReductionKey { options, plan, takes_base } = &key;
-        let start = initial::start(run.cached, options, run.spectrum, &mut |_| true)?;
-        let motion = motion(run.cached, options, plan, &start)?;
-        let of_base = if *takes_base { reductions_of_base(run, &key, observer)? } else { Vec::new() };
-        let run = Run { options, floor: start.floor, ..*run };
-        match adopt(&run, &motion, &start, plan, of_base, observer)? {
-            Some(adopted) => Some(adopted),
-            None => find(&run, &motion, &start, plan, &[1.0], observer)?.pop().map(|(_, found)| found),
-        }
-    };
-    if let Some(found) = &found {
-        known.reductions.insert(key, found.clone());
-    }
+    let base = if key.takes_base { reduction_of_base(run, &key, observer)? } else { None };
+    let found = find(run, &key, base.as_ref(), observer)?;
+    known.reductions.insert(key, found.clone());
     Ok(found)
+}
+
+/// Finds the reduction of a key.
+fn find(
+    run: &Run<'_>,
+    key: &ReductionKey,
+    base: Option<&KnownReduction>,
+    observer: &mut impl Observer,
+) -> Result<Option<KnownReduction>, AnalysisError> {
+    let ReductionKey { options, plan, .. } = key;
+    let start = initial::start(run.cached, options, run.spectrum, &mut |_| true)?;
+    let motion = motion(run.cached, options, plan, &start)?;
+    let run = Run { options, floor: start.floor, ..*run };
+    let found = Reducer { run: &run, motion: &motion, start: &start, plan }.find(base, observer)?;
+    Ok(found.map(|(_, known)| known))
+}
+
+/// The reduction of the same run of the system of which the model is a variation: it says with which modes the comparison of
+/// the variation begins. It depends on the system and the options alone, so that the runs of variations are the same in any
+/// order and with any number of threads. None if the model is no variation, or the run of the system fails or keeps all modes.
+fn reduction_of_base(
+    run: &Run<'_>,
+    key: &ReductionKey,
+    observer: &mut impl Observer,
+) -> Result<Option<KnownReduction>, AnalysisError> {
+    let Some(Ok(base)) = run.base.map(|base| of_run(base, &key.options)) else {
+        return Ok(None);
+    };
+    let known = base.run_results::<RunCache>();
+    // One variation finds the reduction, while the others wait. A panic leaves no partial result.
+    let shared = known.shared_reductions.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut of_system = || {
+        let spectrum = Spectrum::new(&base, key.options.fastest())?;
+        find(&Run { cached: &base, base: None, spectrum: &spectrum, ..*run }, key, None, observer)
+    };
+    shared.get_or_try(key.clone(), || match of_system() {
+        Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
+        found => Ok(found.unwrap_or_default()),
+    })
 }

@@ -1,94 +1,73 @@
-//! Reduction of the linear motion to fewer modes, with a measured error.
+//! The modes that a run keeps ([`crate::modal::SubspaceKey`]), with a measured error.
 //!
-//! Large models are reduced twice. The modes of the components ([`Projected::of_components`]) give a subspace that the
-//! accuracy of a run needs, without a large eigenvalue problem. In it, [`Directions`] finds those displacements that
-//! carry the loads of this run to its recorded signals.
-//!
-//! The error is measured: a part of the run is integrated with the reduced and with the unreduced motion, and the
-//! recorded signals are compared. This difference contains what the meshes feed back. The equilibrium and the
-//! synchronous motion are those of the complete model.
+//! A part of the run is integrated with the modes up to L times the highest frequency that the teeth excite, and with
+//! those up to 1.5 L, and the recorded signals are compared. This difference contains what the meshes feed back. The
+//! equilibrium and the synchronous motion are those of the complete model.
 
-use std::cell::OnceCell;
-use std::rc::Rc;
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
-
-use super::component_subspace::{has_film, of_components};
 use super::exponential::countable_grid;
 use super::initial::Start;
-use super::known_reduction::{KnownReduction, Reduction, excess, with_components};
+use super::known_reduction::{KnownReduction, Reduction, excess};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::{PILOT_DURATION, Pilot, differences};
-use super::ports::ports;
+use super::ports::{excited_frequency, interfaces, rotating_loads};
 use super::ramp::reference_speed;
 use super::record::Record;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
-use crate::modal::{Directions, LANES, Projected, StateMatrix};
-use crate::motion::EquationOfMotion;
+use crate::modal::{Extent, Projected, StateMatrix, SubspaceKey};
+use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 
-/// Runs shorter than this multiple of a pilot run keep all modes, because two pilot runs cost more than they save.
+/// Runs shorter than this multiple of a pilot run compare models over a shorter part, because pilot runs take as long as
+/// they save.
 const SHORT_RUN: f64 = 3.0;
-/// The same for a small model ([`is_large`]) whose meshes separate and vary in stiffness. With all modes, its linear motion
-/// contains the shafts alone, which are uncoupled, so that a reduction saves less: 5 to 20 % over 1 s.
-const SHORT_SEPARATING_RUN: f64 = 10.0;
-/// Largest part of all modes that a reduced model has; a larger one saves too little.
+/// Number of coordinates up to which a short run keeps all modes: two smaller eigenvalue problems take as long as theirs. Without
+/// meshes it always does, because it is compared with all modes.
+const FEW_COORDINATES: usize = 100;
+/// Largest part of all modes that a run keeps before it keeps all; a larger one saves too little.
 const LARGEST_PART: f64 = 0.75;
-/// Number of modes up to which a choice among numbers of modes pays for all runs that are not short.
-const FEW_MODES: f64 = 150.0;
-/// Number of mode counts that are tried before the run keeps all modes.
-const MAX_TRIALS: usize = 4;
-/// Errors of displacements and mesh forces that determine the modes of the components without a given target.
+/// Errors of displacements and mesh forces of the reference for a given number of modes.
 const DEFAULT_TARGET: [f64; 2] = [3e-4, 3e-3];
-/// Error of the mesh force for component modes up to the highest frequency that the teeth excite, in a train with sharp
-/// engagement. It decreases with the square of the frequency limit, because the load of a tooth that engages is a step.
-const COMPONENT_ERROR: f64 = 0.3;
-/// Smallest frequency limit of the component modes, in multiples of the frequency that the teeth excite.
-const SMALLEST_LIMIT: f64 = 4.0;
-/// Ratio of successive frequency limits, and their number, until the error is below the target.
-const NEXT_LIMIT: f64 = 1.6;
-const MAX_LIMITS: usize = 4;
-/// Ratio of the frequency limits of which the error is estimated.
-const COARSER: f64 = 1.5;
-/// Share of the remaining directions in the motion for the first tried number of modes, relative to the target.
-const FIRST_SHARE: f64 = 0.1;
-/// Largest errors, in multiples of the target, with which a continued run keeps its modes.
-const CONTINUED: f64 = 3.0;
+/// Error of the mesh force for L = 1 in a train with sharp engagement, from the scenes of `benches/reduction.py` at L = 6 to
+/// 9: 0.09 to 0.15. It decreases with 1/L², because the load of a tooth that engages is a step.
+const ERROR_OF_TEETH: f64 = 0.12;
+/// Ratio of the errors of displacements and of mesh forces: 0.02 to 0.13 in these scenes.
+const DISPLACEMENT_PART: f64 = 0.1;
+/// Runs shorter than this, s, take the expected error: comparisons would take longer than the run, and so few tooth periods
+/// say little about the error.
+const SHORTEST_COMPARED: f64 = 0.01;
+/// Multiple of the target that the larger L of a run without a deciding pilot run may leave: its pilot run contains little but the transient at the
+/// beginning, and its estimate is 1.8 to 8 times the error of the run on the scenes of `benches/accuracy`.
+const SHORT_EXCESS: f64 = 2.0;
+/// Smallest L.
+const SMALLEST_LIMIT: f64 = 2.0;
+/// Ratio of successive L, and their number, until the error is below the target.
+const NEXT_LIMIT: f64 = 1.5;
+const MAX_LIMITS: usize = 5;
 
 /// A set-up with its reduction.
 pub(super) type Reduced<'m> = (ModalSetup<'m>, KnownReduction);
 
-/// Finds the reductions that the options of a run ask for, one for each share of the permitted errors that the number of
-/// modes may cause; none if the modes are nearly parallel.
-pub(super) fn find<'m>(
-    run: &Run<'m>,
-    motion: &EquationOfMotion<'m>,
-    start: &Start,
-    plan: &RecordPlan,
-    shares: &[f64],
-    observer: &mut impl Observer,
-) -> Result<Vec<Reduced<'m>>, AnalysisError> {
-    let Some(mut reducer) = Reducer::new(run, motion, start, plan, observer)? else {
-        if run.options.modes.is_some() {
-            let message = "cannot be left out: nearly parallel modes do not carry the motion";
-            return Err(SceneError::new("modes", message).into());
+/// Whether a run keeps all modes without a comparison.
+pub(super) fn keeps_all(run: &Run<'_>, plan: &RecordPlan, start: &Start) -> bool {
+    let (options, model) = (run.options, &run.cached.model);
+    match (options.modes, options.reduction) {
+        (Some(count), _) => count >= model.len(),
+        (None, Some(_)) => {
+            let is_cheap = model.len() <= FEW_COORDINATES || model.meshes.is_empty();
+            plan.energy || is_short(run) && is_cheap && !start.is_reduced(model)
         }
-        return Ok(Vec::new());
-    };
-    let chooses = !is_short(run, start, motion) && reducer.choice_pays();
-    shares.iter().map(|share| reducer.reduction(chooses.then_some(*share), observer)).collect()
+        (None, None) => true,
+    }
 }
 
-/// Whether a run is too short for a choice among numbers of modes; a continued run keeps those of the run before it.
-pub(super) fn is_short(run: &Run<'_>, start: &Start, motion: &EquationOfMotion<'_>) -> bool {
-    let model = &run.cached.model;
-    let separates = !is_large(model) && motion.varying_flanks_can_separate();
-    let shortest = if separates { SHORT_SEPARATING_RUN } else { SHORT_RUN };
-    run.options.duration < shortest * PILOT_DURATION && !start.is_reduced(model)
+/// Whether a pilot run only measures the error.
+fn is_short(run: &Run<'_>) -> bool {
+    run.options.duration < SHORT_RUN * PILOT_DURATION
 }
 
 impl<'m> Run<'m> {
@@ -103,284 +82,215 @@ impl<'m> Run<'m> {
         let selection = plan.selection(&self.cached.model);
         ModalSetup::new(self.cached, self.options, motion, start, selection, subspace)
     }
-
-    /// The set-up with the modes of the components, or all modes, of a known reduction, and that with its reduced motion if
-    /// this differs.
-    pub(super) fn with_reduction(
-        &self,
-        known: &KnownReduction,
-        motion: EquationOfMotion<'m>,
-        start: &Start,
-        plan: &RecordPlan,
-    ) -> Result<(ModalSetup<'m>, Option<ModalSetup<'m>>), AnalysisError> {
-        let unreduced = self.complete(motion, start, plan, Some(&known.projected))?;
-        let model = &self.cached.model;
-        let is_reduced = !Arc::ptr_eq(&unreduced.linear, &known.linear);
-        let reduced =
-            is_reduced.then(|| unreduced.with_linear(model, Arc::clone(&known.linear), plan.selection(model)));
-        Ok((unreduced, reduced))
-    }
 }
 
-/// What a reduction needs.
-struct Reducer<'a, 'm> {
-    run: &'a Run<'m>,
-    start: &'a Start,
-    plan: &'a RecordPlan,
-    /// The part of the run with which models are compared.
-    pilot: Rc<Pilot>,
-    /// The linear motion of the complete model, or of the modes of its components.
+/// What the choice of modes needs.
+pub(super) struct Reducer<'a, 'm> {
+    pub run: &'a Run<'m>,
+    pub motion: &'a EquationOfMotion<'m>,
+    pub start: &'a Start,
+    pub plan: &'a RecordPlan,
+}
+
+/// A set-up with its modes and the signals of its pilot run.
+struct Candidate<'m> {
+    setup: ModalSetup<'m>,
     projected: Arc<Projected>,
-    /// The set-up of a run with this linear motion.
-    unreduced: ModalSetup<'m>,
-    /// The signals of this run.
-    exact: Record,
-    /// Errors of displacements and mesh forces from the modes of the components; `None` for the complete model.
-    components: Option<[f64; 2]>,
-    /// Directions of the displacements in the order of their importance; found at the first use.
-    directions: OnceCell<Directions>,
+    signals: Record,
 }
 
-impl<'a, 'm> Reducer<'a, 'm> {
-    /// Prepares the reduction of a run; `None` if the modes are nearly parallel.
-    fn new(
-        run: &'a Run<'m>,
-        motion: &EquationOfMotion<'m>,
-        start: &'a Start,
-        plan: &'a RecordPlan,
+impl<'m> Reducer<'_, 'm> {
+    /// Finds the modes that the options of the run ask for; none if the run keeps all modes. `base` is the reduction of the
+    /// system of which the model of the run is a variation.
+    pub fn find(
+        &self,
+        base: Option<&KnownReduction>,
         observer: &mut impl Observer,
-    ) -> Result<Option<Self>, AnalysisError> {
-        let (options, model) = (run.options, &run.cached.model);
-        let target = options.reduction.unwrap_or(DEFAULT_TARGET);
-        let decides = options.modes.is_some() || !is_short(run, start, motion);
-        let pilot = Rc::new(Pilot::new(run, start, decides));
-        let prepared = |limit: f64| Self::prepared(run, motion, (start, &pilot), plan, limit);
-        if !is_large(model) {
-            let Some(mut reducer) = prepared(0.0)? else {
-                return Ok(None);
-            };
-            reducer.exact = reducer.signals(&reducer.unreduced, observer)?;
-            return Ok(Some(reducer));
-        }
-        let first = (COMPONENT_ERROR / target[1]).sqrt().max(SMALLEST_LIMIT);
+    ) -> Result<Option<Reduced<'m>>, AnalysisError> {
+        let Some(count) = self.run.options.modes else {
+            return self.of_accuracy(base, observer);
+        };
+        let found = self.of_count(count, observer)?;
+        found.map(Some).ok_or_else(|| {
+            SceneError::new("modes", "cannot be left out: nearly parallel modes do not carry the motion").into()
+        })
+    }
+
+    /// A given number of modes, compared with all modes, or those of twice the frequencies that the default accuracy needs.
+    fn of_count(&self, count: usize, observer: &mut impl Observer) -> Result<Option<Reduced<'m>>, AnalysisError> {
+        let limit = 2.0 * first_limit(DEFAULT_TARGET);
+        let pilot = Pilot::new(self.run, self.start, true);
+        let Some(reference) = self.candidate(None, limit, &pilot, observer)? else {
+            return Ok(None);
+        };
+        let found = if count >= reference.setup.linear.modes {
+            None
+        } else {
+            self.candidate(Some(Extent::Count(count)), limit, &pilot, observer)?
+        };
+        let Some(found) = found else {
+            return Ok(Some(reference.with_errors(None, [0.0; 2])));
+        };
+        let errors = differences(&found.signals, &reference.signals);
+        Ok(Some(found.with_errors(None, errors)))
+    }
+
+    /// The modes that keep the error of the options.
+    fn of_accuracy(
+        &self,
+        base: Option<&KnownReduction>,
+        observer: &mut impl Observer,
+    ) -> Result<Option<Reduced<'m>>, AnalysisError> {
+        let target = self.run.options.reduction.unwrap_or(DEFAULT_TARGET);
+        let pilot = match base {
+            Some(_) => Pilot::check(self.run, self.start),
+            None => Pilot::new(self.run, self.start, !is_short(self.run)),
+        };
+        let allowed = if is_short(self.run) { SHORT_EXCESS } else { 1.0 };
+        let first = base.and_then(|base| base.limit).unwrap_or_else(|| first_limit(target));
         let limits = || std::iter::successors(Some(first), |limit| Some(limit * NEXT_LIMIT)).take(MAX_LIMITS);
-        // A continued run uses the component modes of the run before it, so that it continues bit by bit.
-        if start.is_reduced(model) {
+        // A continued run keeps the modes of the run before it, so that it continues bit by bit.
+        let mut continued = None;
+        if self.start.is_reduced(&self.run.cached.model) {
             for limit in limits() {
-                let Some(mut reducer) = prepared(limit)? else {
+                let Some((setup, _)) = self.set_up(Some(Extent::Limit(limit)), limit)? else {
                     return Ok(None);
                 };
-                if reducer.resumes()? {
-                    reducer.measure_components(motion, limit, observer)?;
-                    return Ok(Some(reducer));
+                if resumes(&setup.linear, &setup.loads, self.start) {
+                    continued = Some(limit);
+                    break;
                 }
             }
         }
-        let mut last = None;
-        for limit in limits() {
-            let Some(mut reducer) = prepared(limit)? else {
+        let mut limit = continued.unwrap_or(first);
+        if self.run.options.duration < SHORTEST_COMPARED {
+            let Some((setup, projected)) = self.set_up(Some(Extent::Limit(limit)), limit)? else {
                 return Ok(None);
             };
-            reducer.measure_components(motion, limit, observer)?;
-            let is_accurate = reducer.excess([0.0; 2], target) <= 1.0;
-            let is_complete = reducer.unreduced.linear.modes as f64 >= LARGEST_PART * model.len() as f64;
-            last = Some(reducer);
-            if is_accurate || is_complete || is_short(run, start, motion) {
-                break;
-            }
+            let force = ERROR_OF_TEETH / (limit * limit);
+            let found = Candidate { setup, projected, signals: Record::default() };
+            let is_kept = continued.is_some() || !self.saves_little(&found.setup);
+            return Ok(is_kept.then(|| found.with_errors(Some(limit), [DISPLACEMENT_PART * force, force])));
         }
-        Ok(last)
+        // Without teeth there is no law for the error of L, and few modes may lie between L and 1.5 L.
+        let mut all = None;
+        if self.run.cached.model.meshes.is_empty() {
+            let Some(found) = self.candidate(None, limit, &pilot, observer)? else {
+                return Ok(None);
+            };
+            all = Some(found.signals);
+        }
+        let (mut coarse, mut left): (Option<Candidate<'m>>, [f64; 2]) = (None, [0.0; 2]);
+        for _ in 1..MAX_LIMITS {
+            let current = match coarse.take() {
+                Some(known) => known,
+                None => {
+                    let Some((setup, projected)) = self.set_up(Some(Extent::Limit(limit)), limit)? else {
+                        return Ok(None);
+                    };
+                    if continued.is_none() && self.saves_little(&setup) {
+                        return Ok(None);
+                    }
+                    let signals = pilot.signals(self.run, &setup, self.plan, observer)?;
+                    Candidate { setup, projected, signals }
+                }
+            };
+            let next = limit * NEXT_LIMIT;
+            if let Some(all) = &all {
+                let errors = differences(&current.signals, all);
+                if continued.is_some() || excess(errors, target) <= 1.0 {
+                    return Ok(Some(current.with_errors(Some(limit), errors)));
+                }
+                limit = next;
+                continue;
+            }
+            let Some(fine) = self.candidate(Some(Extent::Limit(next)), next, &pilot, observer)? else {
+                return Ok(None);
+            };
+            // The errors e of L and e/1.5² of 1.5 L differ by (1 − 1/1.5²) e.
+            let decrease = NEXT_LIMIT.powi(-2);
+            let errors = differences(&current.signals, &fine.signals).map(|found| found / (1.0 - decrease));
+            if continued.is_some() || excess(errors, target) <= 1.0 {
+                return Ok(Some(current.with_errors(Some(limit), errors)));
+            }
+            if excess(errors.map(|error| error * decrease), target) <= allowed {
+                return Ok(if self.saves_little(&fine.setup) {
+                    None
+                } else {
+                    Some(fine.with_errors(Some(next), errors.map(|error| error * decrease)))
+                });
+            }
+            (coarse, limit) = (Some(fine), next);
+            left = errors.map(|error| error * decrease);
+        }
+        // A small model keeps all modes. A large one keeps those that it has; a warning tells their error.
+        let model = &self.run.cached.model;
+        Ok(coarse.filter(|_| is_large(model)).map(|last| last.with_errors(Some(limit), left)))
     }
 
-    /// The linear motion and its directions; `limit` is the frequency limit of the component modes of a large model, in
-    /// multiples of the frequency that the teeth excite.
-    fn prepared(
-        run: &'a Run<'m>,
-        motion: &EquationOfMotion<'m>,
-        (start, pilot): (&'a Start, &Rc<Pilot>),
-        plan: &'a RecordPlan,
+    /// Whether the complete model has hardly more modes.
+    fn saves_little(&self, setup: &ModalSetup<'m>) -> bool {
+        setup.linear.modes as f64 > LARGEST_PART * self.run.cached.model.len() as f64
+    }
+
+    /// A set-up with the signals of its pilot run; none if the modes are nearly parallel.
+    fn candidate(
+        &self,
+        extent: Option<Extent>,
         limit: f64,
-    ) -> Result<Option<Self>, AnalysisError> {
-        let projected = if limit > 0.0 {
-            of_components(run, motion, plan, limit)?
-        } else {
-            Arc::new(run.cached.at_speed(run.options.fastest())?.projected(reference_speed(run.options))?)
+        pilot: &Pilot,
+        observer: &mut impl Observer,
+    ) -> Result<Option<Candidate<'m>>, AnalysisError> {
+        let Some((setup, projected)) = self.set_up(extent, limit)? else {
+            return Ok(None);
         };
-        let unreduced = run.complete(motion.clone(), start, plan, Some(&projected))?;
-        if matches!(unreduced.linear.matrix, StateMatrix::Dense(_)) {
+        let signals = pilot.signals(self.run, &setup, self.plan, observer)?;
+        Ok(Some(Candidate { setup, projected, signals }))
+    }
+
+    /// The set-up with some modes, of a large model among those up to L = `limit`; none if the modes are nearly parallel.
+    fn set_up(
+        &self,
+        extent: Option<Extent>,
+        limit: f64,
+    ) -> Result<Option<(ModalSetup<'m>, Arc<Projected>)>, AnalysisError> {
+        let Self { run, motion, start, plan } = *self;
+        let (options, model) = (run.options, &run.cached.model);
+        let (fastest, speed) = (options.fastest(), reference_speed(options));
+        let excited = excited_frequency(model, fastest);
+        // At a changing speed, the subspace contains the bearings at the largest speed, and carries their differences.
+        let at_fastest = run.cached.at_speed(fastest)?;
+        let projected = at_fastest.subspace(SubspaceKey {
+            speeds: if speed == fastest { vec![speed] } else { vec![speed, fastest] },
+            excited,
+            rotation: model.max_speed_ratio() * fastest.abs(),
+            highest: is_large(model).then_some(limit * excited),
+            interfaces: interfaces(&at_fastest.model, fastest, &plan.selection(model)),
+            distributed: match options.speed {
+                Speed::Changing(_) => rotating_loads(&at_fastest.model),
+                Speed::Constant(_) => Vec::new(),
+            },
+            extent,
+        })?;
+        let setup = run.complete(motion.clone(), start, plan, Some(&projected))?;
+        if matches!(setup.linear.matrix, StateMatrix::Dense(_)) {
             return Ok(None);
         }
         // A run that cannot be counted ends before its pilot.
-        countable_grid(run.cached, run.options, &unreduced.linear, &unreduced.loads, run.end)?;
-        Ok(Some(Self {
-            run,
-            start,
-            plan,
-            pilot: Rc::clone(pilot),
-            projected,
-            unreduced,
-            exact: Record::default(),
-            components: None,
-            directions: OnceCell::new(),
-        }))
+        countable_grid(run.cached, options, &setup.linear, &setup.loads, run.end)?;
+        Ok(Some((setup, projected)))
     }
+}
 
-    /// The signals of a pilot run with a set-up.
-    fn signals(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Record, AnalysisError> {
-        self.pilot.signals(self.run, setup, self.plan, observer)
+impl<'m> Candidate<'m> {
+    /// The reduction with its errors of displacements and mesh forces.
+    fn with_errors(self, limit: Option<f64>, errors: [f64; 2]) -> Reduced<'m> {
+        let reduction = Reduction { modes: self.setup.linear.modes, errors };
+        (self.setup, KnownReduction { projected: self.projected, limit, reduction })
     }
+}
 
-    /// Whether this run continues bit by bit a run with the same component modes.
-    fn resumes(&self) -> Result<bool, AnalysisError> {
-        let count = self.start.state.modal.len() / 2;
-        let setup = if count < self.unreduced.linear.slots { self.reduced(count)? } else { self.unreduced.clone() };
-        Ok(resumes(&setup.linear, &setup.loads, self.start))
-    }
-
-    /// Runs a pilot, and estimates the error e of the component modes up to `limit` from the difference to another limit. The
-    /// errors c²e of the limit divided by c and e of the limit differ by (c² − 1)e.
-    ///
-    /// With an oil film, the error hardly decreases until the modes resolve the motion at the film, and then falls within a
-    /// small range of the limit: a lower limit says little about it. The difference to a higher limit contains it; for an
-    /// error of e/c² there, the two differ by (1 − 1/c²)e.
-    fn measure_components(
-        &mut self,
-        motion: &EquationOfMotion<'m>,
-        limit: f64,
-        observer: &mut impl Observer,
-    ) -> Result<(), AnalysisError> {
-        self.exact = self.signals(&self.unreduced, observer)?;
-        let model = &self.run.cached.model;
-        let other = |limit: f64| of_components(self.run, motion, self.plan, limit);
-        let (found, decrease) = if has_film(model) {
-            // The maps of a larger subspace do not follow from those of this one.
-            let fine = other(limit * NEXT_LIMIT)?;
-            let fine = self.run.complete(motion.clone(), self.start, self.plan, Some(&fine))?;
-            (differences(&self.exact, &self.signals(&fine, observer)?), 1.0 - NEXT_LIMIT.powi(-2))
-        } else {
-            let coarse = other(limit / COARSER)?.state_space()?;
-            let coarse = self.unreduced.with_linear(model, coarse, self.plan.selection(model));
-            (differences(&self.signals(&coarse, observer)?, &self.exact), COARSER * COARSER - 1.0)
-        };
-        self.components = Some(found.map(|difference| difference / decrease));
-        Ok(())
-    }
-
-    /// The reduction that the options ask for. A chosen number of modes may cause `share` of the permitted errors; none is
-    /// chosen without a share.
-    fn reduction(&mut self, share: Option<f64>, observer: &mut impl Observer) -> Result<Reduced<'m>, AnalysisError> {
-        let options = self.run.options;
-        let (setup, reduction) = match (options.modes, options.reduction.zip(share)) {
-            (None, Some((target, share))) => self.choose(target.map(|error| share * error), observer)?,
-            (None, None) => self.without_choice(),
-            (Some(count), _) => {
-                let setup = self.reduced(count)?;
-                let reduction = self.measured(&setup, observer)?;
-                (setup, Some(reduction))
-            }
-        };
-        let (projected, linear) = (Arc::clone(&self.projected), Arc::clone(&setup.linear));
-        Ok((setup, KnownReduction { projected, linear, components: self.components, reduction }))
-    }
-
-    /// The run without a further reduction.
-    fn without_choice(&self) -> (ModalSetup<'m>, Option<Reduction>) {
-        let modes = self.unreduced.linear.modes;
-        (self.unreduced.clone(), self.components.map(|errors| Reduction { modes, errors }))
-    }
-
-    /// The run with the smallest tried number of modes whose errors of displacements and mesh forces are at most
-    /// `target`; without a further reduction if that saves little.
-    fn choose(
-        &mut self,
-        target: [f64; 2],
-        observer: &mut impl Observer,
-    ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
-        let null = self.projected.modes.null;
-        let largest = (LARGEST_PART * self.unreduced.linear.modes as f64) as usize;
-        // A continued run keeps the modes of the run before it, so that it continues bit by bit.
-        let (mut count, mut allowed) = if self.start.is_reduced(&self.run.cached.model) {
-            (self.start.state.modal.len() / 2, CONTINUED)
-        } else {
-            (self.directions()?.count(FIRST_SHARE * target[1]) + null, 1.0)
-        };
-        for _ in 0..MAX_TRIALS {
-            count = count.next_multiple_of(LANES);
-            if count > largest {
-                break;
-            }
-            let setup = self.reduced(count)?;
-            let reduction = self.measured(&setup, observer)?;
-            let excess = self.excess(reduction.errors, target);
-            if excess <= allowed {
-                return Ok((setup, Some(reduction)));
-            }
-            allowed = 1.0;
-            count = (count + 1).max(self.directions()?.further(count - null, excess) + null);
-        }
-        Ok(self.without_choice())
-    }
-
-    /// Whether a choice among numbers of modes saves more time than it takes: the eigenvalue problem of a choice takes a time
-    /// in proportion to the third power of the number of modes, and a step in proportion to the number. A continued run
-    /// keeps its choice.
-    fn choice_pays(&self) -> bool {
-        let growth = (self.unreduced.linear.modes as f64 / FEW_MODES).max(1.0).powi(2);
-        self.run.options.duration >= SHORT_RUN * growth * PILOT_DURATION
-            || self.start.is_reduced(&self.run.cached.model)
-    }
-
-    /// Largest ratio of the errors, with those from the modes of the components, to their target.
-    fn excess(&self, errors: [f64; 2], target: [f64; 2]) -> f64 {
-        excess(errors, self.components, target)
-    }
-
-    /// Directions of the displacements in the order of their importance.
-    fn directions(&self) -> Result<&Directions, AnalysisError> {
-        if let Some(known) = self.directions.get() {
-            return Ok(known);
-        }
-        let (model, linear) = (&self.run.cached.model, &self.unreduced.linear);
-        let ports = ports(model, &self.unreduced, &self.plan.selection(model));
-        let growing = self.growing_shapes()?;
-        let found = Directions::new(model, &self.projected, linear, &ports, PILOT_DURATION, &growing)?;
-        Ok(self.directions.get_or_init(|| found))
-    }
-
-    /// Displacements of the growing modes, n × k, which every reduced model keeps: at the speed of the linear motion, and of a
-    /// run at a changing speed at the largest speed too.
-    fn growing_shapes(&self) -> Result<DMatrix<f64>, AnalysisError> {
-        let (options, linear) = (self.run.options, &self.unreduced.linear);
-        let (speed, fastest) = (reference_speed(options), options.fastest());
-        let shapes = linear.growing_shapes(speed);
-        let at_fastest = self.run.cached.at_speed(fastest)?;
-        if speed == fastest || is_large(&at_fastest.model) || at_fastest.model.is_dissipative(fastest) {
-            return Ok(shapes);
-        }
-        let further = at_fastest.linear(fastest)?.growing_shapes(fastest);
-        let columns: Vec<_> = shapes.column_iter().chain(further.column_iter()).collect();
-        Ok(if columns.is_empty() { shapes } else { DMatrix::from_columns(&columns) })
-    }
-
-    /// The set-up with `count` modes, rigid-body modes included, or with as many as the growing modes take.
-    fn reduced(&self, count: usize) -> Result<ModalSetup<'m>, AnalysisError> {
-        let model = &self.run.cached.model;
-        if count >= self.unreduced.linear.modes {
-            return Ok(self.unreduced.clone());
-        }
-        let directions = self.directions()?;
-        let elastic = count.saturating_sub(self.projected.modes.null).max(directions.growing);
-        let kept = directions.vectors.columns(0, elastic).into_owned();
-        // The frequencies are those with the bearings at the largest speed.
-        let at_fastest = self.run.cached.at_speed(self.run.options.fastest())?;
-        let subspace = self.projected.restricted(&at_fastest.model, reference_speed(self.run.options), &kept)?;
-        let linear = subspace.state_space()?;
-        Ok(self.unreduced.with_linear(model, linear, self.plan.selection(model)))
-    }
-
-    /// A reduction with its errors.
-    fn measured(&self, setup: &ModalSetup<'m>, observer: &mut impl Observer) -> Result<Reduction, AnalysisError> {
-        let found = differences(&self.signals(setup, observer)?, &self.exact);
-        Ok(Reduction { modes: setup.linear.modes, errors: with_components(found, self.components) })
-    }
+/// L whose error of mesh forces is about the target.
+fn first_limit(target: [f64; 2]) -> f64 {
+    (ERROR_OF_TEETH / target[1]).sqrt().max(SMALLEST_LIMIT)
 }

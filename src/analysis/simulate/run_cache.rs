@@ -65,9 +65,9 @@ pub(super) struct RunCache {
     pub start_amplitudes: Recent<StartKey, Amplitudes>,
     /// Synchronous responses of the linear motion; they keep this in memory, as the propagators do.
     pub responses: Recent<ResponseKey, SourceResponses, KEPT_SETTINGS>,
-    /// Reductions with their measured errors.
-    pub reductions: Recent<ReductionKey, KnownReduction, KEPT_SETTINGS>,
-    /// Reductions that variations of the model share; none for a run that fails or is not reduced. One variation finds them,
+    /// Reductions with their measured errors; none for a run that keeps all modes.
+    pub reductions: Recent<ReductionKey, Option<KnownReduction>, KEPT_SETTINGS>,
+    /// Reduction that variations of the model share; none for a run that fails or keeps all modes. One variation finds it,
     /// while the others wait.
-    pub shared_reductions: Mutex<Recent<ReductionKey, Vec<KnownReduction>, KEPT_SETTINGS>>,
+    pub shared_reductions: Mutex<Recent<ReductionKey, Option<KnownReduction>, KEPT_SETTINGS>>,
 }

@@ -145,6 +145,7 @@ def test_results_with_housings_drives_and_loads_do_not_depend_on_the_replaced_sy
     ],
     ids=str,
 )
+@pytest.mark.filterwarnings("ignore:modes. 12 modes leave:gearbow.AccuracyWarning")
 def test_a_repeated_run_gives_the_same_to_the_last_bit(options: dict[str, Any]):
     options = {"speed": 120.0, "output_step": 3e-5, **options}
     system = gb.RotorSystem.from_dict(SYSTEM.description)
@@ -156,6 +157,7 @@ def test_a_repeated_run_gives_the_same_to_the_last_bit(options: dict[str, Any]):
     assert again.statistics.modes_error == first.statistics.modes_error
 
 
+@pytest.mark.filterwarnings("ignore:modes. 12 modes leave:gearbow.AccuracyWarning")
 def test_a_run_after_one_that_was_reduced_for_other_signals_has_its_own_reduction():
     system = gb.RotorSystem.from_dict(SYSTEM.description)
     for record in (["g1"], ["g2"], ["g1"]):
