@@ -37,6 +37,10 @@ impl WithSimd for Extrapolate<'_> {
 }
 
 /// `out += Σ columns[k] p[k]`, with the columns one after the other.
+pub fn accumulate(arch: Arch, columns: &[f64], p: &[f64], out: &mut [f64]) {
+    arch.dispatch(Accumulate { columns, p, out });
+}
+
 struct Accumulate<'a> {
     columns: &'a [f64],
     p: &'a [f64],
