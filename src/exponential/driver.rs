@@ -60,7 +60,7 @@ struct Driver {
     level: usize,
     /// Energy norm that the tolerance of a step is relative to.
     size: f64,
-    /// Contact changes since the last unit.
+    /// Contact changes in a row, each less than the shortest substep after the one before.
     changes_at_this_time: u32,
     /// What the method keeps between steps.
     own: ExponentialState,
@@ -335,10 +335,10 @@ impl Driver {
         std::mem::swap(&mut state.y, &mut stepper.end_state);
         state.contact_modes.clone_from(&self.locator.new_contact_modes);
         stepper.context.loads.motion.set_contact_modes(&state.contact_modes);
-        let substep = self.time_grid.substep_level(level);
-        let substeps = ((change - self.time(state.count)) / self.time_grid.step(substep)).floor() as u64;
-        self.changes_at_this_time = if substeps == 0 { self.changes_at_this_time + 1 } else { 0 };
-        state.count += substeps * self.time_grid.units(substep);
+        let substep = self.time_grid.step(self.time_grid.substep_level(level));
+        self.changes_at_this_time = if within < substep { self.changes_at_this_time + 1 } else { 0 };
+        // Less than a unit remains, so that the grid of every level continues after the change.
+        state.count += ((change - self.time(state.count)) / self.time_grid.unit()).floor() as u64;
         self.own.since_unit = change - self.time(state.count);
         state.elapsed = self.time(state.count) + self.own.since_unit;
         // The error of the step that ends here also holds for the next steps.

@@ -71,11 +71,11 @@ impl LevelControl {
     /// its step is at least half as long. Otherwise, as after a contact change, `level` itself, of whose step the part up
     /// to the grid is kept. Fixed steps reach the grid by shorter steps.
     pub(super) fn level_on_grid(&self, time_grid: &TimeGrid, count: u64, level: usize) -> usize {
-        let shortest = match self {
-            Self::Fixed => time_grid.finest,
-            Self::Planned { .. } | Self::Adaptive { .. } => (level + 1).min(time_grid.finest),
+        let (shortest, off_grid) = match self {
+            Self::Fixed => (time_grid.substep_level(level), time_grid.substep_level(level)),
+            Self::Planned { .. } | Self::Adaptive { .. } => ((level + 1).min(time_grid.finest), level),
         };
-        (level..=shortest).find(|level| count.is_multiple_of(time_grid.units(*level))).unwrap_or(level)
+        (level..=shortest).find(|level| count.is_multiple_of(time_grid.units(*level))).unwrap_or(off_grid)
     }
 
     /// Planned level of a step from the unit `count` on; zero without a plan.

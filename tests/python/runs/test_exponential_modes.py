@@ -175,6 +175,15 @@ def test_a_motion_without_modal_basis():
     assert np.abs(fallen - exact.displacement("g")).max() < 1e-9 * np.abs(fallen).max()
 
 
+def test_a_steady_state_needs_modes_that_are_not_parallel():
+    gear = gb.Gear("g", "s", 0.1, teeth=25, module=3e-3, face_width=0.02)
+    bow = gb.Bow.half_sine(1e-4)
+    shaft = gb.Shaft("s", length=0.3, outer_diameter=0.03, elements=3, bow=bow)
+    system = gb.RotorSystem(shafts=[shaft], gears=[gear])
+    with pytest.raises(gb.ConvergenceError, match="the modes are nearly parallel"):
+        system.steady_state(1e-3)
+
+
 def test_etdrk4_needs_modes_that_are_not_parallel():
     with pytest.raises(gb.SceneError, match=r'^method: .*parallel.*"rk45"'):
         tilting().simulate(1e-3, 1e-3, method="etdrk4", initial="rest")
