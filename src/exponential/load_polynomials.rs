@@ -31,35 +31,4 @@ impl LoadPolynomials {
             }
         }
     }
-
-    /// Computes the loads at the stages of a substep, which begins at the fraction `begun` of the step and is `part` of
-    /// it long.
-    pub fn at_stages(&self, stepper: &Stepper<'_>, begun: f64, part: f64, out: &mut [f64]) {
-        let load_count = stepper.loads().load_count().max(1);
-        for (node, values) in stepper.context.cache.rule.nodes.iter().zip(out.chunks_exact_mut(load_count)) {
-            let at = begun + node * part;
-            values.fill(0.0);
-            for coefficients in self.coefficients.chunks_exact(load_count) {
-                for (value, coefficient) in values.iter_mut().zip(coefficients) {
-                    *value = *value * at + coefficient;
-                }
-            }
-        }
-    }
-
-    /// Computes the time derivatives of the loads at the fraction `begun` of a step that is `whole` seconds long.
-    pub fn differentiate(&self, stepper: &Stepper<'_>, begun: f64, whole: f64, out: &mut [f64]) {
-        let load_count = stepper.loads().load_count().max(1);
-        out.fill(0.0);
-        for (order, derivatives) in out.chunks_exact_mut(load_count).enumerate() {
-            // dⁿ τᵐ = m!/(m − n)! τᵐ⁻ⁿ
-            for (power, coefficients) in self.coefficients.rchunks_exact(load_count).enumerate().skip(order) {
-                let falling = (power - order + 1..=power).map(|factor| factor as f64).product::<f64>();
-                let factor = falling * begun.powi((power - order) as i32) / whole.powi(order as i32);
-                for (derivative, coefficient) in derivatives.iter_mut().zip(coefficients) {
-                    *derivative += factor * coefficient;
-                }
-            }
-        }
-    }
 }

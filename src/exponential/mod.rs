@@ -76,18 +76,3 @@ enum Outcome {
     /// The stage equations are not solved: the step is too long.
     Unsolved,
 }
-
-/// Largest number of terms of a Taylor series over less than the shortest substep, in which no mode rotates by a radian:
-/// 1/16! is below round-off.
-const MAX_TERMS: usize = 16;
-
-/// Terms of a Taylor series over a time in which no mode rotates by more than `rotation`, rad: further ones are below
-/// round-off.
-fn taylor_terms(rotation: f64) -> usize {
-    let (mut terms, mut size) = (0, 1.0);
-    while terms < MAX_TERMS && size >= f64::EPSILON / 8.0 {
-        terms += 1;
-        size *= rotation.abs() / terms as f64;
-    }
-    terms
-}
