@@ -74,7 +74,7 @@ impl AccuracyLevel {
     /// Largest errors of displacements and of mesh forces that a reduction to fewer modes may cause; `None` keeps all modes.
     pub fn reduction(&self) -> Option<[f64; 2]> {
         let share = self.reduction_share;
-        (share > 0.0).then(|| [share * self.displacement, share * self.mesh_force])
+        (share > 0.0).then_some([share * self.displacement, share * self.mesh_force])
     }
 }
 

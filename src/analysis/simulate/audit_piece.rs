@@ -39,7 +39,7 @@ fn weights(intervals: usize, part: f64) -> PointValues {
         (before, value, sign) = (value, next, -sign);
     }
     let stride = MAX_INTERVALS / intervals;
-    let halved = |k: usize| if k % intervals == 0 { 0.5 } else { 1.0 };
+    let halved = |k: usize| if k.is_multiple_of(intervals) { 0.5 } else { 1.0 };
     let mut weights = [0.0; MAX_INTERVALS + 1];
     for k in 0..=intervals {
         // T_j is cos(jπ(1 − k/N)) at point k.
