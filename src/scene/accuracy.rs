@@ -5,6 +5,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Share of the total error that a reduction to fewer modes may use.
+pub const REDUCTION_SHARE: f64 = 1.0 / 3.0;
+
 /// Name of an accuracy level, from cheap to accurate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -29,8 +32,8 @@ pub struct AccuracyLevel {
     pub mesh_force: f64,
     /// Relative tolerance of a step.
     pub rtol: f64,
-    /// Share of the total error that a reduction to fewer modes may use; 0 keeps all modes.
-    pub reduction_share: f64,
+    /// Whether long runs keep all modes.
+    pub keeps_all_modes: bool,
 }
 
 impl Accuracy {
@@ -39,28 +42,27 @@ impl Accuracy {
 
     /// The promise of this level and its settings.
     pub const fn level(self) -> AccuracyLevel {
-        const SHARE: f64 = 1.0 / 3.0;
         match self {
             Self::Draft => AccuracyLevel {
                 name: "draft",
                 displacement: 1e-2,
                 mesh_force: 1e-1,
                 rtol: 1e-3,
-                reduction_share: SHARE,
+                keeps_all_modes: false,
             },
             Self::Engineering => AccuracyLevel {
                 name: "engineering",
                 displacement: 1e-3,
                 mesh_force: 1e-2,
                 rtol: 1e-4,
-                reduction_share: SHARE,
+                keeps_all_modes: false,
             },
             Self::Reference => AccuracyLevel {
                 name: "reference",
                 displacement: 1e-6,
                 mesh_force: 1e-4,
                 rtol: 1e-7,
-                reduction_share: 0.0,
+                keeps_all_modes: true,
             },
         }
     }
@@ -69,8 +71,7 @@ impl Accuracy {
 impl AccuracyLevel {
     /// Largest errors of displacements and of mesh forces that a reduction to fewer modes may cause; `None` keeps all modes.
     pub fn reduction(&self) -> Option<[f64; 2]> {
-        let share = self.reduction_share;
-        (share > 0.0).then(|| [share * self.displacement, share * self.mesh_force])
+        (!self.keeps_all_modes).then(|| [REDUCTION_SHARE * self.displacement, REDUCTION_SHARE * self.mesh_force])
     }
 }
 

@@ -14,6 +14,7 @@ use num_complex::Complex64;
 
 use super::excited_modes::{LARGEST_TO_ESTIMATE, damping, dot, elastic_modes, energy, examined_modes};
 use super::{Candidate, PHASE_ERROR_TIME, STEP_RESPONSE_SAFETY, Search};
+use crate::integrate::SHARE_OF_MEAN;
 use crate::linalg::DecompositionError;
 use crate::modal::CachedModel;
 use crate::model::{Model, ShaftModel};
@@ -21,8 +22,6 @@ use crate::model::{Model, ShaftModel};
 /// Largest number of harmonics of a tooth frequency, and number of samples of a tooth cycle.
 const MAX_HARMONICS: usize = 128;
 const TOOTH_CYCLE_SAMPLES: usize = 512;
-/// Smallest unit of an error, as a part of the mean of the signal; `gearbow.accuracy.scale` has the same value and its reason.
-const SHARE_OF_MEAN: f64 = 0.02;
 
 /// A natural frequency without and with the error of the elements.
 #[derive(Debug)]

@@ -7,7 +7,7 @@ use crate::integrate::State;
 use crate::mesh::Geometry;
 use crate::model::Model;
 use crate::motion::{Anchor, ShaftRotation, Speed};
-use crate::scene::{EntryPath, SceneError};
+use crate::scene::{EntryPath, REDUCTION_SHARE, SceneError};
 
 /// The integration method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,8 +53,6 @@ impl Method {
 
 /// Smallest number of coordinates of a model that a reduction builds from the modes of its components.
 const LARGE_MODEL: usize = 250;
-/// Part of the error of an accuracy level that a reduction to fewer modes may cause, as in `gearbow.accuracy.levels`.
-const REDUCTION_SHARE: f64 = 1.0 / 3.0;
 /// Default relative tolerance.
 const DEFAULT_RTOL: f64 = 1e-6;
 /// Smallest relative tolerance: the round-off of a step.
