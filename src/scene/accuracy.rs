@@ -5,6 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Share of the total error that a reduction to fewer modes may use.
+pub const REDUCTION_SHARE: f64 = 1.0 / 3.0;
 /// Smallest unit of an error, as a share of the mean of the signal: in 200 random trains, runs of the level "engineering" left
 /// errors of up to 1.2e-4 of the mean mesh force, however little the force varied; the promised 1e-2 of this share is 2e-4.
 pub const SHARE_OF_MEAN: f64 = 0.02;
@@ -33,8 +35,8 @@ pub struct AccuracyLevel {
     pub mesh_force: f64,
     /// Relative tolerance of a step.
     pub rtol: f64,
-    /// Share of the total error that a reduction to fewer modes may use; 0 keeps all modes.
-    pub reduction_share: f64,
+    /// Whether long runs keep all modes.
+    pub keeps_all_modes: bool,
 }
 
 impl Accuracy {
@@ -43,28 +45,27 @@ impl Accuracy {
 
     /// The promise of this level and its settings.
     pub const fn level(self) -> AccuracyLevel {
-        const SHARE: f64 = 1.0 / 3.0;
         match self {
             Self::Draft => AccuracyLevel {
                 name: "draft",
                 displacement: 1e-2,
                 mesh_force: 1e-1,
                 rtol: 1e-3,
-                reduction_share: SHARE,
+                keeps_all_modes: false,
             },
             Self::Engineering => AccuracyLevel {
                 name: "engineering",
                 displacement: 1e-3,
                 mesh_force: 1e-2,
                 rtol: 1e-4,
-                reduction_share: SHARE,
+                keeps_all_modes: false,
             },
             Self::Reference => AccuracyLevel {
                 name: "reference",
                 displacement: 1e-6,
                 mesh_force: 1e-4,
                 rtol: 1e-7,
-                reduction_share: 0.0,
+                keeps_all_modes: true,
             },
         }
     }
@@ -73,8 +74,7 @@ impl Accuracy {
 impl AccuracyLevel {
     /// Largest errors of displacements and of mesh forces that a reduction to fewer modes may cause; `None` keeps all modes.
     pub fn reduction(&self) -> Option<[f64; 2]> {
-        let share = self.reduction_share;
-        (share > 0.0).then_some([share * self.displacement, share * self.mesh_force])
+        (!self.keeps_all_modes).then_some([REDUCTION_SHARE * self.displacement, REDUCTION_SHARE * self.mesh_force])
     }
 }
 

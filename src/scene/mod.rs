@@ -32,7 +32,7 @@ mod train;
 
 use num_complex::Complex64;
 
-pub use accuracy::{Accuracy, AccuracyLevel, SHARE_OF_MEAN};
+pub use accuracy::{Accuracy, AccuracyLevel, REDUCTION_SHARE, SHARE_OF_MEAN};
 pub use bearing::Bearing;
 pub use bow::{Bow, BowCurve};
 pub(crate) use contact::path_of_contact;

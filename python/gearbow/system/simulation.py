@@ -154,8 +154,8 @@ def simulate(
     SceneWarning
         If the points (times, speeds) end before the run.
     AccuracyWarning
-        If an accuracy is given here or to the system and the elements are too coarse for it, or
-        if the error of a reduction to `modes` exceeds the accuracy level. If the modes
+        If the elements are too coarse for the accuracy, and it is given here or the system has
+        "reference"; or if the error of a reduction to `modes` exceeds the accuracy level. If the modes
         are nearly parallel, so that "rk45" replaces "exponential".
     CheckpointWarning
         If the checkpoint cannot be written, for example on a full disk. The run continues, and
@@ -244,8 +244,8 @@ def accuracy_level(
     level = find_level(accuracy, system.accuracy, given)
     constant = speed if isinstance(speed, float) else None
     coarse = None if level is None else level.coarse(system._model, constant)
-    # The default is no request: `Response.accuracy` says what holds.
-    is_asked = accuracy is not None or system.accuracy != DEFAULT
+    # Otherwise `Response.accuracy` says what holds.
+    is_asked = accuracy is not None or LEVELS[system.accuracy].is_stricter(LEVELS[DEFAULT])
     if is_asked and level is not None and coarse is not None:
         message = (
             f"accuracy: the elements are too coarse for {level.name!r}: {coarse}; "

@@ -32,6 +32,8 @@ pub(super) struct Pilot {
     span: [f64; 2],
     /// Times of the samples, at equal intervals, s; none for a run without duration.
     times: Vec<f64>,
+    /// Ratio of the time over which errors count to the duration.
+    ratio: f64,
 }
 
 impl Pilot {
@@ -60,8 +62,14 @@ impl Pilot {
         Self {
             start: if first > options.start { start.moved(cached, options, first) } else { start.clone() },
             span: [begin, begin + duration],
+            ratio: if duration > 0.0 { options.duration.min(PILOT_DURATION).max(duration) / duration } else { 1.0 },
             times: (1..=count).map(|index| first + duration * index as f64 / intervals).collect(),
         }
+    }
+
+    /// Errors of displacements and of mesh forces of a run, from the signals of the pilot run.
+    pub fn errors(&self, found: &Record, exact: &Record) -> [f64; 2] {
+        differences(found, exact, self.ratio)
     }
 
     /// The signals of a model.
@@ -95,18 +103,17 @@ impl Pilot {
 }
 
 /// Errors of displacements and of mesh forces, for the worst signal: RMS of the difference over the RMS of the variation,
-/// or over a share of the mean where this is larger.
-pub(super) fn differences(found: &Record, exact: &Record) -> [f64; 2] {
+/// or over a share of the mean where this is larger. `ratio` is that of the time over which errors count to that of the
+/// signals. An error that grows as tᵖ over the signals, as the phase error of a mode does with p = 1, grows to ratioᵖ times its
+/// size.
+fn differences(found: &Record, exact: &Record, ratio: f64) -> [f64; 2] {
     let samples = found.time.len().min(exact.time.len());
     let worst = |found: &[f64], exact_signals: &[f64], lanes: usize| {
         let channels = exact_signals.len() / exact.time.len().max(1);
         let errors = (0..channels / lanes).map(|signal| {
             let sums = (signal * lanes..(signal + 1) * lanes)
-                .map(|channel| squares(&found[channel..], &exact_signals[channel..], channels, samples));
-            let [difference, variation, size] =
-                sums.fold([0.0; 3], |sum, own| std::array::from_fn(|index| sum[index] + own[index]));
-            let square = variation.max(SHARE_OF_MEAN * SHARE_OF_MEAN * (size - variation));
-            if difference > 0.0 { (difference / square).sqrt() } else { 0.0 }
+                .map(|channel| Squares::new(&found[channel..], &exact_signals[channel..], channels, samples));
+            sums.fold(Squares::default(), Squares::with).error(ratio)
         });
         errors.fold(0.0, f64::max)
     };
@@ -114,15 +121,67 @@ pub(super) fn differences(found: &Record, exact: &Record) -> [f64; 2] {
     [worst(&found.displacement, &exact.displacement, 2), worst(force, exact_force, 1)]
 }
 
-/// Sums of squares of one channel: of the difference, of the variation about the mean, and of the values.
-fn squares(found: &[f64], exact: &[f64], channels: usize, samples: usize) -> [f64; 3] {
-    let values = |all: &'_ [f64]| all.iter().copied().step_by(channels).take(samples).collect::<Vec<f64>>();
-    let (found, exact) = (values(found), values(exact));
-    let mean = exact.iter().sum::<f64>() / samples as f64;
-    let mut sums = [0.0; 3];
-    for (found, exact) in found.iter().zip(&exact) {
-        let terms = [found - exact, exact - mean, *exact];
-        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term * term);
+/// Sums of squares over the samples of a signal.
+#[derive(Clone, Copy, Default)]
+struct Squares {
+    /// Of the difference in the first half of the samples, and in the second half.
+    differences: [f64; 2],
+    /// Of the exact values about their mean.
+    variation: f64,
+    /// Of the means.
+    mean: f64,
+}
+
+impl Squares {
+    /// The sums of the first of `channels` interleaved channels.
+    fn new(found: &[f64], exact: &[f64], channels: usize, samples: usize) -> Self {
+        let values = |all: &'_ [f64]| all.iter().copied().step_by(channels).take(samples).collect::<Vec<f64>>();
+        let (found, exact) = (values(found), values(exact));
+        let mean = exact.iter().sum::<f64>() / samples as f64;
+        let mut sums = Self { mean: mean * mean * samples as f64, ..Self::default() };
+        for (index, (found, exact)) in found.iter().zip(&exact).enumerate() {
+            sums.differences[usize::from(2 * index >= samples)] += (found - exact).powi(2);
+            sums.variation += (exact - mean).powi(2);
+        }
+        sums
     }
-    sums
+
+    /// The sums of two components of a vector.
+    fn with(self, other: Self) -> Self {
+        let [first, second] = self.differences;
+        Self {
+            differences: [first + other.differences[0], second + other.differences[1]],
+            variation: self.variation + other.variation,
+            mean: self.mean + other.mean,
+        }
+    }
+
+    /// The relative error over `ratio` times the time of the samples.
+    fn error(self, ratio: f64) -> f64 {
+        let [first, second] = self.differences;
+        if first + second == 0.0 {
+            return 0.0;
+        }
+        // The squares of an error that grows as tᵖ add up to t²ᵖ⁺¹: the halves have the ratio 2²ᵖ⁺¹ − 1.
+        let power = (((second / first + 1.0).log2() - 1.0) / 2.0).clamp(0.0, 1.0);
+        let unit = self.variation.max(SHARE_OF_MEAN * SHARE_OF_MEAN * self.mean);
+        ((first + second) / unit).sqrt() * ratio.powf(power)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Squares;
+
+    #[test]
+    fn growing_errors_are_extrapolated() {
+        let exact: Vec<f64> = (0..4000).map(|k| (f64::from(k) * 0.7).sin()).collect();
+        for (power, factor) in [(0, 1.0), (1, 3.0)] {
+            let found: Vec<f64> =
+                exact.iter().enumerate().map(|(k, x)| x + 1e-3 * (k as f64 / 4000.0).powi(power)).collect();
+            let sums = Squares::new(&found, &exact, 1, exact.len());
+            // The samples at equal intervals differ from the integral by 1/4000.
+            assert!((sums.error(3.0) / sums.error(1.0) - factor).abs() < 2e-3 * factor, "{power}");
+        }
+    }
 }

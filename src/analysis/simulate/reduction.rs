@@ -11,7 +11,7 @@ use super::initial::Start;
 use super::known_reduction::{KnownReduction, Reduction, excess};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
-use super::pilot::{PILOT_DURATION, Pilot, differences};
+use super::pilot::{PILOT_DURATION, Pilot};
 use super::ports::{excited_frequency, interfaces, rotating_loads};
 use super::ramp::reference_speed;
 use super::record::Record;
@@ -131,7 +131,7 @@ impl<'m> Reducer<'_, 'm> {
         let Some(found) = found else {
             return Ok(Some(reference.with_errors(None, [0.0; 2])));
         };
-        let errors = differences(&found.signals, &reference.signals);
+        let errors = pilot.errors(&found.signals, &reference.signals);
         Ok(Some(found.with_errors(None, errors)))
     }
 
@@ -197,7 +197,7 @@ impl<'m> Reducer<'_, 'm> {
             };
             let next = limit * NEXT_LIMIT;
             if let Some(all) = &all {
-                let errors = differences(&current.signals, all);
+                let errors = pilot.errors(&current.signals, all);
                 if continued.is_some() || excess(errors, target) <= 1.0 {
                     return Ok(Some(current.with_errors(Some(limit), errors)));
                 }
@@ -209,7 +209,7 @@ impl<'m> Reducer<'_, 'm> {
             };
             // The errors e of L and e/1.5² of 1.5 L differ by (1 − 1/1.5²) e.
             let decrease = NEXT_LIMIT.powi(-2);
-            let errors = differences(&current.signals, &fine.signals).map(|found| found / (1.0 - decrease));
+            let errors = pilot.errors(&current.signals, &fine.signals).map(|found| found / (1.0 - decrease));
             if continued.is_some() || excess(errors, target) <= 1.0 {
                 return Ok(Some(current.with_errors(Some(limit), errors)));
             }

@@ -140,7 +140,7 @@ def test_elements_serve_a_bow_that_an_undamped_run_releases(level, initial):
 def test_elements_too_coarse_for_the_level_give_a_warning():
     with pytest.warns(gb.AccuracyWarning, match="^accuracy: the elements are too coarse for"):
         train(1).simulate(1e-3, SPEED, accuracy="draft")
-    # so does an accuracy of the system
+    # so does an accuracy of the system above the default
     with pytest.warns(gb.AccuracyWarning, match="too coarse for 'reference'.*the numbers of elem"):
         train(8, accuracy="reference").simulate(0.0, SPEED)
     # the default level says it in the response
