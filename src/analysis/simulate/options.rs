@@ -7,7 +7,7 @@ use crate::integrate::State;
 use crate::mesh::Geometry;
 use crate::model::Model;
 use crate::motion::{Anchor, ShaftRotation, Speed};
-use crate::scene::{EntryPath, REDUCTION_SHARE, SceneError};
+use crate::scene::{EntryPath, SceneError};
 
 /// The integration method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
