@@ -358,7 +358,7 @@ fn integrate(
     let z = form.state(&cached.model, (q - carried).as_slice(), (v - turning).as_slice());
     let mut state = State::new(z.as_slice().to_vec());
     let mut stepper = Stepper::new(field, table.into());
-    let control = LevelControl::Adaptive { rtol: 1e-9, floor: 1e-12 };
+    let control = LevelControl::Adaptive { rtol: 1e-9, floor: 1e-12, force_error: None };
     let mut statistics = Statistics::new();
     for end in ends {
         run(&mut stepper, &mut output, control.clone(), &mut state, *end, edges, &mut statistics).unwrap();

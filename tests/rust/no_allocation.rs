@@ -253,7 +253,7 @@ fn exponential(
     }));
     let mut stepper = Stepper::new(field, table.into());
     let control = if adaptive {
-        exponential::LevelControl::Adaptive { rtol: 1e-6, floor: 1e-12 }
+        exponential::LevelControl::Adaptive { rtol: 1e-6, floor: 1e-12, force_error: None }
     } else {
         exponential::LevelControl::Fixed
     };
