@@ -28,8 +28,9 @@ const DEPENDENCE_TOLERANCE: f64 = 1e-10;
 /// Weight of the load on a single coordinate relative to those of connections, which act along lines of action. With 0.003,
 /// a train with separation loses modes that matter: its error of mesh forces rises from 1.5e-3 to 2.3e-2.
 const COORDINATE_WEIGHT: f64 = 0.03;
-/// Part of a given number of modes that static shapes take at most. Half leaves errors up to twice as large with 40 of 75 modes.
-const MAX_STATIC_PART: f64 = 0.33;
+/// Range of L in which a given number of modes is sought, and the ratio of two L that end the search.
+const LIMITS_OF_COUNT: [f64; 2] = [0.01, 1e4];
+const LIMIT_TOLERANCE: f64 = 0.01;
 
 /// How many modes a run keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,19 +79,8 @@ pub(super) fn kept_modes(
     };
     let interfaces = Interfaces::new(all, &[&key.interfaces[..], &key.distributed].concat());
     let (kept, statics) = match extent {
-        Extent::Limit(limit) => {
-            let is_kept = |mode: &usize| {
-                let frequency = interfaces.frequencies[*mode];
-                let relative = frequency / (limit * key.excited);
-                let smallest = NEGLIGIBLE_SHARE * (relative / limit).powi(2);
-                frequency <= ROTATION_MARGIN * key.rotation
-                    || frequency <= limit * key.excited && interfaces.shares[*mode] > smallest
-            };
-            let kept: Vec<usize> = (0..interfaces.shares.len()).filter(is_kept).collect();
-            let statics = interfaces.static_shapes(&kept, usize::MAX, NEGLIGIBLE_SHARE / limit.powi(2));
-            (kept, statics)
-        }
-        Extent::Count(count) => interfaces.of_count(count.saturating_sub(all.null)),
+        Extent::Limit(limit) => interfaces.of_limit(key, limit),
+        Extent::Count(count) => interfaces.of_count(key, count.saturating_sub(all.null)),
     };
     Subspace { model, all, speed: key.speeds[0] }.modes(&kept, &statics, growing)
 }
@@ -151,22 +141,40 @@ impl Interfaces {
         Self { frequencies, energies, shares }
     }
 
-    /// `count` modes and static shapes: the modes with the largest shares.
-    fn of_count(&self, count: usize) -> (Vec<usize>, Vec<DVector<f64>>) {
-        let mut order: Vec<usize> = (0..self.shares.len()).collect();
-        order.sort_by(|a, b| self.shares[*b].total_cmp(&self.shares[*a]));
-        let largest = (MAX_STATIC_PART * count as f64) as usize;
-        let mut number = count.saturating_sub(largest).min(order.len());
-        loop {
-            let kept = &order[..number];
-            let statics = self.static_shapes(kept, count - number, DEPENDENCE_TOLERANCE);
-            // Modes take the places of static shapes that do not exist.
-            let free = (count - number - statics.len()).min(order.len() - number);
-            if free == 0 {
-                return (kept.to_vec(), statics);
+    /// The modes up to L = `limit` that are not negligible, and the static shapes of the others.
+    fn of_limit(&self, key: &SubspaceKey, limit: f64) -> (Vec<usize>, Vec<DVector<f64>>) {
+        let is_kept = |mode: &usize| {
+            let frequency = self.frequencies[*mode];
+            let relative = frequency / (limit * key.excited);
+            let smallest = NEGLIGIBLE_SHARE * (relative / limit).powi(2);
+            frequency <= ROTATION_MARGIN * key.rotation
+                || frequency <= limit * key.excited && self.shares[*mode] > smallest
+        };
+        let kept: Vec<usize> = (0..self.shares.len()).filter(is_kept).collect();
+        let statics = self.static_shapes(&kept, usize::MAX, NEGLIGIBLE_SHARE / limit.powi(2));
+        (kept, statics)
+    }
+
+    /// `count` modes and static shapes: those of the largest L that has no more, and further modes with the largest shares.
+    fn of_count(&self, key: &SubspaceKey, count: usize) -> (Vec<usize>, Vec<DVector<f64>>) {
+        let total = |(kept, statics): &(Vec<usize>, Vec<DVector<f64>>)| kept.len() + statics.len();
+        let [mut low, mut high] = LIMITS_OF_COUNT;
+        let mut found = self.of_limit(key, low);
+        while high > (1.0 + LIMIT_TOLERANCE) * low {
+            let middle = (low * high).sqrt();
+            let next = self.of_limit(key, middle);
+            if total(&next) <= count {
+                (low, found) = (middle, next);
+            } else {
+                high = middle;
             }
-            number += free;
         }
+        let (mut kept, mut statics) = found;
+        statics.truncate(count.saturating_sub(kept.len()));
+        let mut others: Vec<usize> = (0..self.shares.len()).filter(|mode| !kept.contains(mode)).collect();
+        others.sort_by(|a, b| self.shares[*b].total_cmp(&self.shares[*a]));
+        kept.extend(others.into_iter().take(count.saturating_sub(kept.len() + statics.len())));
+        (kept, statics)
     }
 
     /// Static displacements of the modes that are not `kept`, scaled by ω and orthonormal: at most `count` of them, those of

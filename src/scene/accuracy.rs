@@ -85,8 +85,8 @@ mod tests {
     #[test]
     fn a_reduction_may_use_a_third_of_the_total_error_and_reference_keeps_all_modes() {
         let reduction = |accuracy: Accuracy| accuracy.level().reduction();
-        assert_eq!(reduction(Accuracy::Draft), Some([1e-2 / 3.0, 1e-1 / 3.0]));
-        assert_eq!(reduction(Accuracy::Engineering), Some([1e-3 / 3.0, 1e-2 / 3.0]));
+        assert_eq!(reduction(Accuracy::Draft), Some([1e-2, 1e-1].map(|error| REDUCTION_SHARE * error)));
+        assert_eq!(reduction(Accuracy::Engineering), Some([1e-3, 1e-2].map(|error| REDUCTION_SHARE * error)));
         assert_eq!(reduction(Accuracy::Reference), None);
     }
 
