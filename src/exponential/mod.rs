@@ -9,8 +9,8 @@
 //!
 //! If flanks can separate, the linear part contains no mesh and consists of independent parts.
 //!
-//! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length or at a contact
-//! change, so that the propagators of a few lengths serve all steps.
+//! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length or at a
+//! contact change, so that the propagators of a few lengths serve all steps.
 //!
 //! - Loads: `loads`, `prescribed`, `rotating_source`, `changing_speed`, `interface_maps`.
 //! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`.
