@@ -355,8 +355,9 @@ mod tests {
     #[test]
     fn functions_are_those_of_single_numbers() {
         let directions = [0.0, 0.5, 1.0].map(|part: f64| Complex64::from_polar(1.0, part * std::f64::consts::PI));
-        for (size, direction) in
-            [0.0, 1e-9, 0.3, 0.999, 1.001, 2.0, 40.0, 900.0].into_iter().flat_map(|size| directions.map(|d| (size, d)))
+        for (size, direction) in [0.0_f64, 1e-9, 0.3, 0.999, 1.001, 2.0, 40.0, 900.0]
+            .into_iter()
+            .flat_map(|size| directions.map(|d| (size, d)))
         {
             let x = direction * size.min(if direction.re > 0.5 { 40.0 } else { size });
             let mut functions = [[[0.0; WIDTH]; 2]; MAX_FUNCTIONS];

@@ -123,9 +123,7 @@ struct Interfaces {
     frequencies: DVector<f64>,
     /// bᵀφ/ω over the elastic modes, of unit length, one column for each interface.
     energies: DMatrix<f64>,
-    /// Weight of each interface in the choice of a number of modes.
-    weights: Vec<f64>,
-    /// Largest weighted share of each mode.
+    /// Largest share of each mode.
     shares: Vec<f64>,
 }
 
@@ -150,7 +148,7 @@ impl Interfaces {
             .row_iter()
             .map(|row| row.iter().zip(&weights).map(|(entry, weight)| weight * entry * entry).fold(0.0, f64::max))
             .collect();
-        Self { frequencies, energies, weights, shares }
+        Self { frequencies, energies, shares }
     }
 
     /// `count` modes and static shapes: the modes with the largest shares.
@@ -172,18 +170,15 @@ impl Interfaces {
     }
 
     /// Static displacements of the modes that are not `kept`, scaled by ω and orthonormal: at most `count` of them, those of
-    /// the interfaces with the largest weighted rest first, until each rest is below `smallest`.
+    /// the interfaces with the largest rest first, until each rest is below `smallest`.
     fn static_shapes(&self, kept: &[usize], count: usize, smallest: f64) -> Vec<DVector<f64>> {
-        let smallest = smallest.max(DEPENDENCE_TOLERANCE);
         let mut rests = self.energies.clone();
         kept.iter().for_each(|mode| rests.row_mut(*mode).fill(0.0));
         let mut shapes: Vec<DVector<f64>> = Vec::new();
         while shapes.len() < count {
             let sizes: Vec<f64> = rests.column_iter().map(|rest| rest.norm_squared()).collect();
-            let weighted = |interface: usize| self.weights[interface] * sizes[interface];
-            let candidates = (0..sizes.len()).filter(|interface| sizes[*interface] > smallest);
-            let largest = candidates.max_by(|a, b| weighted(*a).total_cmp(&weighted(*b)));
-            let Some(largest) = largest else {
+            let largest = (0..sizes.len()).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b]));
+            let Some(largest) = largest.filter(|index| sizes[*index] > smallest.max(DEPENDENCE_TOLERANCE)) else {
                 break;
             };
             let mut shape = rests.column(largest).into_owned();

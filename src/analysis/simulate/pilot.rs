@@ -175,8 +175,8 @@ mod tests {
 
     #[test]
     fn growing_errors_are_extrapolated() {
-        let exact: Vec<f64> = (0..4000).map(|k| (f64::from(k) * 0.7).sin()).collect();
-        for (power, factor) in [(0, 1.0), (1, 3.0)] {
+        let exact: Vec<f64> = (0..4000_i32).map(|k| (f64::from(k) * 0.7).sin()).collect();
+        for (power, factor) in [(0_i32, 1.0_f64), (1, 3.0)] {
             let found: Vec<f64> =
                 exact.iter().enumerate().map(|(k, x)| x + 1e-3 * (k as f64 / 4000.0).powi(power)).collect();
             let sums = Squares::new(&found, &exact, 1, exact.len());
