@@ -141,6 +141,7 @@ study: $(VENV)/.dev
 
 measure: $(VENV)/.dev $(VENV)/.compare
 	$(BIN)/python docs/printed.py --measured
+	$(BIN)/python docs/printed.py README.md
 
 # The references have elements of high degree: this takes most of an hour on two cores.
 accuracy: $(VENV)/.dev

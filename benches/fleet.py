@@ -3,8 +3,7 @@
 ``python benches/fleet.py`` measures every analysis of every machine and stores each result in
 ``fleet.json`` as soon as it is complete. ``--machine`` and ``--analysis`` select some of them; the
 other stored results stay. ``--stored`` measures nothing and prints the stored results as tables in
-Markdown; docs/comparison.md contains them. ``--extremes`` prints the best and the worst rows; the
-README contains them.
+Markdown; docs/comparison.md contains them.
 
 The programs run in turn, each with one thread. A time is the median over the rounds, and a ratio is
 the median of the ratios of the CPU times within each round. A further round takes place while the
@@ -28,7 +27,6 @@ from programs.timing import ROUNDS, in_rounds, measured, median_ratio, one_threa
 STORED = Path(__file__).with_name("fleet.json")
 LIMIT = 10.0  # CPU time of all rounds of one analysis, s
 SAME = 1e-6  # largest relative difference of the results of both programs
-EXTREMES = 3  # best and worst rows
 ANALYSES = {**OTHERS, **LINEAR, **OPTIONAL}
 MACHINES = tuple(path.stem for path in sorted(FOLDER.glob("*.toml")))
 
@@ -165,30 +163,15 @@ def other_table(rows: list[Row]) -> None:
         print(f"| {name} | {size} |", " | ".join(times), "|", rate, "|")
 
 
-def extremes(rows: list[Row]) -> list[Row]:
-    """Return the rows with the smallest and the largest ratios."""
-
-    def ratio(row: Row) -> float:
-        return row.measured.ratio or 0.0
-
-    compared = [row for row in rows if row.analysis in LINEAR and ratio(row) > 0.0]
-    compared.sort(key=ratio)
-    return compared[:EXTREMES] + compared[max(EXTREMES, len(compared) - EXTREMES) :]
-
-
 def main() -> None:
     """Measure, or print the stored results."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--machine", action="append", choices=MACHINES, help="all without")
     parser.add_argument("--analysis", action="append", choices=[*ANALYSES], help="all without")
     parser.add_argument("--stored", action="store_true", help="print the stored results")
-    parser.add_argument("--extremes", action="store_true", help="print best and worst stored rows")
     parser.add_argument("--results", type=Path, default=STORED, help="file of the stored results")
     given = parser.parse_args()
     path: Path = given.results
-    if given.extremes:
-        linear_table(extremes(rows_of(read(path))))
-        return
     failed = []
     if not given.stored:
         one_thread()

@@ -1,24 +1,35 @@
-"""Print the comparison of the README from the tables of docs/comparison.md."""
+"""Print the best and the worst of the comparison, from docs/comparison.md and fleet.json."""
 
+import json
 import re
 from pathlib import Path
+from typing import NamedTuple
 
-DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "comparison.md"
-PROGRAMS = ("gearbow", "SciPy", "ROSS")
+FOLDER = Path(__file__).resolve().parent
+DOCUMENT = FOLDER.parent / "docs" / "comparison.md"
+FLEET = FOLDER / "fleet.json"
 SCENES = {
     "shaft": "one bowed shaft",
     "pair": "geared pair, constant mesh stiffness",
     "square": "double-stage train, sharp tooth engagement",
-    "seats": "the same with elements of 2 mm",
+    "seats": "double-stage train with elements of 2 mm",
     "live": "double-stage train, live geometry",
     "jeffcott": "run-up of a Jeffcott rotor",
 }
 ANALYSES = {
-    "modes": "ten modes",
-    "campbell": "Campbell diagram, 20 speeds",
-    "synchronous": "synchronous response, 1000 speeds",
-    "static": "static equilibrium",
+    "modes": "modes",
+    "campbell": "Campbell diagram",
+    "intersection": "one intersection of it",
+    "synchronous": "synchronous response",
+    "critical_speed_map": "critical speed map",
 }
+
+
+class Case(NamedTuple):
+    """One system: cost of gearbow over that of the cheapest other program, and both in words."""
+
+    ratio: float
+    words: str
 
 
 def table(name: str) -> list[list[str]]:
@@ -33,38 +44,50 @@ def table(name: str) -> list[list[str]]:
     return [row for row in cells if not row[0].startswith("---")]
 
 
-def fastest(rows: list[list[str]], program: str) -> str:
-    """Return the cost of the cheapest method of a program that meets the required error."""
-    own = [row for row in rows if row[0] == program and row[4]]
-    meeting = [row for row in own if "≥" not in row[4]]
-    if meeting:
-        best = min(meeting, key=lambda row: float(row[4]))
-        return f"{best[4]} ({best[1]})" if program != "gearbow" else best[4]
-    return "error not met" if own else next((row[2] for row in rows if row[0] == program), "–")
+def scene(title: str, rows: list[list[str]]) -> Case | None:
+    """Compare the cheapest methods that meet the required error; None without another program."""
+    meeting = [row for row in rows[1:] if row[4] and "≥" not in row[4]]
+    own = [float(row[4]) for row in meeting if row[0] == "gearbow"]
+    others = [row for row in meeting if row[0] != "gearbow"]
+    if not own or not others:
+        return None
+    other = min(others, key=lambda row: float(row[4]))
+    words = f"{title}: {min(own):.3g} s per simulated s, {other[0]} ({other[1]}) {other[4]} s"
+    return Case(min(own) / float(other[4]), words)
 
 
-def scenes() -> None:
-    """Print the costs of time integration."""
-    print("\n| CPU s per simulated s | gearbow | SciPy | ROSS |\n|---|---|---|---|")
-    for name, title in SCENES.items():
-        rows = table(name)
-        print(f"| {title} |", " | ".join(fastest(rows, program) for program in PROGRAMS), "|")
+def readable(seconds: float) -> str:
+    """Return a time with its unit."""
+    return f"{seconds:.3g} s" if seconds >= 0.9995 else f"{1e3 * seconds:.3g} ms"
 
 
-def analyses() -> None:
-    """Print the costs of analyses, of the geared pair and of the smallest and largest train."""
-    print("\n| CPU time, error | system | gearbow | SciPy | ROSS |\n|---|---|---|---|---|")
-    for name, title in ANALYSES.items():
-        rows = table(name)
-        head = rows[0] if rows else []
-        trains = [i for i, cell in enumerate(head) if cell.startswith("train")]
-        pairs = [i for i, cell in enumerate(head) if cell.startswith("geared pair")]
-        for i in [*pairs, *trains[:1], *trains[-1:]]:
-            cells = {row[0]: row[i] for row in rows[1:]}
-            values = " | ".join(cells.get(program, "–") for program in PROGRAMS)
-            print(f"| {title} | {head[i]} | {values} |")
+def machines(analysis: str) -> list[Case]:
+    """Return the stored results of an analysis of complete machines."""
+    cases = []
+    for name, machine in json.loads(FLEET.read_text(encoding="utf-8")).items():
+        found = machine["measured"].get(analysis)
+        if found and found["ratio"]:
+            times = f"{readable(found['cpu'])}, SciPy {readable(found['scipy_cpu'])}"
+            words = f"`{name}`, n = {machine['coordinates']}, {found['setting']}: {times}"
+            cases.append(Case(found["ratio"], words))
+    return cases
+
+
+def line(title: str, cases: list[Case]) -> str:
+    """Return the row of a kind of work: its best and its worst case."""
+    best, worst = min(cases), max(cases)
+    return f"| {title} | {best.words} | {best.ratio:.3g} | {worst.words} | {worst.ratio:.3g} |"
+
+
+def main() -> None:
+    """Print one row for each kind of work."""
+    print("\n| CPU time | best case | gearbow / other | worst case | gearbow / other |")
+    print("|---|---|---|---|---|")
+    found = [scene(title, table(name)) for name, title in SCENES.items()]
+    print(line("time integration", [case for case in found if case is not None]))
+    for analysis, title in ANALYSES.items():
+        print(line(title, machines(analysis)))
 
 
 if __name__ == "__main__":
-    scenes()
-    analyses()
+    main()

@@ -1,4 +1,12 @@
 //! Analyses of a model: Campbell diagram, critical speeds, equilibrium, synchronous response and simulation.
+//!
+//! - Before a model: `discretisation` chooses number and degree of the shaft elements.
+//! - Linear analyses: `modes`, `campbell` with `assignment` (which modes continue which), `critical`, `equilibrium`,
+//!   `synchronous` (one speed) and `responses` (several speeds), `peaks`, `instability` (speeds at which the motion is
+//!   unstable), `stability` (step limits of explicit methods).
+//! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
+//! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
+//!   (refuses matrices and results that do not fit).
 
 mod assignment;
 mod campbell;

@@ -1,4 +1,8 @@
 //! Shaft elements: matrices, and elastic forces from strains, in bending, in torsion and along the axis.
+//!
+//! One complex beam, u = v + iw and φ = Γ − iB, represents both bending planes. `beam` has the matrices, `elastic` forces
+//! and energies from strains, so that rigid motions cause no round-off, and `internal` the internal coordinates of
+//! elements of degree 2 and above, with the polynomials of `src/numerics/legendre.rs`.
 
 mod beam;
 mod elastic;

@@ -9,15 +9,16 @@
 //!
 //! If flanks can separate, the linear part contains no mesh and consists of independent parts.
 //!
-//! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length or at a contact change, so that
-//! the propagators of a few lengths serve all steps.
+//! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length or at a
+//! contact change, so that the propagators of a few lengths serve all steps.
 //!
 //! - Loads: `loads`, `prescribed`, `rotating_source`, `changing_speed`, `interface_maps`.
 //! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`.
 //! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `tangent_solver`, `small_lu`, `estimate`.
 //! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
 //! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`.
-//! - The motion within a step: `substep` with `substep_modes` and `load_polynomials`; `trajectory`, `output` with `accelerations` and `state_map`.
+//! - The motion within a step: `substep` with `substep_modes` and `load_polynomials`; `trajectory`, `output` with
+//!   `accelerations` and `state_map`.
 //! - `in_modes`: the same equation for Runge–Kutta methods.
 
 mod accelerations;

@@ -16,7 +16,7 @@
 //! ```
 //!
 //! `short.rs` has f for a short film in closed form. `reynolds.rs` solves Reynolds' equation for a film of finite length,
-//! and `table.rs` interpolates its solutions.
+//! `table.rs` and `spline.rs` interpolate its solutions, and `equilibrium.rs` finds the displacement under a load.
 
 mod equilibrium;
 mod reynolds;

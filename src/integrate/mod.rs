@@ -2,7 +2,8 @@
 //!
 //! `tableau` holds the coefficients, `step` takes one step, `controller` chooses its length, `driver` is the loop over
 //! steps, `event_locator` finds contact changes, `interpolate` gives the motion within a step, and `halt` gives the
-//! reasons to stop. A step allocates no memory. `state` is the state between steps of every method.
+//! reasons to stop. A step allocates no memory. `state` is the state between steps of every method, `statistics` counts the
+//! steps. An [`Observer`] (`system`) reads each step as a [`Trajectory`].
 
 mod controller;
 mod driver;

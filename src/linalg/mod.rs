@@ -1,5 +1,10 @@
 //! Linear algebra: matrices of chains of nodes, band matrices that a few coordinates couple, and dense decompositions by
-//! faer.
+//! faer, which no other folder imports.
+//!
+//! - Chains: `block_tridiagonal`, `chain` (with internal unknowns of elements).
+//! - Bands: `band_order`, `band`, `couplings`, `coupled_bands`, `determinant`.
+//! - Dense: `dense`, `pencil`, `inverse_iteration`, `convert`.
+//! - Krylov spaces and iterations: `krylov` with `columns`, `conjugate_residuals`, `tridiagonal`; `sparse` matrices.
 
 mod band;
 mod band_order;

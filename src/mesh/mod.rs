@@ -1,4 +1,10 @@
 //! A pair of gears in mesh: involute geometry for moving centres, and the force between the flanks.
+//!
+//! - Geometry: `involute` (deflection of the moving centres, its gradient, contact ratio), `contact_path` (the path of
+//!   contact and the tooth pairs on it), `helix` (axial displacements and tilts), `error` (transmission error).
+//! - Force: `pose` (coordinates and relative motion of the gears), `flank` (one flank), `gear_mesh` (both flanks),
+//!   `contact` (the flank in contact), `mean` (mean stiffness, for linear analyses).
+//! - [`stiffness`]: one file for each model of the stiffness.
 
 mod contact;
 mod contact_path;

@@ -3,13 +3,18 @@
 //! Data flow, each file using only those before it: undamped modes (`real`) → first-order matrix in modal coordinates
 //! (`first_order`) → its eigenpairs (`eigenpairs`), with the positions of undamped rigid-body motions (`rigid_body`) →
 //! decoupled pairs of real coordinates (`pairs`) → state-space model (`state_space`) → cache of all of these per model
-//! (`cached`) → damped modes (`damped`) with their whirl direction (`whirl`) and their residuals
-//! (`residual`), and the eigenvalue problem as a function
-//! of frequency and speed (`quadratic`).
+//! (`cached`, `recent`), which a system with other loads shares → damped modes (`damped`, `eigenvectors`) with their whirl
+//! direction (`whirl`), and the eigenvalue problem as a function of frequency and speed (`quadratic`).
 //!
-//! A few modes of a large model come from Krylov spaces (`lowest`), those with strong or modal damping from a Galerkin
-//! projection (`lowest_damped`, `galerkin`, `square_root`), with a count of the eigenvalues (`contour`), bounds of them
-//! (`bound`), and the lowest and highest undamped frequency (`spectral_range`). `load_modes` finds the modes that given loads excite. `rotating_response` is the response to bow and unbalance with modal damping.
+//! - Reduced models: `components` (modes of the parts of a large model), `kept_modes` (which modes a run keeps),
+//!   `projected` (the model in them); `gyroscopic` decomposes the gyroscopic matrix for runs at changing speed.
+//! - A few modes of a large model: Krylov spaces (`lowest`, `shift_invert`); with strong or modal damping a Galerkin
+//!   projection (`lowest_damped`, `galerkin`, `square_root`). `contour` counts the eigenvalues, `bound` bounds them,
+//!   `spectral_range` gives the lowest and highest undamped frequency, `load_modes` the modes that given loads excite.
+//! - `critical` finds critical speeds, `intersection` a mode at a speed or on a line of the Campbell diagram.
+//! - `residual` is the residual of a mode; `growth` decides whether a mode grows.
+//! - `equilibrium` is the static equilibrium, with `pins` for null motions and `clearance` for nonlinear bearings;
+//!   `rotating_response` is the response to bow and unbalance with modal damping.
 
 mod bound;
 mod cached;

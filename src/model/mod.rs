@@ -5,8 +5,15 @@
 //! ```
 //!
 //! A shaft couples neighbouring nodes, a bearing acts on one node, and a mesh acts on the coordinates of its two gears
-//! with one scalar force F. Matrices are stored per shaft as matrices of chains; dense and sparse ones (`matrices`) are assembled on
-//! demand.
+//! with one scalar force F.
+//!
+//! - Shafts: `shaft` has up to three chains of nodes (bending, torsion, axial motion), and bow and unbalance as forces
+//!   that rotate with the shaft; `bow` has the nodal values of the bow.
+//! - Other parts: `housing` (inertia), `link` (springs and dampers), `loads` (torques, forces, weight), `flanks` (which
+//!   flank of a mesh is pressed), `at_speed` (coefficients of bearings at a speed).
+//! - `numbering` is the only file that knows the order of the coordinates.
+//! - Matrices on demand: `matrices` (dense and sparse), `dynamic_stiffness` (bands of the shafts at a frequency, in the
+//!   coordinates of `circular`), `quadratic_forms` (energies); `dissipative` decides whether a model can be unstable.
 
 mod at_speed;
 mod bow;

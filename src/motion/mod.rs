@@ -1,4 +1,8 @@
 //! The equation of motion as a system to integrate, in physical coordinates.
+//!
+//! `equation` is the equation of motion, `first_order` its evaluation for Runge–Kutta methods, `rotating_load` has bow,
+//! unbalance and forces that turn with a shaft, `energy` the energies, and `power` the powers of the energy audit. `speed`
+//! is the prescribed speed; `shaft_rotation` and `phase` give the shaft angles.
 
 mod energy;
 mod equation;

@@ -1,5 +1,5 @@
-//! Numerical methods that several folders use: Gauss–Legendre rules, piecewise cubic polynomials, searches on an interval,
-//! and the exponential function of several numbers.
+//! Numerical methods that several folders use: Gauss–Legendre rules (`legendre`), piecewise cubic polynomials (`cubic`),
+//! searches on an interval (`interval`), and the exponential function of several numbers (`exponential`).
 
 mod cubic;
 mod exponential;

@@ -1,4 +1,10 @@
 //! The Python extension module `gearbow._core`. Only this folder uses pyo3.
+//!
+//! `handle` is the class `Model`, `model` its methods, which call `frequency`, `simulate`, `steady`, `bearing` and
+//! `gears`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
+//! and for the end of the sweep to which it belongs. Options, speeds, final states and responses are serde structs
+//! (`options`, `speed`, `state`, `response`); `entries` reads them with errors that name the entry. `convert` makes NumPy
+//! arrays, `errors` exceptions and warnings.
 
 mod background;
 mod bearing;

@@ -13,7 +13,8 @@
 //! cos^{p + 1} α. The cage turns at (1 − (d/D) cos α)/2 times the speed of the inner ring, where the outer ring stands
 //! (Harris, Rolling Bearing Analysis, 4th ed., 2001, chapters 7 and 8). Centrifugal forces and slip are neglected.
 //!
-//! `mean.rs` is the force averaged over the angles of the cage, `equilibrium.rs` the displacement under a load. K is given, or that of `src/scene/hertz.rs`.
+//! `mean.rs` is the force averaged over the angles of the cage, `equilibrium.rs` the displacement under a load. K is given,
+//! or that of `src/scene/hertz.rs`.
 
 mod equilibrium;
 mod mean;

@@ -2,7 +2,16 @@
 //!
 //! [`Scene::new`] checks every value, replaces names by indices, fills in defaults, and places a node at every position
 //! of a gear, disk, bearing or torque. It computes the speed ratios of the shafts from the meshes, and the torque that
-//! balances the others.
+//! balances the others. An error has the path of its entry and a message.
+//!
+//! - What the user describes: [`description`], one serde type for TOML files and Python dictionaries.
+//! - Parts: `shaft`, `material`, `bow`, `gear`, `mesh`, `teeth`, `stiffness`, `bearing`, `nonlinear`, `journal`,
+//!   `rolling`, `housing`, `loads`.
+//! - The train: `train` (speed ratios, balance of the torques), `centre_distance` (gears with profile shift), `contact`
+//!   (path of contact at rest), `place` (names and positions).
+//! - Values: `curve` and `speed_table` (tables), `hertz` (stiffness of rolling elements), `accuracy` (the promised errors
+//!   and the settings that keep them).
+//! - Messages: `error`, `number`; `plausibility` warns of values that no real machine has.
 
 mod accuracy;
 mod bearing;

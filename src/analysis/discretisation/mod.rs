@@ -13,6 +13,9 @@
 //!
 //! The speed is not known when the elements are chosen. At a speed at which a harmonic of the tooth frequency is close to a
 //! natural frequency, one mode dominates the motion, and its error is that of the motion. [`ElementErrors`] know the speed.
+//!
+//! `excited_modes` finds the modes, `varying_loads` what loads over time excite, `layout` has the elements of a shaft and
+//! their error, `tooth_harmonics` the error at a speed, `variation` the elements of a scene with other loads.
 
 mod excited_modes;
 mod layout;

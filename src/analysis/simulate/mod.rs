@@ -1,4 +1,11 @@
 //! Time integration: options, initial state, methods, recording, events, energy audit, and the reason of an early stop.
+//!
+//! - What is asked: `options`, `record_plan`; `initial` is the state at the beginning, `checkpoint` that of a stopped run.
+//! - The modes of a run: `reduced_setup` → `reduction` (how many, by `pilot` runs, `known_reduction` from earlier ones)
+//!   with `ports` (the interfaces of the linear motion) → `modal_setup`; `ramp` at a changing speed. `run_cache` keeps
+//!   what the runs of a system share.
+//! - Steps: `exponential`, `longest_step`; `period_map` integrates one period with equal steps, for the steady state.
+//! - What is recorded: `record`, `events`, `audit` with `audit_piece`.
 
 mod audit;
 mod audit_piece;

@@ -4,8 +4,9 @@
 //! the linear motion is accelerated by the secants of the iteration, for affine maps the same as GMRES with this
 //! preconditioner. The rigid-body rotation is no unknown.
 //!
-//! Where the sources have no common period, or a long one, the unknowns are the harmonics of the states at the beginning of
-//! shorter sections.
+//! `period` is the common period, `solver` the iteration with `preconditioner`, `anderson` and `gmres`, `multipliers` the
+//! stability. Where the sources have no common period, or a long one, the unknowns of `quasi_periodic` are the harmonics
+//! (`harmonics`, `turning`) of the states at the beginning of shorter sections.
 
 mod anderson;
 mod gmres;

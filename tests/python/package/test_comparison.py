@@ -17,7 +17,7 @@ from programs.fleet import LINEAR, Machine
 from programs.scenes import SCENES
 from programs.search import check, reference
 from programs.timing import once
-from summary import ANALYSES as SUMMARISED, SCENES as SUMMARISED_SCENES, fastest
+from summary import ANALYSES as SUMMARISED, SCENES as SUMMARISED_SCENES, machines, scene
 
 BENCHES = Path(__file__).parents[3] / "benches"
 
@@ -56,19 +56,25 @@ def test_a_run_in_its_own_process_returns_its_result_or_its_error():
 
 
 def test_the_summary_contains_tables_that_exist():
-    assert set(SUMMARISED) <= set(ANALYSES)
+    assert all(machines(analysis) for analysis in SUMMARISED)
     assert set(SUMMARISED_SCENES) <= set(SCENES)
 
 
 def test_the_summary_takes_the_cheapest_method_that_meets_the_error():
     rows = [
+        ["program", "method", "setting", "error", "CPU", "cost ratio", "set-up", "simulated"],
+        ["gearbow", "exponential", "rtol 0.1", "2e-4", "0.5", "1", "", ""],
+        ["gearbow", "exponential, 80 modes", "modes 80", "2e-2", "≥ 0.1", "≥ 1", "", ""],
         ["SciPy", "RK45", "rtol 0.1", "2e-2", "≥ 1", "≥ 2", "", ""],
         ["SciPy", "DOP853", "rtol 0.1", "2e-4", "20", "40", "", ""],
         ["SciPy", "Radau", "rtol 0.1", "2e-4", "30", "60", "", ""],
         ["ROSS", "lsim", "not installed", "", "", "", "", ""],
     ]
-    assert fastest(rows, "SciPy") == "20 (DOP853)"
-    assert fastest(rows, "ROSS") == "not installed"
+    found = scene("train", rows)
+    assert found is not None
+    assert found.ratio == 0.5 / 20
+    assert found.words == "train: 0.5 s per simulated s, SciPy (DOP853) 20 s"
+    assert scene("train", [*rows[:4], rows[-1]]) is None
 
 
 MACHINE = """\
