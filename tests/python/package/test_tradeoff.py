@@ -418,7 +418,8 @@ def test_a_level_keeps_its_integration_error(word):
     same = SCENE.package().simulate(
         END, SPEED, method="exponential", rtol=level.rtol, initial="rest", times=times
     )
-    assert np.array_equal(same.displacement("g1"), response.displacement("g1"))
+    # the level may take shorter steps, so that the mesh forces keep their error too
+    assert same.statistics.evaluations <= response.statistics.evaluations
     assert same.accuracy is None
 
 

@@ -85,6 +85,7 @@ def test_errors_of_integration_are_those_against_a_small_tolerance(settings):
         assert response.errors()[kind].integration == pytest.approx(error, rel=0.1)
 
 
+@pytest.mark.filterwarnings("ignore:modes. 20 modes leave an error:gearbow.AccuracyWarning")
 def test_errors_of_modes_are_those_against_all_modes():
     system = train(8)
     response = system.simulate(DURATION, SPEED, modes=20, method="exponential", rtol=1e-6)
@@ -153,6 +154,7 @@ def test_errors_do_not_depend_on_the_recorded_times():
     assert some.errors() == system.simulate(DURATION, SPEED).errors()
 
 
+@pytest.mark.filterwarnings("ignore:modes. 20 modes leave an error:gearbow.AccuracyWarning")
 def test_errors_go_with_a_response_into_its_file_and_through_pickle(tmp_path):
     response = train().simulate(2e-3, SPEED, modes=20, initial="rest", record=["g1", ("g1", "g2")])
     for name in ("later.npz", "later.nc"):
