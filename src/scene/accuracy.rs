@@ -93,8 +93,8 @@ mod tests {
     #[test]
     fn the_name_of_a_level_is_that_of_files() {
         for accuracy in Accuracy::ALL {
-            let written = toml::Value::try_from(accuracy).unwrap();
-            assert_eq!(written.as_str(), Some(accuracy.level().name));
+            let written = toml::Value::try_from(accuracy);
+            assert_eq!(written, Ok(toml::Value::from(accuracy.level().name)));
         }
     }
 }

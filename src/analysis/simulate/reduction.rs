@@ -47,7 +47,7 @@ const SHORT_EXCESS: f64 = 2.0;
 const SMALLEST_LIMIT: f64 = 2.0;
 /// Ratio of successive L, and their number, until the error is below the target.
 const NEXT_LIMIT: f64 = 1.5;
-const MAX_LIMITS: usize = 5;
+const MAX_LIMITS: usize = 6;
 
 /// A set-up with its reduction.
 pub(super) type Reduced<'m> = (ModalSetup<'m>, KnownReduction);

@@ -216,7 +216,7 @@ from cases import Settings
 given = Settings()
 short = replace(
     given, bows=tuple(step / 200 for step in range(11)), torques=(250.0,), speeds=(1000.0,), samples=64,
-    settle=20, phase_steps=1, accuracy="draft", layouts={{"quarter": given.layouts["quarter"]}},
+    settle=200, phase_steps=1, accuracy="draft", layouts={{"quarter": given.layouts["quarter"]}},
     train=given.train.replace(
         meshes=[replace(mesh, stiffness=2e8) for mesh in given.train.meshes],  # the longest steps
         shafts=[replace(shaft, elements=2) for shaft in given.train.shafts],
