@@ -14,7 +14,7 @@ use common::{NoObserver, SPEED, cached, cached_from, motion, system};
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
 use gearbow::analysis::Spectrum;
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
-use gearbow::integrate::{FirstOrderSystem as _, RungeKutta, State, Statistics, StepControl, run};
+use gearbow::integrate::{FirstOrderSystem as _, RungeKutta, State, Statistics, StepControl, StepInterval, run};
 use gearbow::mesh::Geometry;
 use gearbow::modal;
 use gearbow::model::Model;
@@ -98,7 +98,8 @@ fn step<const S: usize>(criterion: &mut Criterion, name: &str, tableau: Tableau<
         method.begin(&mut motion, 0.0, &y).unwrap();
         group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
             bencher.iter(|| {
-                method.step(&mut motion, (0.0, step), black_box(&y), step).unwrap();
+                let interval = StepInterval { begin: 0.0, end: step, length: step };
+                method.step(&mut motion, interval, black_box(&y)).unwrap();
                 // The step controller evaluates these norms after each step.
                 if controlled { motion.size(method.end()) + method.error(&mut motion, step) } else { 0.0 }
             });
