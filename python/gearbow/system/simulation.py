@@ -155,8 +155,8 @@ def simulate(
         If the points (times, speeds) end before the run.
     AccuracyWarning
         If the elements are too coarse for the accuracy, and it is given here or the system has
-        "reference"; or if the error of a reduction to `modes` exceeds the accuracy level. If the modes
-        are nearly parallel, so that "rk45" replaces "exponential".
+        "reference"; or if the error of a reduction to `modes` exceeds the accuracy level. If the
+        modes are nearly parallel, so that "rk45" replaces "exponential".
     CheckpointWarning
         If the checkpoint cannot be written, for example on a full disk. The run continues, and
         the file does not change.
