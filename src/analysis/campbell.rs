@@ -236,9 +236,7 @@ impl<'a> Tracker<'a> {
                 }
             }
         }
-        let states = self.at(speed)?;
-        let like = |state: &&State| low.1.correlation(state) + high.1.correlation(state);
-        Ok(states.iter().max_by(|a, b| like(a).total_cmp(&like(b))).unwrap_or(low.1).clone())
+        Ok(most_like(ends, &self.at(speed)?).unwrap_or(low.1).clone())
     }
 
     /// A mode with its direction of whirl and its residual; `cached` is the model at its speed.
@@ -383,10 +381,9 @@ impl<'a> Tracker<'a> {
                 self.interrupt.check()?;
                 let (speed, eigenvalue, whirl, residual) = if self.has_newton() {
                     let met = self.intersection(order, ends, 0)?;
-                    let ModeAtSpeed { speed, eigenvalue, shape } = &met;
-                    let whirl = modal::whirl(&self.cached.model, *speed, *eigenvalue, shape);
-                    let residual = modal::residual(self.cached, *speed, *eigenvalue, shape, Forces::All)?;
-                    (*speed, *eigenvalue, whirl, residual)
+                    let speed = met.speed;
+                    let state = self.state(self.cached, met)?;
+                    (speed, state.eigenvalue, state.whirl, state.residual)
                 } else {
                     // Without Newton's method.
                     let gap = |speed: f64, state: &State| state.eigenvalue.im - order * speed;
@@ -447,13 +444,18 @@ impl<'a> Tracker<'a> {
         }
         let middle = f64::midpoint(low.0, high.0);
         let states = self.at(middle)?;
-        let like = |state: &State| low.1.correlation(state) + high.1.correlation(state);
-        let found = states.iter().max_by(|a, b| like(a).total_cmp(&like(b))).unwrap_or(nearest);
+        let found = most_like(ends, &states).unwrap_or(nearest);
         let above = |(speed, state): (f64, &State)| state.eigenvalue.im > order * speed;
         let between = (middle, found);
         let halves = if above(low) == above(between) { [between, high] } else { [low, between] };
         self.intersection(order, halves, halved + 1)
     }
+}
+
+/// The mode between two speeds whose shape correlates most with those of the `ends`.
+fn most_like<'s>(ends: [(f64, &State); 2], states: &'s [State]) -> Option<&'s State> {
+    let like = |state: &State| ends[0].1.correlation(state) + ends[1].1.correlation(state);
+    states.iter().max_by(|a, b| like(a).total_cmp(&like(b)))
 }
 
 /// Whether a mode between two speeds is that of the `ends`: its shape is close to one of them.

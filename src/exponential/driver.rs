@@ -18,8 +18,8 @@ use crate::integrate::{
 };
 use crate::scene::SHARE_OF_MEAN;
 
-/// Smallest reference of the tolerance, as a part of the motion: forces that vary less are differences of larger ones. With it,
-/// the level "engineering" takes steps no shorter than "reference" does.
+/// Smallest reference of the tolerance, as a part of the energy norm of the motion. A mesh force that varies less is the
+/// difference of larger numbers. The tolerance of the level "engineering", 1e-4, is then not below the 1e-7 of "reference".
 const MIN_REFERENCE: f64 = 1e-3;
 
 /// Integrates from `state` to `end` (elapsed time, s) and up to all instants for which the observer asks. `state.y` is a

@@ -82,7 +82,7 @@ impl TangentSolver {
         }
     }
 
-    /// Takes K and C of all stages from contacts and interface states, which `at` gives for each stage.
+    /// Computes the tangent stiffness K and damping C of all stages. `at` gives the contacts and the interface state of a stage.
     pub fn set_contacts<'a>(&mut self, context: &StepContext<'_>, at: impl Fn(usize) -> StageContacts<'a>) {
         let stages = context.stages();
         let loads = &context.loads;

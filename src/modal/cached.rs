@@ -47,7 +47,7 @@ struct SynthesisKey {
     loaded: Vec<usize>,
 }
 
-/// What the growing modes of a model read beside it.
+/// The inputs, besides the model, on which its growing modes depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GrowthKey {
     /// Speed of the reference shaft, rad/s.
@@ -56,7 +56,7 @@ struct GrowthKey {
     highest: Option<f64>,
 }
 
-/// What the dynamic stiffness without modal damping reads beside its model.
+/// The inputs, besides the model, on which the dynamic stiffness without modal damping depends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DynamicKey {
     /// Speed of the reference shaft, rad/s.
