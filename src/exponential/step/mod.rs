@@ -15,5 +15,4 @@ mod stepper;
 mod tangent_solver;
 
 pub use context::{StepInstant, StepSpan};
-pub use step_point::StepPoint;
 pub use stepper::{DefectScratch, Outcome, Stepper};
