@@ -12,6 +12,7 @@ import pytest
 
 import gearbow as gb
 from reference import elements, independent_solution
+from reference.cases import each_case
 from reference.rolling import Elements, hertz
 from reference.scenes import PAIR
 
@@ -428,7 +429,7 @@ def test_files_keep_rolling_bearings(tmp_path: Any):
 # --- errors -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("change", "message"),
     [
         ({"elements": 0}, "bearings[0].elements: must be between 3 and 1000, got 0"),

@@ -14,6 +14,7 @@ import gearbow as gb
 from gearbow._core import Model
 from reference import elements, independent_solution
 from reference.bows import HalfSine
+from reference.cases import each_case
 from reference.elements import Section
 from reference.independent_solution import Array
 from reference.scenes import DENSITY, E, G, single_shaft
@@ -296,7 +297,7 @@ def test_speeds_outside_the_table_name_bearing_speed_and_range():
     np.testing.assert_array_equal(held.modes(200.0).eigenvalues, end.modes(200.0).eigenvalues)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("table", "message"),
     [
         (gb.SpeedTable([0.0], [1e8]), "bearings[0].stiffness.speeds: needs at least 2 speeds, got 1"),

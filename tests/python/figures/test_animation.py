@@ -14,6 +14,7 @@ from PIL import Image
 
 import gearbow as gb
 from gearbow.results import motion
+from reference.cases import each_case
 from test_response import recorded, train
 
 SPEED = 100.0
@@ -111,7 +112,7 @@ def test_a_rotor_without_mesh_shows_its_displacement(rotor, tmp_path):
     assert (tmp_path / "rotor.gif").is_file()
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("options", "message"),
     [
         (

@@ -11,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import gearbow as gb
+from reference.cases import each_case
 from reference.records import of_series, response
 from test_response import train
 from test_synchronous import jeffcott
@@ -102,7 +103,7 @@ def test_a_figure_goes_into_given_panels(name, results):
     figure.draw_without_rendering()
 
 
-@pytest.mark.parametrize("name", list(FIGURES))
+@each_case("name", list(FIGURES))
 def test_other_things_than_the_panels_are_an_error(name, results):
     count, draw = FIGURES[name]
     wanted = "1 or 2" if name.startswith("system") else str(count)

@@ -12,6 +12,7 @@ import pytest
 
 import gearbow as gb
 from gearbow._files import FileLock, replacing
+from reference.cases import each_case
 from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked
 from test_persistence import assert_same
 from test_response import recorded, train
@@ -485,7 +486,7 @@ def test_a_link_to_stdout_does_not_replace_the_redirected_file(tmp_path):
     assert sorted(names(tmp_path)) == ["link.npz", "out"]
 
 
-@pytest.mark.parametrize("path", ["", "rotor", "rotor.npz", "rotor\0.toml", 3, None, b"rotor.toml"])
+@each_case("path", ["", "rotor", "rotor.npz", "rotor\0.toml", 3, None, b"rotor.toml"])
 def test_a_name_that_is_no_file_of_a_known_format_is_refused(path):
     with pytest.raises(gb.SceneError, match=r"^path: must (be the name of a file|end with \.toml)"):
         train().save(path)

@@ -23,6 +23,7 @@ import gearbow as gb
 from gearbow.recording import file as storage
 from gearbow.recording.container import seal
 from gearbow.recording.tables import arrays_of, metadata_of
+from reference.cases import each_case
 from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked
 from test_persistence import assert_same
 from test_response import recorded, train
@@ -216,7 +217,7 @@ def works(response: gb.Response) -> None:
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize(
+@each_case(
     ("place", "value", "text"),
     [
         (("format",), 99, "format 99, this version of gearbow reads 1"),
@@ -257,7 +258,7 @@ def test_the_message_names_the_entry(tmp_path, suffix, place, value, text):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize(
+@each_case(
     "text",
     [
         "",
@@ -454,7 +455,7 @@ def test_declared_gigabytes_are_refused_before_they_are_allocated(tmp_path):
 # --- impossible states ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("changes", "text"),
     [
         ({"state": np.zeros(4)}, r"^initial: has 2 degrees of freedom"),

@@ -9,11 +9,11 @@ import pickle
 from typing import Any
 
 import numpy as np
-import pytest
 
 import gearbow as gb
 from gearbow._core import Model
 from gearbow._read_only import ReadOnly
+from reference.cases import each_case
 from test_read_only import results, writable
 from test_response import recorded, train
 
@@ -100,14 +100,14 @@ class Visitor(pickle.Pickler):
         return NotImplemented
 
 
-@pytest.mark.parametrize("name", MADE)
+@each_case("name", MADE)
 def test_a_pickled_result_comes_back_bit_for_bit(name: str):
     for twin in (pickle.loads(pickle.dumps(MADE[name])), copy.deepcopy(MADE[name])):
         assert same(twin, MADE[name])
         assert writable(twin) == []
 
 
-@pytest.mark.parametrize("name", MADE)
+@each_case("name", MADE)
 def test_a_result_holds_no_compiled_model(name: str):
     visitor = Visitor()
     visitor.dump(MADE[name])

@@ -10,6 +10,7 @@ import pytest
 
 import gearbow as gb
 from reference import published, scenes
+from reference.cases import each_case
 
 RPM = 2 * np.pi / 60
 
@@ -245,7 +246,7 @@ def test_the_nutation_of_a_free_disk_starts_at_zero_frequency():
     assert campbell.whirl[-1, 0] == "forward"
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("given", "message"),
     [
         ({"speeds": [1.0, 1.0]}, r"speeds\[1\]: must be larger than the previous speed, got 1"),

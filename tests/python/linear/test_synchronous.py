@@ -10,6 +10,7 @@ import pytest
 import gearbow as gb
 from reference import scenes
 from reference.bows import HalfSine
+from reference.cases import each_case
 from reference.scenes import PAIR, GearAt
 
 BOWED = replace(
@@ -246,7 +247,7 @@ def test_backward_operating_speeds_may_ascend_either_way():
     assert below.operating == (-200.0, -700.0)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("operating", "text"),
     [
         ((700.0, 200.0), "lowest speed comes first"),

@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 import gearbow as gb
 from gearbow.cli.main import main
 from reference import elements
+from reference.cases import each_case
 from reference.helical import HelicalMesh, HelicalTrain
 from reference.train import BearingSpec, RigidSpec, ShaftPart, ShaftSpec, Train
 from test_structured_solver import (
@@ -731,7 +732,7 @@ def test_the_recorded_thrust_is_the_axial_part_of_the_mesh_force(geometry: str):
     assert not spur.thrust.any()
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("change", "message"),
     [
         (

@@ -18,6 +18,7 @@ import pytest
 
 import gearbow as gb
 from gearbow import _parallel
+from reference.cases import each_case
 
 GRID = {"torque": [100.0, 250.0, 400.0], "bow": [0.0, 1e-4]}
 
@@ -138,7 +139,7 @@ def test_a_grid_of_a_billion_points_is_not_expanded():
     assert points[123456789] == {"a": 123, "b": 456, "c": 789}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("parameters", "message"),
     [
         ({}, "parameters: must name at least one parameter"),
@@ -159,7 +160,7 @@ def test_invalid_parameters_are_refused(parameters, message):
         gb.sweep(plain, parameters, lambda system, **p: 1.0)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("make", "measure", "message"),
     [
         (3, number, "make: must be a function, got 3"),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
 
 FIELDS = (
     "deflection",
@@ -149,7 +150,7 @@ def test_a_place_is_found_by_name_and_by_position():
     assert ("input", 0.5) in response.recorded
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("ask", "record"),
     [
         (lambda r: r.displacement("wheel"), "record=['wheel', ...]"),
@@ -266,7 +267,7 @@ class TestTimes:
             train().simulate(1e-3, 100.0, times=times)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("options", "text"),
     [
         ({"speed": "fast"}, "^speed: must be a number, .* got 'fast'"),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
 
 
 def rotor(**options) -> gb.RotorSystem:
@@ -118,7 +119,7 @@ def test_parts_keep_their_arguments():
         system.shafts[0].length = 2.0
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("slip", "text"),
     [
         (
@@ -208,9 +209,7 @@ class TestBowFunction:
         )
         assert (seen[0], seen[-1]) == (0.0, 1.0)
 
-    @pytest.mark.parametrize(
-        "value", [math.nan, math.inf, complex(0.0, math.nan), "bent", None, [1.0, 2.0]]
-    )
+    @each_case("value", [math.nan, math.inf, complex(0.0, math.nan), "bent", None, [1.0, 2.0]])
     def test_the_error_names_a_result_that_is_not_finite(self, value):
         curve = gb.Bow.function(lambda x: value if x > 0.4995 else 0.0)
         with pytest.raises(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
 
 
 def pair(**options) -> gb.RotorSystem:
@@ -35,7 +36,7 @@ def scene_with(key: str, index: int, **changes) -> dict:
     return given
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("call", "text"),
     [
         (
@@ -115,8 +116,8 @@ def test_an_unlike_name_gets_no_suggestion():
         pair(bearings=[gb.Bearing("something else", 0.0, stiffness=1e8)])
 
 
-@pytest.mark.parametrize("sign", ["/", ":"])
-@pytest.mark.parametrize(
+@each_case("sign", ["/", ":"])
+@each_case(
     ("path", "changes"),
     [
         (

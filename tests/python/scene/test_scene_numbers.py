@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import datetime as dt
-import functools
-import inspect
 import math
 from decimal import Decimal
 from fractions import Fraction
@@ -15,6 +13,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
 from reference.invalid_scenes import SCENE, build, numbers, with_value, written
 
 #: Values that are not real numbers, although Python or NumPy would convert most of them.
@@ -36,6 +35,8 @@ WRONG = {
     "object": object(),
     "empty text": "",
 }
+#: A mapping describes a force that depends on time, or a stiffness that depends on speed.
+WRONG_FOR_ATTACHED = {name: value for name, value in WRONG.items() if name != "mapping"}
 #: Real numbers.
 RIGHT = {
     "int": 1,
@@ -68,35 +69,11 @@ def response(system: gb.RotorSystem) -> gb.Response:
     return system.simulate(0.05, 100.0, record=["wheel"], output_step=1e-3)
 
 
-def wrong(*without: str) -> Any:
-    """Run a test with every value that is no number, and report all that it accepts."""
-
-    def decorate(test: Any) -> Any:
-        @functools.wraps(test)
-        def with_each_value(**given: Any) -> None:
-            failures = []
-            for name, value in WRONG.items():
-                if name not in without:
-                    try:
-                        test(value=value, **given)
-                    except (Exception, pytest.fail.Exception) as error:  # noqa: BLE001  # reported below
-                        failures.append(f"{name}: {error}")
-            assert not failures, "\n".join(failures)
-
-        arguments = inspect.signature(test).parameters.values()
-        with_each_value.__signature__ = inspect.Signature(
-            [each for each in arguments if each.name != "value"]
-        )
-        return with_each_value
-
-    return decorate
-
-
 # --- the fields of parts --------------------------------------------------------------------------
 
 
-@wrong()
-@pytest.mark.parametrize("path", numbers(SCENE), ids=written)
+@each_case("value", WRONG.values(), ids=WRONG)
+@each_case("path", numbers(SCENE), ids=written)
 def test_a_field_without_a_number_is_an_error(path: tuple[str | int, ...], value: object):
     if path[-1] in COMPLEX and isinstance(value, complex):
         return
@@ -120,8 +97,8 @@ def test_every_numeric_field_is_in_that_scene():
             assert field.name in known | beside | texts | flags, (part, field.name)
 
 
-@wrong()
-@pytest.mark.parametrize(
+@each_case("value", WRONG.values(), ids=WRONG)
+@each_case(
     "make",
     [
         lambda x: gb.Shaft("s", length=1.0, outer_diameter=0.1, elements=2, bow=gb.Bow.sag(x)),
@@ -159,8 +136,8 @@ def pair(**mesh: Any) -> gb.RotorSystem:
     )
 
 
-@wrong()
-@pytest.mark.parametrize(
+@each_case("value", WRONG.values(), ids=WRONG)
+@each_case(
     "make",
     [
         lambda x: {"stiffness": gb.Stiffness.square(x)},
@@ -244,8 +221,8 @@ ARGUMENTS = {
 NAMES = ("record", "balance plane")
 
 
-@pytest.mark.parametrize("name", ARGUMENTS)
-@wrong()
+@each_case("name", ARGUMENTS)
+@each_case("value", WRONG.values(), ids=WRONG)
 def test_an_argument_without_a_number_is_an_error(name, value, system, response):
     where = ARGUMENTS[name][1]
     if isinstance(value, str) and (name in NAMES or where == "at"):
@@ -267,7 +244,7 @@ def test_other_kinds_of_numbers_are_accepted(value, system):
     assert system.simulate(1e-3, value, record=["wheel"]).speed == 1.0
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("call", "text"),
     [
         (lambda s: s.synchronous([[1.0, 2.0]]), r"^speeds: must be one sequence .* \(1, 2\)"),
@@ -318,7 +295,7 @@ def test_a_whole_number_may_be_written_as_a_float(elements):
     assert len({x for _, x, _ in system.dofs}) == 9
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("value", "text"),
     [
         (25.5, "must be a whole number, got 25.5"),
@@ -413,8 +390,8 @@ def test_attached_parts_with_numbers_are_valid(key: str):
     assert len(getattr(with_attached(key), key)) == 1
 
 
-@wrong("mapping")
-@pytest.mark.parametrize(("key", "name"), FIELDS, ids=map(".".join, FIELDS))
+@each_case("value", WRONG_FOR_ATTACHED.values(), ids=WRONG_FOR_ATTACHED)
+@each_case(("key", "name"), FIELDS, ids=map(".".join, FIELDS))
 def test_attached_parts_reject_a_value_that_is_no_number(key: str, name: str, value: object):
     if isinstance(value, complex) and name in ("value", "offset", "angle", "runout"):
         return

@@ -15,6 +15,7 @@ import pytest
 
 import gearbow as gb
 from reference import scenes
+from reference.cases import each_case
 
 MILLIMETRE = 1e-3
 ROTORS = sorted((Path(__file__).parents[3] / "examples" / "rotors").glob("*.toml"))
@@ -181,7 +182,7 @@ SLIPS = {
 }
 
 
-@pytest.mark.parametrize("name", SLIPS)
+@each_case("name", SLIPS)
 def test_a_mistake_of_units_is_a_warning(name):
     change, where, cause = SLIPS[name]
     with warnings.catch_warnings(record=True) as caught:
@@ -213,7 +214,7 @@ def test_teeth_that_are_out_of_reach_give_a_warning_or_an_error(change):
         train(**change)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("change", "text"),
     [
         (

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
 
 MODELS = {
     "constant": (gb.Stiffness.constant(2e8), {"mean": 2e8}),
@@ -136,7 +137,7 @@ class TestDescription:
 SQUARE = gb.Stiffness.square(2e8)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("mesh", "text"),
     [
         (

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
 from test_file_failures import python
 
 
@@ -319,7 +320,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
 }
 
 
-@pytest.mark.parametrize("mistake", MISTAKES)
+@each_case("mistake", MISTAKES)
 def test_a_message_says_where_what_and_how_to_correct_it(mistake: str):
     make, where, value, remedy = MISTAKES[mistake]
     with warnings.catch_warnings(record=True) as caught:
@@ -346,7 +347,7 @@ elements = 4
 """
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("old", "new", "expected"),
     [
         ("length", "lenght", ("shafts[0].lenght: ", "lenght = 0.5", 'did you mean "length"?')),
@@ -397,7 +398,7 @@ def test_a_message_about_a_file(tmp_path: Path, old, new, expected):
     assert remedy in text
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("path", "value", "expected"),
     [
         (("rayleigh",), [1.0], "rayleigh: invalid length 1, expected a pair [alpha, beta]"),
@@ -572,7 +573,7 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
 }
 
 
-@pytest.mark.parametrize("case", REFUSED)
+@each_case("case", REFUSED)
 def test_a_value_of_another_kind_is_refused(case: str):
     call, message = REFUSED[case]
     with pytest.raises(gb.SceneError) as caught:

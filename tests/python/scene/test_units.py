@@ -15,6 +15,7 @@ import gearbow as gb
 from gearbow.description.part import Part
 from gearbow.units.fields import FIELDS, unit_of
 from gearbow.units.parse import parsed
+from reference.cases import each_case
 
 
 def test_functions_give_si_units():
@@ -28,7 +29,7 @@ def test_functions_give_si_units():
         gb.mm("five")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "path", "value"),
     [
         ("500 mm", "shafts[0].length", 0.5),
@@ -59,7 +60,7 @@ def test_a_text_with_a_unit(text: str, path: str, value: float):
     assert parsed(text, path) == (value if exact else pytest.approx(value, rel=1e-15))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "message"),
     [
         ("500", 'write the number without quotes [m], or with its unit, such as "500 m"'),
@@ -233,7 +234,7 @@ def test_plain_data_with_units():
     assert gb.RotorSystem.from_dict({"shafts": [shaft]}).shafts[0].length == 0.5
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("old", "new", "where"),
     [
         ('"500 mm"', '"500 N"', "shafts[0].length"),
@@ -398,7 +399,7 @@ def test_quantities_of_pint_in_analyses():
     assert system.critical_speed_map(quantity([10], "N/um")).stiffnesses == pytest.approx([1e7])
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("change", "where"),
     [
         (
