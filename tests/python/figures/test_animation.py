@@ -15,7 +15,8 @@ from PIL import Image
 import gearbow as gb
 from gearbow.results import motion
 from reference.cases import each_case
-from test_response import recorded, train
+from reference.machines import bowed_pair
+from test_response import recorded
 
 SPEED = 100.0
 RECORD = ["gears", "meshes"]
@@ -30,7 +31,7 @@ def unchanged_settings():
 
 @pytest.fixture(scope="module")
 def run() -> gb.Response:
-    return train().simulate(0.2, SPEED, output_step=1e-3, record=RECORD, rtol=1e-4)
+    return bowed_pair().simulate(0.2, SPEED, output_step=1e-3, record=RECORD, rtol=1e-4)
 
 
 @pytest.fixture(scope="module")
@@ -141,7 +142,7 @@ def test_the_error_names_the_invalid_argument(run, tmp_path, options, message):
 def test_the_error_says_what_is_missing(tmp_path):
     with pytest.raises(gb.GearbowError, match=r"^animate: this response does not know its system"):
         recorded().animate(tmp_path / "run.gif")
-    system = train()
+    system = bowed_pair()
     run = system.simulate(0.01, SPEED, output_step=1e-3, record=[("input", 0.0)])
     with pytest.raises(
         gb.GearbowError, match=r"no gear or disk was recorded; give record=\['gears'"

@@ -14,15 +14,16 @@ import gearbow as gb
 from gearbow._core import Model
 from gearbow._read_only import ReadOnly
 from reference.cases import each_case
+from reference.machines import bowed_pair
 from test_read_only import results, writable
-from test_response import recorded, train
+from test_response import recorded
 
 #: Results that contain systems on purpose: the corrected system, and the systems of the trials.
 WITH_SYSTEMS = ("balance", "tradeoff")
 
 
 def everything() -> dict[str, Any]:
-    system = train()
+    system = bowed_pair()
     run = system.simulate(0.07, 100.0, output_step=2e-4, record=["g1"])
     rotor = gb.Shaft(
         "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
@@ -138,7 +139,7 @@ def test_every_public_class_of_results_is_tested():
 def test_copies_answer_as_the_originals():
     modes = pickle.loads(pickle.dumps(MADE["modes"]))
     assert modes.table() == MADE["modes"].table()
-    response = train(bow=gb.Bow.half_sine(1e-4)).synchronous(np.linspace(50.0, 900.0, 9))
+    response = bowed_pair(bow=gb.Bow.half_sine(1e-4)).synchronous(np.linspace(50.0, 900.0, 9))
     twin = pickle.loads(pickle.dumps(response))
     assert twin.peaks("g1") == response.peaks("g1")
     slow = twin.subtract_slow_roll(1.0).amplitudes
@@ -147,7 +148,7 @@ def test_copies_answer_as_the_originals():
 
 def test_a_run_continues_from_a_pickled_response():
     first = recorded()
-    system = train()
+    system = bowed_pair()
     run = system.simulate(1e-3, 100.0)
     on, again = (
         system.simulate(1e-3, 100.0, initial=start)

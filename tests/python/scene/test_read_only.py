@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from test_response import recorded, train
+from reference.machines import bowed_pair
+from test_response import recorded
 
 
 def writable(value: object) -> list[np.ndarray]:
@@ -25,7 +26,7 @@ def writable(value: object) -> list[np.ndarray]:
 
 
 def results():
-    system = train()
+    system = bowed_pair()
     speeds = np.linspace(50.0, 100.0, 3)
     rotor = gb.Shaft(
         "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
@@ -86,7 +87,7 @@ def test_a_response_from_a_file_is_read_only_too(made, tmp_path):
 
 def test_arrays_of_the_caller_stay_writable():
     speeds = np.linspace(50.0, 100.0, 3)
-    system = train()
+    system = bowed_pair()
     diagram, response = system.campbell(speeds, count=2), system.synchronous(speeds)
     speeds[0] = 1.0
     assert diagram.speeds[0] == response.speeds[0] == 50.0

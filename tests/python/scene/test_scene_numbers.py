@@ -13,8 +13,10 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference import machines
 from reference.cases import each_case
 from reference.invalid_scenes import SCENE, build, numbers, with_value, written
+from reference.machines import inertia, short_pair
 
 #: Values that are not real numbers, although Python or NumPy would convert most of them.
 WRONG = {
@@ -51,12 +53,8 @@ COMPLEX = ("unbalance",)
 
 
 def rotor() -> gb.RotorSystem:
-    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
-    return gb.RotorSystem(
-        [shaft],
-        bearings=[gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)],
-        disks=[gb.Disk("wheel", "rotor", 0.5, 10.0, 0.05, 0.1, unbalance=1e-4)],
-    )
+    wheel = inertia(10.0, 0.05, 0.1, name="wheel", unbalance=1e-4)
+    return machines.rotor(disk=wheel, bearing={"stiffness": 1e8, "damping": 1e3})
 
 
 @pytest.fixture(scope="module")
@@ -128,12 +126,7 @@ def test_a_shaft_with_an_invalid_number(make, value):
 
 
 def pair(**mesh: Any) -> gb.RotorSystem:
-    gear = {"module": 3e-3, "face_width": 0.03}
-    return gb.RotorSystem(
-        [gb.Shaft(x, length=0.5, outer_diameter=0.05, elements=2) for x in "ab"],
-        gears=[gb.Gear(f"g{x}", x, 0.25, 30, **gear) for x in "ab"],
-        meshes=[gb.Mesh("ga", "gb", **mesh)],
-    )
+    return short_pair(("ga", "gb"), (30, 30), mesh=mesh, bearing=None, torque=0.0)
 
 
 @each_case("value", WRONG.values(), ids=WRONG)

@@ -16,24 +16,14 @@ import pytest
 import gearbow as gb
 from reference import scenes
 from reference.cases import each_case
+from reference.machines import SHAFTS, pair
 
 MILLIMETRE = 1e-3
 ROTORS = sorted((Path(__file__).parents[3] / "examples" / "rotors").glob("*.toml"))
 
 
 def train(**options: Any) -> gb.RotorSystem:
-    names = ("input", "output")
-    given = {
-        "shafts": [gb.Shaft(x, length=0.5, outer_diameter=0.05, elements=2) for x in names],
-        "gears": [
-            gb.Gear(f"g{x}", x, 0.25, teeth, module=3e-3, face_width=0.03)
-            for x, teeth in zip(names, (25, 50), strict=True)
-        ],
-        "meshes": [gb.Mesh("ginput", "goutput", stiffness=2e8, damping_ratio=0.05)],
-        "bearings": [gb.Bearing(x, p, stiffness=1e8) for x in names for p in (0.0, 0.5)],
-        "torques": [gb.Torque("ginput", 250.0), gb.Torque.balance("goutput")],
-    }
-    return gb.RotorSystem(**given | options)
+    return pair(SHAFTS, ("ginput", "goutput"), **{"bearing": {"stiffness": 1e8}, **options})
 
 
 def shaft(**options: Any) -> list[gb.Shaft]:

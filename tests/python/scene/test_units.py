@@ -16,6 +16,7 @@ from gearbow.description.part import Part
 from gearbow.units.fields import FIELDS, unit_of
 from gearbow.units.parse import parsed
 from reference.cases import each_case
+from reference.machines import rotor
 
 
 def test_functions_give_si_units():
@@ -97,13 +98,6 @@ def test_extreme_numbers_take_no_time():
     assert parsed("1e999999999 mm", "shafts[0].length") == np.inf
     assert parsed("1e-999999999 mm", "shafts[0].length") == 0.0
     assert parsed("1e308 km", "shafts[0].length") == np.inf
-
-
-def rotor() -> gb.RotorSystem:
-    return gb.RotorSystem(
-        shafts=[gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)],
-        bearings=[gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)],
-    )
 
 
 #: Classes of the parts of a system, and the list that contains them.

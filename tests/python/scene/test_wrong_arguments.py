@@ -16,7 +16,7 @@ import pytest
 
 import gearbow as gb
 from reference.cases import each_case
-from test_response import train
+from reference.machines import bowed_pair
 
 pytestmark = pytest.mark.implausible
 pytest.importorskip("matplotlib")
@@ -46,7 +46,7 @@ WRONG: dict[str, Any] = {
 
 @cache
 def system() -> gb.RotorSystem:
-    return train()
+    return bowed_pair()
 
 
 @cache
