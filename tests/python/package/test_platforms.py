@@ -106,7 +106,7 @@ def square(value):
 
 for values in ([1.0, 2.0], [1.0, 2.0]):
     gb.sweep(square, {"value": values}, lambda found, value: found, store=folder / "s.sweep")
-train().simulate(1e-3, 100.0, output_step=1e-5, checkpoint=folder / "c.npz")
+bowed_pair().simulate(1e-3, 100.0, output_step=1e-5, checkpoint=folder / "c.npz")
 assert names(folder) == ["c.npz", "run.nc", "run.npz", "s.sweep", "train.toml"], names(folder)
 """,
         tmp_path,

@@ -187,7 +187,7 @@ def test_a_missing_bearing_is_named_before_a_missing_balance():
 def test_an_unbalance_in_gram_millimetres_is_named():
     with pytest.warns(gb.SceneWarning, match=r"^disks\[0\].unbalance: .*g mm"):
         system = rotor(disk=machines.inertia(20.0, 0.1, 0.2, unbalance=720.0))
-    with pytest.raises(gb.SceneError, match=r'^initial: .*unbalance of "wheel" .*in g mm\?'):
+    with pytest.raises(gb.SceneError, match=r'^initial: .*unbalance of "disk" .*in g mm\?'):
         system.simulate(1e-3, 100.0)
 
 
