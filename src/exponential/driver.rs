@@ -1,19 +1,16 @@
 //! The loop over steps: step levels from the error estimate, and contact changes.
 
-use std::f64::consts::FRAC_1_SQRT_2;
-
 use super::Outcome;
 use super::contact_change::ExponentialEventLocator;
 use super::context::{StepInstant, StepSpan};
 use super::level_control::{DOUBLING_FRACTION, LevelControl, level_for_error};
 use super::output::OutputMap;
 use super::step::Stepper;
-use super::step_point::StepPoint;
 use super::substep::SubstepSampler;
 use super::time_grid::TimeGrid;
 use super::trajectory::{CompletedStep, StepTrajectory};
 use crate::integrate::{
-    CHECK_INTERVAL, ExponentialState, FirstOrderSystem as _, ForceRange, Halt, Halted, MAX_CHANGES_AT_ONE_TIME,
+    CHECK_INTERVAL, ExponentialState, FirstOrderSystem as _, ForceVariation, Halt, Halted, MAX_CHANGES_AT_ONE_TIME,
     MethodState, Observer, State, Statistics,
 };
 use crate::scene::SHARE_OF_MEAN;
@@ -164,11 +161,11 @@ impl Driver {
             stepper.context.loads.motion.set_contact_modes(&state.contact_modes);
         }
         stepper.evaluate_begin(state.elapsed, &state.y, &mut evaluations)?;
-        if self.own.force_ranges.len() != stepper.begin.contacts.len() {
-            self.own.force_ranges =
-                stepper.begin.contacts.iter().map(|contact| ForceRange::of(contact.force)).collect();
+        if self.own.force_variations.len() != stepper.begin.contacts.len() {
+            self.own.force_variations =
+                stepper.begin.contacts.iter().map(|contact| ForceVariation::of(contact.force)).collect();
         }
-        self.size = self.reference_size(stepper, stepper.size(&state.y, &stepper.begin), &stepper.begin);
+        self.size = self.reference_size(stepper, stepper.size(&state.y, &stepper.begin));
         statistics.begin(evaluations.evaluations);
         let loads = stepper.loads();
         let mut read = |q: &mut [f64], v: &mut [f64]| output.read(loads, state.elapsed, &state.y, q, v);
@@ -195,7 +192,7 @@ impl Driver {
                 Outcome::Solved => {
                     let size = stepper.size(&stepper.end_state, &stepper.end);
                     let is_finite = size.is_finite();
-                    let size = self.reference_size(stepper, size, &stepper.end);
+                    let size = self.reference_size(stepper, size);
                     let tolerance = self.control.tolerance(self.size.max(size));
                     let error = match self.control {
                         LevelControl::Fixed | LevelControl::Planned { .. } => 0.0,
@@ -346,7 +343,7 @@ impl Driver {
         self.own.history.clear();
         statistics.events += 1;
         stepper.evaluate_begin(state.elapsed, &state.y, statistics)?;
-        self.size = self.reference_size(stepper, stepper.size(&state.y, &stepper.begin), &stepper.begin);
+        self.size = self.reference_size(stepper, stepper.size(&state.y, &stepper.begin));
         if within > 0.0 {
             statistics.accept(within, false);
         }
@@ -369,10 +366,10 @@ impl Driver {
             let z = self.sampler.state_at(stepper, level, &state.y, length);
             stepper.end_state.copy_from_slice(z);
             stepper.evaluate_end(end, statistics)?;
-            self.size = self.reference_size(stepper, stepper.size(&stepper.end_state, &stepper.end), &stepper.end);
+            self.size = self.reference_size(stepper, stepper.size(&stepper.end_state, &stepper.end));
         }
-        for (range, contact) in self.own.force_ranges.iter_mut().zip(&stepper.end.contacts) {
-            *range = range.with(contact.force);
+        for (variation, contact) in self.own.force_variations.iter_mut().zip(&stepper.end.contacts) {
+            *variation = variation.with(contact.force, length);
         }
         stepper.commit(&mut state.y);
         state.count += units;
@@ -393,20 +390,18 @@ impl Driver {
         units == self.time_grid.units(level) && self.own.since_unit == 0.0
     }
 
-    /// Energy norm that the tolerance of a step to the point `end` is relative to, for a motion of the norm `size`.
+    /// Energy norm that the tolerance of a step is relative to, for a motion of the norm `size`.
     ///
     /// The tolerance permits errors of this energy in any part of the motion. Where the meshes carry little of it, as in a
     /// train that a large bow moves, an error of the mesh forces would exceed what the accuracy permits. The norm is
     /// therefore reduced until an error in one mesh alone, δF/√k, is at most the permitted part of the unit of this force.
-    fn reference_size(&self, stepper: &Stepper<'_>, size: f64, end: &StepPoint) -> f64 {
+    fn reference_size(&self, stepper: &Stepper<'_>, size: f64) -> f64 {
         let LevelControl::Adaptive { rtol, force_error: Some(permitted), .. } = self.control else {
             return size;
         };
         let meshes = &stepper.loads().motion.model().meshes;
-        let forces = self.own.force_ranges.iter().zip(&end.contacts).zip(meshes);
-        let limits = forces.map(|((range, contact), mesh)| {
-            permitted / rtol * unit_of_errors(range.with(contact.force)) / mesh.stiffness.sqrt()
-        });
+        let forces = self.own.force_variations.iter().zip(meshes);
+        let limits = forces.map(|(&force, mesh)| permitted / rtol * unit_of_errors(force) / mesh.stiffness.sqrt());
         size.min(limits.fold(f64::INFINITY, f64::min).max(MIN_REFERENCE * size))
     }
 
@@ -422,11 +417,9 @@ impl Driver {
     }
 }
 
-/// The unit of the errors of a force, N: its standard deviation, if it varies as a sine, or a share of its mean.
-fn unit_of_errors(range: ForceRange) -> f64 {
-    let amplitude = (range.largest - range.smallest) / 2.0;
-    let mean = (range.largest + range.smallest) / 2.0;
-    (amplitude * FRAC_1_SQRT_2).max(SHARE_OF_MEAN * mean.abs())
+/// The unit of the errors of a force, N: its standard deviation, or a share of its mean where this is larger.
+fn unit_of_errors(force: ForceVariation) -> f64 {
+    force.deviation().max(SHARE_OF_MEAN * force.mean.abs())
 }
 
 /// The last step, which began at `state`.
