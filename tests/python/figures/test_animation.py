@@ -14,6 +14,7 @@ from PIL import Image
 
 import gearbow as gb
 from gearbow.results import motion
+from reference import machines
 from reference.cases import each_case
 from reference.machines import bowed_pair
 from test_response import recorded
@@ -37,11 +38,8 @@ def run() -> gb.Response:
 @pytest.fixture(scope="module")
 def rotor() -> gb.Response:
     """Return a run-up of a rotor with a disk, without any mesh."""
-    system = gb.RotorSystem(
-        [gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)],
-        disks=[gb.Disk("disk", "rotor", 0.5, 10.0, 0.05, 0.1, unbalance=1e-3)],
-        bearings=[gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)],
-    )
+    disk = machines.inertia(10.0, 0.05, 0.1, unbalance=1e-3)
+    system = machines.rotor({"elements": 2}, disk, {"stiffness": 1e8, "damping": 1e3})
     ramp = gb.SpeedProfile.ramp(10.0, 30.0, duration=1.0)
     return system.simulate(1.0, ramp, output_step=2e-3, record=["disk"], rtol=1e-4)
 

@@ -14,7 +14,7 @@ import gearbow as gb
 from gearbow._core import Model
 from gearbow._read_only import ReadOnly
 from reference.cases import each_case
-from reference.machines import bowed_pair
+from reference.machines import bowed_pair, bowed_rotor
 from test_read_only import results, writable
 from test_response import recorded
 
@@ -25,19 +25,15 @@ WITH_SYSTEMS = ("balance", "tradeoff")
 def everything() -> dict[str, Any]:
     system = bowed_pair()
     run = system.simulate(0.07, 100.0, output_step=2e-4, record=["g1"])
-    rotor = gb.Shaft(
-        "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
-    )
-    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    bowed = gb.RotorSystem([rotor], bearings=bearings)
+    bowed = bowed_rotor()
     film = gb.JournalBearing(
         "rotor", 0.0, diameter=0.05, length=0.02, clearance=5e-5, viscosity=0.02
     )
-    floating = bowed.replace(bearings=[film, bearings[1]], gravity=(0.0, -9.81))
+    floating = bowed.replace(bearings=[film, bowed.bearings[1]], gravity=(0.0, -9.81))
     balls = gb.RollingBearing(
         "rotor", 0.0, elements=9, element_diameter=0.0127, pitch_diameter=0.065, clearance=0.0
     )
-    rolling = bowed.replace(bearings=[balls, bearings[1]], gravity=(0.0, -9.81))
+    rolling = bowed.replace(bearings=[balls, bowed.bearings[1]], gravity=(0.0, -9.81))
     campbell, response = results()["campbell"], bowed.synchronous(np.linspace(100.0, 900.0, 9))
     study = bowed.tradeoff(2e-3, 100.0, signals=[("rotor", 0.5)], tolerances=[1e-3], repeats=1)
     return {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.machines import long_shaft
+from reference.machines import long_shaft, rotor
 from test_random_scenes import Drawn, scenes
 
 pytestmark = pytest.mark.implausible
@@ -241,12 +241,13 @@ def test_undamped_modes_have_the_modal_damping_ratio():
 
 def on_films(ratio: float, **film: object) -> gb.RotorSystem:
     """Return a shaft on two journal bearings, whose films damp strongly and have cross-coupling."""
-    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.06, elements=40, degree=1)
-    disk = gb.Disk("d", "s", 0.4, 60.0, 0.5, 0.9)
     given = {"diameter": 0.06, "length": 0.03, "clearance": 6e-5, "viscosity": 0.03, **film}
-    bearings = [gb.JournalBearing("s", x, **given) for x in (0.1, 0.9)]  # type: ignore[arg-type]
-    return gb.RotorSystem(
-        [shaft], disks=[disk], bearings=bearings, gravity=9.81, modal_damping=ratio
+    return rotor(
+        {"name": "s", "outer_diameter": 0.06, "elements": 40, "degree": 1},
+        disks=[gb.Disk("d", "s", 0.4, 60.0, 0.5, 0.9)],
+        bearings=[gb.JournalBearing("s", x, **given) for x in (0.1, 0.9)],  # type: ignore[arg-type]
+        gravity=9.81,
+        modal_damping=ratio,
     )
 
 

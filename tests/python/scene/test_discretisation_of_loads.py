@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference import machines
 from reference.machines import pair_with_motor
 
 DURATION, SPEED = 0.1, 100.0
@@ -16,15 +17,10 @@ RUN: dict[str, Any] = {"initial": "static", "output_step": 2e-5}
 
 
 def rotor(**changes: Any) -> gb.RotorSystem:
-    parts: dict[str, Any] = {
-        "shafts": [gb.Shaft("s", length=1.0, outer_diameter=0.05)],
-        "disks": [
-            gb.Disk("a", "s", 0.3, 3.0, 0.005, 0.01),
-            gb.Disk("b", "s", 0.8, 2.0, 0.004, 0.008),
-        ],
-        "bearings": [gb.Bearing("s", x, stiffness=5e7, damping=300.0) for x in (0.0, 1.0)],
-    }
-    return gb.RotorSystem(**{**parts, **changes})
+    disks = [gb.Disk("a", "s", 0.3, 3.0, 0.005, 0.01), gb.Disk("b", "s", 0.8, 2.0, 0.004, 0.008)]
+    damped = {"stiffness": 5e7, "damping": 300.0}
+    shaft = {"name": "s", "elements": None}
+    return machines.rotor(shaft, bearing=damped, **{"disks": disks, **changes})
 
 
 def error(found: np.ndarray, exact: np.ndarray) -> float:

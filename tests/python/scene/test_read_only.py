@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.machines import bowed_pair
+from reference.machines import bowed_pair, bowed_rotor
 from test_response import recorded
 
 
@@ -28,12 +28,7 @@ def writable(value: object) -> list[np.ndarray]:
 def results():
     system = bowed_pair()
     speeds = np.linspace(50.0, 100.0, 3)
-    rotor = gb.Shaft(
-        "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
-    )
-    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    disk = gb.Disk("disk", "rotor", 0.5, 10.0, 0.1, 0.2)
-    bowed = gb.RotorSystem([rotor], bearings=bearings, disks=[disk])
+    bowed = bowed_rotor(disks=[gb.Disk("disk", "rotor", 0.5, 10.0, 0.1, 0.2)])
     response = recorded()
     return {
         "matrices": system.matrices(),

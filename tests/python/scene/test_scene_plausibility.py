@@ -295,17 +295,15 @@ def test_too_fast_teeth_give_a_warning(call):
 
 def geared(size: float, module: float, teeth: tuple[int, int], **options: Any) -> gb.RotorSystem:
     """Return a pair of gears on shafts of ten diameters length."""
-    names = ("a", "b")
-    width = 10 * module
-    stiffness = options.pop("bearing", 2e9 * size)
-    return gb.RotorSystem(
-        [gb.Shaft(x, length=10 * size, outer_diameter=size, elements=2) for x in names],
-        gears=[
-            gb.Gear(f"g{x}", x, 5 * size, z, module=module, face_width=width)
-            for x, z in zip(names, teeth, strict=True)
-        ],
-        meshes=[gb.Mesh("ga", "gb", backlash=0.05 * module)],
-        bearings=[gb.Bearing(x, p, stiffness=stiffness) for x in names for p in (0.0, 10 * size)],
+    return pair(
+        ("a", "b"),
+        ("ga", "gb"),
+        teeth,
+        shaft={"length": 10 * size, "outer_diameter": size},
+        gear={"module": module, "face_width": 10 * module},
+        mesh={"backlash": 0.05 * module},
+        bearing={"stiffness": options.pop("bearing", 2e9 * size)},
+        torque=0.0,
         gravity=9.81,
         **options,
     )
