@@ -18,6 +18,7 @@ from gearbow.results.discretisation import Discretisation
 from gearbow.results.response import Response
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
+from gearbow.units.speed import SpeedUnit
 
 __all__ = ["S", "System", "variant"]
 
@@ -35,6 +36,7 @@ class System(Protocol):
     forces: tuple[Force, ...]
     accuracy: str
     _model: Model
+    _speed_unit: SpeedUnit
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> Any:

@@ -17,7 +17,9 @@ from gearbow.plotting.style import (
     legend,
     panels,
     remark,
+    shade_operating,
     speed_axis,
+    text_size,
 )
 
 __all__ = ["bode", "critical_speed_map", "synchronous"]
@@ -57,13 +59,19 @@ def bode(
     speeds: Array,
     lines: Mapping[str, tuple[Array, Array]],
     *,
+    unit: str = "m",
+    peaks: Mapping[str, Sequence[tuple[float, float, str]]] | None = None,
+    operating: tuple[float, float] | None = None,
     speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw phase and amplitude against the speed."""
     factor, label = speed_axis(speed_unit)
+    size, shown = (MICRO, "µm") if unit == "m" else (1.0, unit)
     with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         upper, lower = axes
+        for panel in axes if operating is not None else ():
+            shade_operating(panel, factor * np.array(operating))
         still: list[str] = []
         for number, (name, (phase, amplitude)) in enumerate(lines.items()):
             style: dict[str, Any] = {
@@ -78,13 +86,20 @@ def bode(
             upper.plot(
                 factor * speeds[known], np.degrees(np.unwrap(phase[known])), label=name, **style
             )
-            lower.plot(factor * speeds, MICRO * amplitude, **style)
+            lower.plot(factor * speeds, size * amplitude, **style)
+            for x, y, text in (peaks or {}).get(name, ()):
+                lower.plot(factor * x, size * y, "v", color=style["color"], markersize=8.0)
+                place: dict[str, Any] = {"xytext": (6, 4), "textcoords": "offset points"}
+                lower.annotate(text, (factor * x, size * y), fontsize=text_size(0.79), **place)
         if still:
             remark(upper, f"not excited: {', '.join(still)}")
         upper.set(ylabel="phase [°]")
-        lower.set(ylabel="amplitude [µm]")
+        lower.set(ylabel=f"amplitude [{shown}]")
         label_x(axes, label)
         lower.set_ylim(bottom=0.0)
+        if peaks and any(peaks.values()):
+            # The factors of the peaks stay within the panel.
+            lower.set_ylim(top=1.08 * lower.get_ylim()[1])
         legend(figure, upper, ax=ax)
     return figure
 

@@ -9,13 +9,14 @@ import numpy as np
 from gearbow._convert import whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._shown import Table, listed, short
+from gearbow._result import Column, Result, in_percent, plain_text
+from gearbow._shown import listed
 from gearbow._types import Array, ComplexArray, Dof, ModesData
 from gearbow.description.layout import Layout
 from gearbow.errors import GearbowError
+from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 __all__ = ["Modes"]
@@ -25,7 +26,7 @@ _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"
 
 
 @dataclass(frozen=True, eq=False)
-class Modes(ReadOnly):
+class Modes(Result, ReadOnly):
     """Natural modes at one speed, in ascending order of frequency.
 
     Parameters
@@ -50,6 +51,8 @@ class Modes(ReadOnly):
         Shaft, position [m] and direction of each degree of freedom, as `RotorSystem.dofs`.
     layout : Layout
         Geometry of the train at rest.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -71,10 +74,17 @@ class Modes(ReadOnly):
     dofs: tuple[Dof, ...]
     layout: Layout = field(repr=False)
     _shares: Mapping[tuple[str, str], Array] = field(repr=False)
+    speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
     def from_data(
-        cls, data: ModesData, speed: float, dofs: tuple[Dof, ...], layout: Layout
+        cls,
+        data: ModesData,
+        speed: float,
+        dofs: tuple[Dof, ...],
+        layout: Layout,
+        *,
+        speed_unit: SpeedUnit = "rad/s",
     ) -> "Modes":
         """Make modes of the plain data of the core.
 
@@ -88,6 +98,8 @@ class Modes(ReadOnly):
             Shaft, position [m] and direction of each degree of freedom.
         layout : Layout
             Geometry of the train at rest.
+        speed_unit : {"rad/s", "rpm"}
+            Unit in which the speed was given.
 
         Returns
         -------
@@ -112,6 +124,7 @@ class Modes(ReadOnly):
                 group: shares[:, [other == group for other in groups]].sum(axis=1)
                 for group in dict.fromkeys(groups)
             },
+            speed_unit=speed_unit,
         )
 
     def energy_shares(self) -> dict[tuple[str, str], Array]:
@@ -149,29 +162,22 @@ class Modes(ReadOnly):
             names.append(name)
         return names
 
-    def table(self, count: int | None = None) -> str:
-        """Format the modes as a text table.
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        return [f"modes at {speed_text(self.speed, speed_unit)}"]
 
-        Parameters
-        ----------
-        count : int, optional
-            Number of modes; None is all.
-
-        Returns
-        -------
-        str
-            One line for each mode: number, frequency, damping, whirl and name.
-        """
-        lines = [
-            f"{'mode':>4}  {'frequency [Hz]':>14}  {'damping [%]':>11}  {'whirl':<9} largest motion"
+    def _columns(self) -> list[Column]:
+        """Give a row for each mode, the overdamped ones last."""
+        overdamped = (self.frequencies_hz == 0.0) & (self.eigenvalues.real < 0.0)
+        overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
+        order = np.argsort(overdamped, kind="stable")
+        names = self.names()
+        return [
+            Column("mode", order + 1),
+            Column("frequency", self.frequencies_hz[order], "Hz", ".3f"),
+            Column("damping ratio", self.damping_ratios[order], "", ".3f", in_percent("damping")),
+            Column("whirl", [self.whirl[mode] for mode in order]),
+            Column("largest motion", [names[mode] for mode in order]),
         ]
-        most = None if count is None else whole(count, "count")
-        rows = zip(self.frequencies_hz, self.damping_ratios, self.whirl, self.names(), strict=True)
-        for number, (frequency, ratio, whirl, name) in enumerate(list(rows)[:most], start=1):
-            lines.append(
-                f"{number:>4}  {frequency:>14.3f}  {100.0 * ratio:>11.3f}  {whirl:<9} {name}"
-            )
-        return "\n".join(lines)
 
     def _titles(self) -> list[str]:
         """Describe each mode in two lines: number, frequency, whirl and damping; its motion."""
@@ -186,50 +192,15 @@ class Modes(ReadOnly):
                 kind = "overdamped" if value.real < 0.0 else "growth without oscillation"
                 kind = f": {kind}, time constant {quantity(1.0 / abs(value.real), 's', 3)}"
             elif whirl != "rigid":
-                ratio = f"{100.0 * self.damping_ratios[mode]:.3g}".replace("-", "−")
+                ratio = plain_text(100.0 * self.damping_ratios[mode], ".3g").replace("-", "−")
                 frequency = quantity(self.frequencies_hz[mode], "Hz")
                 kind = f": {frequency}, {whirl}, damping {ratio} %"
             titles.append(f"mode {mode + 1}{kind}\n{name}")
         return titles
 
-    def _rows(self) -> Table:
-        rows = zip(self.frequencies_hz, self.damping_ratios, self.whirl, self.names(), strict=True)
-        head = ("mode", "frequency [Hz]", "damping [%]", "whirl", "largest motion")
-        return (
-            head,
-            *(
-                (f"{i}", f"{frequency:.3f}", f"{100.0 * ratio:.3f}", whirl, name)
-                for i, (frequency, ratio, whirl, name) in enumerate(rows, start=1)
-            ),
-        )
-
     def __repr__(self) -> str:
-        count, speed = self.frequencies_hz.size, short(self.speed)
-        return f"Modes({count} at {speed} rad/s: {listed(self.frequencies_hz)} Hz)"
-
-    def __str__(self) -> str:
-        return self.table()
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Convert the table to a data frame.
-
-        Returns
-        -------
-        pandas.DataFrame
-            One row for each mode.
-        """
-        with extra("dataframe"):
-            import pandas as pd  # noqa: PLC0415
-
-        table: pd.DataFrame = pd.DataFrame(
-            {
-                "frequency [Hz]": self.frequencies_hz,
-                "damping ratio": self.damping_ratios,
-                "whirl": list(self.whirl),
-                "largest motion": self.names(),
-            }
-        )
-        return table
+        count, speed = self.frequencies_hz.size, speed_text(self.speed, self.speed_unit)
+        return f"Modes({count} at {speed}: {listed(self.frequencies_hz)} Hz)"
 
     def plot(self, number: int | None = None, *, count: int = 6, ax: Any = None) -> "Figure":
         """Draw one mode of the train in three dimensions, or an overview of the first shapes.

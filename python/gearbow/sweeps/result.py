@@ -7,13 +7,15 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, overload
 
+import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._convert import text
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._lookup import nearest
-from gearbow._shown import Shown
+from gearbow._result import Column, Result
+from gearbow._shown import Shown, short
 from gearbow._types import Plain
 from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, outside
 from gearbow.recording.container import suffix, write_netcdf
@@ -22,7 +24,6 @@ from gearbow.sweeps.outcome import Outcome, Values
 from gearbow.sweeps.points import Points
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
 
@@ -61,7 +62,7 @@ class SweepPoint(Shown):
     details: str = field(default="", repr=False)
 
 
-class Sweep(Shown, Sequence[SweepPoint]):
+class Sweep(Result, Sequence[SweepPoint]):
     """Measured values of many systems, made by `gearbow.sweep`.
 
     A sweep is the sequence of its points, in the order of the parameters: the last parameter of a
@@ -94,6 +95,8 @@ class Sweep(Shown, Sequence[SweepPoint]):
     [[1074.  314.]
      [1100.  379.]]
     """
+
+    _own_endings = (store.SUFFIX, ".nc")
 
     def __init__(
         self,
@@ -241,60 +244,31 @@ class Sweep(Shown, Sequence[SweepPoint]):
             raise GearbowError(f"plot: {name} is not one number at each point")
         return figures.sweep(axes, values.squeeze(), name, ax=ax)
 
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the sweep as a table with one row for each point.
+    def _heading(self, speed_unit: Any) -> list[str]:  # noqa: ARG002  # a sweep has no speeds
+        return [repr(self)]
 
-        Returns
-        -------
-        pandas.DataFrame
-            One column for each parameter and each value, ``name[0]``, ``name[1]``... for the
-            entries of an array, and "error", which is empty for a point that did not fail. For
-            points without values, see `values`.
+    def _columns(self) -> list[Column]:
+        """Give a row for each point; a value that is no number is a short text."""
+        columns = [Column(name, _plain(self._points.column(name))) for name in self._points.names]
+        found = [point.values or {} for point in self]
+        for name in self._names():
+            values = [one.get(name, np.nan) for one in found]
+            columns.append(Column(name, _plain([v[()] if np.ndim(v) == 0 else v for v in values])))
+        errors = [point.error for point in self]
+        return [*columns, Column("error", errors)] if any(errors) else columns
 
-        Raises
-        ------
-        GearbowError
-            If the shape of a value differs between points, or a value has the name of a parameter.
-        MissingExtraError
-            If pandas is not installed.
-        """
+    def _series(self) -> list[Column]:
         named = {name: self.values(name) for name in self._names()}
-        return tables.to_dataframe(self._points, named, [point.error for point in self])
+        return tables.columns(self._points, named, [point.error for point in self])
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the sweep to a file, whose suffix means the format.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. ".sweep" is the format of the argument `store` of `gearbow.sweep`, which
-            `load` reads; it has everything. ".nc" (netCDF) has the data set of `to_xarray`, with
-            the real and the imaginary part of complex values as two variables. ".csv" has the table
-            of `to_dataframe`.
-
-        Raises
-        ------
-        SceneError
-            If the name has another ending, or a parameter in a ".sweep" file is neither a number, a
-            text, None nor a list of them.
-        GearbowError
-            If the values have no data set or no table, see `to_xarray`.
-        MissingExtraError
-            If a library for the format is missing.
-        OSError
-            If the file cannot be written. An existing file is unchanged.
-        """
-        path, ending = suffix(path, endings=(store.SUFFIX, ".nc", ".csv"))
+    def _save_own(self, path: Any, ending: str) -> None:
         if ending == store.SUFFIX:
             store.write(path, self._head(), self._outcomes)
-        elif ending == ".csv":
-            content = self.to_dataframe().to_csv(index=False).encode()
-            with replacing(path) as file:
-                file.write(content)
-        else:
-            dataset = tables.for_netcdf(self.to_xarray())
-            with replacing(path) as file:
-                write_netcdf(dataset, file)
+            return
+        suffix(path)
+        dataset = tables.for_netcdf(self.to_xarray())
+        with replacing(path) as file:
+            write_netcdf(dataset, file)
 
     def _head(self) -> dict[str, Plain]:
         return store.head_of(*self._functions, self._points.plain())
@@ -368,3 +342,9 @@ class Sweep(Shown, Sequence[SweepPoint]):
         counts = [f"{len(self)} points"]
         counts += [f"{failed} failed"] * bool(failed) + [f"{missing} not computed"] * bool(missing)
         return f"{type(self).__name__}({text}: {', '.join(counts)})"
+
+
+def _plain(values: Sequence[Any]) -> Sequence[Any]:
+    """Give numbers and texts as they are, and other values as short texts."""
+    plain = all(isinstance(value, bool | int | float | str | np.generic) for value in values)
+    return values if plain else [short(value) for value in values]
