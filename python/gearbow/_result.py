@@ -32,6 +32,7 @@ __all__ = [
     "in_micrometres",
     "in_percent",
     "plain_text",
+    "written_unit",
 ]
 
 #: Number of rows that `print` shows.
@@ -89,6 +90,12 @@ def in_percent(name: str) -> Written:
 def in_micrometres(unit: str = "m") -> Written | None:
     """Write displacements in micrometres; quantities with another unit stay the same."""
     return Written("µm", 1e6) if unit == "m" else None
+
+
+def written_unit(unit: str) -> tuple[float, str]:
+    """Give factor and unit in which a quantity is written: displacements in micrometres."""
+    written = in_micrometres(unit)
+    return (1.0, unit) if written is None else (written.factor, written.unit)
 
 
 def in_degrees() -> Written:
@@ -309,7 +316,7 @@ class Result(Shown):
         for column in self._series():
             units = {"units": column.unit} if column.unit else {}
             values = np.asarray(column.values)
-            variables[column.name] = (
+            variables[column.name.replace("/", "–")] = (
                 "row",
                 values.astype(object) if values.dtype.kind == "U" else values,
                 units,

@@ -13,6 +13,7 @@ from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
+from gearbow.description.supports import Housing
 from gearbow.errors import SceneWarning
 from gearbow.results.discretisation import Discretisation
 from gearbow.results.response import Response
@@ -32,6 +33,7 @@ class System(Protocol):
     bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
+    housings: tuple[Housing, ...]
     couplings: tuple[Coupling, ...]
     forces: tuple[Force, ...]
     accuracy: str

@@ -16,7 +16,7 @@ import numpy as np
 from gearbow._convert import number, text, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_degrees, in_micrometres
+from gearbow._result import Column, Result, in_degrees, in_micrometres, written_unit
 from gearbow._types import Array, ComplexArray, Record
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
@@ -133,11 +133,9 @@ class Orders(Result, ReadOnly):
 
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:
         at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
-        written = in_micrometres(self.unit)
-        mean, unit = self.mean, self.unit
-        if written is not None:
-            mean, unit = written.factor * mean, written.unit
-        return [f"orders of {self.label}{at}: mean {mean:.6g} {unit}, {self._remainder()}"]
+        factor, unit = written_unit(self.unit)
+        mean = f"mean {factor * self.mean:.6g} {unit}"
+        return [f"orders of {self.label}{at}: {mean}, {self._remainder()}"]
 
     def _columns(self) -> list[Column]:
         """Give a row for each order, the largest amplitude first."""
@@ -175,22 +173,20 @@ class Orders(Result, ReadOnly):
         largest = np.argsort(-amplitudes, kind="stable")[: whole(count, "count")]
         chosen = np.sort(largest)
         names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
-        label = f"amplitude of {self.label} [{self.unit}]"
+        factor, unit = written_unit(self.unit)
+        label = f"amplitude of {self.label} [{unit}]"
         drawn = f"{chosen.size} largest of " if chosen.size < amplitudes.size else ""
         title = (
-            f"mean {self.mean:.4g} {self.unit}; {drawn}{amplitudes.size} orders; "
+            f"mean {factor * self.mean:.4g} {unit}; {drawn}{amplitudes.size} orders; "
             f"{self._remainder()}"
         )
-        return figures.orders(names, amplitudes[chosen], label, title=title, ax=ax)
+        return figures.orders(names, factor * amplitudes[chosen], label, title=title, ax=ax)
 
     def _remainder(self) -> str:
         """Describe what the orders do not contain."""
         share = f"{100.0 * self.rest_share:.3g} %"
-        written = in_micrometres(self.unit)
-        rest, unit = self.rest, self.unit
-        if written is not None:
-            rest, unit = written.factor * rest, written.unit
-        return f"rest {rest:.2g} {unit} RMS ({share} of the motion)"
+        factor, unit = written_unit(self.unit)
+        return f"rest {factor * self.rest:.2g} {unit} RMS ({share} of the motion)"
 
     def __repr__(self) -> str:
         largest = int(np.argmax(np.abs(self.amplitudes)))

@@ -8,7 +8,7 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_micrometres
+from gearbow._result import Column, Result, in_micrometres, written_unit
 from gearbow._types import Array, Record
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
@@ -102,9 +102,13 @@ class Spectrum(Result, ReadOnly):
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
 
-        label = f"{self.label} [{self.unit}]"
+        factor, unit = written_unit(self.unit)
         return figures.spectrum(
-            self.frequencies_hz, self.amplitudes, label, orders=self.orders, ax=ax
+            self.frequencies_hz,
+            factor * self.amplitudes,
+            f"{self.label} [{unit}]",
+            orders=self.orders,
+            ax=ax,
         )
 
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:

@@ -10,7 +10,7 @@ from gearbow._convert import number, shown
 from gearbow._extras import extra
 from gearbow._keywords import checked
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_micrometres
+from gearbow._result import Column, Result, in_micrometres, written_unit
 from gearbow._shown import span
 from gearbow._types import Array, Record
 from gearbow.description.kinematics import Kinematics
@@ -91,12 +91,13 @@ class Waterfall(Result, ReadOnly):
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
 
+        factor, unit = written_unit(self.unit)
         lines = () if self.kinematics is None else self.kinematics.orders(1, 4, 0)
         return figures.waterfall(
             self.speeds,
             self.frequencies_hz,
-            self.amplitudes,
-            f"{self.label} [{self.unit}]",
+            factor * self.amplitudes,
+            f"{self.label} [{unit}]",
             lines=[(line.names[0], line.value) for line in lines],
             highest=None if highest is None else number(highest, "highest"),
             speed_unit=self._speed_unit(speed_unit),

@@ -16,6 +16,8 @@ from gearbow.plotting.style import (
     label_x,
     legend,
     panels,
+    place_legend,
+    quantity,
     remark,
     shade_operating,
     speed_axis,
@@ -23,6 +25,9 @@ from gearbow.plotting.style import (
 )
 
 __all__ = ["bode", "critical_speed_map", "synchronous"]
+
+#: Smallest orbit of a figure, relative to the largest one of all panels.
+_VISIBLE = 1e-5
 
 
 def critical_speed_map(
@@ -50,7 +55,9 @@ def critical_speed_map(
         if actual:
             _span(panel, min(actual), max(actual), "stiffness of the system")
         panel.set(xlabel="stiffness of every bearing [N/m]")
-        panel.set(ylabel=f"critical speed [{speed_unit}]", title=f"ω = {order:g} Ω")
+        panel.set(ylabel=f"critical speed of the reference shaft [{speed_unit}]")
+        if order != 1.0:
+            panel.set(title=f"excitation of the order {order:g}")
         legend(figure, panel, ax=ax)
     return figure
 
@@ -115,14 +122,26 @@ def synchronous(
     """Draw the major semi-axis of the orbits against the speed."""
     factor, label = speed_axis(speed_unit)
     with panels(len(orbits), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
+        least = _VISIBLE * max(float(orbit.max(initial=0.0)) for orbit in orbits.values())
         for panel, (name, orbit) in zip(axes, orbits.items(), strict=True):
             for source, shaft in enumerate(shafts):
-                if np.any(orbit[:, source] > 0.0):
+                if np.any(orbit[:, source] > least):
                     values = MICRO * orbit[:, source]
                     panel.semilogy(factor * speeds, values, label=shaft, color=colour(source))
             panel.set(ylabel=f"{name} [µm]")
+            if not panel.lines:
+                remark(panel, f"below {quantity(least, 'm', 2)}")
+                panel.set_yticks([])
+            elif panel.get_ylim()[0] < MICRO * least:
+                panel.set_ylim(bottom=MICRO * least)
         label_x(axes, label)
-        legend(figure, axes[0], title="excited by the shaft", ax=ax)
+        # A shaft may have a line in some of the panels only.
+        entries: dict[str, Any] = {}
+        for panel in axes:
+            handles, labels = panel.get_legend_handles_labels()
+            entries |= dict(zip(labels, handles, strict=True))
+        title = "excited by the shaft"
+        place_legend(figure, axes[0], (list(entries.values()), list(entries)), title=title, ax=ax)
     return figure
 
 

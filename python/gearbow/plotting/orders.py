@@ -2,12 +2,14 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from gearbow._types import Array
 from gearbow.plotting.style import (
@@ -27,6 +29,9 @@ __all__ = ["name_orders", "orders", "say_resolution", "spectrum", "spectrum_limi
 #: Smallest amplitudes of a spectrum, of its highest frequency and of a waterfall, relative to the
 #: largest amplitude.
 _LINES, _SIGNAL, _COLOURS = 1e-6, 1e-4, 1e-3
+#: Smallest amplitude of a waterfall that the order lines do not cover, relative to the largest, and
+#: number of points of such a line.
+_STRONG, _POINTS = 1e-2, 600
 #: A peak is larger than this multiple of the median of the spectrum around it.
 _PEAK = 3.0
 #: Smallest ratio of the largest to the smallest bar of a logarithmic scale, and smallest bar of it
@@ -284,20 +289,47 @@ def waterfall(
         panel.grid(visible=False)
         panel.set(xlabel="frequency [Hz]", ylabel=speed)
         panel.set_xlim(0.0, highest)
-        _order_lines(panel, np.array(panel.get_ylim()), lines, factor)
+        background = _Background(frequencies_hz, factor * speeds, amplitudes < _STRONG * top)
+        _order_lines(panel, background, lines, factor)
     return figure
 
 
+@dataclass(frozen=True, eq=False)
+class _Background:
+    """Cells of a waterfall without signal, shape (speeds, frequencies)."""
+
+    frequencies_hz: Array
+    speeds: Array
+    is_free: NDArray[np.bool_]
+
+    def free(self, frequencies: Array, speeds: Array) -> NDArray[np.bool_]:
+        """Tell which points lie on the background."""
+        column = _nearest(self.frequencies_hz, frequencies)
+        found: NDArray[np.bool_] = self.is_free[_nearest(self.speeds, speeds), column]
+        return found
+
+
+def _nearest(ascending: Array, values: Array) -> NDArray[np.intp]:
+    """Give the index of the nearest of ascending numbers."""
+    middles = (ascending[1:] + ascending[:-1]) / 2.0
+    return np.searchsorted(middles, values)
+
+
 def _order_lines(
-    panel: Axes, speeds: Array, lines: Sequence[tuple[str, float]], factor: float
+    panel: Axes, background: _Background, lines: Sequence[tuple[str, float]], factor: float
 ) -> None:
-    """Draw the orders between the limits of the speeds, with their names above and inside."""
+    """Draw the orders over the background, with their names above and inside."""
     highest = panel.get_xlim()[1]
+    speeds = np.array(panel.get_ylim())
+    along = np.linspace(*speeds, _POINTS)
     free, taken = highest, -np.inf
     # Names from the highest order down; a name without space is omitted.
     for name, order in reversed(lines):
         at = order * speeds / (2.0 * np.pi * factor)
-        panel.plot(at, speeds, "--", color="white", linewidth=0.8)
+        path = order * along / (2.0 * np.pi * factor)
+        # A line does not cover the signal that it explains.
+        path = np.where(background.free(path, along), path, np.nan)
+        panel.plot(path, along, color="white", linewidth=0.7, alpha=0.7)
         if at[-1] <= free:
             free = at[-1] - 0.035 * highest
             where, shift, turned = (at[-1], speeds[-1]), (0, 6), 45.0

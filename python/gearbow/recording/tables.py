@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
-from gearbow._result import Column, in_micrometres
+from gearbow._result import Column, written_unit
 from gearbow._types import Array, RunData
 from gearbow.description.places import place_label
 from gearbow.description.speed import plain_speed
@@ -76,10 +76,10 @@ def summary(run: RunRecord) -> list[Column]:
     values: list[Array] = []
 
     def add(name: str, signal: Array, unit: str) -> None:
-        written = in_micrometres(unit)
+        factor, own = written_unit(unit)
         names.append(name)
-        units.append(unit if written is None else written.unit)
-        values.append(signal if written is None else written.factor * signal)
+        units.append(own)
+        values.append(factor * signal)
 
     data = run.data
     for i, (shaft, x, labels) in enumerate(data["points"]):

@@ -10,7 +10,7 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import read_only
-from gearbow._result import Column, Result, data_frame, in_micrometres
+from gearbow._result import Column, Result, data_frame, in_micrometres, written_unit
 from gearbow._types import Array, ComplexArray, Record, RunData
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
@@ -217,10 +217,8 @@ class Continuation(Result):
         factor, label = speed_axis(self._speed_unit(speed_unit))
         if self.parameter != "speed":
             unit = UNITS[self.parameter]
-            factor, label = (
-                1.0,
-                f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor",
-            )
+            factor, unit = written_unit(unit)
+            label = f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor"
         at = self._first() if at is None else at
         name = channel(self._signals.to_record(), at, quantity)
         values = (
@@ -228,12 +226,13 @@ class Continuation(Result):
             if statistic is None
             else self._statistic(one_of(statistic, STATISTICS, "statistic"), at, quantity)
         )
+        size, unit = written_unit(name.unit)
         return figures.branch(
             factor * self.values,
-            values,
+            size * values,
             self.stable,
             self.kinds,
-            labels=(label, f"{statistic or 'amplitude'} of {name.label} [{name.unit}]"),
+            labels=(label, f"{statistic or 'amplitude'} of {name.label} [{unit}]"),
             ax=ax,
         )
 

@@ -238,7 +238,9 @@ class Modes(Result, ReadOnly):
                 drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
             most = whole(count, "count")
             shapes, dofs = within_elements.refined(self.shapes[:most], self.dofs, self.layout)
-            return modes.overview(titles[:most], shapes, dofs, list(drawn[:most]), ax=ax)
+            return modes.overview(
+                titles[:most], shapes, dofs, list(drawn[:most]), self.layout, ax=ax
+            )
         number = whole(number, "number")
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")

@@ -22,6 +22,7 @@ from gearbow.recording.container import suffix, write_netcdf
 from gearbow.sweeps import store, tables
 from gearbow.sweeps.outcome import Outcome, Values
 from gearbow.sweeps.points import Points
+from gearbow.units.fields import DIMENSIONLESS, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -203,26 +204,36 @@ class Sweep(Result, Sequence[SweepPoint]):
         named = {name: self.values(name) for name in self._names()}
         return tables.to_xarray(self._points, named)
 
-    def plot(self, name: str, *, ax: Any = None) -> "Figure":
-        """Draw a value over one or two parameters of a grid.
+    def plot(
+        self,
+        name: str | None = None,
+        *,
+        units: Mapping[str, str] | None = None,
+        ax: Any = None,
+    ) -> "Figure":
+        """Draw a value over one, two or three parameters of a grid.
 
         Parameters
         ----------
-        name : str
-            Name of the value, a number at each point.
-        ax : Axes, optional
-            Panel for the value; None makes a new figure.
+        name : str, optional
+            Name of the value, a number at each point; None if there is only one.
+        units : mapping of {str: str}, optional
+            Units of parameters and values for the labels, e.g. ``{"bow": "m"}``. A parameter with
+            the name of a field of a part, such as ``outer_diameter``, has the unit of this field.
+        ax : Axes or sequence of Axes, optional
+            Panel for the value, for three parameters one for each value of the first; None makes a
+            new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
-            A line over one parameter; a map with colours over two. Points that failed are empty.
-            The figure is neither shown nor saved.
+            A line over one parameter; a map with colours over two; such a map for each value of the
+            first one of three. Points that failed are empty. The figure is neither shown nor saved.
 
         Raises
         ------
         GearbowError
-            If the sweep is no grid, not one or two of its parameters vary, one of them is not
+            If the sweep is no grid, not one to three of its parameters vary, one of them is not
             numeric, the value is no number, or `ax` is not one panel.
         """
         with extra("plot"):
@@ -231,18 +242,22 @@ class Sweep(Result, Sequence[SweepPoint]):
         if self._points.axes is None:
             raise GearbowError("plot: needs a sweep over a grid; read values and draw them")
         axes = {key: axis for key, axis in self.parameters.items() if len(axis) > 1}
-        if len(axes) not in (1, 2):
+        if len(axes) not in (1, 2, 3):
             raise GearbowError(
-                f"plot: draws one or two parameters, but {len(axes)} vary: "
+                f"plot: draws one to three parameters, but {len(axes)} vary: "
                 f"{', '.join(axes) or 'none'}"
             )
         for key, axis in axes.items():
             if not all(isinstance(value, int | float) for value in axis):
                 raise GearbowError(f"plot: the parameter {key} is not numeric")
         values = self.values(name)
+        name = name or self._names()[0]
         if values.ndim != len(self._points.shape) or values.dtype.kind not in "biuf":
             raise GearbowError(f"plot: {name} is not one number at each point")
-        return figures.sweep(axes, values.squeeze(), name, ax=ax)
+        known = {key: unit for key in axes if (unit := unit_of(key)) not in (None, DIMENSIONLESS)}
+        named = {**known, **(units or {})}
+        labels = {key: f"{key} [{named[key]}]" if key in named else key for key in (*axes, name)}
+        return figures.sweep(axes, values.squeeze(), name, labels=labels, ax=ax)
 
     def _heading(self, speed_unit: Any) -> list[str]:  # noqa: ARG002  # a sweep has no speeds
         return [repr(self)]

@@ -93,6 +93,7 @@ def _layout(self: System) -> Layout:
         self.bearings,
         centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
         couplings=self.couplings,
+        housings=self.housings,
     )
 
 
