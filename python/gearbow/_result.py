@@ -219,7 +219,7 @@ class Result(Shown):
         lines = ["  ".join(row).rstrip() for row in zip(*cells, strict=True)]
         left = count - len(rows)
         if not count:
-            lines = ["none"]
+            lines.append("none")
         elif counted and left:
             lines.append(f"… and {left} more row{'s' if left > 1 else ''}; table() gives all")
         return "\n".join([*self._heading(unit), *lines, *self._remarks()])

@@ -25,7 +25,7 @@ def overview(
 ) -> Figure:
     """Draw mode shapes along the shafts."""
     shafts = [shaft.name for shaft in layout.shafts]
-    places = {base.name: float(base.centre[0]) for base in layout.bases}
+    places = {base.name: float(np.mean([x for _, x in base.feet])) for base in layout.bases}
     with panels(len(titles), 3.5, columns=2, width=13.0, ax=ax) as (figure, axes):
         for mode, (panel, title) in enumerate(zip(axes, titles, strict=True)):
             lines = {"v": "-", "w": "--"} if drawn[mode] == "lateral" else {drawn[mode]: "-"}

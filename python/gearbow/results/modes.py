@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearbow._convert import whole
 from gearbow._extras import extra
@@ -165,12 +166,15 @@ class Modes(Result, ReadOnly):
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:
         return [f"modes at {speed_text(self.speed, speed_unit)}"]
 
-    def _columns(self) -> list[Column]:
-        """Give a row for each mode, the overdamped ones last."""
+    def _order(self) -> NDArray[np.intp]:
+        """Give the numbers of the modes from 0, the overdamped ones last."""
         overdamped = (self.frequencies_hz == 0.0) & (self.eigenvalues.real < 0.0)
         overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
-        order = np.argsort(overdamped, kind="stable")
-        names = self.names()
+        return np.argsort(overdamped, kind="stable")
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each mode, the overdamped ones last."""
+        order, names = self._order(), self.names()
         return [
             Column("mode", order + 1),
             Column("frequency", self.frequencies_hz[order], "Hz", ".3f"),
@@ -210,7 +214,7 @@ class Modes(Result, ReadOnly):
         number : int, optional
             Number of the mode to draw in three dimensions, from 1; None is the overview.
         count : int
-            Number of modes in the overview.
+            Number of modes in the overview, in which overdamped ones come last.
         ax : Axes or sequence of Axes, optional
             Panel in three dimensions for one mode, or one panel for each mode of the overview; None
             makes a new figure.
@@ -236,10 +240,15 @@ class Modes(Result, ReadOnly):
             for rod in ("twist", "u"):
                 share = sum(share for (_, direction), share in shares.items() if direction == rod)
                 drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
-            most = whole(count, "count")
-            shapes, dofs = within_elements.refined(self.shapes[:most], self.dofs, self.layout)
+            chosen = self._order()[: whole(count, "count")]
+            shapes, dofs = within_elements.refined(self.shapes[chosen], self.dofs, self.layout)
             return modes.overview(
-                titles[:most], shapes, dofs, list(drawn[:most]), self.layout, ax=ax
+                [titles[mode] for mode in chosen],
+                shapes,
+                dofs,
+                list(drawn[chosen]),
+                self.layout,
+                ax=ax,
             )
         number = whole(number, "number")
         if not 1 <= number <= len(self.whirl):

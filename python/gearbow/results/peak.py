@@ -224,6 +224,13 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
     def __len__(self) -> int:
         return len(self.peaks)
 
+    def __eq__(self, other: object) -> bool:
+        # As a list of peaks.
+        return isinstance(other, list | tuple | Peaks) and list(self) == list(other)
+
+    def __hash__(self) -> int:
+        return hash(self.peaks)
+
     def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
         """Draw amplitude and phase against the speed, with the peaks and the operating speeds.
 

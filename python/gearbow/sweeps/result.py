@@ -268,7 +268,7 @@ class Sweep(Result, Sequence[SweepPoint]):
         found = [point.values or {} for point in self]
         for name in self._names():
             values = [one.get(name, np.nan) for one in found]
-            columns.append(Column(name, _plain([v[()] if np.ndim(v) == 0 else v for v in values])))
+            columns.append(Column(name, _plain([np.asarray(value)[()] for value in values])))
         errors = [point.error for point in self]
         return [*columns, Column("error", errors)] if any(errors) else columns
 
