@@ -285,10 +285,10 @@ class Campbell(Result, ReadOnly):
 
     def _columns(self) -> list[Column]:
         """Give a row for each intersection and threshold, by ascending speed."""
-        rows: list[tuple[Intersection | StabilityThreshold, float, str, float]] = [
-            (one, one.damping_ratio, one.line.name, one.line.order) for one in self.intersections
+        rows: list[tuple[Intersection | StabilityThreshold, float, str]] = [
+            (one, one.damping_ratio, one.line.name) for one in self.intersections
         ]
-        rows += [(one, 0.0, f"itself: {one.above} above", np.nan) for one in self.thresholds]
+        rows += [(one, 0.0, f"itself: {one.above} above") for one in self.thresholds]
         rows.sort(key=lambda row: row[0].speed)
         found = [row[0] for row in rows]
         return [
@@ -296,16 +296,21 @@ class Campbell(Result, ReadOnly):
             Column("frequency", np.array([one.frequency_hz for one in found]), "Hz", ".3f"),
             Column(
                 "damping ratio",
-                np.array([damping for _, damping, _, _ in rows]),
+                np.array([damping for _, damping, _ in rows]),
                 "",
                 ".3f",
                 in_percent("damping"),
             ),
             Column("whirl", [one.whirl for one in found]),
             Column("mode", np.array([one.mode + 1 for one in found], dtype=np.int64)),
-            Column("excited by", [source for _, _, source, _ in rows]),
-            Column("order", np.array([order for *_, order in rows]), "", ".6g"),
+            Column("excited by", [source for *_, source in rows]),
         ]
+
+    def _series(self) -> list[Column]:
+        orders = {line.name: line.order for line in self.lines}
+        found = self._columns()
+        names = found[-1].values
+        return [*found, Column("order", np.array([orders.get(name, np.nan) for name in names]))]
 
     def __repr__(self) -> str:
         unit, factor = self.speed_unit, speed_factor(self.speed_unit)

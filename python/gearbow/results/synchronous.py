@@ -291,10 +291,15 @@ class Synchronous(Result, ReadOnly):
         SceneError
             If the operating speeds are invalid.
         """
+        return self._peaks(self._model(), at, source, operating_range(operating))
+
+    def _peaks(
+        self, model: Model, at: At, source: str | None, span: tuple[float, float] | None
+    ) -> Peaks:
+        """Find the peaks with a compiled model."""
         indices = self.coordinates.lateral(at)
         shaft = self._source(at, source)
-        span = operating_range(operating)
-        found = self._model().peaks(
+        found = model.peaks(
             np.unique(self.speeds),
             indices[0],
             shaft,
@@ -393,8 +398,9 @@ class Synchronous(Result, ReadOnly):
         chosen = self._chosen() if at is None else at
         signals = harmonic_signals(self, chosen, source)
         span = operating_range(operating)
+        model = self._model()
         peaks = {
-            signal.label: marks(self.peaks(signal.at, signal.source))
+            signal.label: marks(self._peaks(model, signal.at, signal.source, span))
             for signal in signals
             if signal.at is not None and np.any(signal.amplitude)
         }

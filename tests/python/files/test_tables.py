@@ -285,7 +285,7 @@ def test_headings_have_the_speed_in_the_given_unit(name: str, text: str):
 
 def test_a_table_without_speeds_refuses_their_unit():
     for name in ("energy", "sweep"):
-        with pytest.raises(gb.GearbowError, match="^speed_unit: this result has no speeds"):
+        with pytest.raises(gb.GearbowError, match=r"^speed_unit: this result has no speeds"):
             results()[name].table(speed_unit="rpm")
 
 
