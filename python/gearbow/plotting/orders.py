@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -151,13 +152,22 @@ def _resolution(frequencies_hz: Array) -> float:
 def _distinct(
     frequencies_hz: Array, orders: Sequence[tuple[str, float]]
 ) -> list[tuple[str, float]]:
-    """Give the orders that the spectrum separates from all other orders."""
+    """Give the orders that the spectrum separates from all others, or all but their sidebands."""
     # Round-off of a distance of exactly the resolution must not hide an order.
     nearest = (1.0 - 1e-6) * _resolution(frequencies_hz)
     ascending = sorted(orders, key=lambda order: order[1])
-    gaps = np.diff([-np.inf, *(frequency for _, frequency in ascending), np.inf])
-    apart = np.minimum(gaps[:-1], gaps[1:]) >= nearest
-    return [order for order, alone in zip(ascending, apart, strict=True) if alone]
+    gaps = np.diff([frequency for _, frequency in ascending])
+    ends = [0, *(np.flatnonzero(gaps >= nearest) + 1).tolist(), len(ascending)]
+    found = []
+    for first, last in pairwise(ends):
+        group = ascending[first:last]
+        main = [order for order in group if family(order[0]) != "sideband"]
+        if len(group) == 1:
+            found += group
+        elif len(main) == 1:
+            name, frequency = main[0]
+            found.append((f"{name} ± sidebands", frequency))
+    return found
 
 
 def say_resolution(panel: Axes, frequencies_hz: Array, orders: Sequence[tuple[str, float]]) -> None:
@@ -165,14 +175,14 @@ def say_resolution(panel: Axes, frequencies_hz: Array, orders: Sequence[tuple[st
     visible = [order for order in orders if order[1] <= panel.get_xlim()[1]]
     if len(_distinct(frequencies_hz, visible)) < len(visible):
         distance = quantity(_resolution(frequencies_hz), "Hz", 3)
-        remark(panel, f"orders closer than {distance} have no name")
+        remark(panel, f"orders closer than {distance} have no name of their own")
 
 
 def _short(names: Sequence[str]) -> list[str]:
     """Leave out the gears in the names of orders if there is one mesh only."""
     # The name of a mesh ends before that of a sideband or before the frequency.
     meshes = {
-        re.split(r" [+−(]", name.split("× mesh ")[1])[0] for name in names if "× mesh " in name
+        re.split(r" [+−±(]", name.split("× mesh ")[1])[0] for name in names if "× mesh " in name
     }
     if len(meshes) != 1:
         return list(names)
@@ -246,7 +256,7 @@ def orders(
         # The value of a bar that is too short to be seen stands at the edge of the panel.
         lengths = np.maximum(amplitudes, begin)
         bars = panel.barh(np.arange(len(names)), lengths, color=shades, log=logarithmic)
-        panel.bar_label(bars, [f"{value:.3g}" for value in amplitudes], padding=4)
+        panel.bar_label(bars, [_three_digits(value) for value in amplitudes], padding=4)
         panel.set_yticks(np.arange(len(names)), names)
         panel.invert_yaxis()
         panel.grid(visible=False, axis="y")
@@ -257,6 +267,11 @@ def orders(
         elif top > 0.0:
             panel.set_xlim(0.0, 1.15 * top)
     return figure
+
+
+def _three_digits(value: float) -> str:
+    """Write a value with three digits; 1260 has no exponent."""
+    return f"{value:.0f}" if 1e3 <= value < 1e6 else f"{value:.3g}"
 
 
 def waterfall(

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Synchronous"]
 
-#: Largest number of places in a printed table.
+#: Largest number of places in a printed table, and in a Bode diagram without names.
 _PRINTED_PLACES = 3
 
 
@@ -369,7 +369,7 @@ class Synchronous(Result, ReadOnly):
         ----------
         at : str, tuple of (str, float), Probe, Accelerometer, or sequence of them, optional
             A gear or disk by name, (shaft, position [m]), a support, a housing or its point, or a
-            sensor; None is all gears and disks.
+            sensor; None is the three gears or disks with the largest orbits.
         source : str, optional
             The shaft that excites; None is the shaft of each place, and every shaft for a place on
             none.
@@ -395,7 +395,7 @@ class Synchronous(Result, ReadOnly):
         with extra("plot"):
             from gearbow.plotting import frequency  # noqa: PLC0415
 
-        chosen = self._chosen() if at is None else at
+        chosen = self._largest(self._chosen()) if at is None else at
         signals = harmonic_signals(self, chosen, source)
         span = operating_range(operating)
         model = self._model()
@@ -467,9 +467,13 @@ class Synchronous(Result, ReadOnly):
         return [*lines, "major semi-axis and phase of the orbit that the own shaft excites"]
 
     def _columns(self) -> list[Column]:
-        sizes = {at: float(self._own(self.orbit(at), at).max(initial=0.0)) for at in self._places()}
+        return self._of(self._largest(self._places()))
+
+    def _largest(self, chosen: Sequence[At]) -> list[At]:
+        """Give the places with the largest orbits, in their order."""
+        sizes = {at: float(self._own(self.orbit(at), at).max(initial=0.0)) for at in chosen}
         largest = sorted(sizes, key=lambda at: -sizes[at])[:_PRINTED_PLACES]
-        return self._of([at for at in sizes if at in largest])
+        return [at for at in sizes if at in largest]
 
     def _series(self) -> list[Column]:
         return self._of(self._places())

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import text
+from gearbow._convert import shown, text
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._lookup import nearest
 from gearbow._result import Column, Result
 from gearbow._shown import Shown, short
 from gearbow._types import Plain
-from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, outside
+from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording.container import suffix, write_netcdf
 from gearbow.sweeps import store, tables
 from gearbow.sweeps.outcome import Outcome, Values
@@ -255,7 +255,9 @@ class Sweep(Result, Sequence[SweepPoint]):
         if values.ndim != len(self._points.shape) or values.dtype.kind not in "biuf":
             raise GearbowError(f"plot: {name} is not one number at each point")
         known = {key: unit for key in axes if (unit := unit_of(key)) not in (None, DIMENSIONLESS)}
-        named = {**known, **(units or {})}
+        if units is not None and not isinstance(units, Mapping):
+            raise SceneError(f"units: must be a mapping of names to units, got {shown(units)}")
+        named = {**known, **{key: text(unit, "units") for key, unit in (units or {}).items()}}
         labels = {key: f"{key} [{named[key]}]" if key in named else key for key in (*axes, name)}
         return figures.sweep(axes, values.squeeze(), name, labels=labels, ax=ax)
 

@@ -427,6 +427,6 @@ def test_a_spectrum_names_only_orders_that_it_resolves():
     )
     figure = orders.spectrum(frequencies, amplitudes, "g1 y [m]", orders=found)
     (panel,) = figure.axes
-    assert {text.get_text() for text in panel.texts} == {"1× mesh\na–b", "1× mesh\nc–d"}
-    assert panel.get_title(loc="right") == "orders closer than 2 Hz have no name"
+    assert {text.get_text() for text in panel.texts} == {"1× mesh\na–b", "1× mesh\nc–d ± sidebands"}
+    assert panel.get_title(loc="right") == "orders closer than 2 Hz have no name of their own"
     check_texts(figure)
