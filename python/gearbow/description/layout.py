@@ -140,7 +140,7 @@ def _bases(
     centres = {housing.name: np.array(housing.position, dtype=float) for housing in housings}
     for name, own in feet.items():
         middle = np.mean([origins[shaft] + np.array([x, 0.0, 0.0]) for shaft, x in own], axis=0)
-        yield BaseOutline(name, centres.get(name, middle), tuple(own))
+        yield BaseOutline(name, centres[name] if name in centres else middle, tuple(own))
 
 
 def reference_radius(body: Gear | Disk) -> float:

@@ -82,11 +82,11 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
     for body in reversed(circles(train)):
         y, z = train.layout.shaft(body.shaft).origin[1:]
         axes.setdefault((round(float(y), 9), round(float(z), 9)), []).append(body)
-    for centre, bodies in axes.items():
+    for axis, bodies in axes.items():
         radii = {body.name: body.radius for body in bodies}
         for text, names in series(list(radii)):
             teeth = f", z = {gears[text].teeth}" if text in gears else ""
-            places = _around_circle(np.array(centre), max(radii[name] for name in names))
+            places = _around_circle(np.array(axis), max(radii[name] for name in names))
             labels.add(f"{text}{teeth}", places)
     labels.place()
 

@@ -336,7 +336,7 @@ def _order_lines(
     """Draw the orders over the background, with their names above and inside."""
     highest = panel.get_xlim()[1]
     speeds = np.array(panel.get_ylim())
-    along = np.linspace(*speeds, _POINTS)
+    along = np.linspace(speeds[0], speeds[1], _POINTS)
     free, taken = highest, -np.inf
     # Names from the highest order down; a name without space is omitted.
     for name, order in reversed(lines):

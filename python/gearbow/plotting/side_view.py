@@ -160,8 +160,9 @@ class SideView:
             own = [body.name for body in self.train.layout.bodies if body.shaft == shaft.name]
             for text, names in series(own):
                 edges = np.array([boxes[name] for name in names])
-                low, high = edges[:, :2].min(axis=0), edges[:, 2:].max(axis=0)
-                labels.add(text, around(*low.tolist(), *high.tolist(), _WAYS))
+                left, bottom = edges[:, :2].min(axis=0).tolist()
+                right, top = edges[:, 2:].max(axis=0).tolist()
+                labels.add(text, around(left, bottom, right, top, _WAYS))
 
     def _shaft_names(self, labels: Labels) -> None:
         """Write the name of each shaft at its ends, or along it."""

@@ -40,9 +40,9 @@ def refined(
                 for x, value in zip(positions, values, strict=True):
                     found[shaft.name, x, direction] = value
     for base in layout.bases:
-        for x, own in entries.get(base.name, {}).items():
+        for x, moved in entries.get(base.name, {}).items():
             if not isinstance(x, tuple):
-                found |= {(base.name, x, direction): value for direction, value in own.items()}
+                found |= {(base.name, x, direction): value for direction, value in moved.items()}
     return np.array(list(found.values())).T, list(found)
 
 
