@@ -455,6 +455,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "Tacho": (lambda: gb.Tacho("input"), {"measure": {"recording": None}}),
 }
 
+METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
 METHODS["Peaks"] = (
     lambda: system().synchronous([0.0, 50.0, 100.0]).peaks("g1"),
     {"plot": {}},
@@ -463,8 +464,7 @@ for kind in [getattr(gb.results, name) for name in dir(gb.results)]:
     if hasattr(kind, "to_dataframe"):
         common: dict[str, Any] = {"table": {}, "to_dataframe": {}, "save": {"path": "x.csv"}}
         METHODS[kind.__name__][1].update(common | METHODS[kind.__name__][1])
-for owner in ("Static", "Balance"):
-    METHODS[owner][1]["plot"] = {}
+METHODS["Static"][1]["plot"] = {}
 
 #: Values that no other argument takes: the error names the argument. Numbers, texts and arrays are of the right type for
 #: some arguments; each gives a result or an error of gearbow.
