@@ -137,10 +137,13 @@ def _bases(
         name = base if isinstance(base, str) else getattr(base, "name", None)
         if name is not None:
             feet.setdefault(name, []).append((bearing.shaft, float(bearing.position)))
-    centres = {housing.name: np.array(housing.position, dtype=float) for housing in housings}
+    centres: dict[str, Array] = {
+        housing.name: np.array(housing.position, dtype=np.float64) for housing in housings
+    }
     for name, own in feet.items():
-        middle = np.mean([origins[shaft] + np.array([x, 0.0, 0.0]) for shaft, x in own], axis=0)
-        yield BaseOutline(name, centres[name] if name in centres else middle, tuple(own))
+        at = [origins[shaft] + np.array([x, 0.0, 0.0]) for shaft, x in own]
+        middle: Array = np.mean(at, axis=0)
+        yield BaseOutline(name, centres.get(name, middle), tuple(own))
 
 
 def reference_radius(body: Gear | Disk) -> float:
