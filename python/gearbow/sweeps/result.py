@@ -266,7 +266,9 @@ class Sweep(Result, Sequence[SweepPoint]):
 
     def _columns(self) -> list[Column]:
         """Give a row for each point; a value that is no number is a short text."""
-        columns = [Column(name, _plain(self._points.column(name))) for name in self._points.names]
+        given = [point.parameters for point in self]
+        names = self._points.names
+        columns = [Column(name, _plain([one[name] for one in given])) for name in names]
         found = [point.values or {} for point in self]
         for name in self._names():
             values = [one.get(name, np.nan) for one in found]

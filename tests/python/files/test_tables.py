@@ -320,3 +320,10 @@ def test_peaks_are_a_sequence_with_verdicts():
     far = jeffcott(damping=4e3).synchronous([1.0, 2.0, 3.0]).peaks("disk")
     assert list(far) == []
     assert far.table().splitlines()[-1] == "none"
+
+
+def test_a_table_of_a_grid_has_the_parameters_of_each_point():
+    grid = {"a": [1.0, 2.0], "b": [3.0, 4.0, 5.0]}
+    sweep = gb.sweep(dict, grid, lambda system, a, b: 10.0 * a + b)  # noqa: ARG005
+    found = [[float(word) for word in line] for line in rows(sweep.table())]
+    assert found == [[a, b, 10.0 * a + b] for a in grid["a"] for b in grid["b"]]
