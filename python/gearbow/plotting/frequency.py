@@ -96,7 +96,10 @@ def bode(
             lower.plot(factor * speeds, size * amplitude, **style)
             for x, y, text in (peaks or {}).get(name, ()):
                 lower.plot(factor * x, size * y, "v", color=style["color"], markersize=8.0)
-                place: dict[str, Any] = {"xytext": (6, 4), "textcoords": "offset points"}
+                # Two places often have a peak at one speed: their factors stand on its two sides.
+                side = 1 if number % 2 == 0 else -1
+                place: dict[str, Any] = {"xytext": (8 * side, 4), "textcoords": "offset points"}
+                place |= {"ha": "left" if side > 0 else "right", "color": style["color"]}
                 lower.annotate(text, (factor * x, size * y), fontsize=text_size(0.79), **place)
         if still:
             remark(upper, f"not excited: {', '.join(still)}")
