@@ -14,6 +14,7 @@ _PACKAGES = {
     "netcdf": {"xarray", "h5netcdf", "h5py"},
     "dataframe": {"pandas", "openpyxl"},
     "sparse": {"scipy"},
+    "identify": {"scipy"},
     "units": {"pint"},
     "sweep": {"xarray", "pandas", "dask", "distributed"},
 }

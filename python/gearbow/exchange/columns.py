@@ -5,6 +5,7 @@ import math
 import os
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,12 +17,22 @@ from gearbow.errors import SceneError
 from gearbow.units.fields import unit_of
 from gearbow.units.parse import parsed
 
-__all__ = ["read_columns"]
+__all__ = ["Columns", "read_columns", "read_table"]
 
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 
 #: Heading with a unit: "speed [rpm]" or "speed (rpm)".
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Columns of a file: numbers in SI units, names, units of the headings, and line numbers."""
+
+    numbers: dict[str, Array]
+    names: dict[str, list[str]]
+    units: dict[str, str]
+    lines: list[int]
 
 
 def read_columns(
@@ -30,6 +41,16 @@ def read_columns(
     hints: Mapping[str, str] | None = None,
 ) -> dict[str, Array]:
     """Read the columns of a CSV file in SI units."""
+    return read_table(path, known, (), hints).numbers
+
+
+def read_table(
+    path: str | os.PathLike[str],
+    known: Mapping[str, str],
+    texts: Sequence[str],
+    hints: Mapping[str, str] | None = None,
+) -> Columns:
+    """Read columns of numbers and of names from a CSV file."""
     with reading(path) as text:
         lines = text.splitlines()
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip()]
@@ -38,19 +59,25 @@ def read_columns(
         raise SceneError(f"{path}: needs a line of headings and lines of numbers")
     separator = next((each for each in ";\t" if each in rows[0][1]), ",")
     head, *body = ((i, _cells(line, separator, f"{path}: line {i}")) for i, line in rows)
-    units = _headings(head[1], known, hints or {}, f"{path}: line {head[0]}")
-    found: dict[str, list[float]] = {name: [] for name in units}
+    fields = {**known, **dict.fromkeys(texts, "")}
+    units = _headings(head[1], fields, hints or {}, f"{path}: line {head[0]}")
+    found: dict[str, list[float]] = {name: [] for name in units if name in known}
+    names: dict[str, list[str]] = {name: [] for name in units if name not in known}
     for i, cells in body:
         if len(cells) != len(units):
             raise SceneError(
-                f"{path}: line {i}: must have {len(units)} numbers, as the headings, got "
-                f"{len(cells)}"
+                f"{path}: line {i}: must have {len(units)} {'entries' if names else 'numbers'}, as "
+                f"the headings, got {len(cells)}"
             )
         for (name, unit), cell in zip(units.items(), cells, strict=True):
+            if name in names:
+                names[name].append(cell.strip())
+                continue
             found[name].append(
                 _number(cell, unit, known[name], f'{path}: line {i}, column "{name}"')
             )
-    return {name: np.array(values) for name, values in found.items()}
+    numbers = {name: np.array(values) for name, values in found.items()}
+    return Columns(numbers, names, units, [i for i, _ in body])
 
 
 def _cells(line: str, separator: str, where: str) -> list[str]:

@@ -20,6 +20,9 @@ _MODULES = {
     "FilmCoefficients": "gearbow.description.journal",
     "Order": "gearbow.description.kinematics",
     "RollingCoefficients": "gearbow.description.rolling",
+    "Correction": "gearbow.identification.correction",
+    "Identification": "gearbow.identification.result",
+    "ProbeResidual": "gearbow.identification.result",
     "Orders": "gearbow.orders.fit",
     "Spectrum": "gearbow.orders.spectrum",
     "Waterfall": "gearbow.orders.waterfall",
@@ -56,6 +59,11 @@ if _typing.TYPE_CHECKING:
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
     from gearbow.description.kinematics import Order as Order
     from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.identification.correction import Correction as Correction
+    from gearbow.identification.result import (
+        Identification as Identification,
+        ProbeResidual as ProbeResidual,
+    )
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
