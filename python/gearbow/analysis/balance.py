@@ -25,7 +25,15 @@ from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Balance", "balance", "body_of", "semi_axes", "shafts_of_bodies", "with_unbalances"]
+__all__ = [
+    "Balance",
+    "balance",
+    "body_of",
+    "semi_axes",
+    "shaft_of_planes",
+    "shafts_of_bodies",
+    "with_unbalances",
+]
 
 #: Unbalance of a trial run [kg m]. The response is linear; this one is small on every rotor,
 #: so that no displacement looks too large.
@@ -102,7 +110,7 @@ class Balance(Result, ReadOnly, Generic[S]):
         str
             Its name.
         """
-        return _shaft(self.system, self.planes)
+        return shaft_of_planes(self.system, self.planes)
 
     @property
     def residual_ratio(self) -> float:
@@ -201,7 +209,7 @@ def balance(  # numpydoc ignore=PR01
     chosen = places(planes, "planes")
     if len(set(chosen)) < len(chosen):
         raise SceneError(f"planes: must be different, got {list(chosen)}")
-    shaft = _shaft(self, chosen)
+    shaft = shaft_of_planes(self, chosen)
     speeds = array(speed, "speed")
     if not np.all(speeds):
         raise SceneError(f"speed: must not be zero, got {speed!r}")
@@ -298,7 +306,7 @@ def shafts_of_bodies(system: System) -> dict[str, str]:
     return own | {disk.name: disk.shaft for disk in system.disks}
 
 
-def _shaft(system: System, planes: Sequence[At]) -> str:
+def shaft_of_planes(system: System, planes: Sequence[At]) -> str:
     """Find the shaft that has all planes."""
     bodies = shafts_of_bodies(system)
     shafts = []

@@ -12,7 +12,7 @@ from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written, in_degrees
 from gearbow._shown import listed
 from gearbow._types import Array, At, ComplexArray
-from gearbow.analysis.balance import Balance, balance, semi_axes, shafts_of_bodies, with_unbalances
+from gearbow.analysis.balance import Balance, balance, semi_axes, shaft_of_planes, with_unbalances
 from gearbow.analysis.protocol import S
 from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError, SceneError
@@ -153,12 +153,10 @@ def correct(
     model = found._model
     if model is None:
         raise GearbowError("balance: this identification has no model; identify again")
-    if points is None:
-        points = _probe_places(found, planes)
-    chosen = places(points, "points")
+    shaft = shaft_of_planes(found.system, places(planes, "planes"))
+    chosen = places(_probe_places(found, shaft) if points is None else points, "points")
     nodes: dict[At, complex] = {point: 0.0 for point in chosen if isinstance(point, tuple)}
     correction = balance(with_unbalances(found.system, nodes), planes, speeds, points=chosen)
-    shaft = correction.shaft
     base = with_unbalances(
         model.with_parameters(found.values[len(model.terms) :].real.tolist()),
         dict.fromkeys([*correction.points, *correction.planes], 0.0),
@@ -180,20 +178,17 @@ def correct(
     return _with_limits(found, correction, columns)
 
 
-def _probe_places(found: "Identification[S]", planes: Any) -> list[At]:
-    """Give the places of the probes whose shaft is that of the first plane."""
-    one = planes[0] if isinstance(planes, list) and planes else planes
-    own = shafts_of_bodies(found.system)
-    shaft = one[0] if isinstance(one, tuple) else own.get(one)
+def _probe_places(found: "Identification[S]", shaft: str) -> list[At]:
+    """Give the places of the probes beside a shaft."""
     beside: list[At] = [
         (probe.shaft, probe.position)
         for each in found.measurements
         for probe in each.probes
         if probe.shaft == shaft
     ]
-    if not beside and shaft is not None:
+    if not beside:
         raise SceneError(f"points: no probe is beside {shaft}; give the points")
-    return list(dict.fromkeys(beside)) or [("", 0.0)]
+    return list(dict.fromkeys(beside))
 
 
 def _read(response: Synchronous, shaft: str, points: Sequence[At]) -> ComplexArray:

@@ -17,11 +17,14 @@ from gearbow._types import Array, ComplexArray
 from gearbow.errors import ConvergenceError, GearbowError
 from gearbow.identification.responses import LinearModel
 
-__all__ = ["Fit", "chi_squared_tail", "fit", "solve", "student"]
+__all__ = ["UNSEEN", "Fit", "chi_squared_tail", "fit", "solve", "student"]
 
 #: Relative step of the differences by parameters: central differences of responses with 1e-11 of
 #: round-off have the smallest error near the cube root of it.
 _STEP = 2e-4
+#: Smallest singular value of a combination that the data see: its 95 % interval does not contain
+#: values that alone would explain the whole vibration.
+UNSEEN = NormalDist().inv_cdf(0.975)
 #: Logarithms of factors by which each parameter is varied for the best start: up to a factor of 4.
 _SCAN = np.linspace(-1.4, 1.4, 9)
 #: Rounds of noise and fit where the noise is estimated and priors need it.
@@ -257,11 +260,13 @@ def _finish(
     covariance = root @ root.T
     lost = (posterior[2][~kept] ** 2).sum(axis=0) > np.finfo(np.float64).eps
     covariance[np.diag_indices_from(covariance)] += np.where(lost, np.inf, 0.0)
-    of_terms = columns.reshape(len(columns), -1) @ solution.values
+    unseen = posterior[2][posterior[1] < UNSEEN]
+    values = _smallest_values(solution.values, scale, unseen)
+    of_terms = columns.reshape(len(columns), -1) @ values
     fitted = known + of_terms
     basis = posterior[0][: complete.shape[0], kept]
     return Fit(
-        values=solution.values,
+        values=values,
         parameters=starts * np.exp(logarithms),
         derivative=complete,
         fitted=fitted,
@@ -275,6 +280,14 @@ def _finish(
         covariance=covariance,
         leverage=(basis**2).sum(axis=1),
     )
+
+
+def _smallest_values(values: Array, scale: Array, unseen: Array) -> Array:
+    """Take out of the terms what the data do not see: noise would make it arbitrarily large."""
+    directions = unseen[:, : values.size]
+    scaled = values / scale[: values.size]
+    seen: Array = scaled - np.linalg.pinv(directions) @ (directions @ scaled)
+    return seen * scale[: values.size]
 
 
 def _scales(columns: ComplexArray, measured: ComplexArray, parameters: int) -> Array:

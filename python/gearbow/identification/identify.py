@@ -97,7 +97,7 @@ def identify(
     >>> measured = gb.Measurement(speeds, vectors, [gb.Probe("rotor", 0.5)])
     >>> found = gb.identify(system, measured, [gb.unknown.bow("rotor")], noise=1e-6)
     >>> print(f"{1e6 * abs(found.values[0]):.1f} µm ± {1e6 * found.half_widths[0, 0]:.1f} µm")
-    50.0 µm ± 0.7 µm
+    50.0 µm ± 0.3 µm
     """
     if not isinstance(system, _system_types()):
         raise SceneError(f"system: must be a gb.RotorSystem, got {shown(system)}")

@@ -69,7 +69,8 @@ class Identification(Result, ReadOnly, Generic[S]):
     units : tuple of str
         Unit of each unknown.
     values : ndarray, shape (unknowns,)
-        Complex amplitudes; their argument is the angle in the shaft. Parameters are real.
+        Complex amplitudes; their argument is the angle in the shaft. Parameters are real. A
+        combination that data and priors do not determine is zero.
     components : tuple of str
         Names of the components: real and imaginary part of an amplitude, or a parameter.
     estimates : ndarray, shape (components,)

@@ -1,13 +1,12 @@
 """Combinations of unknowns that the data cannot separate, in words."""
 
 from collections.abc import Sequence
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 
 from gearbow._types import Array
-from gearbow.identification.fit import Fit
+from gearbow.identification.fit import UNSEEN, Fit
 from gearbow.identification.responses import LinearModel
 
 __all__ = ["component_groups", "inseparable"]
@@ -30,7 +29,7 @@ def component_groups(model: LinearModel[Any]) -> list[list[int]]:
 
 def inseparable(model: LinearModel[Any], names: Sequence[str], fit: Fit) -> tuple[str, ...]:
     """Name the combinations whose 95 % interval exceeds what alone explains all vibration."""
-    lost = fit.singular_values < NormalDist().inv_cdf(0.975)
+    lost = fit.singular_values < UNSEEN
     if not lost.any():
         return ()
     directions = fit.directions[lost]

@@ -16,8 +16,8 @@ from gearbow.plotting.style import (
     legend,
     panels,
     place_legend,
+    remark,
     speed_axis,
-    text_size,
 )
 
 __all__ = ["bode", "identification"]
@@ -67,11 +67,12 @@ def identification(
                     rest.plot(x, part / noise[name], mark, markersize=4.0, **style)
         rest.axhspan(-1.96, 1.96, color="0.9", zorder=0.5, label="95 % of the noise")
         rest.set(ylabel="residual / noise")
-        rest.set_title("re: points, im: crosses", loc="right", fontsize=text_size(0.86))
+        remark(rest, "re: points, im: crosses")
         polar.set(xlabel="re [µm]", ylabel="im [µm]")
         polar.set_aspect("equal", adjustable="datalim")
         for panel in (phase, amplitude, rest):
             panel.set_xlabel(speed_axis(unit)[1])
+        remark(amplitude, "points: measured, lines: fitted")
         _ellipses(estimates, ellipses)
         handles, labels = phase.get_legend_handles_labels()
         own = dict(zip(labels, handles, strict=True))
