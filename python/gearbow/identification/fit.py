@@ -156,7 +156,7 @@ def _evaluate(
     starts: Array,
     logarithms: Array,
 ) -> tuple[ComplexArray, ComplexArray]:
-    return model.rows_of(model.with_parameters((starts * np.exp(logarithms)).tolist()))
+    return model.rows((starts * np.exp(logarithms)).tolist())
 
 
 def _by_row(model: LinearModel[Any], noise: float | Array) -> Array:

@@ -7,7 +7,7 @@ speed, so that one analysis gives the response to one unknown of every shaft.
 import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Generic, TypeAlias
 
 import numpy as np
@@ -89,6 +89,8 @@ class LinearModel(Generic[S]):
     cells: Any
     #: Known unbalances of each row [kg m], shape (rows, trials).
     weights: ComplexArray
+    #: The last answer of `rows`, by the values of the parameters, for any measured amplitudes.
+    last: dict[tuple[float, ...], tuple[ComplexArray, ComplexArray]] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -168,6 +170,15 @@ class LinearModel(Generic[S]):
                 )
             found.append(value)
         return found
+
+    def rows(self, values: Sequence[float]) -> tuple[ComplexArray, ComplexArray]:
+        """Find `rows_of` for values of the parameters; once for equal values in succession."""
+        key = tuple(values)
+        if key not in self.last:
+            found = self.rows_of(self.with_parameters(key))
+            self.last.clear()
+            self.last[key] = found
+        return self.last[key]
 
     def rows_of(self, system: S) -> tuple[ComplexArray, ComplexArray]:
         """Find the known amplitude of each row, and those that terms of 1 and of i cause.
@@ -449,7 +460,7 @@ class quietly(warnings.catch_warnings):  # noqa: N801  # used as a function
         return entered
 
 
-def value_at(description: Mapping[str, Plain], path: str) -> float:
+def value_at(description: dict[str, Plain], path: str) -> float:
     """Find a number in a description; with [*] that of the first part."""
     holders = _holders(description, path)
     holder, key = holders[0]
@@ -462,7 +473,7 @@ def set_value(description: dict[str, Plain], path: str, value: float) -> None:
         holder[key] = value
 
 
-def _holders(description: Mapping[str, Plain], path: str) -> list[tuple[Any, Any]]:
+def _holders(description: dict[str, Plain], path: str) -> list[tuple[Any, Any]]:
     """Find what holds the numbers of a path, with the last key or index."""
     keys = [name or index for name, index in re.findall(r"([^.\[\]]+)|\[(\d+|\*)\]", path)]
     found: list[tuple[Any, Any]] = []
@@ -470,14 +481,16 @@ def _holders(description: Mapping[str, Plain], path: str) -> list[tuple[Any, Any
     for key in keys:
         found = []
         for value in values:
-            if isinstance(value, Mapping) and key in value:
+            if isinstance(value, dict) and key in value:
+                if isinstance(value[key], tuple):
+                    value[key] = list(value[key])
                 found.append((value, key))
             elif isinstance(value, list) and key == "*":
                 found += [(value, i) for i in range(len(value))]
             elif isinstance(value, list) and key.isdecimal() and int(key) < len(value):
                 found.append((value, int(key)))
             else:
-                there = list(value) if isinstance(value, Mapping) else []
+                there = list(value) if isinstance(value, dict) else []
                 if isinstance(value, list):
                     there = [f"[{i}]" for i in range(len(value))]
                 raise SceneError(
