@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Generic
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._convert import array
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written, in_degrees
@@ -18,7 +19,7 @@ from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.identification.responses import assembled
 from gearbow.results.synchronous import Synchronous
-from gearbow.units.speed import SpeedUnit, speed_factor
+from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,6 +68,19 @@ class Correction(Result, ReadOnly, Generic[S]):
         The identified system with the weights.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> probe = gb.Probe("rotor", 0.5)
+    >>> measured = gb.Measurement([10.0, 300.0], [[50e-6], [85e-6]], [probe])
+    >>> found = gb.identify(system, measured, [gb.unknown.bow("rotor")], runout=False, noise=1e-6)
+    >>> weights = found.balance(("rotor", 0.5), 300.0)
+    >>> weights.remaining_share < 0.01
+    True
     """
 
     planes: tuple[At, ...]
@@ -92,7 +106,8 @@ class Correction(Result, ReadOnly, Generic[S]):
         float
             RMS of `remaining` over the RMS before.
         """
-        return float(np.linalg.norm(self.remaining) / np.linalg.norm(self.before))
+        before = float(np.linalg.norm(self.before))
+        return float(np.linalg.norm(self.remaining)) / before if before > 0.0 else 0.0
 
     def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
         """Draw the vibration at the points before and after the correction.
@@ -128,7 +143,7 @@ class Correction(Result, ReadOnly, Generic[S]):
         before, low, high = (1e6 * x for x in (_rms(self.before), *self.interval))
         share = f"{100.0 * self.remaining_share:.2g} %"
         change = f"from {before:.3g} µm RMS to between {low:.3g} and {high:.3g} µm"
-        rest = f"no weights in these planes remove {share}"
+        rest = f"no weights in these planes can remove {share} of it"
         return [f"balance at {speeds} {speed_unit}: {change}; {rest}"]
 
     def _columns(self) -> list[Column]:
@@ -153,10 +168,13 @@ def correct(
     model = found._model
     if model is None:
         raise GearbowError("balance: this identification has no model; identify again")
+    wanted = array(speeds, "speeds")
+    if not wanted.all():
+        raise SceneError("speeds: must not be zero, where a weight has no effect")
     shaft = shaft_of_planes(found.system, places(planes, "planes"))
     chosen = places(_probe_places(found, shaft) if points is None else points, "points")
     nodes: dict[At, complex] = {point: 0.0 for point in chosen if isinstance(point, tuple)}
-    correction = balance(with_unbalances(found.system, nodes), planes, speeds, points=chosen)
+    correction = balance(with_unbalances(found.system, nodes), planes, wanted, points=chosen)
     base = with_unbalances(
         model.with_parameters(found.values[len(model.terms) :].real.tolist()),
         dict.fromkeys([*correction.points, *correction.planes], 0.0),
@@ -175,7 +193,8 @@ def correct(
             columns[:, 2 * j : 2 * j + 2] = unit.reshape(-1, 2)
     for i in range(len(model.parameters)):
         columns[:, 2 * len(model.terms) + i] = _by_parameter(found, correction, i).ravel()
-    return _with_limits(found, correction, columns)
+    unit = given_unit(speeds) or found.speed_unit
+    return _with_limits(found, correction, columns, unit)
 
 
 def _probe_places(found: "Identification[S]", shaft: str) -> list[At]:
@@ -220,7 +239,7 @@ def _by_parameter(found: "Identification[S]", correction: Balance[S], index: int
 
 
 def _with_limits(
-    found: "Identification[S]", correction: Balance[S], columns: ComplexArray
+    found: "Identification[S]", correction: Balance[S], columns: ComplexArray, speed_unit: SpeedUnit
 ) -> Correction[S]:
     """Sample the estimates to find the limits of the residual."""
     influences = columns.any(axis=0)
@@ -260,7 +279,7 @@ def _with_limits(
             found.system,
             dict(zip(correction.planes, correction.unbalances.tolist(), strict=True)),
         ),
-        speed_unit=correction.speed_unit,
+        speed_unit=speed_unit,
     )
 
 

@@ -247,24 +247,20 @@ def _finish(
     complete, _ = weighted(flat, target=model.measured, noise=noise)
     scale = _scales(flat, model.measured, starts.size)
     priors = np.concatenate([weights.terms, weights.parameters * np.exp(logarithms)])
-    # Rows of zeros give every direction, also with fewer rows than components.
-    lacking = max(complete.shape[1] - complete.shape[0], 0)
-    padded = np.concatenate([complete * scale, np.zeros((lacking, complete.shape[1]))])
-    _, sizes, right = np.linalg.svd(padded, full_matrices=False)
-    posterior = np.linalg.svd(
+    # The rows of priors, zero where there are none, give every direction.
+    left, sizes, directions = np.linalg.svd(
         np.concatenate([complete * scale, np.diag(priors * scale)]), full_matrices=False
     )
-    kept = posterior[1] > complete.shape[0] * np.finfo(np.float64).eps * posterior[1].max(initial=0)
-    inverse = posterior[2][kept].T / posterior[1][kept]
+    kept = sizes > complete.shape[0] * np.finfo(np.float64).eps * sizes.max(initial=0.0)
+    inverse = directions[kept].T / sizes[kept]
     root = scale[:, None] * inverse
     covariance = root @ root.T
-    lost = (posterior[2][~kept] ** 2).sum(axis=0) > np.finfo(np.float64).eps
+    lost = (directions[~kept] ** 2).sum(axis=0) > np.finfo(np.float64).eps
     covariance[np.diag_indices_from(covariance)] += np.where(lost, np.inf, 0.0)
-    unseen = posterior[2][posterior[1] < UNSEEN]
-    values = _smallest_values(solution.values, scale, unseen)
+    values = _smallest_values(solution.values, scale, directions[sizes < UNSEEN])
     of_terms = columns.reshape(len(columns), -1) @ values
     fitted = known + of_terms
-    basis = posterior[0][: complete.shape[0], kept]
+    basis = left[: complete.shape[0], kept]
     return Fit(
         values=values,
         parameters=starts * np.exp(logarithms),
@@ -276,7 +272,7 @@ def _finish(
         noise_freedom=freedom,
         scale=scale,
         singular_values=sizes,
-        directions=right,
+        directions=directions,
         covariance=covariance,
         leverage=(basis**2).sum(axis=1),
     )

@@ -4,13 +4,14 @@ import os
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, shown, text
+from gearbow._convert import array, complex_number, items, number, shown, text
 from gearbow._extras import extra
+from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_degrees, in_micrometres
 from gearbow._shown import span
@@ -116,42 +117,32 @@ class Measurement(Result, ReadOnly):
         slow_roll: float | None = None,
         speed_unit: SpeedUnit | None = None,
     ) -> None:
-        own = tuple(probes)
+        own = tuple(items(probes, "probes", "gb.Probe"))
         for i, probe in enumerate(own):
-            if not isinstance(probe, Probe) or probe.axial:  # type: ignore[redundant-expr]
+            if not isinstance(probe, Probe) or probe.axial:
                 raise SceneError(f"probes[{i}]: must be a lateral gb.Probe, got {shown(probe)}")
-        vectors = np.array(amplitudes, dtype=np.complex128)
-        wanted = (array(speeds, "speeds").size, len(own))
-        if vectors.ndim == 1 and wanted[1] == 1:
-            vectors = vectors[:, None]
-        if vectors.shape != wanted:
-            raise SceneError(
-                f"amplitudes: must have the shape (speeds, probes) = {wanted}, got {vectors.shape}"
-            )
-        if np.isinf(vectors).any() or not np.isfinite(vectors).any():
-            raise SceneError("amplitudes: must be finite, or NaN where they are missing")
-        zero = np.flatnonzero(array(speeds, "speeds") == 0.0)
+        wanted_speeds = array(speeds, "speeds")
+        zero = np.flatnonzero(wanted_speeds == 0.0)
         if zero.size:
             raise SceneError(f"speeds[{zero[0]}]: must not be zero, a shaft at rest has no phase")
-        names = [probe.shaft for probe in own] if references is None else references
-        names = [names] * len(own) if isinstance(names, str) else list(names)
-        if len(names) != len(own):
+        names: Any = [probe.shaft for probe in own] if references is None else references
+        names = [names] * len(own) if isinstance(names, str) else names
+        listed = items(names, "references", "names of shafts")
+        if len(listed) != len(own):
             raise SceneError(
-                f"references: must be one shaft for each of {len(own)} probes, got {len(names)}"
+                f"references: must be one shaft for each of {len(own)} probes, got {len(listed)}"
             )
+        unit = given_unit(speeds) or "rad/s" if speed_unit is None else speed_unit
         given: dict[str, Any] = {
-            "speeds": array(speeds, "speeds"),
-            "amplitudes": vectors,
+            "speeds": wanted_speeds,
+            "amplitudes": _checked_amplitudes(amplitudes, (wanted_speeds.size, len(own))),
             "probes": own,
-            "references": tuple(text(n, f"references[{i}]") for i, n in enumerate(names)),
-            "phase_angle": float(array(phase_angle, "phase_angle")[0]),
-            "speed_shaft": speed_shaft,
-            "trial_weights": {
-                place(at, "trial_weights", "place"): complex(value)
-                for at, value in (trial_weights or {}).items()
-            },
-            "slow_roll": slow_roll,
-            "speed_unit": speed_unit or given_unit(speeds) or "rad/s",
+            "references": tuple(text(n, f"references[{i}]") for i, n in enumerate(listed)),
+            "phase_angle": number(phase_angle, "phase_angle"),
+            "speed_shaft": None if speed_shaft is None else text(speed_shaft, "speed_shaft"),
+            "trial_weights": _checked_weights(trial_weights),
+            "slow_roll": None if slow_roll is None else number(slow_roll, "slow_roll"),
+            "speed_unit": one_of(unit, get_args(SpeedUnit), "speed_unit"),
         }
         for name, value in given.items():
             object.__setattr__(self, name, value)
@@ -210,6 +201,8 @@ class Measurement(Result, ReadOnly):
         """
         from gearbow.exchange.columns import read_table  # noqa: PLC0415  # few runs need it
 
+        if probes is not None and not isinstance(probes, Mapping):
+            raise SceneError(f"probes: must be a mapping of names to gb.Probe, got {shown(probes)}")
         found = read_table(path, _NUMBERS, _NAMES)
         vectors = _vectors(found.numbers, found.units, str(path))
         channels: dict[tuple[Any, ...], int] = {}
@@ -285,10 +278,7 @@ class Measurement(Result, ReadOnly):
         """
         from gearbow.identification.signals import windows  # noqa: PLC0415  # few runs need it
 
-        return cls(
-            **windows(time, signals, pulses, revolutions),
-            trial_weights=trial_weights,
-        )
+        return cls(**windows(time, signals, pulses, revolutions), trial_weights=trial_weights)
 
     def subtract_slow_roll(self, speed: float) -> "Measurement":
         """Subtract the amplitudes at the measured speed that is nearest to a slow-roll speed.
@@ -306,7 +296,7 @@ class Measurement(Result, ReadOnly):
         Measurement
             The other rows, minus the amplitudes at this speed.
         """
-        row = int(np.argmin(np.abs(self.speeds - array(speed, "speed")[0])))
+        row = int(np.argmin(np.abs(self.speeds - number(speed, "speed"))))
         kept = np.arange(self.speeds.size) != row
         return Measurement(
             self.speeds[kept],
@@ -378,6 +368,41 @@ class Measurement(Result, ReadOnly):
             Column("amplitude", np.abs(vectors), "m", ".4g", in_micrometres()),
             Column("phase", np.angle(vectors), "rad", ".1f", in_degrees()),
         ]
+
+
+def _checked_amplitudes(given: ArrayLike, wanted: tuple[int, int]) -> ComplexArray:
+    """Convert amplitudes to a table of complex numbers."""
+    try:
+        vectors = np.array(given)
+        if vectors.dtype.kind not in "iufc":
+            raise TypeError
+        vectors = vectors.astype(np.complex128)
+    except (TypeError, ValueError):
+        raise SceneError(
+            f"amplitudes: must be complex numbers in rows of equal lengths, got {shown(given)}"
+        ) from None
+    if vectors.ndim == 1 and wanted[1] == 1:
+        vectors = vectors[:, None]
+    if vectors.shape != wanted:
+        raise SceneError(
+            f"amplitudes: must have the shape (speeds, probes) = {wanted}, got {vectors.shape}"
+        )
+    if np.isinf(vectors).any() or not np.isfinite(vectors).any():
+        raise SceneError("amplitudes: must be finite, or NaN where they are missing")
+    return vectors
+
+
+def _checked_weights(given: Mapping[At, complex] | None) -> dict[At, complex]:
+    """Convert trial weights to complex numbers by place."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise SceneError(f"trial_weights: must be a mapping of planes, got {shown(given)}")
+    weights: dict[At, complex] = {}
+    for at, value in given.items():
+        plain = complex_number(value, "trial_weights")
+        weights[place(at, "trial_weights", "place")] = complex(*np.ravel(plain))
+    return weights
 
 
 def _vectors(numbers: Mapping[str, Array], units: Mapping[str, str], path: str) -> ComplexArray:

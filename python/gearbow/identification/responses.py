@@ -14,6 +14,7 @@ import numpy as np
 
 from gearbow._convert import shown
 from gearbow._lookup import nearest
+from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray, Plain
 from gearbow.analysis.balance import body_of, shafts_of_bodies, with_unbalances
 from gearbow.analysis.protocol import S, System
@@ -72,7 +73,7 @@ class Channel:
 
 
 @dataclass(frozen=True, eq=False)
-class LinearModel(Generic[S]):
+class LinearModel(ReadOnly, Generic[S]):
     """A system with nodes at all probes and planes, its terms, and the rows of measurements."""
 
     base: S

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Generic
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._convert import text
 from gearbow._extras import extra
 from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
@@ -49,6 +50,12 @@ class ProbeResidual(Shown):
     probability : float
         Probability of a larger sum if model and noise are right. A small one says that the model
         does not describe what this probe shows.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.results.ProbeResidual("probe input at 0.2 m, 0°", 1e-6, 61.0, 56.5, 0.32)
+    ProbeResidual(probe='probe input at 0.2 m, 0°', rms=1e-06, chi_squared=61.0, ...)
     """
 
     probe: str
@@ -82,11 +89,11 @@ class Identification(Result, ReadOnly, Generic[S]):
         Half width of a 95 % interval over the standard deviation.
     singular_values : ndarray, shape (components,)
         Of the responses to unknowns of the size that alone causes the largest measured amplitude,
-        over the noise, descending. The inverse of one is the standard deviation of its combination
-        in units of this size.
+        over the noise, and of the priors; descending. The inverse of one is the standard deviation
+        of its combination in units of this size.
     inseparable : tuple of str
-        Combinations of unknowns that the data cannot separate: their 95 % interval contains values
-        that alone would explain the whole vibration.
+        Combinations of unknowns that data and priors cannot separate: their 95 % interval contains
+        values that alone would explain the whole vibration.
     detectable : ndarray, shape (unknowns,)
         Smallest amplitude that these probes, speeds and this noise would show in 95 % of all
         measurements, by a test that finds one where there is none in 5 %.
@@ -110,6 +117,19 @@ class Identification(Result, ReadOnly, Generic[S]):
     Intervals are those of the linearised model with normally distributed noise. They do not contain
     errors of the model: a wrong bearing is visible only where it shifts the vibration by more than
     the noise.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> probe = gb.Probe("rotor", 0.5)
+    >>> measured = gb.Measurement([10.0, 300.0], [[50e-6], [85e-6]], [probe])
+    >>> found = gb.identify(system, measured, [gb.unknown.bow("rotor")], runout=False, noise=1e-6)
+    >>> found.names, f"{1e6 * found.half_widths[0, 0]:.1f} µm"
+    (('bow of rotor, half wave 1',), '1.3 µm')
     """
 
     names: tuple[str, ...]
@@ -224,10 +244,10 @@ class Identification(Result, ReadOnly, Generic[S]):
         GearbowError
             If there is no such unknown.
         """
-        if name not in self.names:
+        if text(name, "name") not in self.names:
             raise GearbowError(
                 f"no unknown is called {name!r}; there are {', '.join(self.names)}"
-                f"{nearest(str(name), self.names)}"
+                f"{nearest(name, self.names)}"
             )
         return complex(self.values[self.names.index(name)])
 
@@ -396,7 +416,7 @@ class Identification(Result, ReadOnly, Generic[S]):
         return np.where(singles, self.values.real, np.abs(self.values))
 
     def _remarks(self) -> list[str]:
-        found = [f"not separable: {text}" for text in self.inseparable]
+        found = [f"not separable: {each}" for each in self.inseparable]
         for one in self.probes:
             if one.probability < _UNLIKELY:
                 found.append(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, whole
+from gearbow._convert import array, shown, whole
 from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.sensors.probe import Probe
@@ -28,6 +28,11 @@ def windows(
 ) -> dict[str, Any]:
     """Fit the 1× vibration in each window; give arguments of `Measurement`."""
     times = array(time, "time")
+    for name, given, kind in (("signals", signals, Probe), ("pulses", pulses, Tacho)):
+        if not isinstance(given, Mapping) or not all(isinstance(each, kind) for each in given):
+            raise SceneError(
+                f"{name}: must be a mapping of gb.{kind.__name__} to numbers, got {shown(given)}"
+            )
     turns = whole(revolutions, "revolutions", least=2)
     values = np.column_stack([array(each, "signals") for each in signals.values()])
     if values.shape[0] != times.size or not np.diff(times).min(initial=1.0) > 0.0:

@@ -32,6 +32,9 @@ def results() -> dict:
     """Return one result of each kind."""
     system, run = bowed_pair(), response(TIME)
     time = 1e-3 * np.arange(6000)
+    probes = [gb.Probe("input", 0.15), gb.Probe("input", 0.15, angle=1.5)]
+    vectors = 1e-6 * np.array([[3.0, -3j], [4.0 - 1j, -1.0 - 4j], [5.0, -5j], [6.0, -6j]])
+    measured = gb.Measurement([10.0, 50.0, 90.0, 130.0], vectors, probes)
     series = of_series(time, 1e-6 * np.cos(100.0 * time))
     runs = [of_series(1e-3 * np.arange(500), np.zeros(500), speed) for speed in (90.0, 120.0)]
     return {
@@ -41,6 +44,8 @@ def results() -> dict:
         "campbell": jeffcott(damping=4e3).campbell([0.0, 100.0, 200.0], count=4),
         "map": jeffcott().critical_speed_map([1e6, 1e7]),
         "synchronous": system.synchronous([10.0, 20.0]),
+        "measurement": measured,
+        "identification": gb.identify(system, measured, [gb.unknown.bow("input")], runout=False),
         "spectrum": run.spectrum("g1"),
         "orders": series.orders("g1", "z", shaft_harmonics=1, mesh_harmonics=0),
         "waterfall": gb.waterfall(runs, "g1", "z"),
@@ -69,6 +74,8 @@ FIGURES = {
     "map": (1, lambda r, ax: r["map"].plot(ax=ax)),
     "synchronous": (2, lambda r, ax: r["synchronous"].plot(["g1", "g2"], ax=ax)),
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
+    "measurement": (2, lambda r, ax: r["measurement"].plot(ax=ax)),
+    "identification": (5, lambda r, ax: r["identification"].plot(ax=ax)),
     "spectrum": (1, lambda r, ax: r["spectrum"].plot(ax=ax)),
     "orders": (1, lambda r, ax: r["orders"].plot(ax=ax)),
     "waterfall": (1, lambda r, ax: r["waterfall"].plot(ax=ax)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import secrets
 from dataclasses import replace
 from typing import Any
 
@@ -17,8 +18,10 @@ from reference.machines import double_stage, helical_pair, pair, rotor_with_two_
 
 MICRON = 1e-6
 SPEEDS = np.linspace(60.0, 1400.0, 12)
-#: `make random` multiplies the number of trials.
-TRIALS = 200 * int(os.environ.get("GEARBOW_CASES", "1"))
+TIMES = os.environ.get("GEARBOW_CASES")
+#: `make random` has more trials, with seeds of its own.
+TRIALS = 200 * int(TIMES or "1")
+SEED = secrets.randbits(32) if TIMES else 0
 
 
 def bent_pair(**more: Any) -> gb.RotorSystem:
@@ -61,7 +64,7 @@ def vectors(
 
 def noisy(exact: np.ndarray, seed: int, noise: float = MICRON) -> np.ndarray:
     """Add normal noise to both components."""
-    numbers = np.random.default_rng(seed)
+    numbers = np.random.default_rng([SEED, seed])
     return exact + noise * (
         numbers.standard_normal(exact.shape) + 1j * numbers.standard_normal(exact.shape)
     )
