@@ -193,8 +193,8 @@ def correct(
             columns[:, 2 * j : 2 * j + 2] = unit.reshape(-1, 2)
     for i in range(len(model.parameters)):
         columns[:, 2 * len(model.terms) + i] = _by_parameter(found, correction, i).ravel()
-    unit = given_unit(speeds) or found.speed_unit
-    return _with_limits(found, correction, columns, unit)
+    speed_unit = given_unit(speeds) or found.speed_unit
+    return _with_limits(found, correction, columns, speed_unit)
 
 
 def _probe_places(found: "Identification[S]", shaft: str) -> list[At]:

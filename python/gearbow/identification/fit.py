@@ -52,11 +52,7 @@ class _Weights:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Estimates of terms (re, im) and logarithms of parameters, with everything about them.
-
-    Arrays over rows have re and im of every row: (2 rows,). `scale` is the size of each component
-    that alone causes the largest measured amplitude.
-    """
+    """Estimates of terms (re, im) and parameters; `derivative` is by their logarithms."""
 
     values: Array
     parameters: Array
@@ -66,6 +62,7 @@ class Fit:
     residual: ComplexArray
     noise: Array
     noise_freedom: float
+    #: Size of each component that alone causes the largest measured amplitude.
     scale: Array
     singular_values: Array
     directions: Array
@@ -135,10 +132,7 @@ def derivatives(
     logarithms: Array,
     values: Array,
 ) -> ComplexArray:
-    """Differentiate the response by the logarithm of each parameter, for given linear unknowns.
-
-    Central differences of complete analyses; the shape is (rows, parameters).
-    """
+    """Differentiate the rows by the logarithm of each parameter, by central differences."""
     found = np.zeros((model.channel.size, starts.size), dtype=np.complex128)
     for i in range(starts.size):
         sides = []

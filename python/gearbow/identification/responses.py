@@ -182,10 +182,7 @@ class LinearModel(ReadOnly, Generic[S]):
         return self.last[key]
 
     def rows_of(self, system: S) -> tuple[ComplexArray, ComplexArray]:
-        """Find the known amplitude of each row, and those that terms of 1 and of i cause.
-
-        The shapes are (rows,) and (rows, terms, 2).
-        """
+        """Find known amplitudes, (rows,), and those by terms of 1 and i, (rows, terms, 2)."""
         known, units = self.responses(system, self.speeds, self._at_channels)
         rows = (self.speed, self.channel)
         total = known[rows]
@@ -261,10 +258,8 @@ def _as_measured(
     ratios: Mapping[str, float],
     speeds: Array,
 ) -> ComplexArray:
-    """Convert amplitudes over the angle of their source to those over a phase that grows in time.
-
-    A source at another speed than that of the phase reference is at another order: zero.
-    """
+    """Convert amplitudes over the angle of a source to those over a phase that grows in time."""
+    # A source at another speed than that of the phase reference is at another order.
     own, other = ratios[channel.reference], ratios[source]
     if not np.isclose(abs(own), abs(other), rtol=1e-9):
         return np.zeros_like(amplitudes)

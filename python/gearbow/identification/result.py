@@ -129,7 +129,7 @@ class Identification(Result, ReadOnly, Generic[S]):
     >>> measured = gb.Measurement([10.0, 300.0], [[50e-6], [85e-6]], [probe])
     >>> found = gb.identify(system, measured, [gb.unknown.bow("rotor")], runout=False, noise=1e-6)
     >>> found.names, f"{1e6 * found.half_widths[0, 0]:.1f} µm"
-    (('bow of rotor, half wave 1',), '1.3 µm')
+    (('bow of rotor, half wave 1',), '1.2 µm')
     """
 
     names: tuple[str, ...]

@@ -28,7 +28,11 @@ def windows(
 ) -> dict[str, Any]:
     """Fit the 1× vibration in each window; give arguments of `Measurement`."""
     times = array(time, "time")
-    for name, given, kind in (("signals", signals, Probe), ("pulses", pulses, Tacho)):
+    expected: tuple[tuple[str, Any, type], ...] = (
+        ("signals", signals, Probe),
+        ("pulses", pulses, Tacho),
+    )
+    for name, given, kind in expected:
         if not isinstance(given, Mapping) or not all(isinstance(each, kind) for each in given):
             raise SceneError(
                 f"{name}: must be a mapping of gb.{kind.__name__} to numbers, got {shown(given)}"

@@ -221,3 +221,7 @@ def parse(given: str) -> Unknown:
 
 def _prior(given: float | None, kind: str) -> float | None:
     return None if given is None else positive(given, f"unknown.{kind}.prior")
+
+
+def __dir__() -> list[str]:
+    return ["bow", "parameter", "runout", "unbalance"]
