@@ -7,7 +7,7 @@ from gearbow._convert import array, number, text, truth, whole
 from gearbow._core import mesh_geometry, require_memory
 from gearbow._lookup import one_of
 from gearbow.analysis.protocol import System
-from gearbow.description.layout import layout
+from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
 from gearbow.description.speed_table import SpeedTable
@@ -17,6 +17,7 @@ from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
+from gearbow.units.speed import given_unit
 
 __all__ = ["campbell", "critical_speed_map", "matrices", "modes", "static", "synchronous"]
 
@@ -76,9 +77,15 @@ def modes(self: System, speed: float = 0.0, *, count: int | None = None) -> Mode
         If the residual of a mode exceeds 1e-4 and the round-off of its shape,
         ``100 ε ω_max/|λ|``.
     """
+    unit = given_unit(speed) or self._speed_unit
     speed = number(speed, "speed")
     data = self._model.modes(speed, None if count is None else whole(count, "count"))
-    parts = layout(
+    return Modes.from_data(data, speed, self.dofs, _layout(self), speed_unit=unit)
+
+
+def _layout(self: System) -> Layout:
+    """Find the geometry of the train at rest."""
+    return layout(
         self.shafts,
         self.gears,
         self.disks,
@@ -86,8 +93,8 @@ def modes(self: System, speed: float = 0.0, *, count: int | None = None) -> Mode
         self.bearings,
         centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
         couplings=self.couplings,
+        housings=self.housings,
     )
-    return Modes.from_data(data, speed, self.dofs, parts)
 
 
 def static(self: System, speed: float = 0.0, *, geometry: str = "live") -> Static:
@@ -120,8 +127,17 @@ def static(self: System, speed: float = 0.0, *, geometry: str = "live") -> Stati
         If the iteration does not converge: more than 1e-6 of the load of a shaft, support or
         housing remains unbalanced. The error names it.
     """
-    data = self._model.static(text(geometry, "geometry"), number(speed, "speed"))
-    return Static(data, self.coordinates, self.description.get("bearings", ()))
+    unit = given_unit(speed) or self._speed_unit
+    speed = number(speed, "speed")
+    data = self._model.static(text(geometry, "geometry"), speed)
+    return Static(
+        data,
+        self.coordinates,
+        self.description.get("bearings", ()),
+        layout=_layout(self),
+        speed=speed,
+        speed_unit=unit,
+    )
 
 
 def campbell(self: System, speeds: ArrayLike, *, count: int = 10, harmonics: int = 1) -> Campbell:
@@ -154,7 +170,8 @@ def campbell(self: System, speeds: ArrayLike, *, count: int = 10, harmonics: int
     wanted = array(speeds, "speeds")
     count = whole(count, "count")
     harmonics = whole(harmonics, "harmonics", least=0)
-    return Campbell.from_data(wanted, self._model.campbell(wanted, count, harmonics))
+    data = self._model.campbell(wanted, count, harmonics)
+    return Campbell.from_data(wanted, data, speed_unit=given_unit(speeds) or self._speed_unit)
 
 
 def critical_speed_map(
@@ -201,7 +218,7 @@ def critical_speed_map(
     require_memory("stiffnesses", what, size, "give fewer stiffnesses, or a smaller count")
     found = self._model.critical_speed_map(wanted, order, count)
     actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
-    return CriticalSpeedMap.from_rows(wanted, order, found, actual)
+    return CriticalSpeedMap.from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
 
 
 def synchronous(self: System, speeds: ArrayLike, *, excitation: str = "both") -> Synchronous:
@@ -252,6 +269,7 @@ def synchronous(self: System, speeds: ArrayLike, *, excitation: str = "both") ->
         _bearings=tuple(data["bearings"]),
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
+        speed_unit=given_unit(speeds) or self._speed_unit,
     )
 
 
