@@ -157,7 +157,7 @@ class BowLimits(Result, ReadOnly):
         Returns
         -------
         matplotlib.figure.Figure
-            One curve for each limit that is reached; limits that are not reached have no curve.
+            One curve for each of the seven smallest limits that are reached.
         """
         with extra("plot"):
             from gearbow.plotting import bow_limits as figures  # noqa: PLC0415
