@@ -11,13 +11,14 @@ import numpy as np
 from gearbow._core import mesh_geometry
 from gearbow._types import Array, MeshGeometry
 from gearbow.analysis.bow_motion import BowMotion, Signal, Variants
-from gearbow.analysis.protocol import System, variant
+from gearbow.analysis.protocol import variant
 from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
 from gearbow.description.places import Places, place_label
 from gearbow.errors import GearbowError
+from gearbow.results.response import Response
 
 __all__ = ["Check", "added_check", "mesh_checks", "mesh_rows"]
 
@@ -52,7 +53,7 @@ class Check:
     most: float = math.inf
     beyond: str = ""
     proxy: Callable[[float], Array] | None = None
-    steady: Callable[[System], float] | None = None
+    steady: Callable[[Response], float] | None = None
     stretch: float = 1.0
 
 
@@ -78,10 +79,10 @@ def mesh_rows(variants: Variants) -> dict[tuple[str, str], Array]:
     rows = {}
     for mesh in base.meshes:
         stiffness = [
-            variant(base, **free, meshes=_with_stiffness(base.meshes, mesh, k)).matrices().stiffness
+            variant(base, **free, meshes=_with_stiffness(base.meshes, mesh, k))._model.matrices()
             for k in (_SOFT, _STIFF)
         ]
-        part = (stiffness[1] - stiffness[0]) / (_STIFF - _SOFT)
+        part = (stiffness[1]["stiffness"] - stiffness[0]["stiffness"]) / (_STIFF - _SOFT)
         largest = int(np.argmax(np.diag(part)))
         rows[mesh.driver, mesh.driven] = part[largest] / math.sqrt(part[largest, largest])
     return rows
@@ -355,9 +356,8 @@ def _mesh_force(motion: BowMotion, limit: BowLimit, rows: Mapping[tuple[str, str
     if found.margin is None:
         return found
 
-    def margin(system: System) -> float:
-        steady = system.steady_state(motion.speed, record=["meshes"])
-        return factor - float(np.abs(steady.response.mesh(limit.at).force).max()) / static
+    def margin(period: Response) -> float:
+        return factor - float(np.abs(period.mesh(limit.at).force).max()) / static
 
     return replace(found, margin=None, proxy=found.margin, steady=margin, beyond=beyond)
 
@@ -373,9 +373,8 @@ def _film(motion: BowMotion, limit: BowLimit) -> Check:
     thickness = float(limit.value)
     signal = motion.displacement(limit.at)
 
-    def margin(system: System) -> float:
-        steady = system.steady_state(motion.speed, initial="static", record=["bearings"])
-        moved = steady.response.bearing_displacement(limit.at)
+    def margin(period: Response) -> float:
+        moved = period.bearing_displacement(limit.at)
         return clearance - float(np.hypot(moved[:, 0], moved[:, 1]).max()) - thickness
 
     found = _linear(

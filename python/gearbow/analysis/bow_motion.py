@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import System, variant
@@ -28,6 +27,8 @@ _PHASES = 36
 #: Largest number of turns of the bowed shaft, after which shafts with other speeds have met in many
 #: positions.
 _MAX_TURNS = 16
+#: Change of a margin over the phases that the distance of instants and phases explains.
+_SAME_MARGIN = 5e-3
 #: Part of a turn by which shafts may miss a common period.
 _SAME_TURN = 1e-6
 
@@ -154,11 +155,16 @@ class BowMotion:
         rest = static + np.real(self._phasors @ others[self._index])
         return Signal(rest, self._phasors @ unit[self._index], self._turns)
 
-    def worst(self, values: NDArray[np.float64]) -> float | None:
-        """Give the phase of the smallest margin; None if every phase has the same."""
+    def worst(self, values: Array, whole: float) -> float:
+        """Give the phase of the smallest margin; NaN if the phase does not matter.
+
+        `whole` is the margin without bow, of which the phases must change a part.
+        """
         if self.phases.size == 1:
-            return self.variants.phase
+            return math.nan if self.variants.phase is None else self.variants.phase
         smallest = values.reshape(self.phases.size, -1).min(axis=1)
+        if np.ptp(smallest) < _SAME_MARGIN * whole:
+            return math.nan
         return float(self.phases[int(np.argmin(smallest))])
 
 

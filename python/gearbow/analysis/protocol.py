@@ -16,10 +16,8 @@ from gearbow.description.shafts import Shaft
 from gearbow.description.supports import Housing
 from gearbow.errors import SceneWarning
 from gearbow.results.discretisation import Discretisation
-from gearbow.results.matrices import Matrices
 from gearbow.results.response import Response
 from gearbow.results.static import Static
-from gearbow.results.steady import SteadyState
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit
 
@@ -82,12 +80,6 @@ class System(Protocol):
 
     def static(self, speed: float = 0.0, *, geometry: str = "live") -> Static:
         """Find the static equilibrium."""
-
-    def matrices(self, speed: float = 0.0, sparse: bool = False) -> Matrices:
-        """Assemble the matrices of the linear equations of motion."""
-
-    def steady_state(self, speed: float, **options: Any) -> SteadyState:
-        """Find the motion that remains after the transient."""
 
     def synchronous(self, speeds: Any, *, excitation: str = "both") -> Synchronous:
         """Find the linear response to bow and unbalance."""

@@ -18,6 +18,7 @@ from gearbow.description.bow_limit import BowLimit
 from gearbow.description.part import expect, parts
 from gearbow.errors import ContactError, ConvergenceError, SceneError, StabilityError
 from gearbow.results.bow_limits import BowLimits, ReachedLimit
+from gearbow.system.steady import steady_state
 from gearbow.units.speed import given_unit
 
 __all__ = ["bow_limits"]
@@ -101,7 +102,7 @@ def bow_limits(
     ... )
     >>> for one in system.bow_limits("input", 10.0).limits[:2]:
     ...     print(f"{one.limit} {one.at}: {1e6 * one.bow:.0f} µm")
-    backlash used up g1/g2: 145 µm
+    backlash used up g1/g2: 147 µm
     tips touch roots g1/g2: 750 µm
     """
     unit = given_unit(speed) or self._speed_unit
@@ -155,8 +156,7 @@ def _reached(motion: BowMotion, check: Check) -> ReachedLimit:
         return replace(found, why=f"{check.beyond} first, at {1e6 * check.most:.4g} µm")
     if bow == 0.0:
         return replace(found, bow=0.0, why=f"{check.why}; exceeded without bow")
-    phase = motion.worst(margin(bow))
-    return replace(found, bow=bow, phase=math.nan if phase is None else phase)
+    return replace(found, bow=bow, phase=motion.worst(margin(bow), float(margin(0.0).min())))
 
 
 def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimit:
@@ -168,14 +168,18 @@ def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimi
         lambda bow: float(proxy(bow).min()), check.first, check.most, _STEADY_TOLERANCE
     )
     most = check.most if scale is None else check.stretch * scale
-    phase = motion.worst(proxy(scale or most))
+    phase = motion.worst(proxy(scale or most), float(proxy(0.0).min()))
+    turn = 0.0 if math.isnan(phase) else phase
     failures: dict[float, str] = {}
 
     def margin(bow: float) -> float:
         # A system that nothing excites has no period: a small bow stands for none.
-        system = motion.variants.bent(max(bow, _NO_BOW * most), phase or 0.0)
+        system = motion.variants.bent(max(bow, _NO_BOW * most), turn)
         try:
-            return steady(system)
+            found = steady_state(
+                system, motion.speed, initial="static", record=["meshes", "bearings"]
+            )
+            return steady(found.response)
         except (ConvergenceError, StabilityError, ContactError) as error:
             failures[bow] = str(error)
             return -math.inf
@@ -187,4 +191,4 @@ def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimi
         text = f"no steady motion above {1e6 * bow:.4g} µm: {failures[min(failures)]}"
         return replace(found, why=text)
     why = f"{check.why}; exceeded without bow" if bow == 0.0 else check.why
-    return replace(found, bow=bow, phase=math.nan if phase is None else phase, why=why)
+    return replace(found, bow=bow, phase=phase, why=why)
