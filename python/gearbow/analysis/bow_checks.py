@@ -38,31 +38,27 @@ _SOFT, _STIFF = 1e8, 2e8
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """A limit with its margin as a function of the bow [m]; without a margin, `why` is the reason.
-
-    `first` and `most` are the first and the largest bow of the search, `beyond` says what ends it.
-    A margin from steady states is sought up to `stretch` times the bow at which `proxy` ends in the
-    linear motion, with the phase that is the worst one for `proxy`.
-    """
+    """A limit with its margin as a function of the bow [m]; without one, `why` is the reason."""
 
     limit: str
     at: str
     why: str
     margin: Callable[[float], Array] | None = None
+    #: First and largest bow of the search, and what ends it.
     first: float = 0.0
     most: float = math.inf
     beyond: str = ""
-    proxy: Callable[[float], Array] | None = None
+    #: Margin of one period of a steady state, in place of `margin`. It is sought up to `stretch`
+    #: times the bow at which `proxy` ends in the linear motion, with the worst phase for `proxy`.
     steady: Callable[[Response], float] | None = None
+    proxy: Callable[[float], Array] | None = None
     stretch: float = 1.0
 
 
 def mesh_rows(variants: Variants) -> dict[tuple[str, str], Array]:
-    """Give the gradient of each mesh deflection in all coordinates, up to its sign.
-
-    The stiffness matrix contains k g gᵀ for a mesh: two stiffnesses k give g, with tilts and axial
-    displacements of helical teeth.
-    """
+    """Give the gradient of each mesh deflection in all coordinates, up to its sign."""
+    # The stiffness matrix contains k g gᵀ for a mesh: two stiffnesses k give g, with tilts and
+    # axial displacements of helical teeth.
     base = variants.base
     # Bearings without equilibrium: their stiffness must not depend on that of the mesh.
     plain = [

@@ -156,10 +156,8 @@ class BowMotion:
         return Signal(rest, self._phasors @ unit[self._index], self._turns)
 
     def worst(self, values: Array, whole: float) -> float:
-        """Give the phase of the smallest margin; NaN if the phase does not matter.
-
-        `whole` is the margin without bow, of which the phases must change a part.
-        """
+        """Give the phase of the smallest margin; NaN if it does not matter."""
+        # `whole` is the margin without bow, of which the phases must change a part.
         if self.phases.size == 1:
             return math.nan if self.variants.phase is None else self.variants.phase
         smallest = values.reshape(self.phases.size, -1).min(axis=1)

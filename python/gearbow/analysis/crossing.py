@@ -1,4 +1,9 @@
-"""The first root of a function that is positive at first: doubling steps, then Illinois' method."""
+"""The first root of a function that is positive at first: doubling steps, then Illinois' method.
+
+Steps double from a first one, so that a dip of the function within one step is missed. Method: M.
+Dowell and P. Jarratt, *A modified regula falsi method for computing the root of an equation*, BIT
+11 (1971).
+"""
 
 import math
 from collections.abc import Callable
@@ -9,12 +14,7 @@ __all__ = ["first_crossing"]
 def first_crossing(
     margin: Callable[[float], float], first: float, most: float, tolerance: float
 ) -> float | None:
-    """Find the smallest value from 0 to `most` at which a margin is no longer positive.
-
-    None means a positive margin up to `most`. Steps double from `first`, so that a dip of the
-    margin within one step is missed. M. Dowell and P. Jarratt, *A modified regula falsi method for
-    computing the root of an equation*, BIT 11 (1971).
-    """
+    """Find the smallest value up to `most` with a margin that is not positive; None without one."""
     low, below = 0.0, margin(0.0)
     if below <= 0.0:
         return 0.0

@@ -1,10 +1,11 @@
 """Limits of a bow that a user adds to those of the teeth, with the values of standards."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from gearbow._convert import number, positive
+from gearbow._convert import number, positive, text
 from gearbow._lookup import one_of
 from gearbow._types import At
 from gearbow.description.part import Part
@@ -106,7 +107,8 @@ class BowLimit(Part):
         """
         value = _value(limit, DISPLACEMENTS)
         towards = None if angle is None else number(angle, "angle")
-        return cls("displacement", place(at, kind="place"), value, angle=towards, support=support)
+        on = None if support is None else text(support, "support")
+        return cls("displacement", place(at, kind="place"), value, angle=towards, support=on)
 
     @classmethod
     def velocity(cls, at: At, limit: float | str, *, angle: float | None = None) -> "BowLimit":
@@ -151,7 +153,7 @@ class BowLimit(Part):
         BowLimit
             The limit.
         """
-        return cls("contact_ratio", place(at, kind="mesh"), _value(least))
+        return cls("contact_ratio", place(at, kind="mesh"), positive(least, "least"))
 
     @classmethod
     def mesh_force(cls, at: str | tuple[str, str], factor: float) -> "BowLimit":
@@ -169,7 +171,7 @@ class BowLimit(Part):
         BowLimit
             The limit.
         """
-        return cls("mesh_force", place(at, kind="mesh"), _value(factor))
+        return cls("mesh_force", place(at, kind="mesh"), positive(factor, "factor"))
 
     @classmethod
     def bearing_force(cls, at: tuple[str, float], force: float) -> "BowLimit":
@@ -187,7 +189,7 @@ class BowLimit(Part):
         BowLimit
             The limit.
         """
-        return cls("bearing_force", place(at, kind="bearing"), _value(force))
+        return cls("bearing_force", place(at, kind="bearing"), positive(force, "force"))
 
     @classmethod
     def bearing_life(
@@ -217,9 +219,9 @@ class BowLimit(Part):
         return cls(
             "bearing_life",
             place(at, kind="bearing"),
-            _value(hours),
-            capacity=_value(capacity, path="capacity"),
-            exponent=_value(exponent, path="exponent"),
+            positive(hours, "hours"),
+            capacity=positive(capacity, "capacity"),
+            exponent=positive(exponent, "exponent"),
         )
 
     @classmethod
@@ -238,11 +240,11 @@ class BowLimit(Part):
         BowLimit
             The limit.
         """
-        return cls("film", place(at, kind="bearing"), _value(thickness))
+        return cls("film", place(at, kind="bearing"), positive(thickness, "thickness"))
 
 
-def _value(given: Any, standards: Any = (), *, path: str = "limit") -> Any:
+def _value(limit: Any, standards: Mapping[str, Any]) -> float | str:
     """Check a positive number or the name of a standard."""
-    if isinstance(given, str) and standards:
-        return one_of(given, tuple(standards), path)
-    return positive(given, path)
+    if isinstance(limit, str):
+        return one_of(limit, standards, "limit")
+    return positive(limit, "limit")

@@ -127,9 +127,8 @@ def _bows(
 ) -> tuple[tuple[str, ...], list[Bow], float]:
     """Give the shafts, their bows, and the size of the present bow."""
     known = {each.name: each for each in system.shafts}
-    names = tuple(
-        one_of(name, known, "shaft") for name in ([shaft] if isinstance(shaft, str) else shaft)
-    )
+    wanted = shaft if isinstance(shaft, list | tuple) else [shaft]
+    names = tuple(one_of(name, known, "shaft") for name in wanted)
     if not names:
         raise SceneError("shaft: name at least one shaft")
     own = [known[name].bow for name in names]
