@@ -104,6 +104,8 @@ class SteadyState(Shown):
         self.residual: float = data["residual"]
         self.periods: int = data["periods"]
         self.method: str = data["method"]
+        # The orders of the response follow from the period.
+        response.period = self.period if math.isfinite(self.period) else None
         self._model = model
         found = data.get("multipliers")
         self._multipliers = None if found is None else np.array([complex(*z) for z in found])
