@@ -32,7 +32,7 @@ from gearbow.orders.separation import (
     Sampling,
     Separated,
     separated,
-    warn_of_separation,
+    shortcomings,
 )
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
@@ -318,7 +318,6 @@ def orders(
     segments = cut(turns, values, length)
     sampling = _sampling(segments, time, turns)
     chosen = separated(excited, sampling)
-    warn_of_separation(chosen, excited, sampling)
     fitted = fit(segments, chosen.orders)
     if mesh_harmonics is None and _moves(fitted, values):
         more = [
@@ -347,7 +346,7 @@ def orders(
         tracks=fitted.amplitudes,
         _separated=chosen,
     )
-    _warn(result, values)
+    _warn(result, values, shortcomings(chosen, excited, sampling))
     return result
 
 
@@ -446,14 +445,15 @@ def _moves(fitted: Fit, values: Array) -> bool:
     return left > _ROUND_OFF * float(np.abs(values).max())
 
 
-def _warn(found: Orders, values: Array) -> None:
-    """Warn if the orders do not contain a large part of the motion."""
+def _warn(found: Orders, values: Array, shortcoming: str | None) -> None:
+    """Warn if the record is too short or too coarse, or the orders leave out much of the motion."""
+    reasons = [] if shortcoming is None else [shortcoming]
     moves = float(values.std()) > _ROUND_OFF * float(np.abs(values).max())
     if moves and found.rest_share > _LARGE_REST:
-        warnings.warn(
-            f"orders: {100.0 * found.rest_share:.0f} % of the RMS of {found.label} is not at these "
+        reasons.append(
+            f"{100.0 * found.rest_share:.0f} % of the RMS of {found.label} is not at these "
             "orders: look at its spectrum; omit a transient with skip_time, or give more "
-            "shaft_harmonics, mesh_harmonics or sidebands",
-            AccuracyWarning,
-            stacklevel=outside(),
+            "shaft_harmonics, mesh_harmonics or sidebands"
         )
+    if reasons:
+        warnings.warn(f"orders: {'. '.join(reasons)}", AccuracyWarning, stacklevel=outside())

@@ -1,14 +1,12 @@
 """Orders that a record separates, and what to change for the others."""
 
 import math
-import warnings
 from bisect import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from gearbow.description.kinematics import Order
-from gearbow.errors import AccuracyWarning, outside
 
 __all__ = [
     "SEGMENT_SEPARATION",
@@ -16,7 +14,7 @@ __all__ = [
     "Sampling",
     "Separated",
     "separated",
-    "warn_of_separation",
+    "shortcomings",
 ]
 
 #: Smallest phase difference of neighbouring orders over a complete record, in periods.
@@ -125,8 +123,8 @@ def _groups(ranked: Sequence[Order], distance: float) -> tuple[list[list[Order]]
     return groups, with_mean
 
 
-def warn_of_separation(found: Separated, ranked: Sequence[Order], sampling: Sampling) -> None:
-    """Warn of everything that a record does not separate or resolve, with all remedies."""
+def shortcomings(found: Separated, ranked: Sequence[Order], sampling: Sampling) -> str | None:
+    """Say everything that a record does not separate or resolve, with all remedies."""
     reasons, remedies = [], []
     if found.merged:
         first = found.merged[:_MOST_NAMED]
@@ -157,17 +155,13 @@ def warn_of_separation(found: Separated, ranked: Sequence[Order], sampling: Samp
         reasons.append(f"{_list(found.unresolved)} have less than two samples in a period")
         remedies.append(f"reduce output_step from {sampling.output_step:.3g} s to {longest:.2g} s")
     if not reasons:
-        return
+        return None
     what = (
         f"segments of {sampling.length:.3g} revolutions"
         if sampling.is_segment
         else f"a record of {sampling.length / sampling.speed:.3g} s"
     )
-    warnings.warn(
-        f"orders: in {what}, {'; '.join(reasons)}: {', or '.join(remedies)}",
-        AccuracyWarning,
-        stacklevel=outside(),
-    )
+    return f"in {what}, {'; '.join(reasons)}: {', or '.join(remedies)}"
 
 
 def _named(order: Order) -> str:
