@@ -94,7 +94,8 @@ def steady_state(
     Returns
     -------
     SteadyState
-        One period of the motion; without a common period, ten turns of the slowest shaft.
+        One period of the motion. Without a common period, ten turns of the slowest shaft, or the
+        longer time up to `max_period` that separates the default orders of `Response.orders`.
 
     Raises
     ------
@@ -166,11 +167,11 @@ def _period(
     except SceneError:
         sources = Superposition.of(system, speed, geometry)
         if sources is not None:
-            return min(sources.duration, longest), sources
+            return recorded_duration(system, speed, longest), sources
         section = section_length(system._model, speed, longest)
         if section is None:
             raise
-        count = math.ceil(min(recorded_duration(system, speed), longest) / section)
+        count = math.ceil(recorded_duration(system, speed, longest) / section)
         return count * section, longest
 
 
