@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import items, number, shown
+from gearbow._progress import working
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._shown import Table, span
 from gearbow._types import Array, At, Record, RunData
@@ -551,7 +552,8 @@ class Response(ReadOnly):
                     "errors: this response does not know its system; take the errors of a response "
                     "that simulate returned or that save wrote"
                 )
-            self._errors = estimate_errors(self.request, self.statistics.modes)
+            with working(None, "errors, by more accurate runs"):
+                self._errors = estimate_errors(self.request, self.statistics.modes)
         return self._errors
 
     def measure(self, sensor: Sensor) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 
 from gearbow._convert import number as number_of
 from gearbow._core import Model, multipliers
+from gearbow._progress import working
 from gearbow._shown import Shown, Table
 from gearbow._types import ComplexArray
 from gearbow.errors import GearbowError
@@ -155,7 +156,8 @@ class SteadyState(Shown):
         options = dict(request.options)
         if math.isinf(self.period):
             options["duration"] *= _PART
-        return multipliers(model, **options, smallest=smallest, progress=None)
+        with working(None, "multipliers"):
+            return multipliers(model, **options, smallest=smallest, progress=None)
 
     def is_stable(self) -> bool:
         """Return whether small disturbances decay.

@@ -89,7 +89,8 @@ def steady_state(
     start : float, optional
         Time at the start [s]; 0 by default.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction.
 
     Returns
     -------
@@ -209,7 +210,7 @@ def _solved(
 ) -> tuple[RunData, dict[str, Any]]:
     """Record a periodic motion, or one without a period."""
     arguments, samples = run
-    with reported(progress, 1.0) as report:
+    with reported(progress, 1.0, "", what="steady state", setup="modes, pilot runs") as report:
         if not isinstance(without, Superposition):
             return steady_period(
                 system._model,
