@@ -9,7 +9,7 @@ import threading
 import time
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 from gearbow._convert import function, truth
@@ -26,8 +26,8 @@ WATCHED = 1.0
 #: Time before a bar appears by itself [s], and time between two renewals of its elapsed time [s].
 _DELAY, _RENEWAL = 2.0, 0.5
 
-#: Calls that show a bar, the outermost first.
-_shown: list[str] = []
+#: Calls that show a bar or are asked to show none: the calls within show nothing by themselves.
+_decided: list[str] = []
 
 
 @contextmanager
@@ -49,7 +49,8 @@ def reported(
     if progress is not True and not (progress is None and _is_automatic()):
         is_off = progress is None or progress is False
         report = None if is_off else function(progress, "progress")
-        yield _Estimate(report) if estimate else report
+        with nullcontext() if progress is None else _deciding(what):
+            yield _Estimate(report) if estimate else report
         return
     names = what if setup is None else f"{what}: {setup}"
     count = f"{{n:{numbers}}}/{{total:{numbers}}} {unit}"
@@ -71,7 +72,8 @@ def working(progress: bool | None, what: str) -> Iterator[None]:
     """Show the time of work whose completed fraction is unknown, as `reported` does."""
     asked = _is_automatic() if progress is None else truth(progress, "progress")
     if not asked:
-        yield
+        with nullcontext() if progress is None else _deciding(what):
+            yield
         return
     with _bar(what, at_once=False, desc=what, bar_format="{desc} [{elapsed}]"):
         yield
@@ -79,13 +81,23 @@ def working(progress: bool | None, what: str) -> Iterator[None]:
 
 def _is_automatic() -> bool:
     """Return whether this call shows a bar by itself."""
-    if _shown or not sys.stderr.isatty():
+    if _decided or not sys.stderr.isatty():
         return False
     if threading.current_thread() is not threading.main_thread():
         return False
     from multiprocessing import parent_process  # noqa: PLC0415  # its import takes 10 ms
 
     return parent_process() is None
+
+
+@contextmanager
+def _deciding(what: str) -> Iterator[None]:
+    """Keep the calls within from showing a bar by themselves."""
+    _decided.append(what)
+    try:
+        yield
+    finally:
+        _decided.remove(what)
 
 
 @contextmanager
@@ -97,23 +109,19 @@ def _bar(what: str, *, at_once: bool, **look: Any) -> "Iterator[tqdm[Any]]":
     # by itself disappears at the end.
     delay = 0.0 if at_once else _DELAY
     stop = threading.Event()
-    _shown.append(what)
-    try:
-        with tqdm(miniters=0, delay=delay, leave=at_once, **look) as bar:
+    with _deciding(what), tqdm(miniters=0, delay=delay, leave=at_once, **look) as bar:
 
-            def renew() -> None:
-                while not stop.wait(_RENEWAL):
-                    bar.update(0)
+        def renew() -> None:
+            while not stop.wait(_RENEWAL):
+                bar.update(0)
 
-            clock = threading.Thread(target=renew, name="gearbow progress", daemon=True)
-            clock.start()
-            try:
-                yield bar
-            finally:
-                stop.set()
-                clock.join()
-    finally:
-        _shown.remove(what)
+        clock = threading.Thread(target=renew, name="gearbow progress", daemon=True)
+        clock.start()
+        try:
+            yield bar
+        finally:
+            stop.set()
+            clock.join()
 
 
 class _Estimate:

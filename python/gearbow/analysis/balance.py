@@ -154,7 +154,7 @@ def balance(  # numpydoc ignore=PR01
         "give fewer speeds, planes or points",
     )
     read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, target=target)
-    with working(progress, f"balancing in {len(chosen)} planes"):
+    with working(progress, "balancing"):
         before = read(base, "both")
         alone = _without_unbalance(base)
         trial = np.full(1, _TRIAL, dtype=np.complex128)

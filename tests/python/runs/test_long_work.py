@@ -293,8 +293,8 @@ class TestEstimate:
     @pytest.fixture
     def terminal(self, monkeypatch):
         monkeypatch.setattr(_progress, "_DELAY", 0.0)
-        with redirect_stderr(self.Terminal()) as text:
-            yield text
+        # pytest replaces the streams after the set-up of a test
+        return lambda: redirect_stderr(self.Terminal())
 
     def test_every_long_analysis_shows_on_a_terminal_what_it_does(self, terminal):
         system, speeds = train(), [50.0, 100.0]
@@ -306,21 +306,21 @@ class TestEstimate:
                 [1e7, 1e8], **how
             ),
             "synchronous response at 2 speeds": lambda **how: system.synchronous(speeds, **how),
-            "balancing in 1 planes": lambda **how: system.balance("g1", 100.0, **how),
+            "balancing": lambda **how: system.balance("g1", 100.0, **how),
             "simulate: modes, pilot runs": lambda **how: system.simulate(1e-3, 100.0, **how),
             "steady state: modes, pilot runs": lambda **how: system.steady_state(100.0, **how),
         }
         for name, call in calls.items():
-            call(progress=False)
-            assert terminal.getvalue() == ""
-            call()
-            shown = terminal.getvalue()
+            with terminal() as text:
+                call(progress=False)
+            assert text.getvalue() == ""
+            with terminal() as text:
+                call()
+            shown = text.getvalue()
             assert name in shown
             # it disappears at the end, and the calls within show nothing of their own
             assert shown.endswith("\r")
-            terminal.seek(0)
-            terminal.truncate()
-        assert not _progress._shown
+        assert not _progress._decided
 
     def test_the_runs_of_a_sweep_and_of_threads_show_nothing(self, terminal):
         system = train()
@@ -328,14 +328,13 @@ class TestEstimate:
         def measure(_: object, speed: float) -> float:
             return system.simulate(1e-3, speed, output_step=1e-3).time[-1]
 
-        gb.sweep(lambda speed: speed, {"speed": [90.0, 100.0]}, measure)
-        assert "2/2 points" in terminal.getvalue()
-        assert "simulate" not in terminal.getvalue()
-        terminal.seek(0)
-        terminal.truncate()
-        with ThreadPoolExecutor(1) as pool:
+        with terminal() as text:
+            gb.sweep(lambda speed: speed, {"speed": [90.0, 100.0]}, measure)
+        assert "2 points" in text.getvalue()
+        assert "simulate" not in text.getvalue()
+        with terminal() as text, ThreadPoolExecutor(1) as pool:
             pool.submit(system.modes, 100.0).result()
-        assert terminal.getvalue() == ""
+        assert text.getvalue() == ""
 
     def test_a_log_contains_no_bar(self, monkeypatch):
         monkeypatch.setattr(_progress, "_DELAY", 0.0)
@@ -347,7 +346,7 @@ class TestEstimate:
     def test_the_time_goes_on_without_a_report(self, terminal, monkeypatch):
         monkeypatch.setattr(_progress, "_RENEWAL", 1e-3)
         asked = threading.Event()
-        with _progress.working(None, "work"):
+        with terminal(), _progress.working(None, "work"):
             bar = next(iter(tqdm._instances))
             bar.mininterval = 0.0
             monkeypatch.setattr(bar, "refresh", lambda **_: asked.set())
