@@ -740,7 +740,9 @@ class Response(ReadOnly):
         *,
         times: tuple[float, float] | None = None,
         skip_time: float | None = None,
+        against: str = "time",
         ax: Any = None,
+        speed_unit: str = "rad/s",
     ) -> "Figure":
         """Draw recorded signals.
 
@@ -768,9 +770,14 @@ class Response(ReadOnly):
             spectra omit it. The values after it set the scale and the mean; a title gives the range
             of earlier values beyond this scale. None takes the last turn of the slowest shaft for
             the scale, without shading, if the speed is constant; 0 shows all values.
+        against : {"time", "speed", "angle"}
+            Horizontal axis of figures against time: time [s], speed of the reference shaft in a
+            run at a changing speed, or revolutions of the reference shaft.
         ax : Axes or sequence of Axes, optional
             One panel for each place, for a bearing two, for a mesh three and for its geometry four;
             None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}
+            Unit of the axis of speeds.
 
         Returns
         -------
@@ -780,11 +787,20 @@ class Response(ReadOnly):
         Raises
         ------
         GearbowError
-            If the kind or `ax` is invalid, or no suitable signal was recorded.
+            If the kind, `against` or `ax` is invalid, or no suitable signal was recorded.
         SceneError
             If `skip_time` is negative or longer than the record, or `times` are not in it.
         """
-        return plot(self.to_record(), kind, at, times=times, skip_time=skip_time, ax=ax)
+        return plot(
+            self.to_record(),
+            kind,
+            at,
+            times=times,
+            skip_time=skip_time,
+            against=against,
+            speed_unit=speed_unit,
+            ax=ax,
+        )
 
     def animate(
         self,

@@ -266,6 +266,24 @@ def test_a_run_up_is_sampled_at_equal_angles():
         run.resample(64, shaft="input")
 
 
+def test_histories_over_speed_and_angle():
+    run = run_up(begin=10.0, a=(1.0, 3e-6))
+    panel = run.plot("history", "g1", against="speed", speed_unit="rpm").axes[0]
+    assert panel.get_xlabel() == "speed of the reference shaft [rpm]"
+    x, y = panel.lines[0].get_data()
+    assert x == pytest.approx(run.speeds * 30.0 / np.pi)
+    assert y.size == run.time.size
+    panel = run.plot("mesh", against="angle").axes[2]
+    assert panel.get_xlabel() == "angle of the reference shaft [revolutions]"
+    assert panel.lines[0].get_xdata()[-1] == pytest.approx(run.angle("input")[-1] / (2.0 * np.pi))
+    with pytest.raises(gb.GearbowError, match="the figure 'orbits' has no axis of time"):
+        run.plot("orbits", against="speed")
+    with pytest.raises(gb.GearbowError, match="speed of this run is constant"):
+        made().plot("history", against="speed")
+    with pytest.raises(gb.SceneError, match="against: must be one of"):
+        run.plot("history", against="rpm")
+
+
 def test_a_waterfall_of_a_run_up_has_the_amplitudes_of_its_orders():
     run = run_up(begin=50.0, a=(1.0, 3e-6), b=(2.0, 1e-6))
     found = gb.waterfall(run, "g1", "y", window="flat top")
