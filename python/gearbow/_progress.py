@@ -41,17 +41,14 @@ def reported(
     estimate: bool = True,
     numbers: str = ".3g",
 ) -> Iterator[Progress | None]:
-    """Give the callable that receives the completed fraction.
-
-    True makes a progress bar, None makes one on a terminal. The bar names the set-up while the
-    fraction is zero.
-    """
+    """Give the callable that receives the completed fraction; True or a terminal makes a bar."""
     if progress is not True and not (progress is None and _is_automatic()):
         is_off = progress is None or progress is False
         report = None if is_off else function(progress, "progress")
         with nullcontext() if progress is None else _deciding(what):
             yield _Estimate(report) if estimate else report
         return
+    # The bar names the set-up while the fraction is zero.
     names = what if setup is None else f"{what}: {setup}"
     count = f"{{n:{numbers}}}/{{total:{numbers}}} {unit}"
     look = f"{{l_bar}}{{bar}}| {count} [{{elapsed}}<{{remaining}}]"

@@ -52,12 +52,10 @@ def resampled(run: RunRecord, rate: float, shaft: str | None = None) -> RunRecor
 
 @dataclass(frozen=True, eq=False)
 class LowPass:
-    """The filter, and the new samples that it gives.
+    """The filter, and the new samples that it gives."""
 
-    The position of a recorded sample counts the new samples: rate · time, or samples in a
-    revolution · revolutions. New samples are where it is a whole number.
-    """
-
+    # The position of a recorded sample counts the new samples: rate · time, or samples in a
+    # revolution · revolutions. New samples are where it is a whole number.
     #: New samples in a second, or in a revolution of a shaft.
     rate: float
     #: Times of the new samples [s], and their positions.

@@ -125,10 +125,7 @@ class Superposition:
 
 
 def recorded_duration(system: System, speed: float, longest: float) -> float:
-    """Give the duration of the record without a period, up to the longest one [s].
-
-    It is ten turns of the slowest shaft, or what the orders of the train need to be separate.
-    """
+    """Give the duration of the record without a period [s]: ten turns, or what orders need."""
     turns = _RECORDED * _turn(float(min(abs(system.speed_ratios))), speed)
     gaps = np.diff([0.0, *(order.value for order in Kinematics.of(system).orders())])
     separate = (1.0 + _MARGIN) * SEPARATION * _turn(float(gaps.min()), speed)
