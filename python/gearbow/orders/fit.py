@@ -229,7 +229,9 @@ class Orders(ReadOnly):
         """
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
+            from gearbow.plotting.style import speed_axis  # noqa: PLC0415
 
+        speed_axis(speed_unit)  # checks the unit
         amplitudes = np.abs(self.amplitudes)
         largest = np.argsort(-amplitudes, kind="stable")
         most = (12 if self.times.size == 1 else 6) if count is None else whole(count, "count")

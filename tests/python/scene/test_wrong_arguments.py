@@ -416,7 +416,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     ),
     "Orders": (
         lambda: response().orders("g1", shaft_harmonics=1, mesh_harmonics=0, sidebands=0),
-        {"amplitude": {"name": "1"}, "plot": {}, "table": {}},
+        {"amplitude": {"name": "1"}, "plot": {}, "table": {}, "track": {"name": "1"}},
     ),
     "Spectrum": (lambda: response().spectrum("g1"), {"plot": {}}),
     "SteadyState": (
