@@ -8,7 +8,8 @@ import pytest
 import gearbow as gb
 from gearbow.orders import Kinematics
 from gearbow.orders.spectrum import WINDOWS, amplitudes
-from test_response import recorded, train
+from reference.machines import bowed_pair
+from test_response import recorded
 
 SPEED = 100.0
 
@@ -19,7 +20,7 @@ def made(duration=1.0, step=1e-4, start=0.0, **content):
     response = recorded(rows=rows)
     response._data["time"] = start + step * np.arange(rows)
     response.speed = SPEED
-    response.kinematics = Kinematics.of(train())
+    response.kinematics = Kinematics.of(bowed_pair())
     motion = np.zeros((rows, 3, 2))
     angle = response.angle("input")
     for value, amplitude in content.values():
@@ -103,7 +104,7 @@ def test_a_signal_at_rest_has_no_rest():
 
 
 def test_coinciding_orders_are_one_order_with_all_names():
-    orders = Kinematics.of(train()).orders(2, 0, 0)
+    orders = Kinematics.of(bowed_pair()).orders(2, 0, 0)
     assert [(order.value, order.names) for order in orders] == [
         (0.5, ("1× output",)),
         (1.0, ("1× input", "2× output")),
@@ -360,7 +361,7 @@ def test_the_error_names_the_invalid_argument():
 
 
 def test_the_bow_appears_at_the_order_of_its_shaft(tmp_path):
-    system = train()
+    system = bowed_pair()
     turn = 2 * np.pi / (0.5 * SPEED)
     response = system.simulate(3 * turn, SPEED, output_step=turn / 1000, record=["g1", "meshes"])
     found = response.orders("g1", "y")
@@ -377,7 +378,7 @@ def test_the_bow_appears_at_the_order_of_its_shaft(tmp_path):
 
 
 def test_a_waterfall_has_a_ridge_along_each_order():
-    system = train()
+    system = bowed_pair()
     speeds = (150.0, 50.0, 100.0)
     runs = [system.simulate(1.0, speed, output_step=1e-3, record=["g1"]) for speed in speeds]
     result = gb.waterfall(runs, "g1")
@@ -397,7 +398,7 @@ def test_a_waterfall_has_a_ridge_along_each_order():
 
 def test_the_order_of_a_force_is_among_the_orders(tmp_path):
     # order 2.5 of a shaft that turns at half of the speed
-    system = train().replace(
+    system = bowed_pair().replace(
         forces=[gb.Force("g2", 50.0, order=2.5), gb.Force("g1", 1.0, order=-2)]
     )
     kinematics = Kinematics.of(system)

@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 import gearbow as gb
 from gearbow import _progress
-from test_response import train
+from reference.machines import bowed_pair
 
 LARGE = """
 import signal, sys, threading, time, warnings
@@ -358,7 +358,7 @@ class TestEstimate:
         with warnings.catch_warnings():
             warnings.simplefilter("error", gb.AccuracyWarning)
             with pytest.raises(gb.AccuracyWarning, match="reduce the duration") as caught:
-                train().simulate(1e4, 100.0, output_step=0.1)
+                bowed_pair().simulate(1e4, 100.0, output_step=0.1)
         assert 0 < caught.value.response.time.size < 100_001
 
     def test_the_warning_points_at_the_line_of_the_caller(self, monkeypatch):
@@ -372,7 +372,7 @@ class TestEstimate:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             with pytest.raises(KeyboardInterrupt):
-                train().simulate(1e4, 100.0, output_step=0.1, progress=stop)
+                bowed_pair().simulate(1e4, 100.0, output_step=0.1, progress=stop)
         assert [(warning.category, warning.filename) for warning in caught] == [
             (gb.AccuracyWarning, __file__)
         ]
