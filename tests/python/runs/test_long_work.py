@@ -297,7 +297,7 @@ class TestEstimate:
         return lambda: redirect_stderr(self.Terminal())
 
     def test_every_long_analysis_shows_on_a_terminal_what_it_does(self, terminal):
-        system, speeds = train(), [50.0, 100.0]
+        system, speeds = bowed_pair(), [50.0, 100.0]
         calls = {
             "equilibrium": system.static,
             "modes": system.modes,
@@ -323,7 +323,7 @@ class TestEstimate:
         assert not _progress._decided
 
     def test_the_runs_of_a_sweep_and_of_threads_show_nothing(self, terminal):
-        system = train()
+        system = bowed_pair()
 
         def measure(_: object, speed: float) -> float:
             return system.simulate(1e-3, speed, output_step=1e-3).time[-1]
@@ -339,8 +339,8 @@ class TestEstimate:
     def test_a_log_contains_no_bar(self, monkeypatch):
         monkeypatch.setattr(_progress, "_DELAY", 0.0)
         with redirect_stderr(io.StringIO()) as text:
-            train().simulate(1e-3, 100.0)
-            train().modes(100.0)
+            bowed_pair().simulate(1e-3, 100.0)
+            bowed_pair().modes(100.0)
         assert text.getvalue() == ""
 
     def test_the_time_goes_on_without_a_report(self, terminal, monkeypatch):
