@@ -42,12 +42,14 @@ calls = {
     "netcdf": [
         response.to_xarray,
         lambda: response.save(f"{folder}/run.nc"),
+        lambda: modes.save(f"{folder}/modes.nc"),
         lambda: gb.Response.load(f"{folder}/run.nc"),
         lambda: system.simulate(1e300, 100.0, output_step=1e299, checkpoint=f"{folder}/run.nc"),
     ],
-    "sweep": [sweep.to_xarray, sweep.to_dataframe],
+    "sweep": [sweep.to_xarray],
     "dataframe": [
         response.to_dataframe, modes.to_dataframe, campbell.to_dataframe, run.energy_balance().to_dataframe,
+        sweep.to_dataframe, lambda: modes.save(f"{folder}/modes.csv"),
     ],
 }
 for call in calls[sys.argv[3]]:
