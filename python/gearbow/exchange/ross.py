@@ -6,7 +6,6 @@ segment with one element. https://ross.readthedocs.io
 
 import json
 import os
-import re
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -16,6 +15,7 @@ from typing import Any
 from gearbow._files import reading
 from gearbow._types import Plain
 from gearbow.errors import SceneError
+from gearbow.exchange.names import cleaned
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -155,8 +155,7 @@ def _position(file: _File, name: str, n: int, positions: list[float]) -> dict[st
 
 
 def _named(name: str, element: Mapping[str, Any]) -> dict[str, Plain]:
-    # Names of gearbow contain neither "/" nor ":".
-    return {"name": re.sub("[/:]", "-", str(element.get("tag") or name))}
+    return {"name": cleaned(str(element.get("tag") or name))}
 
 
 def _mass(file: _File, name: str, mass: Mapping[str, Any]) -> float:
