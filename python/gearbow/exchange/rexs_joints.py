@@ -156,7 +156,7 @@ class Joints:
         side, part = on_shafts[0]
         placed = self._placed[part.id]
         between = len(on_shafts) == 2
-        given = bearings.get(joint.name, None if between else bearings.get(OTHER))
+        given = bearings.get(joint.name)
         if joint.name in bearings and given is None:
             self._notes.append(f"{component} is left out, as told")
             return
@@ -165,26 +165,42 @@ class Joints:
         found = {} if between else self._stiffness(component, "bearings")
         if "stiffness" not in carries:
             found["stiffness"] = 0.0
-        rolling = {} if "stiffness" in found or side == "outer" else self._rolling(component)
-        if isinstance(given, Mapping):
-            found = {**found, **({} if "stiffness" in given else rolling), **given}
-        elif given is not None:
-            value = number(given, f'bearings["{joint.name}"]')
-            found |= dict.fromkeys(carries, value)
-        else:
-            found |= rolling
+        if "stiffness" not in found and side == "inner":
+            found = {**found, **self._rolling(component)}
+        if given is not None:
+            found = self._replaced(found, given, carries, f'bearings["{joint.name}"]')
         keys = self._required(found, carries, placed.name)
-        bearing = {"shaft": placed.name, "position": position, **found}
-        self._description["bearings"].append(bearing)
+        other = None if between else bearings.get(OTHER)
+        if keys and other is not None:
+            filled = self._replaced({}, other, carries, f'bearings["{OTHER}"]')
+            found = {**{key: filled[key] for key in keys if key in filled}, **found}
+            keys = self._required(found, carries, placed.name)
+        hint = ""
         if between and given is None:
             hint = (
                 f'it joins the shafts "{self._placed[joint.inner.id].name}" and '
                 f'"{self._placed[joint.outer.id].name}", and a bearing of gearbow stands on the '
                 "ground: give its stiffness to the ground, or None to leave it out"
             )
-            self._miss("bearings", joint, placed, position, (keys or ("stiffness",), hint))
-        elif keys:
-            self._miss("bearings", joint, placed, position, (keys, ""))
+            keys = keys or ("stiffness",)
+        bearing = {"shaft": placed.name, "position": position, **found}
+        self._description["bearings"].append(bearing)
+        if keys:
+            self._miss("bearings", joint, placed, position, (keys, hint))
+
+    def _replaced(
+        self, found: dict[str, Plain], given: object, carries: tuple[str, ...], path: str
+    ) -> dict[str, Plain]:
+        """Replace values of the file by those that are given for a bearing."""
+        if not isinstance(given, Mapping):
+            given = dict.fromkeys(carries, number(given, path))
+        for key in ("shaft", "position"):
+            if key in given:
+                raise SceneError(f"{path}: the file has its {key}; leave it out")
+        if {"stiffness", "elements", "viscosity"} & given.keys():  # a bearing of another kind
+            kept = ("axial_stiffness", "tilting_stiffness")
+            found = {key: value for key, value in found.items() if key in kept}
+        return {**found, **given}
 
     def _carried(self, component: Component) -> tuple[str, ...]:
         """Give the stiffnesses of the directions in which the file says that a bearing carries."""
