@@ -177,7 +177,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         {"positions": [0.0, 0.2, 0.5], "amplitudes": [0.0, 1e-4, 0.0]},
     ),
     "Bow.function": (in_shaft("bow", make=gb.Bow.function), {"f": lambda x: 1e-4 * x}),
-    "Bow.read_csv": (gb.Bow.read_csv, {"path": "x.csv"}),
+    "Bow.read_table": (gb.Bow.read_table, {"path": "x.csv"}),
     "Gear": (
         with_part("Gear"),
         {
@@ -229,9 +229,9 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         ),
         {"speeds": [0.0, 1.0], "values": [1e8, 2e8]},
     ),
-    "SpeedTable.read_csv": (
+    "SpeedTable.read_table": (
         lambda **given: system().replace(
-            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_csv(**given))]
+            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_table(**given))]
         ),
         {"path": "x.csv"},
     ),
