@@ -323,7 +323,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Parameters
         ----------
         path : str or path-like
-            A file of ``rotor.save`` of ROSS 2, ``.toml`` or ``.json``.
+            A file of ``rotor.save`` of ROSS 2 or 3, ``.toml`` or ``.json``.
 
         Returns
         -------
@@ -338,6 +338,12 @@ class RotorSystem(CheckedKeywords, Shown):
             example a conical shaft element; the message names it.
         OSError
             If the file cannot be opened.
+
+        Warns
+        -----
+        SceneWarning
+            If a table of ROSS 3 over speed and frequency is read at the frequency of the speed, or
+            the rotor is implausible.
 
         Notes
         -----

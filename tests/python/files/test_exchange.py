@@ -145,6 +145,68 @@ def test_what_cannot_be_represented_is_an_error_that_names_it(tmp_path, change, 
     assert message in str(caught.value)
 
 
+def in_ross_3(plain: dict) -> dict:
+    """Give the bearing of the file with tables as ROSS 3 names their axes."""
+    plain["ross_version"] = "3.0.0"
+    bearing = element(plain, "BearingElement")
+    bearing["speed"] = bearing.pop("frequency")
+    return bearing
+
+
+@needs_files
+def test_tables_of_ross_3_are_over_the_speed(tmp_path: Path):
+    expected = gb.RotorSystem.from_ross(ROSS / "rotor.toml").description
+    path = tmp_path / "rotor.json"
+    path.write_text(json.dumps(changed(in_ross_3)))
+    assert gb.RotorSystem.from_ross(path).description == expected
+
+    def over_both(plain: dict, slope: float) -> None:
+        bearing = in_ross_3(plain)
+        bearing["frequency"] = [0.0, 100.0, 600.0]
+        for key, values in bearing.items():
+            if key[0] in "kc" and len(key) == 3 and len(values) == 3:
+                axis = zip(values, bearing["speed"], strict=True)
+                bearing[key] = [
+                    [value + slope * (f - speed) for f in bearing["frequency"]]
+                    for value, speed in axis
+                ]
+
+    path.write_text(json.dumps(changed(lambda plain: over_both(plain, 0.0))))
+    assert gb.RotorSystem.from_ross(path).description == expected  # and no warning
+    path.write_text(json.dumps(changed(lambda plain: over_both(plain, 2.0))))
+    with pytest.warns(gb.SceneWarning, match="journal: its coefficients over speed and frequency"):
+        (table, *_) = (
+            bearing.stiffness
+            for bearing in gb.RotorSystem.from_ross(path).bearings
+            if isinstance(bearing.stiffness, gb.SpeedTable)
+        )
+    np.testing.assert_allclose(table.values[1], [[5e7, 2e6], [-2e6, 6e7]], rtol=1e-15)
+
+
+@needs_files
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda p: p.update(ross_version="3.1.0"),
+            "journal: stiffness: its table is over the excitation frequency",
+        ),
+        (
+            lambda p: in_ross_3(p).update(frequency=[0.0, 1.0]),
+            "journal: with speed and frequency, its coefficients must have two axes",
+        ),
+        (lambda p: element(p, "DiskElement").pop("Id"), "an element has no 'Id'"),
+        (lambda p: element(p, "BearingElement").update(kxx=["a"]), "an element has a wrong value"),
+        (lambda p: element(p, "ShaftElement").update(L="long"), "an element has a wrong value"),
+    ],
+)
+def test_a_table_or_value_that_gearbow_cannot_read_is_an_error(tmp_path, change, message: str):
+    path = tmp_path / "rotor.json"
+    path.write_text(json.dumps(changed(change)))
+    with pytest.raises(gb.SceneError, match=re.escape(f"{path}: {message}")):
+        gb.RotorSystem.from_ross(path)
+
+
 def test_another_file_is_not_a_rotor_of_ross(tmp_path: Path):
     (tmp_path / "rotor.json").write_text("{")
     with pytest.raises(gb.SceneError, match=r"rotor\.json: not a rotor of ROSS"):
