@@ -137,8 +137,7 @@ class Shafts:
                 raise component.error(f"needs the attribute {name}")
             if component.has("face_width"):
                 self._notes.append(
-                    f"{component}: {name} counts as the middle of the face width, because the file "
-                    "has no support_vector"
+                    f"{name} of gears without support_vector counts as the middle of the face width"
                 )
             return shaft.position(given)
         u = float(shaft.frame.axes[0] @ (frame.origin - shaft.frame.origin))

@@ -44,6 +44,8 @@ calls = {
         lambda: gb.Response.load(f"{folder}/run.nc"),
         lambda: system.simulate(1e300, 100.0, output_step=1e299, checkpoint=f"{folder}/run.nc"),
     ],
+    "excel": [lambda: gb.SpeedTable.read_table("x.xlsx"), lambda: gb.Bow.read_table("x.xlsx")],
+    "matlab": [lambda: gb.SpeedTable.read_table("x.mat")],
     "sweep": [sweep.to_xarray, sweep.to_dataframe],
     "dataframe": [
         response.to_dataframe, modes.to_dataframe, campbell.to_dataframe, run.energy_balance().to_dataframe,
@@ -67,6 +69,9 @@ print("done")
         ("plot", "matplotlib"),
         ("netcdf", "xarray,h5netcdf,h5py"),
         ("dataframe", "pandas"),
+        ("excel", "openpyxl"),
+        ("excel", "pandas"),
+        ("matlab", "scipy"),
         ("sweep", "xarray,pandas"),
     ],
 )

@@ -272,6 +272,8 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     ),
     "RotorSystem.from_dict": (gb.RotorSystem.from_dict, {"description": {}}),
     "RotorSystem.from_ross": (gb.RotorSystem.from_ross, {"path": "x.toml"}),
+    "RotorSystem.read_rexs": (gb.RotorSystem.read_rexs, {"path": "x.rexs"}),
+    "rexs_contents": (gb.rexs_contents, {"path": "x.rexs"}),
     "RotorSystem.load": (gb.RotorSystem.load, {"path": "x.toml"}),
     "RotorSystem.replace": (lambda **given: system().replace(**given), {}),
     "Accelerometer": (lambda **given: response().measure(gb.Accelerometer(**given)), {"at": "g1"}),
