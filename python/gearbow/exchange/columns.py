@@ -16,7 +16,7 @@ import numpy as np
 
 from gearbow._convert import shown
 from gearbow._extras import extra
-from gearbow._files import reading
+from gearbow._files import as_path, reading
 from gearbow._lookup import nearest
 from gearbow._types import Array
 from gearbow.errors import SceneError
@@ -54,7 +54,8 @@ def read_columns(
     `units` the unit of columns without one.
     """
     readers = {".xlsx": _from_excel, ".mat": _from_matlab}
-    lines = readers.get(Path(path).suffix.lower(), _from_text)(path)
+    path = as_path(path, "path")
+    lines = readers.get(path.suffix.lower(), _from_text)(path)
     if len(lines) < 2:
         raise SceneError(f"{path}: needs a line of headings and lines of numbers")
     head, *body = lines
@@ -72,7 +73,7 @@ def read_columns(
     return {name: np.array(values) for name, values in found.items()}
 
 
-def _from_text(path: str | os.PathLike[str]) -> list[_Line]:
+def _from_text(path: Path) -> list[_Line]:
     """Read the lines of a text file, without comments."""
     with reading(path) as text:
         lines = text.splitlines()
@@ -82,12 +83,12 @@ def _from_text(path: str | os.PathLike[str]) -> list[_Line]:
     return [_Line(f"line {i}", _cells(line, separator, f"{path}: line {i}")) for i, line in rows]
 
 
-def _from_excel(path: str | os.PathLike[str]) -> list[_Line]:
+def _from_excel(path: Path) -> list[_Line]:
     """Read the rows of the first sheet, without comments."""
     with extra("excel"):
         import openpyxl  # noqa: F401, PLC0415  # pandas would report it otherwise
         import pandas as pd  # noqa: PLC0415
-    with Path(path).open("rb") as file:
+    with path.open("rb") as file:
         try:
             sheet = pd.read_excel(file, header=None, dtype=object)
         except (*_DAMAGE, ET.ParseError, zipfile.BadZipFile) as error:
@@ -100,11 +101,11 @@ def _from_excel(path: str | os.PathLike[str]) -> list[_Line]:
     return lines
 
 
-def _from_matlab(path: str | os.PathLike[str]) -> list[_Line]:
+def _from_matlab(path: Path) -> list[_Line]:
     """Read the vectors of a MATLAB file, whose names are the headings."""
     with extra("matlab"):
         from scipy.io.matlab import MatReadError, loadmat  # noqa: PLC0415
-    with Path(path).open("rb") as file:
+    with path.open("rb") as file:
         try:
             content = loadmat(file)
         except (*_DAMAGE, MatReadError, NotImplementedError) as error:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import shown
+from gearbow._convert import whole
 from gearbow._shown import Shown, Table
 from gearbow._types import Plain
 from gearbow.errors import SceneError
@@ -116,6 +116,8 @@ def read_rexs(
     couplings: Mapping[str, object] | None = None,
 ) -> tuple[dict[str, Plain], RexsContents]:
     """Read a gear unit: its description, without what is missing, and its contents."""
+    given = [check_given(bearings, "bearings"), check_given(couplings, "couplings")]
+    number = None if load_case is None else whole(load_case, "load_case")
     file = read_rexs_file(path)
     for kind, reason in _REFUSED.items():
         for component in file.components.values():
@@ -126,8 +128,8 @@ def read_rexs(
     found = tuple(train.load_case(i, case) for i, case in enumerate(cases, start=1))
     description = train.description()
     joints = Joints(file, train.shafts, train.placed, description, train.notes)
-    joints.add(check_given(bearings, "bearings"), check_given(couplings, "couplings"))
-    chosen = _chosen(file, load_case, found)
+    joints.add(*given)
+    chosen = _chosen(file, number, found)
     if chosen is not None:
         train.add_loads(description, cases[chosen - 1])
     reference = train.placed[train.reference.id].name
@@ -163,10 +165,8 @@ def _chosen(file: RexsFile, load_case: int | None, cases: tuple[LoadCase, ...]) 
     """Give the number of the load case; None if there are several and none is chosen."""
     if load_case is None:
         return 1 if len(cases) == 1 else None
-    if isinstance(load_case, bool) or load_case not in range(1, len(cases) + 1):
-        raise SceneError(
-            f"load_case: must be 1 to {len(cases)} for {file.path}, got {shown(load_case)}"
-        )
+    if load_case > len(cases):
+        raise SceneError(f"load_case: must be 1 to {len(cases)} for {file.path}, got {load_case}")
     return load_case
 
 

@@ -255,6 +255,7 @@ def test_every_command_has_examples_in_its_help(capsys):
     commands = re.findall(r"^    (\w+) +", out, re.M)
     assert commands == [
         "new",
+        "import",
         "check",
         "plot",
         "modes",

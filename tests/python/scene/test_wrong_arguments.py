@@ -272,7 +272,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     ),
     "RotorSystem.from_dict": (gb.RotorSystem.from_dict, {"description": {}}),
     "RotorSystem.from_ross": (gb.RotorSystem.from_ross, {"path": "x.toml"}),
-    "RotorSystem.read_rexs": (gb.RotorSystem.read_rexs, {"path": "x.rexs"}),
+    "RotorSystem.read_rexs": (
+        gb.RotorSystem.read_rexs,
+        {"path": "x.rexs", "load_case": 1, "bearings": {"other": 1e8}},
+    ),
     "rexs_contents": (gb.rexs_contents, {"path": "x.rexs"}),
     "RotorSystem.load": (gb.RotorSystem.load, {"path": "x.toml"}),
     "RotorSystem.replace": (lambda **given: system().replace(**given), {}),
@@ -291,6 +294,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Sweep.load": (gb.Sweep.load, {"path": "x.sweep"}),
     "Response.from_record": (gb.Response.from_record, {"record": None}),
 }
+REXS = Path(__file__).parents[1] / "files" / "gearbox.rexs"
 BEARING = {"at": ("input", 0.0)}
 MESH = {"at": ("g1", "g2")}
 #: A value of each class, and valid required arguments of its methods.
@@ -446,6 +450,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {"front": {}, "plot": {}, "recommend": {}, "table": {}, "to_dataframe": {}},
     ),
     "Trial": (lambda: tradeoff().trials[0], {"cost": {}}),
+    "RexsContents": (lambda: gb.rexs_contents(REXS), {"table": {}}),
     "Waterfall": (
         lambda: gb.waterfall(
             [system().simulate(0.05, speed, output_step=1e-4) for speed in (100.0, 110.0)], "g1"
@@ -509,6 +514,7 @@ def test_an_error_names_the_argument(name: str, tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.chdir(tmp_path)
     Path("x.csv").write_text("speed,k\n0,1e8\n1,2e8\n", encoding="utf-8")
+    Path("x.rexs").write_bytes(REXS.read_bytes())
     call, arguments = ALL[name]
     for argument in parameters(name):
         for wrong, value in WRONG.items():
