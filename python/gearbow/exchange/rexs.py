@@ -441,11 +441,11 @@ class _Train:
     def load_case(self, number: int, case: Mapping[int, Component]) -> LoadCase:
         """Give speed and torques of a load case."""
         speed = self._speed(case)
-        torques = {}
+        torques: dict[str, float] = {}
         for load in self._loads(case):
             torque = self._torque(load, speed)
             if torque is not None and torque != "balance":
-                torques[load.name or str(load)] = torque
+                torques[unique(load.name or str(load), load.id, torques)] = torque
         return LoadCase(number, speed, torques)
 
     def _speed(self, case: Mapping[int, Component]) -> float | None:

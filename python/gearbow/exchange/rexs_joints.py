@@ -138,9 +138,8 @@ class Joints:
         with_sides = {each.component.id for each in joints}
         for component in self._file.components.values():
             kind = component.kind
-            is_joint = kind in _COUPLINGS or kind.endswith(("_bearing", "slide_bearing"))
-            is_joint = is_joint or kind.startswith("rolling_bearing_with")
-            if is_joint and component.id not in with_sides:
+            is_bearing = kind.endswith("_bearing") or kind.startswith("rolling_bearing_with")
+            if (is_bearing or kind in _COUPLINGS) and component.id not in with_sides:
                 raise component.error("no relation of the type side says what it joins")
         return joints
 
@@ -158,7 +157,6 @@ class Joints:
         between = len(on_shafts) == 2
         given = bearings.get(joint.name)
         if joint.name in bearings and given is None:
-            self._notes.append(f"{component} is left out, as told")
             return
         position = self._shafts.locate(component, placed, f"u_coordinate_on_shaft_{side}_side")
         carries = self._carried(component)
@@ -283,19 +281,18 @@ class Joints:
         if component.flag("is_engaged") is False:
             self._notes.append(f"{component} is left out, because it is not engaged")
             return
-        given = couplings.get(joint.name, couplings.get(OTHER))
+        given = couplings.get(joint.name)
         if joint.name in couplings and given is None:
-            self._notes.append(f"{component} is left out, as told")
             return
         if not all(part.id in self._placed for part in (joint.inner, joint.outer)):
             raise component.error(
                 f"joins {joint.inner} and {joint.outer}; a coupling of gearbow joins two shafts"
             )
         found = self._stiffness(component, "couplings")
-        if isinstance(given, Mapping):
-            found = {**found, **given}
-        elif given is not None:
-            found["torsional_stiffness"] = number(given, f'couplings["{joint.name}"]')
+        if given is not None:
+            found |= _torsional(given, f'couplings["{joint.name}"]')
+        if "torsional_stiffness" not in found and couplings.get(OTHER) is not None:
+            found = {**_torsional(couplings[OTHER], f'couplings["{OTHER}"]'), **found}
         places: dict[str, list[Any]] = {}
         for key, part, side, other in (
             ("a", joint.inner, "inner_side", "side_1"),
@@ -333,6 +330,13 @@ class Joints:
         place = f'on "{placed.name}" at {1e3 * position:g} mm'
         part = ", ".join(text for text in (designation, kind, size, place) if text)
         self.missing.append(MissingValue(argument, joint.name, part, *missing))
+
+
+def _torsional(given: object, path: str) -> dict[str, Plain]:
+    """Give the parameters of a coupling; a number is its torsional stiffness."""
+    if isinstance(given, Mapping):
+        return dict(given)
+    return {"torsional_stiffness": number(given, path)}
 
 
 def check_given(given: object, argument: str) -> Mapping[str, object]:

@@ -221,8 +221,7 @@ def test_values_are_given_by_name():
         | {"clearance": 1e-5, "axial_stiffness": 1e7},
         "other": 5e7,
     }
-    with pytest.warns(gb.SceneWarning, match='concept_bearing "6206 right" is left out, as told'):
-        system = gb.RotorSystem.read_rexs(FILE, load_case=1, bearings=given)
+    system = gb.RotorSystem.read_rexs(FILE, load_case=1, bearings=given)
     found = {(each.shaft, each.position): each for each in system.bearings}
     assert found["input", 0.015].stiffness == found["input", 0.015].axial_stiffness == 3e8
     assert found["input", 0.145].stiffness == (1e8, 2e8)
@@ -391,6 +390,34 @@ def test_a_bearing_between_shafts_is_given_or_left_out(write):
     found = description(write(plain), bearings={**OTHER, "NU205": 4e8})
     assert found["bearings"][3] == {"shaft": "input", "position": 0.145, "stiffness": 4e8}
     assert len(description(write(plain), bearings={**OTHER, "NU205": None})["bearings"]) == 7
+
+
+def test_the_outer_ring_may_turn(write):
+    plain = model()
+    for relation in plain["relations"]:
+        if {"id": 33, "role": "assembly", "hint": relation["refs"][0].get("hint")} in relation[
+            "refs"
+        ]:
+            for ref in relation["refs"]:
+                ref["role"] = {"inner_part": "outer_part", "outer_part": "inner_part"}.get(
+                    ref["role"], ref["role"]
+                )
+    put(plain, "NU205", "u_coordinate_on_shaft_outer_side", 145, "mm")
+    assert description(write(plain))["bearings"] == description(FILE)["bearings"]
+
+
+def test_values_of_couplings_are_given_by_name(write):
+    plain = model()
+    put(plain, "coupling", "rotational_stiffness", 1e20)
+    path = write(plain)
+    for given in ({"coupling": 3e4}, {"other": 3e4}, {"coupling": {"torsional_stiffness": 3e4}}):
+        (found,) = description(path, couplings=given)["couplings"]
+        assert (found["torsional_stiffness"], found["lateral_stiffness"]) == (3e4, 2e6)
+    assert "couplings" not in description(path, couplings={"coupling": None})
+    put(plain, "coupling", "is_engaged", ["false"])
+    assert "couplings" not in description(write(plain))
+    (found,) = description(FILE, couplings={"other": 3e4})["couplings"]
+    assert found["torsional_stiffness"] == 2e4  # "other" replaces nothing
 
 
 def a_second_material(plain: dict[str, Any]) -> None:
@@ -630,11 +657,16 @@ def test_the_command_prints_a_scene(capsys, tmp_path: Path):
     options = ["--load-case", "2", "--bearing", "other=1e8", "--bearing", "NU205=200 N/um"]
     scene = tmp_path / "train.toml"
     scene.write_text(printed(capsys, str(FILE), *options))
+    written = tmp_path / "written.toml"
+    assert "next: gearbow check" in printed(capsys, str(FILE), *options, "--out", str(written))
+    assert written.read_bytes() == scene.read_bytes().removesuffix(b"\n")
     assert scene.read_text().startswith(
         "# From gearbox.rexs, REXS 1.4 of gearbow example 1\n# Load case 2: 314.159"
     )
     expected = gb.RotorSystem.read_rexs(FILE, load_case=2, bearings={**OTHER, "NU205": 2e8})
     assert gb.RotorSystem.load(scene).description == expected.description
+    without = printed(capsys, str(FILE), *options, "--bearing", "6206 right=none")
+    assert without.count("[[bearings]]") == len(expected.bearings) - 1
     listed = printed(capsys, str(FILE), "--list")
     assert listed == gb.rexs_contents(FILE).table() + "\n"
     data = json.loads(printed(capsys, str(FILE), *options, "--json"))
@@ -651,11 +683,16 @@ def test_the_command_reads_rotors_of_ross(capsys, tmp_path: Path):
     assert gb.RotorSystem.load(scene).description == gb.RotorSystem.from_ross(rotor).description
 
 
+CASE = ("--load-case", "1", "--bearing", "other=1e8")
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ([str(FILE)], "choose one with load_case"),
+        ([str(FILE)], "see --list, and the options --load-case, --bearing and --coupling"),
         ([str(FILE), "--bearing", "1e8", "--load-case", "1"], 'must be NAME=STIFFNESS, got "1e8"'),
+        ([str(FILE), *CASE, "--out", "a.json"], "--out: must end with .toml"),
         (["rotor.toml", "--list"], "rotor.toml: only REXS files have options"),
     ],
 )
