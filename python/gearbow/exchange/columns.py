@@ -9,6 +9,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -86,8 +87,9 @@ def _from_text(path: Path) -> list[_Line]:
 def _from_excel(path: Path) -> list[_Line]:
     """Read the rows of the first sheet, without comments."""
     with extra("excel"):
-        import openpyxl  # noqa: F401, PLC0415  # pandas would report it otherwise
         import pandas as pd  # noqa: PLC0415
+
+        import_module("openpyxl")  # pandas would report it in its own words
     with path.open("rb") as file:
         try:
             sheet = pd.read_excel(file, header=None, dtype=object)
