@@ -206,7 +206,7 @@ class Orders(Result, ReadOnly):
         ]
 
     def plot(
-        self, count: int | None = None, *, ax: Any = None, speed_unit: str = "rad/s"
+        self, count: int | None = None, *, ax: Any = None, speed_unit: SpeedUnit | None = None
     ) -> "Figure":
         """Draw the largest orders: bars with their names, or lines over the speed of a run-up.
 
@@ -216,8 +216,8 @@ class Orders(Result, ReadOnly):
             Number of orders; None is 12 bars or 6 lines.
         ax : Axes, optional
             Panel for the figure; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is `speed_unit` of the result.
 
         Returns
         -------
@@ -229,9 +229,8 @@ class Orders(Result, ReadOnly):
         """
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
-            from gearbow.plotting.style import speed_axis  # noqa: PLC0415
 
-        speed_axis(speed_unit)  # checks the unit
+        axis = self._speed_unit(speed_unit)
         amplitudes = np.abs(self.amplitudes)
         largest = np.argsort(-amplitudes, kind="stable")
         most = (12 if self.times.size == 1 else 6) if count is None else whole(count, "count")
@@ -252,7 +251,7 @@ class Orders(Result, ReadOnly):
                 dict(zip(names, tracks.T, strict=True)),
                 label,
                 title=title,
-                speed_unit=None if over_time else speed_unit,
+                speed_unit=None if over_time else axis,
                 ax=ax,
             )
         names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]

@@ -751,7 +751,7 @@ class Response(Result, ReadOnly):
         skip_time: float | None = None,
         against: str = "time",
         ax: Any = None,
-        speed_unit: str = "rad/s",
+        speed_unit: SpeedUnit | None = None,
     ) -> "Figure":
         """Draw recorded signals.
 
@@ -785,8 +785,8 @@ class Response(Result, ReadOnly):
         ax : Axes or sequence of Axes, optional
             One panel for each place, for a bearing two, for a mesh three and for its geometry four;
             None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is `speed_unit` of the response.
 
         Returns
         -------
@@ -807,7 +807,7 @@ class Response(Result, ReadOnly):
             times=times,
             skip_time=skip_time,
             against=against,
-            speed_unit=speed_unit,
+            speed_unit=self._speed_unit(speed_unit),
             ax=ax,
         )
 
