@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -28,6 +29,15 @@ _REFUSED = {
     "worm_wheel": "gearbow has spur and helical gears on parallel shafts",
     "general_gear": "gearbow has spur and helical gears on parallel shafts",
 }
+#: Components that are read, or that have no influence on a model of gearbow: strength, lubrication,
+#: tools, and flank modifications below the size of the teeth.
+_KNOWN = re.compile(
+    "gear_unit|gear_casing|assembly_group|material|lubricant|shaft|shaft_section|cylindrical_gear|"
+    "cylindrical_stage|external_load|additional_mass|(?!radial_plain).*bearing.*|rolling_element|.*coupling|"
+    ".*(_flank|_geometry|gear_data|_tool|_settings|_relief|_crowning|_slope|_deviation|_twist|"
+    "_modification|_data_set|_list|_curve|_point|_contact)|notch.*|.*groove|v_notch|shaft_shoulder.*|"
+    ".*_datum_face|transverse_bore|root"
+)
 #: Largest difference of a distance or diameter that is not reported [m].
 _SAME_LENGTH = 1e-6
 #: Acceleration if the file asks for gravity and does not give it, ISO 80000-3 [m/s²].
@@ -129,6 +139,9 @@ def read_rexs(
     description = train.description()
     joints = Joints(file, train.shafts, train.placed, description, train.notes)
     joints.add(*given)
+    unknown = {each.kind for each in file.components.values() if not _KNOWN.fullmatch(each.kind)}
+    if unknown:
+        train.notes.append(f"components of these types are left out: {', '.join(sorted(unknown))}")
     chosen = _chosen(file, number, found)
     if chosen is not None:
         train.add_loads(description, cases[chosen - 1])

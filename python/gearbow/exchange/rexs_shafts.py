@@ -17,6 +17,8 @@ __all__ = ["Frame", "PlacedShaft", "Shafts"]
 
 #: Largest difference of positions that counts as rounding of the file [m].
 _ROUNDING = 1e-6
+#: Most components that refer to the position of the next one; a gear unit has two or three.
+_MAX_REFERENCES = 100
 #: Largest sine of the angle between parallel shafts.
 _MAX_SINE = 1e-6
 
@@ -71,7 +73,7 @@ class Shafts:
         base = None
         if component.has("reference_component_for_position"):
             number = component.count("reference_component_for_position")
-            if number in below:
+            if number in below or len(below) > _MAX_REFERENCES:
                 raise component.error("reference_component_for_position: refers back to itself")
             if number != component.id:
                 if number not in self._file.components:

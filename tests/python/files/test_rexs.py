@@ -491,6 +491,10 @@ def a_second_material(plain: dict[str, Any]) -> None:
             "gears[1].face_width",
         ),
         (
+            lambda p: p["components"].append({"id": 98, "type": "side_plate", "name": "plate"}),
+            "components of these types are left out: side_plate",
+        ),
+        (
             lambda p: p["relations"].pop(0),
             'no material in the file for "motor"',
         ),
