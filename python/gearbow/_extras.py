@@ -13,6 +13,7 @@ _PACKAGES = {
     "plot": {"matplotlib", "mpl_toolkits", "PIL"},
     "netcdf": {"xarray", "h5netcdf", "h5py"},
     "dataframe": {"pandas", "openpyxl"},
+    "matlab": {"scipy"},
     "sparse": {"scipy"},
     "units": {"pint"},
     "sweep": {"xarray", "pandas", "dask", "distributed"},

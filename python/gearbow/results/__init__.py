@@ -20,6 +20,9 @@ _MODULES = {
     "FilmCoefficients": "gearbow.description.journal",
     "Order": "gearbow.description.kinematics",
     "RollingCoefficients": "gearbow.description.rolling",
+    "LoadCase": "gearbow.exchange.rexs",
+    "RexsContents": "gearbow.exchange.rexs",
+    "MissingValue": "gearbow.exchange.rexs_joints",
     "Orders": "gearbow.orders.fit",
     "Spectrum": "gearbow.orders.spectrum",
     "Waterfall": "gearbow.orders.waterfall",
@@ -58,6 +61,8 @@ if _typing.TYPE_CHECKING:
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
     from gearbow.description.kinematics import Order as Order
     from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
+    from gearbow.exchange.rexs_joints import MissingValue as MissingValue
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall

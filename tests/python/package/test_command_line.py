@@ -271,6 +271,7 @@ def test_every_command_has_examples_in_its_help(capsys):
     commands = re.findall(r"^    (\w+) +", out, re.M)
     assert commands == [
         "new",
+        "import",
         "check",
         "plot",
         "modes",
@@ -286,7 +287,7 @@ def test_every_command_has_examples_in_its_help(capsys):
         examples = out.split("examples:\n")[1].replace("\\\n", "").splitlines()
         assert examples
         for example in examples:
-            given = _parser().parse_args(shlex.split(example)[1:])
+            given = _parser().parse_args(shlex.split(example.partition(" > ")[0])[1:])
             assert given.command == command, example
 
 

@@ -189,7 +189,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         {"positions": [0.0, 0.2, 0.5], "amplitudes": [0.0, 1e-4, 0.0]},
     ),
     "Bow.function": (in_shaft("bow", make=gb.Bow.function), {"f": lambda x: 1e-4 * x}),
-    "Bow.read_csv": (gb.Bow.read_csv, {"path": "x.csv"}),
+    "Bow.read_table": (gb.Bow.read_table, {"path": "x.csv"}),
     "BowLimit.displacement": (as_limit("displacement"), {"at": "g1", "limit": 1e-4}),
     "BowLimit.velocity": (as_limit("velocity"), {"at": "g1", "limit": 1e-3}),
     "BowLimit.contact_ratio": (as_limit("contact_ratio"), {"at": "g1/g2", "least": 1.2}),
@@ -251,9 +251,9 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         ),
         {"speeds": [0.0, 1.0], "values": [1e8, 2e8]},
     ),
-    "SpeedTable.read_csv": (
+    "SpeedTable.read_table": (
         lambda **given: system().replace(
-            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_csv(**given))]
+            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_table(**given))]
         ),
         {"path": "x.csv"},
     ),
@@ -294,6 +294,11 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     ),
     "RotorSystem.from_dict": (gb.RotorSystem.from_dict, {"description": {}}),
     "RotorSystem.from_ross": (gb.RotorSystem.from_ross, {"path": "x.toml"}),
+    "RotorSystem.read_rexs": (
+        gb.RotorSystem.read_rexs,
+        {"path": "x.rexs", "load_case": 1, "bearings": {"other": 1e8}},
+    ),
+    "rexs_contents": (gb.rexs_contents, {"path": "x.rexs"}),
     "RotorSystem.load": (gb.RotorSystem.load, {"path": "x.toml"}),
     "RotorSystem.replace": (lambda **given: system().replace(**given), {}),
     "Accelerometer": (lambda **given: response().measure(gb.Accelerometer(**given)), {"at": "g1"}),
@@ -311,6 +316,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Sweep.load": (gb.Sweep.load, {"path": "x.sweep"}),
     "Response.from_record": (gb.Response.from_record, {"record": None}),
 }
+REXS = Path(__file__).parents[1] / "files" / "gearbox.rexs"
 BEARING = {"at": ("input", 0.0)}
 MESH = {"at": ("g1", "g2")}
 #: A value of each class, and valid required arguments of its methods.
@@ -439,7 +445,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     ),
     "Orders": (
         lambda: response().orders("g1", shaft_harmonics=1, mesh_harmonics=0, sidebands=0),
-        {"amplitude": {"name": "1"}, "plot": {}, "table": {}},
+        {"amplitude": {"name": "1"}, "plot": {}, "table": {}, "track": {"name": "1"}},
     ),
     "Spectrum": (lambda: response().spectrum("g1"), {"plot": {}}),
     "SteadyState": (
@@ -467,6 +473,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {"front": {}, "plot": {}, "recommend": {}, "table": {}, "to_dataframe": {}},
     ),
     "Trial": (lambda: tradeoff().trials[0], {"cost": {}}),
+    "RexsContents": (lambda: gb.rexs_contents(REXS), {"table": {}}),
     "Waterfall": (
         lambda: gb.waterfall(
             [system().simulate(0.05, speed, output_step=1e-4) for speed in (100.0, 110.0)], "g1"
@@ -542,6 +549,7 @@ def test_an_error_names_the_argument(name: str, tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.chdir(tmp_path)
     Path("x.csv").write_text("speed,k\n0,1e8\n1,2e8\n", encoding="utf-8")
+    Path("x.rexs").write_bytes(REXS.read_bytes())
     call, arguments = ALL[name]
 
     @each_case(("argument", "wrong"), product(parameters(name), WRONG), ids=str)
