@@ -12,8 +12,7 @@ __all__ = ["extra"]
 _PACKAGES = {
     "plot": {"matplotlib", "mpl_toolkits", "PIL"},
     "netcdf": {"xarray", "h5netcdf", "h5py"},
-    "dataframe": {"pandas"},
-    "excel": {"pandas", "openpyxl"},
+    "dataframe": {"pandas", "openpyxl"},
     "matlab": {"scipy"},
     "sparse": {"scipy"},
     "units": {"pint"},

@@ -86,7 +86,7 @@ def _from_text(path: Path) -> list[_Line]:
 
 def _from_excel(path: Path) -> list[_Line]:
     """Read the rows of the first sheet, without comments."""
-    with extra("excel"):
+    with extra("dataframe"):
         import pandas as pd  # noqa: PLC0415
 
         import_module("openpyxl")  # pandas would report it in its own words

@@ -41,6 +41,7 @@ _MODULES = {
     "Matrices": "gearbow.results.matrices",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
+    "Peaks": "gearbow.results.peak",
     "Response": "gearbow.results.response",
     "Static": "gearbow.results.static",
     "SteadyState": "gearbow.results.steady",
@@ -83,7 +84,10 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.discretisation import Discretisation as Discretisation
     from gearbow.results.matrices import Matrices as Matrices
     from gearbow.results.modes import Modes as Modes
-    from gearbow.results.peak import Peak as Peak
+    from gearbow.results.peak import (
+        Peak as Peak,
+        Peaks as Peaks,
+    )
     from gearbow.results.response import Response as Response
     from gearbow.results.static import Static as Static
     from gearbow.results.steady import SteadyState as SteadyState

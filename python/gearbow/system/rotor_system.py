@@ -44,6 +44,7 @@ from gearbow.system.simulation import default_output_step, require_memory_of_run
 from gearbow.system.steady import steady_state
 from gearbow.tradeoff.ask import tradeoff
 from gearbow.units.convert import without_texts
+from gearbow.units.speed import SpeedUnit, unit_in_texts
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -176,6 +177,8 @@ class RotorSystem(CheckedKeywords, Shown):
     gravity: float | tuple[float, float] | None
     motion: str | None
     accuracy: str
+    #: Unit of speeds in tables and figures: rpm if the texts of the scene have it.
+    _speed_unit: SpeedUnit = "rad/s"
 
     def __init__(
         self,
@@ -248,7 +251,9 @@ class RotorSystem(CheckedKeywords, Shown):
         """Make a system that was checked before, without warnings."""
         plain = copied(without_texts(description), "")
         with showing(plain):
-            return cls._from_model(Model(plain))
+            system = cls._from_model(Model(plain))
+        system._speed_unit = unit_in_texts(description)
+        return system
 
     @classmethod
     def from_dict(cls, description: Mapping[str, Plain]) -> "Self":
@@ -312,9 +317,11 @@ class RotorSystem(CheckedKeywords, Shown):
         """
         from gearbow.system.scene_file import read_scene  # noqa: PLC0415  # with a TOML parser
 
-        model = read_scene(path)
-        _warn(model)
-        return cls._from_model(model)
+        scene = read_scene(path)
+        _warn(scene.model)
+        system = cls._from_model(scene.model)
+        system._speed_unit = scene.speed_unit
+        return system
 
     @classmethod
     def from_ross(cls, path: str | os.PathLike[str]) -> "Self":
@@ -481,6 +488,7 @@ class RotorSystem(CheckedKeywords, Shown):
         """
         system = type(self)(**self._changed(changes))
         system._model.share(self._model)
+        system._speed_unit = self._speed_unit
         return system
 
     def _variation(self, **changes: Any) -> "Self":
@@ -491,6 +499,7 @@ class RotorSystem(CheckedKeywords, Shown):
         description = system._read(lists, {key: given[key] for key in _OPTIONS})
         with showing(description):
             system._model = self._model.variation(description)
+        system._speed_unit = self._speed_unit
         _warn(system._model)
         return system
 

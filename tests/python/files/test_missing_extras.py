@@ -42,14 +42,16 @@ calls = {
     "netcdf": [
         response.to_xarray,
         lambda: response.save(f"{folder}/run.nc"),
+        lambda: modes.save(f"{folder}/modes.nc"),
         lambda: gb.Response.load(f"{folder}/run.nc"),
         lambda: system.simulate(1e300, 100.0, output_step=1e299, checkpoint=f"{folder}/run.nc"),
     ],
-    "excel": [lambda: gb.SpeedTable.read_table("x.xlsx"), lambda: gb.Bow.read_table("x.xlsx")],
     "matlab": [lambda: gb.SpeedTable.read_table("x.mat")],
-    "sweep": [sweep.to_xarray, sweep.to_dataframe],
+    "sweep": [sweep.to_xarray],
     "dataframe": [
         response.to_dataframe, modes.to_dataframe, campbell.to_dataframe, run.energy_balance().to_dataframe,
+        sweep.to_dataframe, lambda: modes.save(f"{folder}/modes.csv"),
+        lambda: gb.SpeedTable.read_table("x.xlsx"), lambda: gb.Bow.read_table("x.xlsx"),
     ],
 }
 for call in calls[sys.argv[3]]:
@@ -70,8 +72,6 @@ print("done")
         ("plot", "matplotlib"),
         ("netcdf", "xarray,h5netcdf,h5py"),
         ("dataframe", "pandas"),
-        ("excel", "openpyxl"),
-        ("excel", "pandas"),
         ("matlab", "scipy"),
         ("sweep", "xarray,pandas"),
     ],

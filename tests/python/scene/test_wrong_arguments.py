@@ -464,6 +464,17 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "Tacho": (lambda: gb.Tacho("input"), {"measure": {"recording": None}}),
 }
 
+METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
+METHODS["Peaks"] = (
+    lambda: system().synchronous([0.0, 50.0, 100.0]).peaks("g1"),
+    {"plot": {}},
+)
+for kind in [getattr(gb.results, name) for name in dir(gb.results)]:
+    if hasattr(kind, "to_dataframe"):
+        common: dict[str, Any] = {"table": {}, "to_dataframe": {}, "save": {"path": "x.csv"}}
+        METHODS[kind.__name__][1].update(common | METHODS[kind.__name__][1])
+METHODS["Static"][1]["plot"] = {}
+
 #: Values that no other argument takes: the error names the argument. Numbers, texts and arrays are of the right type for
 #: some arguments; each gives a result or an error of gearbow.
 OF_WRONG_TYPE = {
@@ -476,7 +487,7 @@ OF_WRONG_TYPE = {
 }
 #: Of sequences, integers and exceptions, from Python, and constructors from data of the core.
 NOT_FOR_USERS = re.compile(
-    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.(from_data|from_rows|of)$|Sweep\.(count|index)$"
+    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.(from_data|from_rows|of)$|(Sweep|Peaks)\.(count|index)$"
 )
 #: The system of the method, and the beginning of error messages.
 NO_ARGUMENTS = {("RotorSystem.simulate_many", "system"), ("TimeSeries.function", "path")}
