@@ -39,8 +39,7 @@ _DIRECTIONS = 40
 _DEPENDENT = 1e-8
 #: Largest angle between two tangents [cos].
 _TURN = 0.9
-#: Relative accuracy of a located point.
-_LOCATED = 1e-8
+#: Number of steps in which a point is located.
 _LOCATIONS = 40
 
 
@@ -176,6 +175,8 @@ class _Follower:
             if not error < 10.0 * before:
                 break
             if error > _SLOW * before:
+                slope = self.slope(state, value, image)
+                derivative = changed(derivative, slope=slope)
                 derivative, step = self.solved(
                     (state, value, image), derivative, (along, -residual, 0.0), _SOLVED
                 )
@@ -260,7 +261,8 @@ class _Follower:
             found, _ = self.step(last, at)
             self.observe(found, (kind,))
             new = critical(found, kind)
-            done = abs(found.value - best.value) <= _LOCATED * abs(found.value)
+            # The values are not more accurate than the states.
+            done = abs(found.value - best.value) <= self.settings.tolerance * abs(found.value)
             best = found
             if done or new == 0.0:
                 break

@@ -10,7 +10,7 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import read_only
-from gearbow._shown import Shown, Table
+from gearbow._shown import Shown, Table, short
 from gearbow._types import Array, ComplexArray, Record, RunData
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
@@ -180,6 +180,8 @@ class Continuation(Shown):
     ) -> "Figure":
         """Draw a signal over the parameter: stable motions solid, unstable ones dashed.
 
+        A branch that ends before the end of its interval has an open circle at its last point.
+
         Parameters
         ----------
         at : str or tuple, optional
@@ -227,6 +229,7 @@ class Continuation(Shown):
             values,
             self.stable,
             self.kinds,
+            is_open=bool(self.message),
             labels=(label, f"{statistic or 'amplitude'} of {name.label} [{name.unit}]"),
             ax=ax,
         )
@@ -321,13 +324,16 @@ class Continuation(Shown):
         span = f"{self.values[0]:g} to {self.values[-1]:g}" if self.values.size else "empty"
         return (
             f"Continuation({self.parameter} {span}, {self.values.size} points, "
-            f"{self.folds.size} folds, {self.flips.size} flips)"
+            f"{self.folds.size} folds, {self.flips.size} flips"
+            f"{f', open end: {short(self.message)}' if self.message else ''})"
         )
 
     def _rows(self) -> Table:
         """Give a row for each located point."""
         points = zip(self.values, self.kinds, strict=True)
         located = [(kind, f"{value:.6g}") for value, kind in points if kind]
+        if self.message:
+            located.append(("open end", f"{self.values[-1]:.6g}"))
         return (("point", self.parameter), *located)
 
 
