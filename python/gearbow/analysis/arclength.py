@@ -7,6 +7,7 @@ derivative of N(x) − x is minus the identity plus a matrix of low rank. This m
 differences along few directions, and passed on from point to point.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace as changed
 from typing import Any, Protocol
@@ -25,6 +26,8 @@ __all__ = ["Map", "Settings", "branch"]
 _DIFFERENCE = 1e-7
 #: Difference of the parameter for the tangent, relative to the interval.
 _PARAMETER = 1e-6
+#: Largest distance of a point from its prediction, in lengths of the step.
+_REACH = 2.0
 #: Number of corrections of one point, and that at which the steps keep their length.
 _CORRECTIONS = 12
 _USUAL = 7
@@ -141,7 +144,7 @@ class _Follower:
         along = last.tangent
         state = last.state + step * along[:-1] * last.scale
         value = last.value + step * along[-1] * self.settings.span
-        return self.corrected(last, state, value, along)
+        return self.corrected(last, state, value, along, reach=_REACH * step)
 
     def ended(self, last: BranchPoint, beyond: BranchPoint, value: float) -> BranchPoint:
         """Give the point at a bound of the interval, between two points."""
@@ -155,12 +158,19 @@ class _Follower:
         return point
 
     def corrected(
-        self, base: BranchPoint, state: Array, value: float, along: Array
+        self,
+        base: BranchPoint,
+        state: Array,
+        value: float,
+        along: Array,
+        *,
+        reach: float = math.inf,
     ) -> tuple[BranchPoint, int]:
-        """Correct a predicted point in the plane across a direction."""
+        """Correct a predicted point in the plane across a direction, within a distance."""
         size, scale, derivative = self.size(state), base.scale, base.derivative
         image = self.map.images(state[None], value, adapt=True)[0]
         before, last, step = np.inf, np.zeros(0), np.zeros(0)
+        moved = np.zeros(along.size)
         for count in range(1, _CORRECTIONS + 1):
             residual = (image - state) / scale
             error = float(np.linalg.norm(residual)) * scale / size
@@ -182,6 +192,9 @@ class _Follower:
                 )
             else:
                 step = derivative.solve(along, -residual, 0.0)
+            moved = moved + step
+            if np.linalg.norm(moved) > reach:
+                break
             state = state + step[:-1] * scale
             value = value + step[-1] * self.settings.span
             image = self.map.images(state[None], value)[0]
