@@ -40,8 +40,9 @@ _TANGENT = 1e-4
 _DIRECTIONS = 40
 #: Part of a direction that is not in the span of the others, below which it is round-off.
 _DEPENDENT = 1e-8
-#: Largest angle between two tangents [cos].
+#: Largest angle between two tangents [cos], and that up to which steps become longer.
 _TURN = 0.9
+_SMALL_TURN = 0.96
 #: Number of steps in which a point is located.
 _LOCATIONS = 40
 
@@ -136,7 +137,11 @@ class _Follower:
                         f"{error}"
                     ) from error
                 continue
-            factor = 1.5 if count < _USUAL else 1.0 if count == _USUAL else 0.6
+            turn = point.tangent @ last.tangent
+            if count > _USUAL:
+                factor = 0.6
+            else:
+                factor = 1.5 if count < _USUAL and turn > _SMALL_TURN else 1.0
             return point, min(step * factor, self.settings.largest)
 
     def step(self, last: BranchPoint, step: float) -> tuple[BranchPoint, int]:

@@ -58,7 +58,7 @@ def branch(
                 color=PALETTE[0] if stable[-1] else PALETTE[1],
                 markerfacecolor="white",
                 markersize=9,
-                label="open end: the branch continues",
+                label="open end",
             )
         axes.set(xlabel=labels[0], ylabel=labels[1])
         axes.legend()

@@ -102,7 +102,8 @@ def continuation(
     Returns
     -------
     Continuation
-        The branch. Where it cannot be followed further, `Continuation.message` says why.
+        The branch. Where it ends before `end`, `Continuation.message` and an `AccuracyWarning`
+        say why.
 
     Raises
     ------
