@@ -20,6 +20,9 @@ _MODULES = {
     "FilmCoefficients": "gearbow.description.journal",
     "Order": "gearbow.description.kinematics",
     "RollingCoefficients": "gearbow.description.rolling",
+    "LoadCase": "gearbow.exchange.rexs",
+    "RexsContents": "gearbow.exchange.rexs",
+    "MissingValue": "gearbow.exchange.rexs_joints",
     "Orders": "gearbow.orders.fit",
     "Spectrum": "gearbow.orders.spectrum",
     "Waterfall": "gearbow.orders.waterfall",
@@ -38,6 +41,7 @@ _MODULES = {
     "Matrices": "gearbow.results.matrices",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
+    "Peaks": "gearbow.results.peak",
     "Response": "gearbow.results.response",
     "Static": "gearbow.results.static",
     "SteadyState": "gearbow.results.steady",
@@ -55,6 +59,8 @@ if _typing.TYPE_CHECKING:
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
     from gearbow.description.kinematics import Order as Order
     from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
+    from gearbow.exchange.rexs_joints import MissingValue as MissingValue
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
@@ -78,7 +84,10 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.discretisation import Discretisation as Discretisation
     from gearbow.results.matrices import Matrices as Matrices
     from gearbow.results.modes import Modes as Modes
-    from gearbow.results.peak import Peak as Peak
+    from gearbow.results.peak import (
+        Peak as Peak,
+        Peaks as Peaks,
+    )
     from gearbow.results.response import Response as Response
     from gearbow.results.static import Static as Static
     from gearbow.results.steady import SteadyState as SteadyState

@@ -35,6 +35,7 @@ from gearbow.system.linear import matrices
 from gearbow.system.run import requests
 from gearbow.system.simulation import accuracy_level
 from gearbow.system.steady import period_samples, steady_state
+from gearbow.units.speed import SpeedUnit, given_unit
 
 __all__ = ["continuation"]
 
@@ -97,7 +98,8 @@ def continuation(
     geometry : {"live", "frozen"}
         As for `simulate`.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction of the points.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction of the points.
 
     Returns
     -------
@@ -114,6 +116,8 @@ def continuation(
     KeyboardInterrupt
         At Ctrl-C. The exception has the attribute `.branch`: the branch so far.
     """
+    given = (begin, end) if speed is None else speed
+    unit = given_unit(given) or self._speed_unit
     _check(parameter, begin, end, speed)
     begin, end = number(begin, "begin"), number(end, "end")
     length, most = number(first_step, "first_step"), whole(max_points, "max_points")
@@ -126,6 +130,7 @@ def continuation(
     if rtol is not None:
         rtol = number(rtol, "rtol")
     family = _Family(self, parameter, at)
+    family.speed_unit = unit
     first = family.system(begin)
     longest = number(max_period, "max_period")
     common = periods * common_period(first._model, at, None, longest)
@@ -176,7 +181,9 @@ def _followed(
     points: list[BranchPoint] = []
     message = ""
     try:
-        with reported(progress, settings.max_points, "points", estimate=False) as report:
+        with reported(
+            progress, settings.max_points, "points", what="continuation", estimate=False
+        ) as report:
             for point in branch(motion, first, settings):
                 points.append(point)
                 if report is not None:
@@ -212,6 +219,7 @@ class _Family:
             base = type(base)._from_description(base._model.resolved())
         self.base, self.parameter, self.fixed = base, parameter, speed
         self._last: tuple[float, System] = (math.nan, base)
+        self.speed_unit: SpeedUnit = "rad/s"
 
     def speed(self, value: float) -> float:
         """Speed of the reference shaft [rad/s]."""
@@ -413,6 +421,7 @@ class _Motion:
         speed = self.family.fixed
         signals = Response(summary([point.kept for point in points]), speed)
         signals.kinematics = Kinematics.of(self.family.base)
+        signals.speed_unit = self.family.speed_unit
         multipliers = [
             [(float(z.real), float(z.imag)) for z in point.multipliers] for point in points
         ]
