@@ -114,6 +114,7 @@ pub fn run_options(
         stages: given.stages,
         modes: given.modes,
         reduction: level.and_then(|level| level.reduction()),
+        kept_modes: None,
         force_error: level.map(|level| level.mesh_force),
         initial: read_initial(initial)?,
         times: Vec::new(),

@@ -34,6 +34,7 @@ pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
 pub use known_reduction::Reduction;
 pub use options::{Final, Initial, Method, Options, StepSetting};
+pub use period_map::kept_modes;
 pub(in crate::analysis) use period_map::{PeriodMap, with_period_map, with_section_map};
 pub use record::{AxialRecord, Record};
 pub use record_plan::{Point, RecordPlan, Request};

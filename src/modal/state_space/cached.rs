@@ -44,6 +44,15 @@ struct SynthesisKey {
     loaded: Vec<usize>,
 }
 
+/// What a model in given modes reads beside it.
+#[derive(Clone, Debug, PartialEq)]
+struct GivenModesKey {
+    /// Speed of the reference shaft, rad/s.
+    speed: f64,
+    /// Modes whose displacements the model can have.
+    modes: Arc<RealModes>,
+}
+
 /// The inputs, besides the model, on which its growing modes depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GrowthKey {
@@ -100,6 +109,8 @@ struct LinearPart {
     growing: Recent<GrowthKey, Option<Arc<DMatrix<f64>>>>,
     /// The modes that runs keep.
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
+    /// The model in the modes of another speed, or of a system with the same coordinates.
+    in_given_modes: Recent<GivenModesKey, Arc<Projected>>,
     /// Factors of the dynamic stiffness at the last speeds.
     dynamic: Recent<DynamicKey, Arc<DynamicFactors>>,
     /// The linear parts at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
@@ -352,6 +363,19 @@ impl CachedModel {
                 None => all.clone(),
             };
             Ok(Arc::new(Projected::new(&self.model, modes, speed)))
+        })
+    }
+
+    /// The model at `speed` of the reference shaft, rad/s, in the displacements of `modes`: those of another speed, or of a
+    /// system with the same coordinates.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn in_modes(&self, modes: &Arc<RealModes>, speed: f64) -> Result<Arc<Projected>, DecompositionError> {
+        let key = GivenModesKey { speed, modes: Arc::clone(modes) };
+        self.linear_part().in_given_modes.get_or_try(key, || {
+            let own = RealModes::in_subspace(&self.model, speed, &modes.vectors)?;
+            Ok(Arc::new(Projected::new(&self.model, own, speed)))
         })
     }
 

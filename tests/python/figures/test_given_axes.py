@@ -48,7 +48,7 @@ def results() -> dict:
         "tradeoff": STUDY,
         "steady": system.steady_state(100.0, geometry="frozen"),
         "branch": jeffcott(damping=4e3).continuation(
-            "speed", 50.0, 55.0, record=["disk"], max_points=4
+            "speed", 50.0, 55.0, record=["disk"], first_step=1.0
         ),
     }
 

@@ -140,7 +140,7 @@ def objects() -> dict[str, object]:
     ]
     found += [
         rotor.steady_state(100.0, record=[("s", 0.5)]),
-        rotor.continuation("bow", 0.5, 1.0, speed=100.0, record=[("s", 0.5)], max_points=4),
+        rotor.continuation("bow", 0.5, 1.0, speed=100.0, record=[("s", 0.5)], first_step=1.0),
     ]
     with contextlib.suppress(gb.MissingExtraError):
         found.append(pair.matrices(20.0, sparse=True))

@@ -70,7 +70,7 @@ def sweep() -> gb.Sweep:
 
 @cache
 def branch() -> gb.Continuation:
-    return system().continuation("speed", 100.0, 100.5, max_points=3, first_step=0.5)
+    return system().continuation("speed", 100.0, 100.5, max_points=3, first_step=1.1)
 
 
 @cache
@@ -311,6 +311,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
                 "begin": 100.0,
                 "end": 100.5,
                 "max_points": 1,
+                "first_step": 1.1,
                 "max_period": 0.2,
             },
             "critical_speed_map": {"stiffnesses": [1e7, 1e8]},
