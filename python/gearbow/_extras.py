@@ -14,6 +14,7 @@ _PACKAGES = {
     "netcdf": {"xarray", "h5netcdf", "h5py"},
     "dataframe": {"pandas"},
     "sparse": {"scipy"},
+    "uff": {"pyuff"},
     "units": {"pint"},
     "sweep": {"xarray", "pandas", "dask", "distributed"},
 }

@@ -9,7 +9,7 @@ use super::{AnalysisError, Dense};
 use crate::linalg::{CoupledFactors, Singular, backward_error, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Projected};
 use crate::model::{Excitation, Model};
-use crate::scene::Node;
+use crate::scene::{EntryPath, Node, SceneError};
 
 /// Part of the excitation by a rotating shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,12 +23,27 @@ pub enum ExcitationPart {
     Unbalance,
 }
 
+impl ExcitationPart {
+    /// Finds a part by its name, which the entry `at` contains.
+    ///
+    /// # Errors
+    /// [`SceneError`] for another name.
+    pub(crate) fn named(name: &str, at: &EntryPath<'_>) -> Result<Self, SceneError> {
+        match name {
+            "both" => Ok(Self::Both),
+            "bow" => Ok(Self::Bow),
+            "unbalance" => Ok(Self::Unbalance),
+            _ => Err(at.error(format!("must be \"both\", \"bow\" or \"unbalance\", got \"{name}\""))),
+        }
+    }
+}
+
 /// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
 pub(super) const MAX_DENSE: usize = 2000;
 
 /// Largest relative residual of a response. Machines reach 1e-11, and scenes with stiffnesses of very different size 2e-6; a
 /// response that is wrong has a residual near one.
-const MAX_RESIDUAL: f64 = 1e-4;
+pub(super) const MAX_RESIDUAL: f64 = 1e-4;
 
 /// Response to the rotation of one shaft.
 #[derive(Clone, Debug)]
@@ -184,7 +199,7 @@ pub(super) fn rotating_force(
 }
 
 /// Solves S x = f without modal damping; `None` if round-off leaves no accurate solution.
-fn without_modal_damping(
+pub(super) fn without_modal_damping(
     cached: &CachedModel,
     key: DynamicKey,
     force: &DVector<Complex<f64>>,
@@ -214,7 +229,7 @@ fn solve_structured(
 }
 
 /// The same with the dense matrix, which may contain modal damping.
-fn solve_dense(
+pub(super) fn solve_dense(
     cached: &CachedModel,
     DynamicKey { speed, spin, flank_speed }: DynamicKey,
     force: DVector<Complex<f64>>,

@@ -26,6 +26,7 @@ mod link;
 mod loads;
 mod matrices;
 mod numbering;
+mod place;
 mod quadratic_forms;
 mod shaft;
 
@@ -36,6 +37,7 @@ pub use flanks::Rotation;
 pub use housing::{HousingInertia, point_rows};
 pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
+pub use place::PlaceRows;
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
 
 use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing};

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from gearbow._core import __version__
-from gearbow.cli import linear, new, runs
+from gearbow.cli import linear, new, response, runs
 from gearbow.cli.answer import Answer
 from gearbow.errors import GearbowError, SceneError
 
@@ -93,7 +93,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"gearbow {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in (new, linear, runs):
+    for module in (new, linear, response, runs):
         module.add(commands)
     return parser
 

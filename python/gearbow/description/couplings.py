@@ -150,9 +150,9 @@ class Force(Part):
     """
 
     at: At
-    value: complex | TimeSeries | Callable[[Any], Any] = 0.0
+    value: complex | tuple[complex, complex] | TimeSeries | Callable[[Any], Any] = 0.0
     order: float | None = None
-    axial: float = 0.0
+    axial: complex = 0.0
 
     def _describe(self, path: str) -> dict[str, Plain]:
         given: dict[str, Plain] = {"at": place(self.at, f"{path}.at")}

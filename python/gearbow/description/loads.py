@@ -101,7 +101,7 @@ class Torque(Part):
     """
 
     at: At
-    value: float | str | SpeedTable | TimeSeries | Callable[[Any], Any]
+    value: complex | str | SpeedTable | TimeSeries | Callable[[Any], Any]
 
     @classmethod
     def balance(cls, at: At) -> "Torque":

@@ -35,6 +35,8 @@ _MODULES = {
     "Continuation": "gearbow.results.continuation",
     "CriticalSpeedMap": "gearbow.results.critical_speeds",
     "Discretisation": "gearbow.results.discretisation",
+    "FrequencyComparison": "gearbow.results.frequency_comparison",
+    "FrequencyResponse": "gearbow.results.frequency_response",
     "Matrices": "gearbow.results.matrices",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
@@ -76,6 +78,10 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.continuation import Continuation as Continuation
     from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
     from gearbow.results.discretisation import Discretisation as Discretisation
+    from gearbow.results.frequency_comparison import (
+        FrequencyComparison as FrequencyComparison,
+    )
+    from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
     from gearbow.results.matrices import Matrices as Matrices
     from gearbow.results.modes import Modes as Modes
     from gearbow.results.peak import Peak as Peak

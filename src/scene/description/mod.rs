@@ -8,6 +8,7 @@ mod housing;
 mod loads;
 mod reading;
 mod shaft;
+mod sources;
 mod speed_table;
 mod teeth;
 
@@ -18,6 +19,7 @@ pub use bearing::{Bearing, ContactKind, FilmModel};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
+pub use sources::{GroundQuantity, Source};
 pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable};
 pub use teeth::{
     Engagement, Foundation, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError,
