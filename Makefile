@@ -79,8 +79,8 @@ fuzz: $(VENV)/.dev
 mutants: $(VENV)/.mutants
 	$(BIN)/python tools/mutants.py --seed 1 --left-out tradeoff/ accuracy/ recording/motion.py \
 		simulate/reduc simulate/variation simulate/pilot simulate/known simulate/ports simulate/component simulate/audit \
-		modal/balanced modal/components modal/projected modal/square_root modal/galerkin exponential/substep \
-		exponential/dense exponential/jump exponential/contact_change steady/quasi steady/harmonics steady/turning \
+		undamped/components state_space/projected undamped/square_root lowest/galerkin within_step/substep \
+		run/contact_change steady/quasi steady/harmonics steady/turning \
 		steady/anderson steady/gmres linalg/band linalg/coup linalg/conjugate connection/spring
 
 check: lint types documents docs test

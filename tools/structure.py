@@ -151,15 +151,22 @@ def rust_graph(family: str = "none") -> Graph:
 
 
 def folder_graph() -> Graph:
-    """Collect the imports between the folders of the crate."""
+    """Collect the imports between folders of the crate that lie in the same folder."""
     graph: Graph = {}
     for file, targets in rust_graph().items():
-        folders = {
-            str(Path(target).parent) for target in targets if Path(target).parent.name != "src"
-        }
-        folder = "/".join(Path(file).parts[:2])
-        names = graph.setdefault(folder, set())
-        names |= {"/".join(Path(name).parts[:2]) for name in folders} - {folder}
+        for target in targets:
+            parts, others = Path(file).with_suffix("").parts, Path(target).with_suffix("").parts
+            depth = next(
+                (
+                    k
+                    for k, pair in enumerate(zip(parts, others, strict=False))
+                    if len(set(pair)) > 1
+                ),
+                0,
+            )
+            folder, other = Path(*parts[: depth + 1]), Path(*others[: depth + 1])
+            if depth and (ROOT / folder).is_dir() and (ROOT / other).is_dir():
+                graph.setdefault(str(folder), set()).add(str(other))
     return graph
 
 
