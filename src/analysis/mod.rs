@@ -43,4 +43,4 @@ pub use peaks::{Peak, Probe, peaks};
 pub use responses::{Response, Responses, memory_of_responses, synchronous};
 pub use sources::{Forces, Harmonic, Source};
 pub use stability::Spectrum;
-pub use synchronous::{ExcitationPart, SourceResponse, bearing_forces, bow};
+pub use synchronous::{ExcitationPart, SourceResponse, bow};

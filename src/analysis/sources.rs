@@ -24,9 +24,10 @@ pub struct Harmonic {
 }
 
 impl Harmonic {
-    /// Sum of a stiffness k and a damping c, k + iωc.
-    fn stiffness(&self, stiffness: f64, damping: f64) -> Complex64 {
-        Complex64::new(stiffness, self.frequency * damping)
+    /// Dynamic stiffness k(1 + iη sgn ω) + iωc of a stiffness k with a loss factor η, and a damping c.
+    fn stiffness(&self, stiffness: f64, loss_factor: f64, damping: f64) -> Complex64 {
+        let sign = if self.frequency == 0.0 { 0.0 } else { self.frequency.signum() };
+        Complex64::new(stiffness, sign * loss_factor * stiffness + self.frequency * damping)
     }
 }
 
@@ -48,8 +49,8 @@ impl<'m> LinearElement<'m> {
 
     /// Force (K + iωC) u of scalars u.
     fn force(&self, at: Harmonic, scalars: &[Complex64; 2]) -> [Complex64; 2] {
-        let Support { stiffness, damping, .. } = self.coefficients;
-        let entry = |i: usize, j: usize| at.stiffness(stiffness[i][j], damping[i][j]);
+        let Support { stiffness, damping, loss_factor, .. } = self.coefficients;
+        let entry = |i: usize, j: usize| at.stiffness(stiffness[i][j], *loss_factor, damping[i][j]);
         [0, 1].map(|i| entry(i, 0) * scalars[0] + entry(i, 1) * scalars[1])
     }
 }
@@ -205,8 +206,8 @@ pub struct Forces<'a> {
     pub model: &'a Model,
     /// Frequency and speed.
     pub at: Harmonic,
-    /// The source of the motion.
-    pub source: &'a Source,
+    /// The source of the motion, if it is a relative displacement in a mesh or a bearing.
+    pub source: Option<&'a Source>,
     /// Phasors of the displacements, n entries in the order of the core, m and rad.
     pub phasors: &'a [Complex64],
 }
@@ -216,7 +217,8 @@ impl Forces<'_> {
     pub fn meshes(&self) -> impl Iterator<Item = Complex64> + '_ {
         (0..self.model.meshes.len()).map(|mesh| {
             let (row, stiffness) = mesh_row(self.model, mesh, self.at);
-            stiffness * (product(&row, self.phasors) - self.source.mesh_error(mesh))
+            let error = self.source.map_or(Complex64::ZERO, |source| source.mesh_error(mesh));
+            stiffness * (product(&row, self.phasors) - error)
         })
     }
 
@@ -233,7 +235,8 @@ impl Forces<'_> {
     }
 
     fn element(&self, element: &LinearElement<'_>) -> [Complex64; 2] {
-        let mut scalars = self.source.ground(self.at.frequency, &element.rows).map(|ground| -ground);
+        let ground = self.source.map(|source| source.ground(self.at.frequency, &element.rows));
+        let mut scalars = ground.unwrap_or_default().map(|ground| -ground);
         for (scalar, row) in scalars.iter_mut().zip(&element.rows) {
             *scalar += product(row, self.phasors);
         }
@@ -246,7 +249,7 @@ fn mesh_row(model: &Model, mesh: usize, at: Harmonic) -> (Row, Complex64) {
     let (gear_mesh, sigma) = (&model.meshes[mesh], model.sigma(mesh, at.speed));
     let mut row = Row::new();
     gear_mesh.gradient(sigma, &gear_mesh.directions_at_rest(sigma), |index, slope| row.push((index, slope)));
-    (row, at.stiffness(gear_mesh.stiffness, gear_mesh.damping))
+    (row, at.stiffness(gear_mesh.stiffness, gear_mesh.loss_factor, gear_mesh.damping))
 }
 
 fn product(row: &Row, values: &[Complex64]) -> Complex64 {

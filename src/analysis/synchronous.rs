@@ -9,7 +9,7 @@ use super::{AnalysisError, Dense};
 use crate::linalg::{CoupledFactors, Singular, backward_error, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Projected};
 use crate::model::{Excitation, Model};
-use crate::scene::{EntryPath, Node, SceneError};
+use crate::scene::{EntryPath, SceneError};
 
 /// Part of the excitation by a rotating shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -96,25 +96,6 @@ pub fn bow(model: &Model) -> DVector<Complex<f64>> {
         }
     }
     amplitudes
-}
-
-/// Phasors of the force over (y, z) on the bearings of `nodes`, N, for a source shaft of speed `spin`, rad/s.
-pub fn bearing_forces(
-    model: &Model,
-    nodes: &[Node],
-    spin: f64,
-    amplitudes: &DVector<Complex<f64>>,
-) -> Vec<[Complex<f64>; 2]> {
-    let part = |part: fn(&Complex<f64>) -> f64| amplitudes.iter().map(part).collect::<Vec<_>>();
-    let (re, im) = (part(|value| value.re), part(|value| value.im));
-    // The velocity is Re(iω a e^{iϑ}): its phasor has the real part −ω Im a and the imaginary part ω Re a.
-    let rate = |part: &[f64], factor: f64| part.iter().map(|value| factor * value).collect::<Vec<_>>();
-    let (rate_re, rate_im) = (rate(&im, -spin), rate(&re, spin));
-    let force = |node: &Node| {
-        let (re, im) = (model.bearing_force(*node, &re, &rate_re), model.bearing_force(*node, &im, &rate_im));
-        [0, 1].map(|row| Complex::new(re[row], im[row]))
-    };
-    nodes.iter().map(force).collect()
 }
 
 /// Response at `speed` to one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s.
@@ -241,6 +222,12 @@ pub(super) fn solve_dense(
     let mut dynamic = DMatrix::from_fn(model.len(), model.len(), |i, j| {
         Complex::new(stiffness[(i, j)] - spin * spin * mass[(i, j)], spin * rate[(i, j)])
     });
+    if model.has_structural_damping() && spin != 0.0 {
+        let sign = spin.signum();
+        model.sparse_structural(flank_speed).for_each(|row, column, value| {
+            dynamic[(row, column)] += Complex::new(0.0, sign * value);
+        });
+    }
     if spin == 0.0 {
         // Null motions have no stiffness at standstill. The bow does not drive them, so that an artificial stiffness has
         // no effect.

@@ -58,6 +58,8 @@ pub struct Support {
     pub symmetric_part: [[f64; 2]; 2],
     /// Damping matrix over (v, w), N s/m.
     pub damping: [[f64; 2]; 2],
+    /// Loss factor η of the stiffness, which analyses in the frequency domain contain.
+    pub loss_factor: f64,
     /// Whether it has the coefficients of a nonlinear bearing at its operating point.
     pub is_operating_point: bool,
 }
@@ -65,7 +67,13 @@ pub struct Support {
 impl Support {
     /// A bearing with constant coefficients at the coordinates `index` (v) and `index` + 1 (w).
     pub fn new(index: usize, stiffness: Matrix2, damping: Matrix2) -> Self {
-        Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping, is_operating_point: false }
+        let symmetric_part = symmetric_part(&stiffness);
+        Self { index, stiffness, symmetric_part, damping, loss_factor: 0.0, is_operating_point: false }
+    }
+
+    /// The same element with a loss factor η of its stiffness.
+    pub fn with_loss_factor(self, loss_factor: f64) -> Self {
+        Self { loss_factor, ..self }
     }
 
     /// Orthogonal unit vectors over (v, w) in which the bearing has stiffness.

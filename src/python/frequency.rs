@@ -214,10 +214,11 @@ impl ResponseTable {
         self.largest.push(largest_displacement(&cached.model, sources));
         let at_speed = cached.at_speed(speed)?;
         for (column, shaft) in sources.column_iter().zip(&cached.model.shafts) {
-            let column = column.into_owned();
-            self.amplitudes.extend(cached.model.numbering.to_user_order(column.as_slice()));
-            let forces = analysis::bearing_forces(&at_speed.model, bearings, shaft.ratio * speed, &column);
-            self.forces.extend(forces.as_flattened());
+            let phasors = column.as_slice();
+            self.amplitudes.extend(cached.model.numbering.to_user_order(phasors));
+            let at = Harmonic { frequency: shaft.ratio * speed, speed };
+            let forces = Forces { model: &at_speed.model, at, source: None, phasors };
+            self.forces.extend(bearings.iter().flat_map(|node| forces.bearing(*node)));
         }
         Ok(())
     }
@@ -386,7 +387,7 @@ impl HarmonicTable {
         for (source, response) in sources.iter().zip(found) {
             let phasors = response.phasors.as_slice();
             self.phasors.extend(model.numbering.to_user_order(phasors));
-            let forces = Forces { model, at, source, phasors };
+            let forces = Forces { model, at, source: Some(source), phasors };
             self.bearing_force.extend(bearings.iter().flat_map(|node| forces.bearing(*node)));
             self.mesh_force.extend(forces.meshes());
         }

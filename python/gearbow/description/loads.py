@@ -44,6 +44,9 @@ class Bearing(Part):
         Stiffness against rotations of the shaft about y and z [N m/rad].
     tilting_damping : float
         Damping of these rotations [N m s/rad].
+    loss_factor : float
+        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of `frequency_response`
+        and `synchronous`. Modes do not contain it, and runs refuse it.
     support : str or Support, optional
         What it stands on: the name of a support or housing of the system, or a support of its own.
         None is the ground.
@@ -63,6 +66,7 @@ class Bearing(Part):
     axial_damping: float = 0.0
     tilting_stiffness: float = 0.0
     tilting_damping: float = 0.0
+    loss_factor: float = 0.0
     support: str | Support | None = None
 
     @classmethod

@@ -353,7 +353,8 @@ class FrequencyResponse(ReadOnly):
             parts = {name: (self._along(), values) for name, values in lines.items()}
         if kind == "nyquist":
             return figures.nyquist(parts, unit, ax=ax)
-        return figures.bode(parts, unit, self.axes[0] if two is False else self.axes[1], ax=ax)
+        over = "frequency" if self.axes[-1] == "frequency" else "speed"
+        return figures.bode(parts, unit, over, ax=ax)
 
     def _along(self) -> Array:
         """Give the values of the only axis."""
@@ -368,7 +369,7 @@ class FrequencyResponse(ReadOnly):
             with np.errstate(invalid="ignore"):
                 orders = np.nanmax(self.frequencies / self.speeds, axis=0)
             for j, order in enumerate(orders):
-                yield f"{order:g}×", (slice(None), j), self.frequencies[:, j]
+                yield f"{order:g}×", (slice(None), j), self.speeds[:, j]
 
     def _lines(
         self, at: Any, quantity: str, direction: str | None

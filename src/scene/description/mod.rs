@@ -230,6 +230,9 @@ pub struct Mesh {
     /// Damping along the line of action, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
+    /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loss_factor: Option<f64>,
     /// Whether the damping acts while the flanks are separated as well; only in contact by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_in_separation: Option<bool>,

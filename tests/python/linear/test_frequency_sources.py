@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -88,8 +90,8 @@ def test_motions_below_single_bearings_add_up_to_that_of_the_ground():
     assert np.sum(parts, axis=0) == pytest.approx(whole, rel=1e-9, abs=1e-9 * np.abs(whole).max())
     with pytest.raises(gb.SceneError, match=r"source\[0\].under\[0\]: nothing there stands"):
         system.frequency_response([1.0], source=gb.GroundMotion(1.0, under=[("in", 0.2)]))
+    source = gb.GroundMotion(1.0, quantity="acceleration")
     with pytest.raises(gb.SceneError, match=r"frequencies\[1\]: must not be 0"):
-        source = gb.GroundMotion(1.0, quantity="acceleration")
         system.frequency_response([1.0, 0.0], source=source)
 
 
@@ -182,6 +184,66 @@ def test_frequency_zero_is_the_static_deflection():
     )
 
 
+@pytest.mark.parametrize(
+    "options", [{}, {"modal_damping": 0.02}, {"modal_damping": 0.02, "fine": True}]
+)
+@pytest.mark.parametrize("w", [-700.0, 1500.0])
+def test_a_loss_factor_acts_as_a_damping_at_one_frequency(options: dict, w: float):
+    # η k/|ω| in place of a loss factor η; the fine model has bands with modal damping.
+    options, eta = dict(options), 0.07
+    elements = {"elements": 16} if options.pop("fine", False) else {"elements": 4}
+    shafts = [replace(shaft, **elements) for shaft in train().shafts]
+
+    def variant(lossy: bool):
+        loss, extra = (eta, 0.0) if lossy else (0.0, eta / abs(w))
+        bearings = []
+        for bearing in train().bearings:
+            matrix = np.array(bearing.stiffness)
+            damping = np.ones_like(matrix) * np.array(bearing.damping)
+            if matrix.ndim == 2:
+                damping = np.eye(2) * bearing.damping
+            bearings.append(replace(bearing, damping=damping + extra * matrix, loss_factor=loss))
+        base = gb.Support(
+            "pedestal", mass=30.0, stiffness=2e8, damping=4e3 + extra * 2e8, loss_factor=loss
+        )
+        mesh = gb.Mesh(
+            "pinion", "wheel", stiffness=2e8, damping=1e3 + extra * 2e8, loss_factor=loss
+        )
+        return train(shafts=shafts, bearings=bearings, supports=[base], meshes=[mesh], **options)
+
+    source = [gb.MeshExcitation("pinion/wheel"), gb.GroundMotion(1e-6), gb.Force("wheel", 1.0)]
+    lossy, viscous = (
+        variant(kind).frequency_response([w], source=source, speed=90.0) for kind in (True, False)
+    )
+    # the modes of modal damping are those without damping, in both
+    scale = 1e-9 * np.abs(viscous.phasors).max(axis=-1, keepdims=True)
+    assert (np.abs(lossy.phasors - viscous.phasors) < scale).all()
+    assert lossy.mesh_force("pinion/wheel") == pytest.approx(
+        viscous.mesh_force("pinion/wheel"), rel=1e-8
+    )
+    for place in (("in", 0.0), ("out", 0.0)):
+        assert lossy.bearing_force(place) == pytest.approx(viscous.bearing_force(place), rel=1e-8)
+    # bow and unbalance: the frequency is that of the speed
+    ratio = abs(w)
+    first, second = (variant(kind).synchronous([ratio]).amplitudes[:, 0] for kind in (True, False))
+    assert first == pytest.approx(second, rel=1e-8, abs=1e-9 * np.abs(second).max())
+
+
+def test_runs_refuse_loss_factors():
+    bearings = [replace(train().bearings[0], loss_factor=0.1), *train().bearings[1:]]
+    system = train(bearings=bearings)
+    with pytest.raises(
+        gb.SceneError, match=r"bearings\[0\].loss_factor: has a meaning in the frequency"
+    ):
+        system.simulate(0.01, 50.0)
+    with pytest.raises(
+        gb.SceneError, match=r"bearings\[0\].loss_factor: has a meaning in the frequency"
+    ):
+        system.steady_state(50.0)
+    with pytest.raises(gb.SceneError, match=r"meshes\[0\].loss_factor: must not be negative"):
+        train(meshes=[gb.Mesh("pinion", "wheel", stiffness=2e8, loss_factor=-0.1)])
+
+
 def test_sensors_measure_phasors():
     system = train()
     found = system.frequency_response([300.0, 900.0], source=gb.Force("pinion", 1.0), speed=50.0)
@@ -236,6 +298,6 @@ def test_wrong_arguments_are_refused():
         try:
             with pytest.raises(gb.SceneError, match=text):
                 system.frequency_response(**arguments)
-        except BaseException as error:  # every case is reported
+        except (AssertionError, pytest.fail.Exception) as error:
             failures.append(f"{text}: {error}")
     assert not failures, "\n".join(failures)
