@@ -97,7 +97,10 @@ fn element_at(shaft: &Shaft, position: f64, at: &EntryPath<'_>) -> Result<Within
     let inside = |ends: &[f64]| (ends[0]..=ends[1]).contains(&position);
     let element = shaft.nodes.windows(2).position(inside).ok_or_else(|| {
         let end = shaft.nodes.last().copied().unwrap_or_default();
-        at.error(format!("shaft \"{}\" reaches from 0 to {end} m, got the position {position} m", shaft.name))
+        at.error(format!(
+            "shaft \"{}\" reaches from 0 to {end} m; give a position on it in metres, got {position} m",
+            shaft.name
+        ))
     })?;
     Ok(Within { element, xi: (position - shaft.nodes[element]) / (shaft.nodes[element + 1] - shaft.nodes[element]) })
 }

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, TypeAlias
 
-from gearbow._convert import complex_number, shown, text
+from gearbow._convert import complex_number, items, shown, text
 from gearbow._lookup import one_of
 from gearbow._types import At, Plain
 from gearbow.description.couplings import Force
@@ -81,7 +81,7 @@ class GroundMotion(Part):
             "axial": _phasor(self.axial, f"{path}.axial"),
         }
         if self.under is not None:
-            listed = enumerate(self.under)
+            listed = enumerate(items(self.under, f"{path}.under", "places"))
             given["under"] = [place(at, f"{path}.under[{i}]", "place") for i, at in listed]
         return given
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import shown
+from gearbow._convert import items, shown
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
@@ -388,7 +388,10 @@ class FrequencyResponse(ReadOnly):
         single = isinstance(at, (str, SignalSensor)) or (isinstance(at, tuple) and len(at) == 2)
         found: dict[str, ComplexArray] = {}
         units = set()
-        for one in [at] if single else list(at):
+        listed = [at] if single else items(at, "at", "places, meshes and sensors")
+        if not listed:
+            raise SceneError("at: must name at least one place, mesh or sensor")
+        for one in listed:
             if isinstance(one, SignalSensor):
                 label, unit, values = one.label, one.unit, self.measure(one)
             elif is_pair(place(one)):
@@ -575,17 +578,21 @@ class FrequencyResponse(ReadOnly):
         GearbowError
             If there is no such place.
         """
-        from gearbow.exchange.harmonic import read_measured  # noqa: PLC0415
+        from gearbow.exchange.harmonic import Measured, read_measured  # noqa: PLC0415
 
         if self.axes != ("frequency",):
             raise SceneError("measured: a comparison needs a response at one speed")
+        if places is not None and not isinstance(places, Mapping):
+            raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
         if isinstance(measured, str | os.PathLike):
             path, _ = check_name(measured, [".uff", ".unv", ".csv"], "measured")
             curves = read_measured(path, places)
         else:
-            curves = list(measured)
-        if not curves:
-            raise SceneError(f"measured: needs at least one curve, got {shown(measured)}")
+            curves = items(measured, "measured", "curves")
+        if not curves or not all(isinstance(curve, Measured) for curve in curves):
+            raise SceneError(
+                f"measured: must be a file or measured curves of a comparison, got {shown(measured)}"
+            )
         return FrequencyComparison(tuple(curves), tuple(map(self._computed, curves)))
 
     def _computed(self, curve: "Measured") -> ComplexArray:

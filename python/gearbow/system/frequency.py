@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, whole
+from gearbow._convert import array, items, number, whole
 from gearbow._types import Array
 from gearbow.analysis.protocol import System
 from gearbow.description.places import Places
@@ -157,7 +157,12 @@ def mesh_response(
         raise ChannelError(f"at: no mesh is called {at!r}; there are {known}")
     driver = next(gear for gear in self.gears if gear.name == self.meshes[index].driver)
     ratio = self.speed_ratios[[shaft.name for shaft in self.shafts].index(driver.shaft)]
-    numbers = [whole(one, f"harmonics[{i}]") for i, one in enumerate(harmonics)]
+    numbers = [
+        whole(one, f"harmonics[{i}]")
+        for i, one in enumerate(items(harmonics, "harmonics", "numbers"))
+    ]
+    if not numbers:
+        raise SceneError("harmonics: needs at least one harmonic, got none")
     orders = abs(ratio) * driver.teeth * np.array(numbers, dtype=np.float64)
     return frequency_response(
         self, source=MeshExcitation(known.known[index][0], error), order=orders, speeds=speeds
