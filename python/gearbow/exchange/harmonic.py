@@ -13,6 +13,7 @@ import numpy as np
 from gearbow._convert import shown
 from gearbow._extras import extra
 from gearbow._files import reading
+from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.errors import SceneError
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Curve",
-    "Measured",
+    "MeasuredCurve",
     "read_measured",
     "to_dataframe",
     "to_xarray",
@@ -55,11 +56,8 @@ class Curve:
 
     @property
     def place(self) -> str:
-        """The place as a text: "pinion", "input@0.2" or "pinion/wheel"."""
-        if isinstance(self.at, str):
-            return self.at
-        first, second = self.at
-        return f"{first}/{second}" if isinstance(second, str) else f"{first}@{second:g}"
+        """The place as a text."""
+        return _text(self.at)
 
     @property
     def label(self) -> str:
@@ -203,30 +201,62 @@ def write_uff(
     file.write_sets(sets, mode="overwrite")
 
 
-@dataclass(frozen=True)
-class Measured:
-    """A measured curve."""
+@dataclass(frozen=True, eq=False)
+class MeasuredCurve(ReadOnly):
+    """A measured frequency response function.
+
+    Parameters
+    ----------
+    at : str or tuple of (str, float)
+        Place of the response.
+    direction : {"x", "y", "z", "twist"}
+        Direction of the response.
+    quantity : {"displacement", "velocity", "acceleration"}
+        Quantity of the response.
+    frequencies : ndarray, shape (k,)
+        Frequencies [rad/s].
+    values : ndarray, shape (k,)
+        Phasors of the response to the source.
+    source : int
+        Number of the source in the response that it is compared with.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> curve = gb.results.MeasuredCurve("pinion", "y", "velocity", np.ones(3), 1j * np.ones(3))
+    >>> curve.label
+    'pinion y'
+    """
 
     at: At
-    #: "x", "y", "z" or "twist".
     direction: str
-    #: "displacement", "velocity" or "acceleration".
     quantity: str
-    #: Frequencies [rad/s], shape (k,).
     frequencies: Array
-    #: Values over the unit of the source, shape (k,).
     values: ComplexArray
-    #: Number of the source.
     source: int = 0
 
     @property
     def label(self) -> str:
-        """Name of the curve."""
-        at = self.at if isinstance(self.at, str) else f"{self.at[0]}@{self.at[1]:g}"
-        return f"{at} {self.direction}"
+        """Name of the curve in figures.
+
+        Returns
+        -------
+        str
+            Place and direction.
+        """
+        return f"{_text(self.at)} {self.direction}"
 
 
-def read_measured(path: Path, places: Mapping[int, At] | None) -> list[Measured]:
+def _text(at: Any) -> str:
+    """Give a place as a text: "pinion", "input@0.2" or "pinion/wheel"."""
+    if isinstance(at, str):
+        return at
+    first, second = at
+    return f"{first}/{second}" if isinstance(second, str) else f"{first}@{second:g}"
+
+
+def read_measured(path: Path, places: Mapping[int, At] | None) -> list[MeasuredCurve]:
     """Read measured curves from a universal file or a CSV file."""
     if path.suffix.lower() == ".csv":
         return _read_csv(path)
@@ -244,7 +274,7 @@ _QUANTITIES = {
 }
 
 
-def _read_csv(path: Path) -> list[Measured]:
+def _read_csv(path: Path) -> list[MeasuredCurve]:
     """Read a frequency in Hz and pairs of columns such as "pinion y re [m/s²]"."""
     with reading(path) as text:
         rows = [row for row in csv.reader(text.splitlines()) if row and not row[0].startswith("#")]
@@ -277,7 +307,7 @@ def _read_csv(path: Path) -> list[Measured]:
         if set(own) != {"re", "im"}:
             raise SceneError(f"{path}: {at!r} {direction} needs a column re and a column im")
         values = own["re"] + 1j * own["im"]
-        curves.append(Measured(at, direction, quantity, factor * numbers[:, 0], values))
+        curves.append(MeasuredCurve(at, direction, quantity, factor * numbers[:, 0], values))
     return curves
 
 
@@ -287,7 +317,7 @@ def _place(text: str) -> At:
     return (name, float(position)) if sign else text
 
 
-def _read_uff(path: Path, places: Mapping[int, At]) -> list[Measured]:
+def _read_uff(path: Path, places: Mapping[int, At]) -> list[MeasuredCurve]:
     """Read the frequency response functions of a universal file."""
     with extra("uff"):
         import pyuff  # noqa: PLC0415
@@ -316,7 +346,7 @@ def _read_uff(path: Path, places: Mapping[int, At]) -> list[Measured]:
         hertz = np.asarray(given["x"], dtype=np.float64)
         values = sign * np.asarray(given["data"], dtype=np.complex128)
         source = max(0, int(given["ref_node"]) - 1) if own is not None else 0
-        curves.append(Measured(at, direction, quantity, 2.0 * np.pi * hertz, values, source))
+        curves.append(MeasuredCurve(at, direction, quantity, 2.0 * np.pi * hertz, values, source))
     if not curves:
         raise SceneError(f"{path}: has no frequency response function of a motion (data set 58)")
     return curves

@@ -20,6 +20,7 @@ _MODULES = {
     "FilmCoefficients": "gearbow.description.journal",
     "Order": "gearbow.description.kinematics",
     "RollingCoefficients": "gearbow.description.rolling",
+    "MeasuredCurve": "gearbow.exchange.harmonic",
     "Orders": "gearbow.orders.fit",
     "Spectrum": "gearbow.orders.spectrum",
     "Waterfall": "gearbow.orders.waterfall",
@@ -57,6 +58,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
     from gearbow.description.kinematics import Order as Order
     from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.exchange.harmonic import MeasuredCurve as MeasuredCurve
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall

@@ -14,18 +14,18 @@ from gearbow.errors import SceneError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from gearbow.exchange.harmonic import Measured
+    from gearbow.exchange.harmonic import MeasuredCurve
 
 __all__ = ["FrequencyComparison"]
 
 
 @dataclass(frozen=True, eq=False)
 class FrequencyComparison(ReadOnly):
-    """Measured curves, and the computed ones at the same frequencies.
+    """MeasuredCurve curves, and the computed ones at the same frequencies.
 
     Parameters
     ----------
-    measured : tuple of Measured
+    measured : tuple of MeasuredCurve
         The measured curves, each with `at`, `direction`, `quantity`, `frequencies` [rad/s] and
         `values`.
     computed : tuple of ndarray
@@ -38,7 +38,7 @@ class FrequencyComparison(ReadOnly):
     frequency, over the curves (Allemang and Brown, 1982). Both are 1 for proportional functions.
     """
 
-    measured: "tuple[Measured, ...]"
+    measured: "tuple[MeasuredCurve, ...]"
     computed: tuple[ComplexArray, ...]
 
     def _facts(self) -> dict[str, str]:

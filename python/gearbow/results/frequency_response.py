@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from gearbow.exchange.harmonic import Curve, Measured
+    from gearbow.exchange.harmonic import Curve, MeasuredCurve
 
 __all__ = ["FrequencyResponse"]
 
@@ -549,7 +549,7 @@ class FrequencyResponse(ReadOnly):
 
     def compare(
         self,
-        measured: "str | os.PathLike[str] | Sequence[Measured]",
+        measured: "str | os.PathLike[str] | Sequence[MeasuredCurve]",
         *,
         places: Mapping[int, At] | None = None,
     ) -> FrequencyComparison:
@@ -559,7 +559,7 @@ class FrequencyResponse(ReadOnly):
 
         Parameters
         ----------
-        measured : str, path-like or sequence of Measured
+        measured : str, path-like or sequence of MeasuredCurve
             A universal file (".uff", ".unv") with data sets 58; or a CSV file with the column
             "frequency [Hz]" and pairs such as "pinion y re [m/s²]", "pinion y im [m/s²]" or
             "input@0.2 z re [m]"; or the curves of another comparison.
@@ -578,7 +578,7 @@ class FrequencyResponse(ReadOnly):
         GearbowError
             If there is no such place.
         """
-        from gearbow.exchange.harmonic import Measured, read_measured  # noqa: PLC0415
+        from gearbow.exchange.harmonic import MeasuredCurve, read_measured  # noqa: PLC0415
 
         if self.axes != ("frequency",):
             raise SceneError("measured: a comparison needs a response at one speed")
@@ -589,13 +589,14 @@ class FrequencyResponse(ReadOnly):
             curves = read_measured(path, places)
         else:
             curves = items(measured, "measured", "curves")
-        if not curves or not all(isinstance(curve, Measured) for curve in curves):
+        if not curves or not all(isinstance(curve, MeasuredCurve) for curve in curves):
             raise SceneError(
-                f"measured: must be a file or measured curves of a comparison, got {shown(measured)}"
+                "measured: must be a file, or measured curves of a comparison, got "
+                f"{shown(measured)}"
             )
         return FrequencyComparison(tuple(curves), tuple(map(self._computed, curves)))
 
-    def _computed(self, curve: "Measured") -> ComplexArray:
+    def _computed(self, curve: "MeasuredCurve") -> ComplexArray:
         """Compute a curve at the frequencies of a measured one."""
         if not curve.source < len(self.sources):
             raise SceneError(

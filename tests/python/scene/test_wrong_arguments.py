@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.exchange.harmonic import Measured
 from test_response import train
 
 pytestmark = pytest.mark.implausible
@@ -423,7 +422,9 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         lambda: (
             system()
             .frequency_response([50.0, 100.0], source=gb.Force("g1", 1.0))
-            .compare([Measured("g1", "y", "velocity", np.array([50.0]), np.array([1j]))])
+            .compare(
+                [gb.results.MeasuredCurve("g1", "y", "velocity", np.array([50.0]), np.array([1j]))]
+            )
         ),
         {"plot": {}},
     ),
