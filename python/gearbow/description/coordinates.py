@@ -128,8 +128,8 @@ class Coordinates(Shown):
         ends = next((ends for ends in pairwise(nodes) if ends[0] < position < ends[1]), None)
         if ends is None:
             raise SceneError(
-                f'at: shaft "{shaft}" reaches from {nodes[0]:g} to {nodes[-1]:g} m; give a position '
-                f"on it in metres, got {position:g} m"
+                f'at: shaft "{shaft}" reaches from {nodes[0]:g} to {nodes[-1]:g} m; give a '
+                f"position on it in metres, got {position:g} m"
             )
         own = [(n, x, kind) for n, (name, x, kind) in enumerate(self.dofs) if name == shaft]
         sites = (*ends, ends)
