@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array
 from gearbow._core import require_memory
 from gearbow._lookup import nearest, nodal, one_of
+from gearbow._progress import working
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S, System, variant
@@ -99,6 +100,7 @@ def balance(  # numpydoc ignore=PR01
     *,
     target: str = "total",
     points: At | Sequence[At] | None = None,
+    progress: bool | None = None,
 ) -> Balance[S]:
     """Find the unbalances that minimise the deflection of a bowed rotor.
 
@@ -112,6 +114,8 @@ def balance(  # numpydoc ignore=PR01
         Quantity to minimise: the displacement, or the elastic deflection (displacement minus bow).
     points : str, tuple of (str, float), or sequence of them, optional
         Measuring points; None is every node of the shaft.
+    progress : bool, optional
+        Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
@@ -150,13 +154,14 @@ def balance(  # numpydoc ignore=PR01
         "give fewer speeds, planes or points",
     )
     read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, target=target)
-    before = read(base, "both")
-    alone = _without_unbalance(base)
-    trial = np.full(1, _TRIAL, dtype=np.complex128)
-    influence = np.stack(
-        [read(_corrected(alone, (plane,), trial), "unbalance") / _TRIAL for plane in chosen],
-        axis=-1,
-    )
+    with working(progress, "balancing"):
+        before = read(base, "both")
+        alone = _without_unbalance(base)
+        trial = np.full(1, _TRIAL, dtype=np.complex128)
+        influence = np.stack(
+            [read(_corrected(alone, (plane,), trial), "unbalance") / _TRIAL for plane in chosen],
+            axis=-1,
+        )
     table = influence.reshape(-1, len(chosen))
     least = np.linalg.lstsq(table, -before.reshape(-1), rcond=None)[0]
     unbalances: ComplexArray = np.asarray(least, dtype=np.complex128)

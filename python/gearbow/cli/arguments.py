@@ -1,7 +1,6 @@
 """Arguments that several commands share."""
 
 import argparse
-import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -25,7 +24,6 @@ __all__ = [
     "item",
     "output",
     "quantity",
-    "shows",
 ]
 
 #: The subparsers of the program.
@@ -78,13 +76,8 @@ def add_speed(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--progress",
         action=argparse.BooleanOptionalAction,
-        help="show a progress bar on stderr; default: if stderr is a terminal",
+        help="show a progress bar on stderr; default: on a terminal, after 2 s",
     )
-
-
-def shows(given: argparse.Namespace) -> bool:
-    """Return whether to show a progress bar."""
-    return bool(sys.stderr.isatty() if given.progress is None else given.progress)
 
 
 def quantity(field: str) -> Callable[[str], float]:

@@ -1,7 +1,7 @@
 """Figures of spectra, orders and waterfalls."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from gearbow._types import Array
 from gearbow.plotting.style import (
     PALETTE,
     GivenAxes,
+    colour,
     figure_of,
     legend,
     panels,
@@ -22,7 +23,15 @@ from gearbow.plotting.style import (
     text_size,
 )
 
-__all__ = ["name_orders", "orders", "say_resolution", "spectrum", "spectrum_limits", "waterfall"]
+__all__ = [
+    "name_orders",
+    "orders",
+    "say_resolution",
+    "spectrum",
+    "spectrum_limits",
+    "tracks",
+    "waterfall",
+]
 
 #: Smallest amplitudes of a spectrum, of its highest frequency and of a waterfall, relative to the
 #: largest amplitude.
@@ -254,6 +263,28 @@ def orders(
     return figure
 
 
+def tracks(
+    x: Array,
+    amplitudes: Mapping[str, Array],
+    label: str,
+    *,
+    title: str,
+    speed_unit: str | None,
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw the amplitude of each order against the speed, or against time without a unit of it."""
+    factor, name = (1.0, "time [s]") if speed_unit is None else speed_axis(speed_unit)
+    with panels(1, 5.2, columns=1, ax=ax) as (figure, (panel,)):
+        shown = _short(list(amplitudes))
+        for i, (order, values) in enumerate(zip(shown, amplitudes.values(), strict=True)):
+            panel.plot(factor * x, values, color=colour(i), label=order)
+        panel.set_ylim(bottom=0.0)
+        panel.set(xlabel=name, ylabel=label)
+        panel.set_title(title, loc="right", fontsize=text_size(0.86))
+        legend(figure, panel, ax=ax)
+    return figure
+
+
 def waterfall(
     speeds: Array,
     frequencies_hz: Array,
@@ -269,11 +300,13 @@ def waterfall(
     factor, speed = speed_axis(speed_unit)
     top = float(amplitudes.max())
     if highest is None:
-        highest = _highest(frequencies_hz, amplitudes.max(axis=0), _COLOURS)
+        highest = _highest(np.broadcast_to(frequencies_hz, amplitudes.shape), amplitudes, _COLOURS)
     with panels(1, 6.0, columns=1, ax=ax) as (figure, (panel,)):
+        # The segments of a run-up have frequencies of their own.
+        rows = np.broadcast_to(factor * speeds[:, np.newaxis], amplitudes.shape)
         drawn = panel.pcolormesh(
-            frequencies_hz,
-            factor * speeds,
+            np.broadcast_to(frequencies_hz, amplitudes.shape),
+            rows,
             np.maximum(amplitudes, _COLOURS * top),
             norm=LogNorm(_COLOURS * top, top) if top > 0.0 else None,
             cmap="cividis",
@@ -325,6 +358,6 @@ def _order_lines(
 
 def _highest(frequencies: Array, amplitudes: Array, fraction: float) -> float:
     """Give 1.1 times the largest frequency with an amplitude above a fraction of the maximum."""
-    visible = np.flatnonzero(amplitudes > fraction * amplitudes.max(initial=0.0))
-    end = float(frequencies[-1])
-    return min(1.1 * float(frequencies[visible[-1]]), end) if visible.size else end
+    visible = frequencies[amplitudes > fraction * amplitudes.max(initial=0.0)]
+    end = float(frequencies.max())
+    return min(1.1 * float(visible.max()), end) if visible.size else end

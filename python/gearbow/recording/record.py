@@ -30,6 +30,8 @@ class RunRecord(Shown):
     accuracy: str | None = None
     request: RunRequest | None = None
     errors: Errors | None = None
+    #: Period of a steady motion, of which this is one period [s].
+    period: float | None = None
 
     @property
     def time(self) -> Array:

@@ -88,7 +88,8 @@ def continuation(
     geometry : {"live", "frozen"}
         As for `simulate`.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction of the points.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction of the points.
 
     Returns
     -------
@@ -154,7 +155,9 @@ def _followed(
     points: list[BranchPoint] = []
     message = ""
     try:
-        with reported(progress, settings.max_points, "points", estimate=False) as report:
+        with reported(
+            progress, settings.max_points, "points", what="continuation", estimate=False
+        ) as report:
             for point in branch(motion, first, settings):
                 points.append(point)
                 if report is not None:

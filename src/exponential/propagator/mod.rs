@@ -11,7 +11,7 @@ mod interface_maps;
 pub mod kernel;
 mod packed;
 pub mod panel_kernel;
-mod phi;
+pub mod phi;
 mod quadrature;
 mod step_maps;
 mod time_grid;

@@ -347,7 +347,7 @@ mod tests {
     use num_complex::Complex64;
 
     use super::*;
-    use crate::exponential::propagator::{factorial, phi};
+    use crate::exponential::propagator::phi::{factorial, phi};
 
     #[test]
     fn functions_are_those_of_single_numbers() {

@@ -1,8 +1,8 @@
 //! Damped modes at a given speed: [λ²M + λ(C + ΩG) + K] φ = 0.
 //!
-//! Eigenvalues come from the first-order form in undamped modal coordinates ([`crate::modal::state_space`]).
-//! Without damping its matrix is skew-symmetric, so the eigenvalues are well conditioned. faer does not balance matrices: the unscaled
-//! matrix of M⁻¹K and M⁻¹C would give growth rates Re λ > 0 that do not exist.
+//! Eigenvalues come from the first-order form in undamped modal coordinates ([`crate::modal::state_space`]). Without
+//! damping its matrix is skew-symmetric, so the eigenvalues are well conditioned. faer does not balance matrices: the
+//! unscaled matrix of M⁻¹K and M⁻¹C would give growth rates Re λ > 0 that do not exist.
 
 use nalgebra::{Complex, DVector};
 

@@ -13,8 +13,8 @@ from gearbow.plotting.style import quantity
 from reference import scenes
 from reference.bows import HalfSine
 from reference.figure_texts import check_texts
+from reference.machines import jeffcott
 from reference.records import MESH_UNITS, of_series, response
-from test_synchronous import jeffcott
 
 TIME = 1e-3 * np.arange(64)
 

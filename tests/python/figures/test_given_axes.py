@@ -11,9 +11,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import gearbow as gb
+from reference.cases import each_case
+from reference.machines import bowed_pair, jeffcott
 from reference.records import of_series, response
-from test_response import train
-from test_synchronous import jeffcott
 from test_tradeoff_numbers import STUDY
 
 TIME = 1e-3 * np.arange(64)
@@ -30,7 +30,7 @@ def unchanged_settings():
 @pytest.fixture(scope="module")
 def results() -> dict:
     """Return one result of each kind."""
-    system, run = train(), response(TIME)
+    system, run = bowed_pair(), response(TIME)
     time = 1e-3 * np.arange(6000)
     series = of_series(time, 1e-6 * np.cos(100.0 * time))
     runs = [of_series(1e-3 * np.arange(500), np.zeros(500), speed) for speed in (90.0, 120.0)]
@@ -108,7 +108,7 @@ def test_a_figure_goes_into_given_panels(name, results):
     figure.draw_without_rendering()
 
 
-@pytest.mark.parametrize("name", list(FIGURES))
+@each_case("name", list(FIGURES))
 def test_other_things_than_the_panels_are_an_error(name, results):
     count, draw = FIGURES[name]
     wanted = "1 or 2" if name.startswith("system") else str(count)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -85,7 +86,7 @@ def element(plain: dict, kind: str, i: int = 0) -> dict:
 
 
 @needs_files
-@pytest.mark.parametrize(
+@each_case(
     ("change", "message"),
     [
         (
@@ -173,7 +174,7 @@ def test_a_table_of_coefficients(tmp_path: Path):
     assert gb.SpeedTable.read_csv(path) == gb.SpeedTable([0.0, 100.0], [1e7, 2e7])
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("old", "new", "message"),
     [
         ("[rpm]", "[Hz]", "line 2, column \"speed\": 'Hz' is not a known unit"),
@@ -275,7 +276,7 @@ def test_a_table_of_another_program_names_the_file_and_the_encoding(tmp_path, co
     assert str(caught.value).startswith(f"{path}: {message}")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("read", "name", "content", "message"),
     [
         (gb.RotorSystem.load, "a.toml", DEEP, "is nested too deeply"),

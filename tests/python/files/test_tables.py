@@ -7,23 +7,17 @@ import pytest
 
 import gearbow as gb
 from reference import scenes
-from test_synchronous import jeffcott
+from reference.machines import inertia, jeffcott, rigid_rotor
 
 MASS = 50.0 + scenes.DENSITY * np.pi / 4 * 0.1**2 * 0.2  # of disk and shaft
 
 
 def block(
-    stiffness: tuple[float, float], damping: float = 0.0, inertia: float = 0.05
+    stiffness: tuple[float, float], damping: float = 0.0, moment: float = 0.05
 ) -> gb.RotorSystem:
-    """Return a disk of 50 kg at the middle of a short shaft that is 1e3 times stiffer than its two
-    bearings.
-    """
-    return gb.RotorSystem(
-        [gb.Shaft("s", length=0.2, outer_diameter=0.1, elements=2)],
-        disks=[gb.Disk("disk", "s", 0.1, 50.0, inertia, inertia)],
-        bearings=[gb.Bearing("s", x, stiffness=stiffness, damping=damping) for x in (0.0, 0.2)],
-        motion="lateral",
-    )
+    """Return a disk of 50 kg amid a short shaft that is 1e3 times stiffer than its two bearings."""
+    bearing = {"stiffness": stiffness, "damping": damping}
+    return rigid_rotor(inertia(50.0, moment, moment), bearing, "s", motion="lateral")
 
 
 def rows(table: str) -> list[list[str]]:
@@ -57,7 +51,7 @@ def test_energy_shares_of_a_mode_follow_its_motion():
     assert shares["s", "v"] == pytest.approx([1.0, 0.0], abs=1e-9)
     assert shares["s", "w"] == pytest.approx([0.0, 1.0], abs=1e-9)
     # tilting about the centre has rotary inertia only, of bending in the same plane
-    tilting = block((1e6, 2e6), inertia=5.0).modes(count=2)
+    tilting = block((1e6, 2e6), moment=5.0).modes(count=2)
     assert tilting.energy_shares()["s", "v"] == pytest.approx([1.0, 0.0], abs=1e-9)
     assert tilting.names() == ["s v", "s w"]
     # a circle has half of its energy in each direction

@@ -17,6 +17,7 @@ import pytest
 import gearbow as gb
 from gearbow.cli.main import _parser, main
 from gearbow.cli.new import EXAMPLE
+from reference.cases import each_case
 
 COMMAND = [sys.executable, "-m", "gearbow"]
 
@@ -171,7 +172,7 @@ def test_tradeoff(scene: str, capsys):
     assert any(trial["front"] for trial in found["trials"])
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("arguments", "message"),
     [
         (["check", "nothing.toml"], "check: nothing.toml: No such file or directory"),

@@ -14,6 +14,7 @@ from gearbow import _core
 from gearbow.analysis.arclength import Settings, branch
 from gearbow.results.steady import instability
 from gearbow.system import continuation
+from reference.machines import bowed_pair
 from reference.teeth import Toothed
 from test_steady_state import train
 
@@ -317,47 +318,31 @@ def test_beyond_a_flip_the_period_of_the_motion_doubles(ratio: float, doubles: b
     assert difference > 0.5 * size if doubles else difference < 1e-6 * size
 
 
-def bowed_pair(bow: float) -> gb.RotorSystem:
-    """Return two shafts, of which one has a bow, between stiff bearings."""
-    names = ("input", "output")
-    shape = {"input": gb.Bow.half_sine(bow), "output": None}
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(name, length=0.5, outer_diameter=0.05, elements=2, bow=shape[name])
-            for name in names
-        ],
-        gears=[
-            gb.Gear(f"{name} gear", name, 0.25, teeth=25, module=3e-3, face_width=0.03)
-            for name in names
-        ],
-        meshes=[gb.Mesh("input gear", "output gear", stiffness=2e8, damping_ratio=0.05)],
-        bearings=[
-            gb.Bearing(name, x, stiffness=1e8, damping=1e3) for name in names for x in (0.0, 0.5)
-        ],
-        torques=[gb.Torque("input gear", 50.0), gb.Torque.balance("output gear")],
-        modal_damping=0.02,
-    )
+def equal_gears(bow: float) -> gb.RotorSystem:
+    """Return a pair with equal gears, modal damping and this amplitude [m] of the bow."""
+    bearing = {"stiffness": 1e8, "damping": 1e3}
+    return bowed_pair(bow, (25, 25), bearing=bearing, torque=50.0, modal_damping=0.02)
 
 
 @pytest.mark.filterwarnings("ignore::gearbow.SceneWarning", "ignore::gearbow.AccuracyWarning")
 def test_a_branch_ends_where_the_bow_ends_the_contact_geometry():
-    found = bowed_pair(1e-3).continuation(
+    found = equal_gears(1e-3).continuation(
         "bow", 4.0, 6.0, speed=50.0, rtol=1e-8, initial="synchronous", record=["meshes"]
     )
     assert found.message.startswith("continuation: the branch cannot be followed beyond 4.5")
     assert "the base circles overlap" in found.message
     # The points so far are kept.
     assert found.values.size > 2
-    distance = found.statistic("min", ("input gear", "output gear"), "centre_distance")
+    distance = found.statistic("min", ("g1", "g2"), "centre_distance")
     radii = 2 * 25 * 3e-3 / 2 * np.cos(np.radians(20))
     assert 0.0 < distance[-1] - radii < 1e-5
     # A sweep keeps the points that exist, too.
-    swept = gb.sweep(bowed_pair, {"bow": [1e-3, 6e-3]}, one_run)
+    swept = gb.sweep(equal_gears, {"bow": [1e-3, 6e-3]}, one_run)
     assert [len(swept.failed), "base circles overlap" in str(swept.failed)] == [1, True]
 
 
 def one_run(system: gb.RotorSystem, **_: float) -> float:
-    return float(system.simulate(0.1, 50.0).mesh(("input gear", "output gear")).force.max())
+    return float(system.simulate(0.1, 50.0).mesh(("g1", "g2")).force.max())
 
 
 def test_a_branch_over_the_torque_keeps_what_it_reached():
