@@ -15,6 +15,9 @@ use crate::linalg::DecompositionError;
 use crate::modal::{AtSpeed, CachedModel, DynamicKey, RotatingResponse, null_motions};
 use crate::scene::EntryPath;
 
+/// Backward error up to which a response is not refined. Times the condition of the matrix it is the error of the response: at
+/// 2,000 frequencies of a rotor on bearings with little damping, below 5e-9 of it.
+const BACKWARD_ERROR: f64 = 1e-13;
 /// Work of a force on a rigid-body motion, relative to the product of their sizes, from which the force drives the motion.
 const DRIVES: f64 = 1e-9;
 
@@ -61,7 +64,7 @@ impl<'a> FrequencyResponses<'a> {
         let key = DynamicKey { speed, spin: frequency, flank_speed: speed };
         let is_damped = model.scene.modal_damping > 0.0 && frequency != 0.0;
         let found = if !is_damped {
-            without_modal_damping(self.cached, key, force)?
+            without_modal_damping(self.cached, key, BACKWARD_ERROR, force)?
         } else if model.len() >= MIN_BANDS {
             let damped = self.damped[model.rotation(speed) as usize]
                 .get_or_init(|| RotatingResponse::new(model, speed, self.cached.spectral_range(speed)?));

@@ -119,7 +119,7 @@ pub(super) fn synchronous_of(
     let key = DynamicKey { speed, spin, flank_speed };
     // The matrix of modal damping is full; at standstill it has no effect.
     if model.scene.modal_damping == 0.0 || spin == 0.0 {
-        match without_modal_damping(&cached, key, &force)? {
+        match without_modal_damping(&cached, key, 0.0, &force)? {
             Some(found) => return found.checked(speed, name),
             // At an undamped critical speed the response is very large: the dense solution shows its size.
             None if model.len() <= MAX_DENSE => {}
@@ -146,7 +146,7 @@ pub(super) fn synchronous_in(
     let Some(force) = rotating_force(model, spin, source, ExcitationPart::Both) else {
         return Ok(DVector::zeros(model.len()));
     };
-    match without_modal_damping(&at_speed, DynamicKey { speed, spin, flank_speed }, &force)? {
+    match without_modal_damping(&at_speed, DynamicKey { speed, spin, flank_speed }, 0.0, &force)? {
         Some(found) if model.scene.modal_damping == 0.0 => Ok(found.phasors),
         Some(found) => Ok(subspace.with_modal_damping(model, spin, found.phasors)),
         None => Ok(synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both)?.phasors),
@@ -179,17 +179,19 @@ pub(super) fn rotating_force(
     Some(force)
 }
 
-/// Solves S x = f without modal damping; `None` if round-off leaves no accurate solution.
+/// Solves S x = f without modal damping to a backward error, or to round-off if it is zero; `None` if round-off leaves no
+/// accurate solution.
 pub(super) fn without_modal_damping(
     cached: &CachedModel,
     key: DynamicKey,
+    tolerance: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<Option<SourceResponse>, AnalysisError> {
     let found = cached.dynamic_factors(key)?;
     let Ok(factors) = &found.factors else {
         return Ok(None);
     };
-    let Ok(mut solution) = solve_structured(&cached.model, factors, force) else {
+    let Ok(mut solution) = solve_structured(&cached.model, factors, tolerance, force) else {
         return Ok(None);
     };
     found.pins.remove_null_motions(&mut solution.phasors);
@@ -200,12 +202,11 @@ pub(super) fn without_modal_damping(
 fn solve_structured(
     model: &Model,
     factors: &CoupledFactors,
+    tolerance: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<SourceResponse, Singular> {
-    let right = model.to_circular(force.as_slice());
-    let mut x = right.clone();
-    factors.solve(&mut x)?;
-    let residual = factors.backward_error(&right, &x);
+    let mut x = model.to_circular(force.as_slice());
+    let residual = factors.solve_to(tolerance, &mut x)?;
     Ok(SourceResponse { phasors: DVector::from_vec(model.from_circular(&x)), residual })
 }
 
