@@ -12,7 +12,8 @@ __all__ = ["extra"]
 _PACKAGES = {
     "plot": {"matplotlib", "mpl_toolkits", "PIL"},
     "netcdf": {"xarray", "h5netcdf", "h5py"},
-    "dataframe": {"pandas"},
+    "dataframe": {"pandas", "openpyxl"},
+    "matlab": {"scipy"},
     "sparse": {"scipy"},
     "uff": {"pyuff"},
     "units": {"pint"},

@@ -122,7 +122,7 @@ def write_mat(
     sources: Sequence[str],
 ) -> None:
     """Write a file of MATLAB: vectors, and one structure for each curve."""
-    with extra("sparse"):
+    with extra("matlab"):
         from scipy.io import savemat  # noqa: PLC0415
 
     listed = [

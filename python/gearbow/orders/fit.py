@@ -18,7 +18,7 @@ import numpy as np
 from gearbow._convert import number, text, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._shown import Table
+from gearbow._result import Column, Result, in_degrees, in_micrometres, written_unit
 from gearbow._types import Array, ComplexArray, Record
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
@@ -37,6 +37,7 @@ from gearbow.orders.separation import (
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,7 +58,7 @@ _HARMONIC = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Orders(ReadOnly):
+class Orders(Result, ReadOnly):
     """Amplitude of a signal at each order of a train.
 
     The signal is mean + Re Σ A_j exp(i n_j ϑ(t)) plus a remainder, which contains everything that
@@ -89,6 +90,10 @@ class Orders(ReadOnly):
         Magnitude of the speed of the reference shaft at these times [rad/s].
     tracks : ndarray, shape (m, n)
         Complex amplitudes A_j at these times in the unit of the signal.
+    speed : float, optional
+        Speed of the reference shaft [rad/s].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -114,6 +119,8 @@ class Orders(ReadOnly):
     speeds: Array
     tracks: ComplexArray
     _separated: Separated = field(repr=False)
+    speed: float | None = None
+    speed_unit: SpeedUnit = "rad/s"
 
     @property
     def rest_share(self) -> float:
@@ -180,33 +187,26 @@ class Orders(ReadOnly):
         why = self._separated.absent(name) or f"no order is called {name!r}"
         raise GearbowError(f"{why}; there are {names or 'no orders'}")
 
-    def table(self, count: int | None = None) -> str:
-        """Format the orders as a text table, the largest amplitude first.
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
+        factor, unit = written_unit(self.unit)
+        mean = f"mean {factor * self.mean:.6g} {unit}"
+        return [f"orders of {self.label}{at}: {mean}, {self._remainder()}"]
 
-        Parameters
-        ----------
-        count : int, optional
-            Number of rows; None is all.
-
-        Returns
-        -------
-        str
-            Mean and remainder; then order, frequency, amplitude and names. At a changing speed,
-            frequency and amplitude are those of the segment where the order is largest.
-        """
-        rows = [f"{self.label}: mean {self.mean:.6g} {self.unit}, {self._remainder()}"]
-        rows.append(f"{'order':>9}  {'[Hz]':>9}  {f'[{self.unit}]':>10}  excited by")
-        most = None if count is None else whole(count, "count")
-        largest = np.argsort(-np.abs(self.amplitudes), kind="stable")[:most]
-        rows += [
-            f"{self.orders[j].value:>9.6g}  {self.frequencies_hz[j]:>9.4g}"
-            f"  {abs(self.amplitudes[j]):>10.4g}  {self.orders[j]}"
-            for j in largest
+    def _columns(self) -> list[Column]:
+        """Give a row for each order, the largest amplitude first."""
+        order = np.argsort(-np.abs(self.amplitudes), kind="stable")
+        amplitudes, written = self.amplitudes[order], in_micrometres(self.unit)
+        return [
+            Column("order", np.array([self.orders[j].value for j in order]), "", ".6g"),
+            Column("frequency", self.frequencies_hz[order], "Hz"),
+            Column("amplitude", np.abs(amplitudes), self.unit, ".4g", written),
+            Column("phase", np.angle(amplitudes), "rad", ".1f", in_degrees()),
+            Column("excited by", [str(self.orders[j]) for j in order]),
         ]
-        return "\n".join(rows)
 
     def plot(
-        self, count: int | None = None, *, ax: Any = None, speed_unit: str = "rad/s"
+        self, count: int | None = None, *, ax: Any = None, speed_unit: SpeedUnit | None = None
     ) -> "Figure":
         """Draw the largest orders: bars with their names, or lines over the speed of a run-up.
 
@@ -216,8 +216,8 @@ class Orders(ReadOnly):
             Number of orders; None is 12 bars or 6 lines.
         ax : Axes, optional
             Panel for the figure; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is `speed_unit` of the result.
 
         Returns
         -------
@@ -229,55 +229,39 @@ class Orders(ReadOnly):
         """
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
-            from gearbow.plotting.style import speed_axis  # noqa: PLC0415
 
-        speed_axis(speed_unit)  # checks the unit
+        axis = self._speed_unit(speed_unit)
         amplitudes = np.abs(self.amplitudes)
         largest = np.argsort(-amplitudes, kind="stable")
         most = (12 if self.times.size == 1 else 6) if count is None else whole(count, "count")
         chosen = np.sort(largest[:most])
-        label = f"amplitude of {self.label} [{self.unit}]"
+        factor, unit = written_unit(self.unit)
+        label = f"amplitude of {self.label} [{unit}]"
         drawn = f"{chosen.size} largest of " if chosen.size < amplitudes.size else ""
         title = (
-            f"mean {self.mean:.4g} {self.unit}; {drawn}{amplitudes.size} orders; "
+            f"mean {factor * self.mean:.4g} {unit}; {drawn}{amplitudes.size} orders; "
             f"{self._remainder()}"
         )
         if self.times.size > 1:
             names = [self.orders[j].names[0] for j in chosen]
-            tracks = np.abs(self.tracks[:, chosen])
+            tracks = factor * np.abs(self.tracks[:, chosen])
             over_time = bool(np.ptp(self.speeds) <= _ROUND_OFF * self.speeds.max())
             return figures.tracks(
                 self.times if over_time else self.speeds,
                 dict(zip(names, tracks.T, strict=True)),
                 label,
                 title=title,
-                speed_unit=None if over_time else speed_unit,
+                speed_unit=None if over_time else axis,
                 ax=ax,
             )
         names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
-        return figures.orders(names, amplitudes[chosen], label, title=title, ax=ax)
+        return figures.orders(names, factor * amplitudes[chosen], label, title=title, ax=ax)
 
     def _remainder(self) -> str:
         """Describe what the orders do not contain."""
         share = f"{100.0 * self.rest_share:.3g} %"
-        return f"rest {self.rest:.2g} {self.unit} RMS ({share} of the motion)"
-
-    def _rows(self) -> Table:
-        largest = np.argsort(-np.abs(self.amplitudes), kind="stable")
-        head = ("order", "frequency [Hz]", f"amplitude [{self.unit}]", "excitation")
-        return (
-            head,
-            *(
-                (
-                    f"{self.orders[i].value:g}",
-                    f"{self.frequencies_hz[i]:.3f}",
-                    f"{abs(self.amplitudes[i]):.4g}",
-                    str(self.orders[i]),
-                )
-                for i in largest
-            ),
-            ("rest", "RMS", f"{self.rest:.4g}", f"{100.0 * self.rest_share:.3g} % of the motion"),
-        )
+        factor, unit = written_unit(self.unit)
+        return f"rest {factor * self.rest:.2g} {unit} RMS ({share} of the motion)"
 
     def __repr__(self) -> str:
         largest = ""
@@ -285,9 +269,6 @@ class Orders(ReadOnly):
             j = int(np.argmax(np.abs(self.amplitudes)))
             largest = f", largest {abs(self.amplitudes[j]):.4g} at {self.orders[j]}"
         return f"Orders({self.label} [{self.unit}]; {len(self.orders)} orders{largest})"
-
-    def __str__(self) -> str:
-        return self.table()
 
 
 def orders(
@@ -347,6 +328,8 @@ def orders(
         speeds=speeds,
         tracks=fitted.amplitudes,
         _separated=chosen,
+        speed=None if isinstance(run.speed, SpeedProfile) else abs(run.speed),
+        speed_unit=run.speed_unit,
     )
     _warn(result, values, shortcomings(chosen, excited, sampling))
     return result

@@ -15,6 +15,8 @@ from gearbow._convert import number, shown
 from gearbow._extras import extra
 from gearbow._keywords import checked
 from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, in_micrometres, written_unit
+from gearbow._shown import span
 from gearbow._types import Array, Record
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
@@ -25,6 +27,7 @@ from gearbow.recording import access
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
 from gearbow.recording.resample import PASS, LowPass
 from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.speed import SpeedUnit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +40,7 @@ _PART, _DISTANCE = 1 / 16, 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Waterfall(ReadOnly):
+class Waterfall(Result, ReadOnly):
     """Spectra of one signal at several speeds.
 
     Parameters
@@ -54,6 +57,8 @@ class Waterfall(ReadOnly):
         Unit of the signal.
     kinematics : Kinematics or None
         Speed ratios and tooth frequencies, which determine the order lines.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -74,9 +79,10 @@ class Waterfall(ReadOnly):
     label: str
     unit: str
     kinematics: Kinematics | None = field(repr=False)
+    speed_unit: SpeedUnit = "rad/s"
 
     def plot(
-        self, highest: float | None = None, *, ax: Any = None, speed_unit: str = "rad/s"
+        self, highest: float | None = None, *, ax: Any = None, speed_unit: SpeedUnit | None = None
     ) -> "Figure":
         """Draw amplitudes against speed and frequency, with the order lines of shafts and meshes.
 
@@ -86,8 +92,8 @@ class Waterfall(ReadOnly):
             Largest frequency of the figure [Hz]; None includes all visible amplitudes.
         ax : Axes, optional
             Panel for the diagram; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which the speeds were given.
 
         Returns
         -------
@@ -97,17 +103,48 @@ class Waterfall(ReadOnly):
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
 
+        factor, unit = written_unit(self.unit)
         lines = () if self.kinematics is None else self.kinematics.orders(1, 4, 0)
         return figures.waterfall(
             self.speeds,
             self.frequencies_hz,
-            self.amplitudes,
-            f"{self.label} [{self.unit}]",
+            factor * self.amplitudes,
+            f"{self.label} [{unit}]",
             lines=[(line.names[0], line.value) for line in lines],
             highest=None if highest is None else number(highest, "highest"),
-            speed_unit=speed_unit,
+            speed_unit=self._speed_unit(speed_unit),
             ax=ax,
         )
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        speeds = span(speed_factor(speed_unit) * self.speeds)
+        return [f"spectra of {self.label}, {self.speeds.size} speeds, {speeds} {speed_unit}"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each speed, with its largest amplitude."""
+        largest = self.amplitudes.argmax(axis=1)
+        frequencies = self.frequencies_hz[largest]
+        amplitudes, written = self.amplitudes.max(axis=1), in_micrometres(self.unit)
+        orders = np.divide(
+            2.0 * np.pi * frequencies,
+            self.speeds,
+            out=np.full(self.speeds.shape, np.nan),
+            where=self.speeds > 0.0,
+        )
+        return [
+            Column("speed", self.speeds, "rad/s", ".2f"),
+            Column("largest amplitude", amplitudes, self.unit, ".4g", written),
+            Column("frequency", frequencies, "Hz"),
+            Column("order", orders),
+        ]
+
+    def _series(self) -> list[Column]:
+        count = self.frequencies_hz.size
+        return [
+            Column("speed", np.repeat(self.speeds, count), "rad/s"),
+            Column("frequency", np.tile(self.frequencies_hz, self.speeds.size), "Hz"),
+            Column("amplitude", self.amplitudes.ravel(), self.unit),
+        ]
 
 
 @checked
@@ -207,6 +244,7 @@ def _of_runs(
         first.label,
         first.unit,
         runs[0].kinematics,
+        runs[0].speed_unit,
     )
 
 

@@ -246,6 +246,9 @@ def _columns(
                 _settle(panel, values, skipped)
             name = f"{driver} – {driven}"
             axes[column].set_title(name, loc="left", fontsize=text_size(1.0))
+        for panel in axes:
+            # A short time at the end of a long run has numbers of many digits.
+            panel.locator_params(axis="x", nbins=4)
         _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
     return figure
 

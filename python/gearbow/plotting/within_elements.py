@@ -32,4 +32,8 @@ def refined(
             for direction, values in motion_within(own, (begin, end), xi, phi):
                 for x, value in zip(positions, values, strict=True):
                     found[shaft.name, x, direction] = value
+    for base in layout.bases:
+        for x, moved in entries.get(base.name, {}).items():
+            if not isinstance(x, tuple):
+                found |= {(base.name, x, direction): value for direction, value in moved.items()}
     return np.array(list(found.values())).T, list(found)

@@ -512,7 +512,7 @@ class FrequencyResponse(ReadOnly):
         path : str or path-like
             ".nc" is netCDF (extra "netcdf"), in which a dimension "part" separates real and
             imaginary parts. ".uff" is a universal file with one data set 58 for each curve and
-            source (extra "uff"). ".mat" is for MATLAB (extra "sparse").
+            source (extra "uff"). ".mat" is for MATLAB (extra "matlab").
         at : str, tuple of (str, float), or sequence of them, optional
             As for `to_dataframe`.
 

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from gearbow._convert import items, number, shown
 from gearbow._progress import working
 from gearbow._read_only import ReadOnly, read_only
-from gearbow._shown import Table, span
+from gearbow._result import Column, Result
+from gearbow._shown import span
 from gearbow._types import Array, At, Record, RunData
 from gearbow.accuracy.estimate import estimate_errors
-from gearbow.description.places import place_label
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
@@ -29,6 +29,7 @@ from gearbow.recording.resample import resampled
 from gearbow.results.motion import animate
 from gearbow.results.run_figures import plot
 from gearbow.sensors.sensor import Sensor, SignalSensor
+from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["Response"]
 
 
-class Response(ReadOnly):
+class Response(Result, ReadOnly):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
 
     Parameters
@@ -66,6 +67,8 @@ class Response(ReadOnly):
     period : float or None
         Period of the motion [s], if this is one period of a `SteadyState`; its orders are then
         exact. None for other runs.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -84,6 +87,9 @@ class Response(ReadOnly):
     0.1 s to 0.2 s
     """
 
+    _own_endings = (".npz", ".nc")
+    _indexed = True
+
     def __init__(self, data: RunData, speed: float | SpeedProfile) -> None:
         if not isinstance(data, Mapping):
             raise SceneError(
@@ -100,6 +106,7 @@ class Response(ReadOnly):
         self.request: RunRequest | None = None
         self.period: float | None = None
         self._errors: Errors | None = None
+        self.speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
     def from_record(cls, record: RunRecord) -> "Response":
@@ -126,6 +133,7 @@ class Response(ReadOnly):
         response.kinematics, response.accuracy = record.kinematics, record.accuracy
         response.request, response._errors = record.request, record.errors
         response.period = record.period
+        response.speed_unit = record.speed_unit
         return response
 
     def to_record(self) -> RunRecord:
@@ -144,6 +152,7 @@ class Response(ReadOnly):
             self.request,
             self._errors,
             self.period,
+            self.speed_unit,
         )
 
     @property
@@ -742,7 +751,7 @@ class Response(ReadOnly):
         skip_time: float | None = None,
         against: str = "time",
         ax: Any = None,
-        speed_unit: str = "rad/s",
+        speed_unit: SpeedUnit | None = None,
     ) -> "Figure":
         """Draw recorded signals.
 
@@ -776,8 +785,8 @@ class Response(ReadOnly):
         ax : Axes or sequence of Axes, optional
             One panel for each place, for a bearing two, for a mesh three and for its geometry four;
             None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is `speed_unit` of the response.
 
         Returns
         -------
@@ -798,7 +807,7 @@ class Response(ReadOnly):
             times=times,
             skip_time=skip_time,
             against=against,
-            speed_unit=speed_unit,
+            speed_unit=self._speed_unit(speed_unit),
             ax=ax,
         )
 
@@ -857,7 +866,7 @@ class Response(ReadOnly):
         ChannelError
             If a sensor needs a motion that was not recorded.
         """
-        table = tables.to_dataframe(self.to_record())
+        table = super().to_dataframe()
         for i, sensor in enumerate(items(sensors, "sensors", "sensors")):
             if not isinstance(sensor, SignalSensor):
                 raise SceneError(
@@ -877,24 +886,7 @@ class Response(ReadOnly):
         """
         return tables.to_xarray(self.to_record())
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything to a file without rounding.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".npz" (NumPy) or ".nc" (netCDF, needs the extra "netcdf").
-
-        Raises
-        ------
-        GearbowError
-            If the name has another ending.
-        MissingExtraError
-            If the extra that the format needs is not installed.
-        OSError
-            If the file cannot be written, for example on a full disk. An existing file is
-            unchanged.
-        """
+    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
         from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
 
         file.save(self.to_record(), path)
@@ -929,7 +921,8 @@ class Response(ReadOnly):
         data = self._data
         times = "empty"
         if self.time.size:
-            times = f"{self.time[0]:g} s to {self.time[-1]:g} s at {span(self.speeds)} rad/s"
+            speeds = span(speed_factor(self.speed_unit) * self.speeds)
+            times = f"{self.time[0]:g} s to {self.time[-1]:g} s at {speeds} {self.speed_unit}"
         return (
             f"Response({self.time.size} times, {times}; {len(data['points'])} points, "
             f"{len(data['meshes'])} meshes, {len(data['bearings'])} bearings"
@@ -941,18 +934,25 @@ class Response(ReadOnly):
         """Name of the accuracy level with which `accuracy` begins; None without a level."""
         return None if self.accuracy is None else self.accuracy.partition(":")[0]
 
-    def _rows(self) -> Table:
-        """Give a row for each recorded point and mesh."""
-        rows = []
-        for i, (shaft, x, names) in enumerate(self._data["points"]):
-            size = np.ptp(self._data["displacement"][:, i], axis=0) if self.time.size else (0, 0)
-            text = f"peak-to-peak {1e6 * size[0]:.4g} µm along y, {1e6 * size[1]:.4g} µm along z"
-            rows.append((", ".join(names) or place_label((shaft, x)), text))
-        orders = {} if self.kinematics is None else {m[:2]: m[4] for m in self.kinematics.meshes}
-        for i, (driver, driven) in enumerate(self._data["meshes"]):
-            text = f"force {span(self._data['mesh']['force'][:, i])} N"
-            order = orders.get((driver, driven))
-            if order is not None and self.time.size:
-                text += f", tooth frequency {span(np.abs(order * self.speeds) / (2 * np.pi))} Hz"
-            rows.append((f"{driver}–{driven}", text))
-        return (("recorded", "motion"), *rows)
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        time, factor = self.time, speed_factor(speed_unit)
+        if not time.size:
+            return ["run without recorded times"]
+        if isinstance(self.speed, SpeedProfile):
+            speed = f"{span(factor * self.speeds)} {speed_unit}"
+        else:
+            speed = speed_text(self.speed, speed_unit)
+        level = "" if self._level is None else f", accuracy {self._level!r}"
+        lines = [f"run at {speed}, {time[0]:g} s to {time[-1]:g} s, {time.size} times{level}"]
+        meshes = () if self.kinematics is None else self.kinematics.meshes
+        recorded = {tuple(pair) for pair in self._data["meshes"]}
+        for driver, driven, *_, order in (m for m in meshes if m[:2] in recorded):
+            hertz = span(np.abs(order * self.speeds) / (2.0 * np.pi))
+            lines.append(f"tooth frequency {driver}/{driven}: {hertz} Hz")
+        return lines
+
+    def _columns(self) -> list[Column]:
+        return tables.summary(self.to_record())
+
+    def _series(self) -> list[Column]:
+        return tables.series(self.to_record())

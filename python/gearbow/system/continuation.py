@@ -30,6 +30,7 @@ from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
 from gearbow.system.linear import matrices
 from gearbow.system.run import requests
 from gearbow.system.steady import period_samples, steady_state
+from gearbow.units.speed import SpeedUnit, given_unit
 
 __all__ = ["continuation"]
 
@@ -105,6 +106,8 @@ def continuation(
     KeyboardInterrupt
         At Ctrl-C. The exception has the attribute `.branch`: the branch so far.
     """
+    given = (begin, end) if speed is None else speed
+    unit = given_unit(given) or self._speed_unit
     _check(parameter, begin, end, speed)
     begin, end = number(begin, "begin"), number(end, "end")
     length, most = number(first_step, "first_step"), whole(max_points, "max_points")
@@ -114,6 +117,7 @@ def continuation(
     geometry, rtol = text(geometry, "geometry"), number(rtol, "rtol")
     periods = whole(periods, "periods")
     family = _Family(self, parameter, at)
+    family.speed_unit = unit
     first = family.system(begin)
     longest = number(max_period, "max_period")
     common = periods * common_period(first._model, at, None, longest)
@@ -189,6 +193,7 @@ class _Family:
             base = type(base)._from_description(base._model.resolved())
         self.base, self.parameter, self.fixed = base, parameter, speed
         self._last: tuple[float, System] = (math.nan, base)
+        self.speed_unit: SpeedUnit = "rad/s"
 
     def speed(self, value: float) -> float:
         """Speed of the reference shaft [rad/s]."""
@@ -356,6 +361,7 @@ class _Motion:
         speed = self.family.fixed
         signals = Response(summary([point.kept for point in points]), speed)
         signals.kinematics = Kinematics.of(self.family.base)
+        signals.speed_unit = self.family.speed_unit
         multipliers = [
             [(float(z.real), float(z.imag)) for z in point.multipliers] for point in points
         ]

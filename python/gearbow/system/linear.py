@@ -8,7 +8,7 @@ from gearbow._core import mesh_geometry, require_memory
 from gearbow._lookup import one_of
 from gearbow._progress import working
 from gearbow.analysis.protocol import System
-from gearbow.description.layout import layout
+from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
 from gearbow.description.speed_table import SpeedTable
@@ -18,6 +18,7 @@ from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
+from gearbow.units.speed import given_unit
 
 __all__ = ["campbell", "critical_speed_map", "matrices", "modes", "static", "synchronous"]
 
@@ -81,11 +82,17 @@ def modes(
         If the residual of a mode exceeds 1e-4 and the round-off of its shape,
         ``100 ε ω_max/|λ|``.
     """
+    unit = given_unit(speed) or self._speed_unit
     speed = number(speed, "speed")
     most = None if count is None else whole(count, "count")
     with working(progress, "modes"):
         data = self._model.modes(speed, most)
-    parts = layout(
+    return Modes.from_data(data, speed, self.dofs, _layout(self), speed_unit=unit)
+
+
+def _layout(self: System) -> Layout:
+    """Find the geometry of the train at rest."""
+    return layout(
         self.shafts,
         self.gears,
         self.disks,
@@ -93,8 +100,8 @@ def modes(
         self.bearings,
         centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
         couplings=self.couplings,
+        housings=self.housings,
     )
-    return Modes.from_data(data, speed, self.dofs, parts)
 
 
 def static(
@@ -131,10 +138,18 @@ def static(
         If the iteration does not converge: more than 1e-6 of the load of a shaft, support or
         housing remains unbalanced. The error names it.
     """
+    unit = given_unit(speed) or self._speed_unit
     geometry, speed = text(geometry, "geometry"), number(speed, "speed")
     with working(progress, "equilibrium"):
         data = self._model.static(geometry, speed)
-    return Static(data, self.coordinates, self.description.get("bearings", ()))
+    return Static(
+        data,
+        self.coordinates,
+        self.description.get("bearings", ()),
+        layout=_layout(self),
+        speed=speed,
+        speed_unit=unit,
+    )
 
 
 def campbell(
@@ -176,9 +191,10 @@ def campbell(
     wanted = array(speeds, "speeds")
     count = whole(count, "count")
     harmonics = whole(harmonics, "harmonics", least=0)
+    unit = given_unit(speeds) or self._speed_unit
     with working(progress, f"Campbell diagram of {wanted.size} speeds"):
         data = self._model.campbell(wanted, count, harmonics)
-    return Campbell.from_data(wanted, data)
+    return Campbell.from_data(wanted, data, speed_unit=unit)
 
 
 def critical_speed_map(
@@ -233,7 +249,7 @@ def critical_speed_map(
     with working(progress, f"critical speeds at {wanted.size} stiffnesses"):
         found = self._model.critical_speed_map(wanted, order, count)
     actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
-    return CriticalSpeedMap.from_rows(wanted, order, found, actual)
+    return CriticalSpeedMap.from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
 
 
 def synchronous(
@@ -293,6 +309,7 @@ def synchronous(
         _bearings=tuple(data["bearings"]),
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
+        speed_unit=given_unit(speeds) or self._speed_unit,
     )
 
 

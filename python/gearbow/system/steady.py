@@ -24,6 +24,7 @@ from gearbow.results.steady import SteadyState
 from gearbow.system.run import beginning, given_speed, in_order, requests
 from gearbow.system.simulation import accuracy_level
 from gearbow.system.superposition import Superposition, recorded_duration
+from gearbow.units.speed import given_unit
 
 __all__ = ["period_samples", "steady_state"]
 
@@ -121,6 +122,7 @@ def steady_state(
     True
     """
     state, begin = beginning(initial, start)
+    unit = given_unit(speed) or self._speed_unit
     speed = number(speed, "speed")
     longest = number(max_period, "max_period", infinite=True)
     geometry = text(geometry, "geometry")
@@ -152,6 +154,7 @@ def steady_state(
     if modes is not None or level is not None:
         level = level or LEVELS[system.accuracy]
         check_reduction(response.statistics, level, given=modes is not None)
+    response.speed_unit = unit
     return SteadyState(response, about, system._model)
 
 
@@ -180,6 +183,7 @@ def _response(system: System, data: RunData, speed: float, arguments: dict[str, 
     """Give the recorded period; its request continues from its end, with the same motion."""
     response = Response(in_order(data, None), speed)
     response.kinematics = Kinematics.of(system)
+    response.speed_unit = system._speed_unit
     again = {**arguments, "initial": response.final, "start": response.final["time"]}
     response.request = RunRequest(system.description, again)
     return response

@@ -122,6 +122,7 @@ def objects() -> dict[str, object]:
         frequency,
         frequency.compare([measured]),
         measured,
+        rotor.synchronous(MANY[1:]).peaks(("s", 0.5)),
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5))[0],
         pair.static(speed=100.0),
         response,
@@ -200,13 +201,13 @@ def test_representations_name_what_matters():
     assert "speed ratios 1, -0.5, " in found["RotorSystem"]
     assert ", …; " in found["RotorSystem"]
     assert found["Modes"].startswith("Modes(")
-    assert " at 20.0 rad/s: 0, " in found["Modes"]
+    assert " at 20 rad/s: 0, " in found["Modes"]
     assert "at 100 rad/s" in found["Response"]
     assert found["Shaft"].startswith(
         "Shaft(name='shaft 0', length=0.5, outer_diameter=0.05, elements=4"
     )
     table = objects()["Response"]._repr_html_()
-    assert f"tooth frequency {2500 / (2 * np.pi):.6g} Hz" in table
+    assert f"tooth frequency gear 0/gear 1: {2500 / (2 * np.pi):.6g} Hz" in table
     system = objects()["RotorSystem"]._repr_html_()
     assert "<td>shaft 1</td><td>-0.5</td><td>gear 1 (50)</td><td>25</td>" in system
 

@@ -62,8 +62,8 @@ def test_a_loaded_response_continues_like_the_saved_one(tmp_path, suffix):
 
 def test_a_file_of_another_kind_is_refused(tmp_path):
     response = recorded()
-    with pytest.raises(gb.GearbowError, match=r"^path: must end with \.npz or \.nc"):
-        response.save(tmp_path / "response.csv")
+    with pytest.raises(gb.GearbowError, match=r"^path: must end with \.npz, \.nc, \.csv or \.xlsx"):
+        response.save(tmp_path / "response.txt")
     np.savez(tmp_path / "other.npz", time=np.zeros(3))
     with pytest.raises(gb.GearbowError, match="not a response of gearbow"):
         gb.Response.load(tmp_path / "other.npz")

@@ -261,7 +261,7 @@ def test_a_map_needs_a_positive_order():
 
 def test_the_table_has_a_line_for_each_intersection():
     campbell = scenes.v2().campbell(np.linspace(0.0, 5e3, 5), count=6)
-    assert len(campbell.table().splitlines()) == 1 + len(campbell.intersections)
+    assert len(campbell.table().splitlines()) == 2 + len(campbell.intersections)
     assert len(campbell.to_dataframe()) == len(campbell.intersections)
     assert campbell.lines[0].name == "1× shaft"
     assert scenes.v1().campbell([1.0, 2.0], count=1).lines[2].name == "1× teeth of wheel–pinion"

@@ -55,7 +55,7 @@ def test_the_residual_of_the_fit_is_the_part_outside_all_orders():
     with pytest.warns(gb.AccuracyWarning, match=r"^orders: 100 % of the RMS of g1 y is not at"):
         found = made(2.0, stray=(3.77, 1e-6)).orders("g1", "y")
     assert found.rest_share == pytest.approx(1.0, abs=0.01)
-    assert "rest 7.1e-07 m RMS (99.9 % of the motion)" in found.table()
+    assert "rest 0.71 µm RMS (99.9 % of the motion)" in found.table()
     # The RMS of a sine; the fit absorbs a small part of it.
     assert found.rest == pytest.approx(1e-6 / np.sqrt(2.0), rel=0.02)
 
@@ -116,7 +116,7 @@ def test_coinciding_orders_are_one_order_with_all_names():
 def test_a_table_lists_the_largest_first():
     table = made(a=(1.0, 3e-6), b=(25.0, 5e-6)).orders("g1").table(2).splitlines()
     assert len(table) == 4
-    assert table[0].startswith("g1 y: mean 7e-06 m")
+    assert table[0].startswith("orders of g1 y at 100 rad/s: mean 7 µm")
     assert table[2].endswith("1× mesh g1–g2")
     assert table[3].endswith("1× input = 2× output")
 
@@ -345,7 +345,8 @@ def test_every_channel_has_a_spectrum(of, quantity, label, unit):
     spectrum = recorded(rows=64).spectrum(of, quantity)
     assert (spectrum.label, spectrum.unit) == (label, unit)
     assert spectrum.amplitudes.shape == spectrum.frequencies_hz.shape == (32,)
-    assert spectrum.plot().axes[0].get_ylabel() == f"{label} [{unit}]"
+    written = "µm" if unit == "m" else unit
+    assert spectrum.plot().axes[0].get_ylabel() == f"{label} [{written}]"
 
 
 def test_the_error_names_the_invalid_argument():

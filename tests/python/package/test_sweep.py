@@ -453,11 +453,11 @@ grid = {"torque": [100.0, 200.0], "bow": [1e-4]}
 try:
     gb.sweep(pair, grid, measure, store=sys.argv[1])
 except KeyboardInterrupt as error:
-    print(error.sweep, error.sweep[0].values["value"])
+    print(repr(error.sweep), error.sweep[0].values["value"])
     begin = time.monotonic()
 while any(thread.name.startswith("gearbow") for thread in threading.enumerate()):
     time.sleep(0.01)
-print(gb.Sweep.load(sys.argv[1]))
+print(repr(gb.Sweep.load(sys.argv[1])))
 """
 
 

@@ -213,7 +213,7 @@ def test_an_error_bound_below_all_settings_is_refused(study):
 def test_the_table_contains_all_results(study):
     text = str(study)
     assert f"uncertainty {study.floor:.1e}" in text
-    lines = study.table().splitlines()
+    lines = study.table().split("\n\n")[1].splitlines()
     assert len(lines) == 1 + len(study.trials)
     assert sum(line.startswith("*") for line in lines) == len(study.front())
     assert all(

@@ -187,7 +187,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         {"positions": [0.0, 0.2, 0.5], "amplitudes": [0.0, 1e-4, 0.0]},
     ),
     "Bow.function": (in_shaft("bow", make=gb.Bow.function), {"f": lambda x: 1e-4 * x}),
-    "Bow.read_csv": (gb.Bow.read_csv, {"path": "x.csv"}),
+    "Bow.read_table": (gb.Bow.read_table, {"path": "x.csv"}),
     "Gear": (
         with_part("Gear"),
         {
@@ -239,9 +239,9 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         ),
         {"speeds": [0.0, 1.0], "values": [1e8, 2e8]},
     ),
-    "SpeedTable.read_csv": (
+    "SpeedTable.read_table": (
         lambda **given: system().replace(
-            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_csv(**given))]
+            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_table(**given))]
         ),
         {"path": "x.csv"},
     ),
@@ -282,6 +282,11 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     ),
     "RotorSystem.from_dict": (gb.RotorSystem.from_dict, {"description": {}}),
     "RotorSystem.from_ross": (gb.RotorSystem.from_ross, {"path": "x.toml"}),
+    "RotorSystem.read_rexs": (
+        gb.RotorSystem.read_rexs,
+        {"path": "x.rexs", "load_case": 1, "bearings": {"other": 1e8}},
+    ),
+    "rexs_contents": (gb.rexs_contents, {"path": "x.rexs"}),
     "RotorSystem.load": (gb.RotorSystem.load, {"path": "x.toml"}),
     "RotorSystem.replace": (lambda **given: system().replace(**given), {}),
     "Accelerometer": (lambda **given: response().measure(gb.Accelerometer(**given)), {"at": "g1"}),
@@ -299,6 +304,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Sweep.load": (gb.Sweep.load, {"path": "x.sweep"}),
     "Response.from_record": (gb.Response.from_record, {"record": None}),
 }
+REXS = Path(__file__).parents[1] / "files" / "gearbox.rexs"
 BEARING = {"at": ("input", 0.0)}
 MESH = {"at": ("g1", "g2")}
 #: A value of each class, and valid required arguments of its methods.
@@ -483,6 +489,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {"front": {}, "plot": {}, "recommend": {}, "table": {}, "to_dataframe": {}},
     ),
     "Trial": (lambda: tradeoff().trials[0], {"cost": {}}),
+    "RexsContents": (lambda: gb.rexs_contents(REXS), {"table": {}}),
     "Waterfall": (
         lambda: gb.waterfall(
             [system().simulate(0.05, speed, output_step=1e-4) for speed in (100.0, 110.0)], "g1"
@@ -493,6 +500,17 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "Probe": (lambda: gb.Probe("input", 0.25), {"measure": {"recording": None}}),
     "Tacho": (lambda: gb.Tacho("input"), {"measure": {"recording": None}}),
 }
+
+METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
+METHODS["Peaks"] = (
+    lambda: system().synchronous([0.0, 50.0, 100.0]).peaks("g1"),
+    {"plot": {}},
+)
+for kind in [getattr(gb.results, name) for name in dir(gb.results)]:
+    if hasattr(kind, "to_dataframe"):
+        common: dict[str, Any] = {"table": {}, "to_dataframe": {}, "save": {"path": "x.csv"}}
+        METHODS[kind.__name__][1].update(common | METHODS[kind.__name__][1])
+METHODS["Static"][1]["plot"] = {}
 
 #: Values that no other argument takes: the error names the argument. Numbers, texts and arrays are of the right type for
 #: some arguments; each gives a result or an error of gearbow.
@@ -506,7 +524,7 @@ OF_WRONG_TYPE = {
 }
 #: Of sequences, integers and exceptions, from Python, and constructors from data of the core.
 NOT_FOR_USERS = re.compile(
-    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.(from_data|from_rows|of)$|Sweep\.(count|index)$"
+    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.(from_data|from_rows|of)$|(Sweep|Peaks)\.(count|index)$"
 )
 #: The system of the method, and the beginning of error messages.
 NO_ARGUMENTS = {("RotorSystem.simulate_many", "system"), ("TimeSeries.function", "path")}
@@ -546,6 +564,7 @@ def test_an_error_names_the_argument(name: str, tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.chdir(tmp_path)
     Path("x.csv").write_text("speed,k\n0,1e8\n1,2e8\n", encoding="utf-8")
+    Path("x.rexs").write_bytes(REXS.read_bytes())
     call, arguments = ALL[name]
 
     @each_case(("argument", "wrong"), product(parameters(name), WRONG), ids=str)
