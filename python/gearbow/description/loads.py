@@ -92,11 +92,11 @@ class Torque(Part):
     ----------
     at : str or tuple of (str, float)
         A gear or disk by name, or (shaft, position [m]).
-    value : float, TimeSeries, SpeedTable, callable or "balance"
+    value : complex, TimeSeries, SpeedTable, callable or "balance"
         The torque [N m]: constant; over time; over the magnitude of the actual speed Ω_s + θ̇ of the
         shaft [rad/s], with the end values beyond the table; or a function of the time [s], which
         `simulate` samples over the run. Static, modal and synchronous analyses do not contain a
-        torque over time. "balance" is explained in `Torque.balance`.
+        torque over time. A phasor as a source of `frequency_response`. "balance" is explained in `Torque.balance`.
 
     Examples
     --------

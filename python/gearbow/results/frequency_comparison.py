@@ -7,6 +7,7 @@ import numpy as np
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result
 from gearbow._shown import short
 from gearbow._types import Array, ComplexArray
 from gearbow.errors import SceneError
@@ -20,7 +21,7 @@ __all__ = ["FrequencyComparison"]
 
 
 @dataclass(frozen=True, eq=False)
-class FrequencyComparison(ReadOnly):
+class FrequencyComparison(Result, ReadOnly):
     """MeasuredCurve curves, and the computed ones at the same frequencies.
 
     Parameters
@@ -43,6 +44,15 @@ class FrequencyComparison(ReadOnly):
 
     def _facts(self) -> dict[str, str]:
         return {"curves": short([one.label for one in self.measured]), "frac": short(self.frac)}
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each curve."""
+        return [
+            Column("curve", [one.label for one in self.measured]),
+            Column("quantity", [one.quantity for one in self.measured]),
+            Column("frequencies", [one.frequencies.size for one in self.measured]),
+            Column("FRAC", self.frac, "", ".4f"),
+        ]
 
     @property
     def frac(self) -> Array:

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, Written
 from gearbow._shown import short, span
 from gearbow._types import Array, At, ComplexArray, Plain
 from gearbow.description.coordinates import Coordinates
@@ -20,6 +21,7 @@ from gearbow.description.places import Places, is_pair, place, place_label, plac
 from gearbow.errors import ChannelError, GearbowError, SceneError
 from gearbow.results.frequency_comparison import FrequencyComparison
 from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,12 +32,14 @@ if TYPE_CHECKING:
 
 __all__ = ["FrequencyResponse"]
 
+#: Largest number of places in a table.
+_PRINTED_PLACES = 3
 #: Power of iω by which each kind of motion follows from the displacement.
 _DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
 @dataclass(frozen=True, eq=False)
-class FrequencyResponse(ReadOnly):
+class FrequencyResponse(Result, ReadOnly):
     """Harmonic response of a system to one or several sources.
 
     All results are phasors x: the physical value is the real part of x exp(iωt). Their first axes
@@ -59,6 +63,8 @@ class FrequencyResponse(ReadOnly):
         Degrees of freedom of the system.
     description : mapping
         The plain system.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables.
 
     Examples
     --------
@@ -88,6 +94,9 @@ class FrequencyResponse(ReadOnly):
     _bearing_force: ComplexArray = field(repr=False)
     _meshes: tuple[tuple[str, str], ...] = field(repr=False)
     _mesh_force: ComplexArray = field(repr=False)
+    speed_unit: SpeedUnit = "rad/s"
+
+    _own_endings: ClassVar[tuple[str, ...]] = (".nc", ".uff", ".mat")
 
     def _facts(self) -> dict[str, str]:
         return {
@@ -489,9 +498,9 @@ class FrequencyResponse(ReadOnly):
         MissingExtraError
             If xarray is not installed.
         """
-        return self._dataset(at, parts=False)
+        return self._curve_dataset(at, parts=False)
 
-    def _dataset(self, at: Any, *, parts: bool) -> "xr.Dataset":
+    def _curve_dataset(self, at: Any, *, parts: bool) -> "xr.Dataset":
         """Give the data set of curves."""
         from gearbow.exchange import harmonic  # noqa: PLC0415
 
@@ -512,7 +521,8 @@ class FrequencyResponse(ReadOnly):
         path : str or path-like
             ".nc" is netCDF (extra "netcdf"), in which a dimension "part" separates real and
             imaginary parts. ".uff" is a universal file with one data set 58 for each curve and
-            source (extra "uff"). ".mat" is for MATLAB (extra "matlab").
+            source (extra "uff"). ".mat" is for MATLAB (extra "matlab"). ".csv" and ".xlsx" hold the
+            table of `to_dataframe`.
         at : str, tuple of (str, float), or sequence of them, optional
             As for `to_dataframe`.
 
@@ -526,26 +536,61 @@ class FrequencyResponse(ReadOnly):
         OSError
             If the file cannot be written. An existing file is unchanged.
         """
+        found, ending = check_name(path, (*self._own_endings, ".csv", ".xlsx"))
+        if ending in self._own_endings:
+            self._write(found, ending, at)
+            return
+        frame = self.to_dataframe(at)
+        with replacing(found) as file:
+            if ending == ".csv":
+                file.write(frame.to_csv(index=False).encode())
+            else:
+                frame.astype(str).to_excel(file, index=False, engine="openpyxl")
+
+    def _write(self, path: Any, ending: str, at: Any) -> None:
+        """Write a file with the curves of places."""
         from gearbow.exchange import harmonic  # noqa: PLC0415
 
-        file_path, ending = check_name(path, [".nc", ".uff", ".mat"])
         about = (self.frequencies, self.speeds, self.sources)
         if ending == ".uff":
             if self.axes != ("frequency",):
                 raise SceneError("path: a universal file holds a response at one speed")
-            harmonic.write_uff(file_path, self._curves(at), *about)
-            return
-        if ending == ".nc":
+            harmonic.write_uff(path, self._curves(at), *about)
+        elif ending == ".mat":
+            curves = self._curves(at)
+            with replacing(path) as file:
+                harmonic.write_mat(file, curves, *about)
+        else:
             from gearbow.recording.container import suffix, write_netcdf  # noqa: PLC0415
 
             suffix(path)
-            dataset = self._dataset(at, parts=True)
-            with replacing(file_path) as file:
+            dataset = self._curve_dataset(at, parts=True)
+            with replacing(path) as file:
                 write_netcdf(dataset, file)
-            return
-        curves = self._curves(at)
-        with replacing(file_path) as file:
-            harmonic.write_mat(file, curves, *about)
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each frequency and source, with the amplitudes at a few places."""
+        count = len(self.sources)
+        columns = [
+            Column(
+                "frequency",
+                np.repeat(self.frequencies.ravel(), count),
+                "rad/s",
+                ".2f",
+                Written("Hz", 0.5 / np.pi),
+            ),
+            Column("speed", np.repeat(self.speeds.ravel(), count), "rad/s", ".2f"),
+            Column("source", list(self.sources) * self.frequencies.size),
+        ]
+        sizes: dict[str, Any] = {}
+        for curve in self._curves():
+            if curve.kind == "displacement" and curve.unit == "m":
+                size = np.abs(curve.values.ravel()) ** 2
+                sizes[curve.place] = sizes.get(curve.place, 0.0) + size
+        largest = sorted(sizes, key=lambda place: -float(np.max(sizes[place], initial=0.0)))
+        for name in largest[:_PRINTED_PLACES]:
+            columns.append(Column(f"{name} amplitude", np.sqrt(sizes[name]), "m", ".4g"))
+        return columns
 
     def compare(
         self,

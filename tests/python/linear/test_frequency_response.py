@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -191,3 +193,23 @@ def test_a_settled_run_has_the_amplitude_of_the_response():
             assert a + 1j * b == pytest.approx(u, rel=1e-4, abs=1e-4 * np.abs(u).max())
             twist = np.linalg.lstsq(columns, run.twist(at)[kept], rcond=None)[0]
             assert complex(*twist[:2]) == pytest.approx(found.twist(at)[0, 0], rel=1e-3)
+
+
+def test_a_place_between_nodes_moves_as_a_node_there_would():
+    beam = Beam(springs=ENDS["pinned"], rayleigh=(2.0, 1e-6))
+    coarse = beam_system(beam, elements=4, degree=8)
+    fine = coarse.replace(
+        bearings=[*coarse.bearings, gb.Bearing("s", 0.41, stiffness=0.0)],
+        shafts=[replace(coarse.shafts[0], elements=4, degree=8)],
+    )
+    at = ("s", 0.41)
+    first, second = (system.modes(count=6).displacement(at) for system in (coarse, fine))
+    # shapes of equal modes of both planes are arbitrary: the sums over each pair are not
+    sizes = [
+        np.sum(np.abs(shapes.reshape(3, 2, 2)) ** 2, axis=(1, 2)) for shapes in (first, second)
+    ]
+    assert sizes[0] == pytest.approx(sizes[1], rel=1e-6)
+    unbalanced = [system.synchronous([100.0]) for system in (coarse, fine)]
+    assert unbalanced[0].displacement(at).shape == (1, 1, 2)
+    with pytest.raises(gb.SceneError, match=r"reaches from 0 to 1\.2 m"):
+        unbalanced[0].displacement(("s", 1.3))

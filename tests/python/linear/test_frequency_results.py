@@ -59,8 +59,11 @@ def test_files_keep_the_values(response, tmp_path):
         one for one in found["curves"] if (one["place"], one["direction"]) == ("wheel", "y")
     )
     assert curve["values"] == pytest.approx(response.displacement("wheel")[..., 0])
+    response.save(tmp_path / "frf.csv", at="pinion")
+    assert (tmp_path / "frf.csv").read_text(encoding="utf-8").count("\n") == 2 * 40 + 1
+    assert "pinion amplitude" in response.table(3)
     with pytest.raises(gb.SceneError, match="path: must end with"):
-        response.save(tmp_path / "frf.csv")
+        response.save(tmp_path / "frf.txt")
 
 
 def test_universal_files_are_read_again(response, tmp_path):

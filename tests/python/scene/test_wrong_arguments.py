@@ -457,7 +457,15 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "EnergyBalance": (lambda: response().energy_balance(), {"plot": {}, "to_dataframe": {}}),
     "Modes": (
         lambda: system().modes(100.0),
-        {"energy_shares": {}, "names": {}, "plot": {}, "table": {}, "to_dataframe": {}},
+        {
+            "displacement": {"at": "g1"},
+            "twist": {"at": "g1"},
+            "energy_shares": {},
+            "names": {},
+            "plot": {},
+            "table": {},
+            "to_dataframe": {},
+        },
     ),
     "Orders": (
         lambda: response().orders("g1", shaft_harmonics=1, mesh_harmonics=0, sidebands=0),
