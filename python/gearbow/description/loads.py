@@ -96,7 +96,8 @@ class Torque(Part):
         The torque [N m]: constant; over time; over the magnitude of the actual speed Ω_s + θ̇ of the
         shaft [rad/s], with the end values beyond the table; or a function of the time [s], which
         `simulate` samples over the run. Static, modal and synchronous analyses do not contain a
-        torque over time. A phasor as a source of `frequency_response`. "balance" is explained in `Torque.balance`.
+        torque over time. A phasor as a source of `frequency_response`. "balance" is explained in
+        `Torque.balance`.
 
     Examples
     --------

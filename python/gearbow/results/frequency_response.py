@@ -78,7 +78,7 @@ class FrequencyResponse(Result, ReadOnly):
     >>> hit = gb.Force(("rotor", 0.5), 1.0)
     >>> response = system.frequency_response([1.0, 600.0], source=hit)
     >>> np.abs(response.displacement(("rotor", 0.5))[:, 0, 0]).round(9)
-    array([3.80e-07, 2.43e-07])
+    array([3.780e-07, 2.672e-06])
     """
 
     frequencies: Array
