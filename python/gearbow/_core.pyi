@@ -13,6 +13,7 @@ from gearbow._types import (
     CoreCheckpoint,
     Dof,
     FilmData,
+    HarmonicData,
     MatricesData,
     MeshGeometry,
     ModesData,
@@ -111,6 +112,9 @@ class Model:
         self, stiffnesses: Array, order: float, count: int | None = None
     ) -> list[list[tuple[float, str, float, int]]]: ...
     def synchronous(self, speeds: Array, excitation: str = "both") -> SynchronousData: ...
+    def frequency_response(
+        self, frequencies: Array, speeds: Array, sources: list[dict[str, Plain]]
+    ) -> HarmonicData: ...
     def peaks(
         self,
         speeds: Array,

@@ -47,7 +47,7 @@ use crate::integrate::{
     Adaptive, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl, StepLimit,
     Trajectory, run,
 };
-use crate::modal::{AtSpeed, CachedModel, EquilibriumError, MAX_CONDITION};
+use crate::modal::{AtSpeed, CachedModel, MAX_CONDITION};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use initial::Start;
@@ -152,11 +152,12 @@ pub fn simulate(
 }
 
 /// The model of a run. At a constant speed, bearings that depend on it belong to the matrices.
-fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, EquilibriumError> {
-    match options.speed {
-        Speed::Constant(_) => cached.at_speed(options.fastest()),
-        Speed::Changing(_) => cached.with_operating_points_of(options.fastest()),
-    }
+fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, AnalysisError> {
+    cached.model.scene.refuse_loss_factors()?;
+    Ok(match options.speed {
+        Speed::Constant(_) => cached.at_speed(options.fastest())?,
+        Speed::Changing(_) => cached.with_operating_points_of(options.fastest())?,
+    })
 }
 
 /// The equation of motion of a run.

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::first_order::FirstOrder;
 use super::model::{ModalStateSpace, StateMatrix};
@@ -441,9 +441,7 @@ impl CachedModel {
         self.linear_part().dynamic.get_or_try(key, || {
             let DynamicKey { speed, spin, flank_speed } = key;
             let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
-            let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
-            let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
-            let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
+            let mut matrix = model.dynamic_stiffness(&Weights::harmonic(spin, speed), flank_speed);
             pins.add_to(model, &mut matrix);
             Ok(Arc::new(DynamicFactors { factors: matrix.factor(if spin < 0.0 { -1.0 } else { 1.0 }), pins }))
         })

@@ -41,6 +41,9 @@ def results() -> dict:
         "campbell": jeffcott(damping=4e3).campbell([0.0, 100.0, 200.0], count=4),
         "map": jeffcott().critical_speed_map([1e6, 1e7]),
         "synchronous": system.synchronous([10.0, 20.0]),
+        "response": system.frequency_response(
+            [10.0, 20.0], source=gb.Force("g1", 1.0), speed=[5.0, 9.0]
+        ),
         "spectrum": run.spectrum("g1"),
         "orders": series.orders("g1", "z", shaft_harmonics=1, mesh_harmonics=0),
         "waterfall": gb.waterfall(runs, "g1", "z"),
@@ -69,6 +72,9 @@ FIGURES = {
     "map": (1, lambda r, ax: r["map"].plot(ax=ax)),
     "synchronous": (2, lambda r, ax: r["synchronous"].plot(["g1", "g2"], ax=ax)),
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
+    "frequency response": (2, lambda r, ax: r["response"].plot("g1", ax=ax)),
+    "nyquist": (1, lambda r, ax: r["response"].plot("g1", kind="nyquist", ax=ax)),
+    "map of a response": (1, lambda r, ax: r["response"].plot("g1", kind="waterfall", ax=ax)),
     "spectrum": (1, lambda r, ax: r["spectrum"].plot(ax=ax)),
     "orders": (1, lambda r, ax: r["orders"].plot(ax=ax)),
     "waterfall": (1, lambda r, ax: r["waterfall"].plot(ax=ax)),
