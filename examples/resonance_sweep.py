@@ -117,7 +117,9 @@ def main() -> None:
         system = pair(torque)
         speed = resonance(system)
         static = float(system.static().mesh(MESH).deflection)
-        branch = system.continuation("speed", RANGE[0] * speed, RANGE[1] * speed, record=["meshes"])
+        branch = system.continuation(
+            "speed", RANGE[0] * speed, RANGE[1] * speed, rtol=1e-9, record=["meshes"]
+        )
         curves[torque] = (static, speed, branch)
         rms = branch.statistic("rms", MESH, "deflection")
         folds = ", ".join(f"{fold:.4f}" for fold in np.sort(branch.folds / speed)) or "none"

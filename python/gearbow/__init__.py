@@ -48,6 +48,11 @@ from gearbow.description.shafts import (
     Segment as Segment,
     Shaft as Shaft,
 )
+from gearbow.description.sources import (
+    GroundMotion as GroundMotion,
+    MeshExcitation as MeshExcitation,
+    ShaftExcitation as ShaftExcitation,
+)
 from gearbow.description.speed import SpeedProfile as SpeedProfile
 from gearbow.description.speed_table import SpeedTable as SpeedTable
 from gearbow.description.stiffness import Stiffness as Stiffness

@@ -127,11 +127,9 @@ class Shafts:
         return tuple(found)
 
     def locate(self, component: Component, shaft: PlacedShaft, name: str) -> float:
-        """Find the position of a component on a shaft [m]; `name` is its coordinate in the file.
-
-        The coordinate of a gear is its middle or its begin: the files differ, and its
-        ``support_vector``, which is its middle, decides.
-        """
+        """Find the position of a component on a shaft [m]; `name` is its coordinate in the file."""
+        # The coordinate of a gear is its middle or its begin: files differ, and its
+        # support_vector, which is its middle, decides.
         frame = self.frame(component)
         given = component.number(name, "position") if component.has(name) else None
         if frame is None or shaft.frame is None:

@@ -20,6 +20,7 @@ _MODULES = {
     "FilmCoefficients": "gearbow.description.journal",
     "Order": "gearbow.description.kinematics",
     "RollingCoefficients": "gearbow.description.rolling",
+    "MeasuredCurve": "gearbow.exchange.harmonic",
     "LoadCase": "gearbow.exchange.rexs",
     "RexsContents": "gearbow.exchange.rexs",
     "MissingValue": "gearbow.exchange.rexs_joints",
@@ -40,6 +41,8 @@ _MODULES = {
     "Continuation": "gearbow.results.continuation",
     "CriticalSpeedMap": "gearbow.results.critical_speeds",
     "Discretisation": "gearbow.results.discretisation",
+    "FrequencyComparison": "gearbow.results.frequency_comparison",
+    "FrequencyResponse": "gearbow.results.frequency_response",
     "Matrices": "gearbow.results.matrices",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
@@ -61,6 +64,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
     from gearbow.description.kinematics import Order as Order
     from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.exchange.harmonic import MeasuredCurve as MeasuredCurve
     from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
     from gearbow.exchange.rexs_joints import MissingValue as MissingValue
     from gearbow.orders.fit import Orders as Orders
@@ -85,6 +89,10 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.continuation import Continuation as Continuation
     from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
     from gearbow.results.discretisation import Discretisation as Discretisation
+    from gearbow.results.frequency_comparison import (
+        FrequencyComparison as FrequencyComparison,
+    )
+    from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
     from gearbow.results.matrices import Matrices as Matrices
     from gearbow.results.modes import Modes as Modes
     from gearbow.results.peak import (

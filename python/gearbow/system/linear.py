@@ -87,7 +87,7 @@ def modes(
     most = None if count is None else whole(count, "count")
     with working(progress, "modes"):
         data = self._model.modes(speed, most)
-    return Modes.from_data(data, speed, self.dofs, _layout(self), speed_unit=unit)
+    return Modes.from_data(data, speed, self.coordinates, _layout(self), speed_unit=unit)
 
 
 def _layout(self: System) -> Layout:

@@ -33,6 +33,7 @@ from gearbow.sweeps.many import simulate_many
 from gearbow.system.bow_limits import bow_limits
 from gearbow.system.continuation import continuation
 from gearbow.system.drawing import plot
+from gearbow.system.frequency import frequency_response, mesh_response
 from gearbow.system.linear import (
     campbell,
     critical_speed_map,
@@ -604,7 +605,14 @@ class RotorSystem(CheckedKeywords, Shown):
         """
         own = (bearing.support for bearing in self.bearings)
         bases = names_of_bases(own, *self.supports, *self.housings)
-        return Coordinates.of(self.dofs, self.gears, self.disks, bases, self.housings)
+        return Coordinates.of(
+            self.dofs,
+            self.gears,
+            self.disks,
+            bases=bases,
+            housings=self.housings,
+            shafts=self.shafts,
+        )
 
     plot = plot
     matrices = matrices
@@ -613,6 +621,8 @@ class RotorSystem(CheckedKeywords, Shown):
     campbell = campbell
     critical_speed_map = critical_speed_map
     synchronous = synchronous
+    frequency_response = frequency_response
+    mesh_response = mesh_response
     balance = balance
     bow_limits = bow_limits
     simulate = simulate

@@ -276,6 +276,7 @@ def test_every_command_has_examples_in_its_help(capsys):
         "plot",
         "modes",
         "campbell",
+        "response",
         "run",
         "steady",
         "tradeoff",

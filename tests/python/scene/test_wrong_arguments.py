@@ -70,7 +70,7 @@ def sweep() -> gb.Sweep:
 
 @cache
 def branch() -> gb.Continuation:
-    return system().continuation("speed", 100.0, 100.5, max_points=3, first_step=0.5)
+    return system().continuation("speed", 100.0, 100.5, max_points=3, first_step=1.1)
 
 
 @cache
@@ -133,6 +133,9 @@ def as_limit(name: str) -> Callable[..., object]:
         return system().bow_limits("input", 100.0, limits=[one])
 
     return make
+def of_source(name: str) -> Callable[..., object]:
+    """Make a source, and a response to it."""
+    return lambda **given: system().frequency_response([9.0], source=getattr(gb, name)(**given))
 
 
 def in_mesh(name: str, make: Callable[..., Any], **more: Any) -> Callable[..., object]:
@@ -162,6 +165,9 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "mm": (gb.mm, {"value": 1.0}),
     "rpm": (gb.rpm, {"value": 1.0}),
     "degrees": (gb.degrees, {"value": 1.0}),
+    "MeshExcitation": (of_source("MeshExcitation"), {"at": "g1/g2"}),
+    "GroundMotion": (of_source("GroundMotion"), {"value": 1e-6}),
+    "ShaftExcitation": (of_source("ShaftExcitation"), {"shaft": "input"}),
     "sweep": (
         gb.sweep,
         {"make": lambda x: system(), "parameters": {"x": [1.0]}, "measure": measure},  # noqa: ARG005
@@ -332,11 +338,14 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
                 "begin": 100.0,
                 "end": 100.5,
                 "max_points": 1,
+                "first_step": 1.1,
                 "max_period": 0.2,
             },
             "critical_speed_map": {"stiffnesses": [1e7, 1e8]},
             "default_output_step": {"duration": 1e-3, "speed": 100.0},
+            "frequency_response": {"frequencies": [100.0], "source": gb.Force("g1", 1.0)},
             "matrices": {},
+            "mesh_response": {"at": "g1/g2", "speeds": [100.0]},
             "modes": {},
             "plot": {},
             "save": {"path": "x.toml"},
@@ -420,6 +429,33 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "subtract_slow_roll": {"speed": 50.0},
         },
     ),
+    "FrequencyResponse": (
+        lambda: system().frequency_response([50.0, 100.0], source=gb.Force("g1", 1.0)),
+        {
+            "bearing_force": BEARING,
+            **{
+                name: {"at": "g1"} for name in ("acceleration", "displacement", "twist", "velocity")
+            },
+            "axial_displacement": {"at": "g1"},
+            "compare": {"measured": "x.csv"},
+            "measure": {"sensor": gb.Probe("input", 0.25)},
+            "mesh_force": {"at": "g1/g2"},
+            "plot": {"at": ["g1"]},
+            "save": {"path": "x.mat"},
+            "to_dataframe": {},
+            "to_xarray": {},
+        },
+    ),
+    "FrequencyComparison": (
+        lambda: (
+            system()
+            .frequency_response([50.0, 100.0], source=gb.Force("g1", 1.0))
+            .compare(
+                [gb.results.MeasuredCurve("g1", "y", "velocity", np.array([50.0]), np.array([1j]))]
+            )
+        ),
+        {"plot": {}},
+    ),
     "Campbell": (
         lambda: system().campbell([0.0, 100.0], count=3),
         {"plot": {}, "table": {}, "to_dataframe": {}},
@@ -441,7 +477,15 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "EnergyBalance": (lambda: response().energy_balance(), {"plot": {}, "to_dataframe": {}}),
     "Modes": (
         lambda: system().modes(100.0),
-        {"energy_shares": {}, "names": {}, "plot": {}, "table": {}, "to_dataframe": {}},
+        {
+            "displacement": {"at": "g1"},
+            "twist": {"at": "g1"},
+            "energy_shares": {},
+            "names": {},
+            "plot": {},
+            "table": {},
+            "to_dataframe": {},
+        },
     ),
     "Orders": (
         lambda: response().orders("g1", shaft_harmonics=1, mesh_harmonics=0, sidebands=0),
