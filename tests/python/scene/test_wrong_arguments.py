@@ -133,6 +133,8 @@ def as_limit(name: str) -> Callable[..., object]:
         return system().bow_limits("input", 100.0, limits=[one])
 
     return make
+
+
 def of_source(name: str) -> Callable[..., object]:
     """Make a source, and a response to it."""
     return lambda **given: system().frequency_response([9.0], source=getattr(gb, name)(**given))
