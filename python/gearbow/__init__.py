@@ -25,6 +25,7 @@ from types import ModuleType as _ModuleType
 from gearbow import results as results
 from gearbow._core import __version__ as __version__
 from gearbow.description.bow import Bow as Bow
+from gearbow.description.bow_limit import BowLimit as BowLimit
 from gearbow.description.couplings import (
     Coupling as Coupling,
     Drive as Drive,
@@ -46,6 +47,11 @@ from gearbow.description.shafts import (
     Material as Material,
     Segment as Segment,
     Shaft as Shaft,
+)
+from gearbow.description.sources import (
+    GroundMotion as GroundMotion,
+    MeshExcitation as MeshExcitation,
+    ShaftExcitation as ShaftExcitation,
 )
 from gearbow.description.speed import SpeedProfile as SpeedProfile
 from gearbow.description.speed_table import SpeedTable as SpeedTable
@@ -87,14 +93,16 @@ from gearbow.units.values import (
     rpm as rpm,
 )
 
-#: Modules of the names that are imported at their first use, with the libraries of a sweep.
+#: Modules of the names that are imported at their first use, with the libraries that they need.
 _LAZY = {
     "Sweep": "gearbow.sweeps.result",
     "identify": "gearbow.identification.identify",
+    "rexs_contents": "gearbow.exchange.rexs",
     "sweep": "gearbow.sweeps.run",
 }
 
 if _typing.TYPE_CHECKING:
+    from gearbow.exchange.rexs import rexs_contents as rexs_contents
     from gearbow.identification.identify import identify as identify
     from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep

@@ -13,8 +13,10 @@ _PACKAGES = {
     "plot": {"matplotlib", "mpl_toolkits", "PIL"},
     "netcdf": {"xarray", "h5netcdf", "h5py"},
     "dataframe": {"pandas", "openpyxl"},
+    "matlab": {"scipy"},
     "sparse": {"scipy"},
     "identify": {"scipy"},
+    "uff": {"pyuff"},
     "units": {"pint"},
     "sweep": {"xarray", "pandas", "dask", "distributed"},
 }

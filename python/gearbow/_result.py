@@ -301,7 +301,7 @@ class Result(Shown):
                 f"columns, but this table has {len(frame)} and {frame.shape[1]}; give .csv or .nc"
             )
         with extra("dataframe"):
-            import openpyxl  # type: ignore[import-untyped]  # noqa: F401, PLC0415
+            import openpyxl  # noqa: F401, PLC0415
         stream = BytesIO()
         frame.to_excel(stream, index=self._indexed, engine="openpyxl")
         return stream.getvalue()

@@ -11,7 +11,7 @@ use crate::modal::{AtSpeed, CachedModel, RotatingResponse};
 use crate::model::Model;
 
 /// Smallest number of degrees of freedom for which band matrices are faster than dense ones with modal damping.
-const MIN_BANDS: usize = 100;
+pub(super) const MIN_BANDS: usize = 100;
 
 /// Memory that synchronous responses need.
 pub fn memory_of_responses(model: &Model) -> Dense {

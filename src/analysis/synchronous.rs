@@ -9,7 +9,7 @@ use super::{AnalysisError, Dense};
 use crate::linalg::{CoupledFactors, Singular, backward_error, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Projected};
 use crate::model::{Excitation, Model};
-use crate::scene::Node;
+use crate::scene::{EntryPath, SceneError};
 
 /// Part of the excitation by a rotating shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,12 +23,27 @@ pub enum ExcitationPart {
     Unbalance,
 }
 
+impl ExcitationPart {
+    /// Finds a part by its name, which the entry `at` contains.
+    ///
+    /// # Errors
+    /// [`SceneError`] for another name.
+    pub(crate) fn named(name: &str, at: &EntryPath<'_>) -> Result<Self, SceneError> {
+        match name {
+            "both" => Ok(Self::Both),
+            "bow" => Ok(Self::Bow),
+            "unbalance" => Ok(Self::Unbalance),
+            _ => Err(at.error(format!("must be \"both\", \"bow\" or \"unbalance\", got \"{name}\""))),
+        }
+    }
+}
+
 /// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
 pub(super) const MAX_DENSE: usize = 2000;
 
 /// Largest relative residual of a response. Machines reach 1e-11, and scenes with stiffnesses of very different size 2e-6; a
 /// response that is wrong has a residual near one.
-const MAX_RESIDUAL: f64 = 1e-4;
+pub(super) const MAX_RESIDUAL: f64 = 1e-4;
 
 /// Response to the rotation of one shaft.
 #[derive(Clone, Debug)]
@@ -83,25 +98,6 @@ pub fn bow(model: &Model) -> DVector<Complex<f64>> {
     amplitudes
 }
 
-/// Phasors of the force over (y, z) on the bearings of `nodes`, N, for a source shaft of speed `spin`, rad/s.
-pub fn bearing_forces(
-    model: &Model,
-    nodes: &[Node],
-    spin: f64,
-    amplitudes: &DVector<Complex<f64>>,
-) -> Vec<[Complex<f64>; 2]> {
-    let part = |part: fn(&Complex<f64>) -> f64| amplitudes.iter().map(part).collect::<Vec<_>>();
-    let (re, im) = (part(|value| value.re), part(|value| value.im));
-    // The velocity is Re(iω a e^{iϑ}): its phasor has the real part −ω Im a and the imaginary part ω Re a.
-    let rate = |part: &[f64], factor: f64| part.iter().map(|value| factor * value).collect::<Vec<_>>();
-    let (rate_re, rate_im) = (rate(&im, -spin), rate(&re, spin));
-    let force = |node: &Node| {
-        let (re, im) = (model.bearing_force(*node, &re, &rate_re), model.bearing_force(*node, &im, &rate_im));
-        [0, 1].map(|row| Complex::new(re[row], im[row]))
-    };
-    nodes.iter().map(force).collect()
-}
-
 /// Response at `speed` to one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s.
 ///
 /// # Errors
@@ -123,7 +119,7 @@ pub(super) fn synchronous_of(
     let key = DynamicKey { speed, spin, flank_speed };
     // The matrix of modal damping is full; at standstill it has no effect.
     if model.scene.modal_damping == 0.0 || spin == 0.0 {
-        match without_modal_damping(&cached, key, &force)? {
+        match without_modal_damping(&cached, key, 0.0, &force)? {
             Some(found) => return found.checked(speed, name),
             // At an undamped critical speed the response is very large: the dense solution shows its size.
             None if model.len() <= MAX_DENSE => {}
@@ -150,7 +146,7 @@ pub(super) fn synchronous_in(
     let Some(force) = rotating_force(model, spin, source, ExcitationPart::Both) else {
         return Ok(DVector::zeros(model.len()));
     };
-    match without_modal_damping(&at_speed, DynamicKey { speed, spin, flank_speed }, &force)? {
+    match without_modal_damping(&at_speed, DynamicKey { speed, spin, flank_speed }, 0.0, &force)? {
         Some(found) if model.scene.modal_damping == 0.0 => Ok(found.phasors),
         Some(found) => Ok(subspace.with_modal_damping(model, spin, found.phasors)),
         None => Ok(synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both)?.phasors),
@@ -183,17 +179,19 @@ pub(super) fn rotating_force(
     Some(force)
 }
 
-/// Solves S x = f without modal damping; `None` if round-off leaves no accurate solution.
-fn without_modal_damping(
+/// Solves S x = f without modal damping to a backward error, or to round-off if it is zero; `None` if round-off leaves no
+/// accurate solution.
+pub(super) fn without_modal_damping(
     cached: &CachedModel,
     key: DynamicKey,
+    tolerance: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<Option<SourceResponse>, AnalysisError> {
     let found = cached.dynamic_factors(key)?;
     let Ok(factors) = &found.factors else {
         return Ok(None);
     };
-    let Ok(mut solution) = solve_structured(&cached.model, factors, force) else {
+    let Ok(mut solution) = solve_structured(&cached.model, factors, tolerance, force) else {
         return Ok(None);
     };
     found.pins.remove_null_motions(&mut solution.phasors);
@@ -204,17 +202,16 @@ fn without_modal_damping(
 fn solve_structured(
     model: &Model,
     factors: &CoupledFactors,
+    tolerance: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<SourceResponse, Singular> {
-    let right = model.to_circular(force.as_slice());
-    let mut x = right.clone();
-    factors.solve(&mut x)?;
-    let residual = factors.backward_error(&right, &x);
+    let mut x = model.to_circular(force.as_slice());
+    let residual = factors.solve_to(tolerance, &mut x)?;
     Ok(SourceResponse { phasors: DVector::from_vec(model.from_circular(&x)), residual })
 }
 
 /// The same with the dense matrix, which may contain modal damping.
-fn solve_dense(
+pub(super) fn solve_dense(
     cached: &CachedModel,
     DynamicKey { speed, spin, flank_speed }: DynamicKey,
     force: DVector<Complex<f64>>,
@@ -226,6 +223,12 @@ fn solve_dense(
     let mut dynamic = DMatrix::from_fn(model.len(), model.len(), |i, j| {
         Complex::new(stiffness[(i, j)] - spin * spin * mass[(i, j)], spin * rate[(i, j)])
     });
+    if model.has_structural_damping() && spin != 0.0 {
+        let sign = spin.signum();
+        model.sparse_structural(flank_speed).for_each(|row, column, value| {
+            dynamic[(row, column)] += Complex::new(0.0, sign * value);
+        });
+    }
     if spin == 0.0 {
         // Null motions have no stiffness at standstill. The bow does not drive them, so that an artificial stiffness has
         // no effect.

@@ -12,6 +12,7 @@ from gearbow._convert import array
 from gearbow._core import require_memory
 from gearbow._extras import extra
 from gearbow._lookup import nearest, nodal, one_of
+from gearbow._progress import working
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written, in_degrees
 from gearbow._shown import listed
@@ -179,6 +180,7 @@ def balance(  # numpydoc ignore=PR01
     *,
     target: str = "total",
     points: At | Sequence[At] | None = None,
+    progress: bool | None = None,
 ) -> Balance[S]:
     """Find the unbalances that minimise the deflection of a bowed rotor.
 
@@ -192,6 +194,8 @@ def balance(  # numpydoc ignore=PR01
         Quantity to minimise: the displacement, or the elastic deflection (displacement minus bow).
     points : str, tuple of (str, float), or sequence of them, optional
         Measuring points; None is every node of the shaft.
+    progress : bool, optional
+        Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
@@ -232,12 +236,16 @@ def balance(  # numpydoc ignore=PR01
         "give fewer speeds, planes or points",
     )
     read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, target=target)
-    before = read(base, "both")
-    alone = _without_unbalance(base)
-    influence = np.stack(
-        [read(with_unbalances(alone, {plane: _TRIAL}), "unbalance") / _TRIAL for plane in chosen],
-        axis=-1,
-    )
+    with working(progress, "balancing"):
+        before = read(base, "both")
+        alone = _without_unbalance(base)
+        influence = np.stack(
+            [
+                read(with_unbalances(alone, {plane: _TRIAL}), "unbalance") / _TRIAL
+                for plane in chosen
+            ],
+            axis=-1,
+        )
     table = influence.reshape(-1, len(chosen))
     least = np.linalg.lstsq(table, -before.reshape(-1), rcond=None)[0]
     unbalances: ComplexArray = np.asarray(least, dtype=np.complex128)

@@ -1,7 +1,6 @@
 """Arguments that several commands share."""
 
 import argparse
-import sys
 from collections.abc import Callable, Container
 from functools import partial
 from pathlib import Path
@@ -40,7 +39,6 @@ __all__ = [
     "output",
     "quantity",
     "read_run",
-    "shows",
     "speed",
     "speed_line",
 ]
@@ -95,13 +93,8 @@ def add_speed(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--progress",
         action=argparse.BooleanOptionalAction,
-        help="show a progress bar on stderr; default: if stderr is a terminal",
+        help="show a progress bar on stderr; default: on a terminal, after 2 s",
     )
-
-
-def shows(given: argparse.Namespace) -> bool:
-    """Return whether to show a progress bar."""
-    return bool(sys.stderr.isatty() if given.progress is None else given.progress)
 
 
 def quantity(field: str) -> Callable[[str], float]:

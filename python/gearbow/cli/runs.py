@@ -22,7 +22,6 @@ from gearbow.cli.arguments import (
     item,
     output,
     quantity,
-    shows,
     speed,
     speed_line,
 )
@@ -133,7 +132,7 @@ def run(given: argparse.Namespace) -> Answer:
             wanted,
             record=[item(system, text) for text in given.record],
             checkpoint=given.checkpoint,
-            progress=shows(given),
+            progress=given.progress,
         )
     except KeyboardInterrupt as stop:
         found: Response | None = getattr(stop, "response", None)
@@ -173,7 +172,7 @@ def steady(given: argparse.Namespace) -> Answer:
     found = system.steady_state(
         given.speed,
         record=[item(system, text) for text in given.record],
-        progress=shows(given),
+        progress=given.progress,
     )
     multipliers = found.multipliers()
     largest = float(abs(multipliers[0])) if multipliers.size else None
@@ -237,7 +236,7 @@ def tradeoff(given: argparse.Namespace) -> Answer:
     signals = None if given.signals is None else [item(system, text) for text in given.signals]
     try:
         found = system.tradeoff(
-            given.duration, given.speed, signals, budget=given.budget, progress=shows(given)
+            given.duration, given.speed, signals, budget=given.budget, progress=given.progress
         )
     except KeyboardInterrupt as stop:
         partial: Tradeoff[RotorSystem] | None = getattr(stop, "tradeoff", None)

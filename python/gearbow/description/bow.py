@@ -8,7 +8,7 @@ q_b.
 import cmath
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -128,7 +128,7 @@ class Bow(Part):
         """Make a bow from a measured curve, e.g. run-out readings along the shaft.
 
         An amplitude is the distance of the centre line from the straight axis. A dial gauge shows
-        twice as much in one turn: divide its total indicator reading by 2, as `read_csv` does for
+        twice as much in one turn: divide its total indicator reading by 2, as `read_table` does for
         "total_run_out".
 
         Parameters
@@ -161,17 +161,18 @@ class Bow(Part):
         )
 
     @classmethod
-    def read_csv(cls, path: str | os.PathLike[str]) -> "Bow":
-        r"""Read measured run-out or bow along a shaft from a CSV file.
+    def read_table(cls, path: str | os.PathLike[str]) -> "Bow":
+        r"""Read measured run-out or bow along a shaft from a table.
 
         Parameters
         ----------
         path : str or path-like
-            A file with the columns "position", "amplitude" or "total_run_out", and optionally
-            "phase". The total run-out of a dial gauge, from its smallest to its largest reading in
-            one turn, is twice the amplitude. A heading has the unit in brackets, for example
-            "position [mm]", "total_run_out [um]" or "phase [deg]"; without one it is the SI unit.
-            Separators are commas, semicolons or tabs; lines that begin with "#" are comments.
+            A file ``.csv``, ``.xlsx`` (extra ``excel``) or ``.mat`` (extra ``matlab``) with the
+            columns "position", "amplitude" or "total_run_out", and optionally "phase". The total
+            run-out of a dial gauge, from its smallest to its largest reading in one turn, is twice
+            the amplitude. A heading has the unit in brackets, for example "position [mm]",
+            "total_run_out [um]" or "phase [deg]"; without one it is the SI unit. Separators of CSV
+            are commas, semicolons or tabs; lines that begin with "#" are comments.
 
         Returns
         -------
@@ -182,6 +183,8 @@ class Bow(Part):
         ------
         SceneError
             If a heading, a unit or a number is invalid, or a column is missing.
+        MissingExtraError
+            If the format needs a library that is not installed.
         OSError
             If the file cannot be opened.
 
@@ -191,7 +194,7 @@ class Bow(Part):
         >>> import gearbow as gb
         >>> lines = ["position [mm]; total_run_out [um]; phase [deg]", "0; 0; 0", "250; 300; 90"]
         >>> written = Path("runout.csv").write_text("\n".join([*lines, "500; 0; 0"]))
-        >>> bow = gb.Bow.read_csv("runout.csv")
+        >>> bow = gb.Bow.read_table("runout.csv")
         >>> bow.positions, bow.amplitudes
         ((0.0, 0.25, 0.5), (0.0, 0.00015, 0.0))
         >>> Path("runout.csv").unlink()
@@ -261,3 +264,28 @@ def _finite(curve: Callable[[float], complex], x: float, path: str) -> complex:
             f"{path}.function: must give a finite complex number, got {shown(value)} at x = {x:g} m"
         )
     return number
+
+
+def scaled(bow: Bow | None, factor: float, turn: float = 0.0) -> Bow | None:
+    """Multiply a bow by a factor, and turn its plane by an angle in the shaft [rad]."""
+    if bow is None:
+        return None
+    if bow.curve is not None:
+        raise SceneError("bow: a bow given by a function cannot be scaled; use Bow.points")
+    if bow.amplitudes is not None:
+        return replace(
+            bow,
+            amplitudes=[factor * each for each in bow.amplitudes],
+            phases=[turn + each for each in bow.phases or ()],
+        )
+    phase = bow.phase if turn == 0.0 else turn + (bow.phase or 0.0)
+    return replace(bow, amplitude=factor * (bow.amplitude or 0.0), phase=phase)
+
+
+def amplitude_of(bow: Bow | None) -> float:
+    """Give the size of a bow by which it is scaled: its amplitude, or the largest of its points."""
+    if bow is None:
+        return 0.0
+    if bow.amplitudes is not None:
+        return float(max(map(abs, bow.amplitudes)))
+    return abs(bow.amplitude or 0.0)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,7 +18,19 @@ from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Segment, Shaft
 from gearbow.description.supports import Housing
 
-__all__ = ["BaseOutline", "BodyOutline", "Layout", "ShaftOutline", "layout", "reference_radius"]
+__all__ = [
+    "BaseOutline",
+    "BodyOutline",
+    "Layout",
+    "ShaftOutline",
+    "ShearLengths",
+    "layout",
+    "reference_radius",
+    "shear_lengths",
+]
+
+#: End and shear length √(12EI/(κGA)) of each segment of a shaft [m].
+ShearLengths: TypeAlias = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,6 +218,13 @@ def _steps(shaft: Shaft) -> tuple[tuple[float, float], ...]:
         (float(end), segment.outer_diameter / 2.0)
         for end, segment in zip(ends, segments, strict=True)
     )
+
+
+def shear_lengths(shaft: Shaft) -> ShearLengths:
+    """Give the end [m] and the shear length of each segment of a shaft."""
+    ends = (end for end, _ in _steps(shaft))
+    lengths = (_shear_length(shaft, segment) for segment in _segments(shaft))
+    return tuple(zip(ends, lengths, strict=True))
 
 
 def _shear_length(shaft: Shaft, segment: Segment) -> float:

@@ -225,7 +225,7 @@ class Measurement(Result, ReadOnly):
         for i, (row, column) in enumerate(zip(rows.tolist(), columns, strict=True)):
             if (row, column) in lines:
                 raise SceneError(
-                    f"{path}: lines {found.lines[lines[row, column]]} and {found.lines[i]}: "
+                    f"{path}: {found.lines[lines[row, column]]} and {found.lines[i]}: "
                     f"{known[column].label} occurs twice at {speeds[row]:.6g} rad/s; put the "
                     "second series into a file of its own, and give both to identify"
                 )

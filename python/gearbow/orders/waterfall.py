@@ -1,4 +1,9 @@
-"""Waterfall diagram: spectra of one signal at several speeds."""
+"""Waterfall diagram: spectra of one signal at several speeds, or over the speed of a run-up.
+
+The signal of a run-up is sampled at equal angles of the reference shaft, so that each order is a
+sine with a slowly varying amplitude (Fyfe and Munck, *Analysis of computed order tracking*, Mech.
+Syst. Signal Process. 11, 1997). A spectrum of a segment has lines at multiples of the speed.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -16,8 +21,11 @@ from gearbow._types import Array, Record
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
-from gearbow.orders.spectrum import spectrum
+from gearbow.orders.channel import channel
+from gearbow.orders.spectrum import amplitudes, spectrum
+from gearbow.recording import access
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
+from gearbow.recording.resample import PASS, LowPass
 from gearbow.sensors.sensor import SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_factor
 
@@ -26,6 +34,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Waterfall", "waterfall"]
 
+#: Length of the segments of a run-up by default, relative to the run, and distance of neighbouring
+#: segments, relative to their length.
+_PART, _DISTANCE = 1 / 16, 0.25
+
 
 @dataclass(frozen=True, eq=False)
 class Waterfall(Result, ReadOnly):
@@ -33,11 +45,11 @@ class Waterfall(Result, ReadOnly):
 
     Parameters
     ----------
-    speeds : ndarray, shape (runs,)
-        Speeds of the reference shaft, ascending [rad/s].
-    frequencies_hz : ndarray, shape (n,)
-        Frequencies above zero [Hz].
-    amplitudes : ndarray, shape (runs, n)
+    speeds : ndarray, shape (rows,)
+        Speeds of the reference shaft, ascending [rad/s]: of the runs, or of segments of a run-up.
+    frequencies_hz : ndarray, shape (n,) or (rows, n)
+        Frequencies above zero [Hz]. In a run-up, each segment has its own: multiples of its speed.
+    amplitudes : ndarray, shape (rows, n)
         Amplitudes in the unit of the signal.
     label : str
         Name of the signal, e.g. "g1 v".
@@ -137,18 +149,20 @@ class Waterfall(Result, ReadOnly):
 
 @checked
 def waterfall(
-    responses: Sequence[Recorded],
+    responses: Recorded | Sequence[Recorded],
     at: Record | SignalSensor,
     quantity: str | None = None,
     *,
     window: str = "hann",
+    revolutions: float | None = None,
 ) -> Waterfall:
-    """Collect the spectra of runs at several speeds.
+    """Collect the spectra of runs at several speeds, or of segments of one run-up.
 
     Parameters
     ----------
-    responses : sequence of Response
-        Runs at constant speeds, in any order, with equal output steps and numbers of times.
+    responses : Response or sequence of Response
+        One run at a changing speed; or runs at constant speeds, in any order, with equal output
+        steps and numbers of times.
     at : str, tuple or SignalSensor
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
@@ -156,19 +170,25 @@ def waterfall(
         Quantity, as for `Response.spectrum`.
     window : {"hann", "flat top", "none"}
         Window function.
+    revolutions : float, optional
+        Length of the segments of a run-up in revolutions of the reference shaft. Orders with a
+        distance of 2/`revolutions` have separate lines. None is a sixteenth of the run. Two
+        neighbouring segments have three quarters in common.
 
     Returns
     -------
     Waterfall
-        The spectra, by ascending speed.
+        The spectra, by ascending speed. Those of a run-up end at 0.4 times the samples in a
+        revolution at the highest speed.
 
     Raises
     ------
     SceneError
         If there is no run.
     GearbowError
-        If the speed of a run changes, or the output steps or numbers of times
-        differ.
+        If the speed of one of several runs changes, or their output steps or numbers of times
+        differ. If the times of a run-up are not equally spaced, or `revolutions` is longer than the
+        run or given for several runs.
     ChannelError
         If the signal was not recorded.
 
@@ -188,11 +208,23 @@ def waterfall(
     >>> result.amplitudes.shape
     (2, 500)
     """
-    runs = _runs(responses)
+    if isinstance(responses, Sequence) or not hasattr(responses, "to_record"):
+        if revolutions is not None:
+            raise GearbowError("revolutions: only one run-up has segments, not several runs")
+        return _of_runs(_runs(responses), at, quantity, window)
+    return _of_segments(recorded_run(responses, "responses"), at, quantity, window, revolutions)
+
+
+def _of_runs(
+    runs: list[RunRecord], at: Record | SignalSensor, quantity: str | None, window: str
+) -> Waterfall:
+    """Collect the spectra of runs at constant speeds."""
     speeds = []
     for run in runs:
         if isinstance(run.speed, SpeedProfile):
-            raise GearbowError("a waterfall needs constant speeds; the speed of one run changes")
+            raise GearbowError(
+                "a waterfall of several runs needs constant speeds; the speed of one run changes"
+            )
         speeds.append(abs(run.speed))
     spectra = [spectrum(run, at, quantity, window=window) for run in runs]
     first = spectra[0]
@@ -213,6 +245,48 @@ def waterfall(
         first.unit,
         runs[0].kinematics,
         runs[0].speed_unit,
+    )
+
+
+def _of_segments(
+    run: RunRecord,
+    at: Record | SignalSensor,
+    quantity: str | None,
+    window: str,
+    revolutions: float | None,
+) -> Waterfall:
+    """Find the spectra of segments of a run with equal angles of the reference shaft."""
+    signal = channel(run, at, quantity)
+    span = float(np.ptp(access.reference_angle(run))) / (2.0 * np.pi) if run.time.size else 0.0
+    length = _PART * span if revolutions is None else number(revolutions, "revolutions")
+    if not 0.0 < length <= span:
+        raise GearbowError(
+            f"revolutions: must be positive and at most the {span:.6g} revolutions of the run, "
+            f"got {length:g}; the train must rotate"
+        )
+    reference = None if run.kinematics is None else run.kinematics.reference
+    if reference is None:
+        raise GearbowError("the angles of the shafts are unknown: the response has no kinematics")
+    low_pass = LowPass.of(run, None, reference)
+    (values,) = low_pass.apply([signal.values])
+    rate = low_pass.rate
+    turns = np.arange(values.size) / rate
+    size = min(values.size, max(3, round(length * rate)))
+    count = max(1, round((values.size - size) / (_DISTANCE * size)) + 1)
+    begins = np.rint(np.linspace(0.0, values.size - size, count)).astype(np.intp)
+    spectra = [amplitudes(turns[:size], values[i : i + size], window) for i in begins]
+    lines = spectra[0][0]
+    kept = lines <= PASS * rate
+    middles = low_pass.times[begins + size // 2]
+    speeds = np.abs(access.speeds(run, middles))
+    order = np.argsort(speeds, kind="stable")
+    return Waterfall(
+        speeds[order],
+        np.outer(speeds[order] / (2.0 * np.pi), lines[kept]),
+        np.array([found[kept] for _, found in spectra])[order],
+        signal.label,
+        signal.unit,
+        run.kinematics,
     )
 
 

@@ -1,7 +1,7 @@
 """Figures of spectra, orders and waterfalls."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -16,6 +16,7 @@ from gearbow._types import Array
 from gearbow.plotting.style import (
     PALETTE,
     GivenAxes,
+    colour,
     figure_of,
     legend,
     panels,
@@ -25,7 +26,15 @@ from gearbow.plotting.style import (
     text_size,
 )
 
-__all__ = ["name_orders", "orders", "say_resolution", "spectrum", "spectrum_limits", "waterfall"]
+__all__ = [
+    "name_orders",
+    "orders",
+    "say_resolution",
+    "spectrum",
+    "spectrum_limits",
+    "tracks",
+    "waterfall",
+]
 
 #: Smallest amplitudes of a spectrum, of its highest frequency and of a waterfall, relative to the
 #: largest amplitude.
@@ -269,6 +278,28 @@ def orders(
     return figure
 
 
+def tracks(
+    x: Array,
+    amplitudes: Mapping[str, Array],
+    label: str,
+    *,
+    title: str,
+    speed_unit: str | None,
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw the amplitude of each order against the speed, or against time without a unit of it."""
+    factor, name = (1.0, "time [s]") if speed_unit is None else speed_axis(speed_unit)
+    with panels(1, 5.2, columns=1, ax=ax) as (figure, (panel,)):
+        shown = _short(list(amplitudes))
+        for i, (order, values) in enumerate(zip(shown, amplitudes.values(), strict=True)):
+            panel.plot(factor * x, values, color=colour(i), label=order)
+        panel.set_ylim(bottom=0.0)
+        panel.set(xlabel=name, ylabel=label)
+        panel.set_title(title, loc="right", fontsize=text_size(0.86))
+        legend(figure, panel, ax=ax)
+    return figure
+
+
 def _three_digits(value: float) -> str:
     """Write a value with three digits; 1260 has no exponent."""
     return f"{value:.0f}" if 1e3 <= value < 1e6 else f"{value:.3g}"
@@ -288,12 +319,15 @@ def waterfall(
     """Draw spectra against the speed."""
     factor, speed = speed_axis(speed_unit)
     top = float(amplitudes.max())
+    frequencies_hz = np.broadcast_to(frequencies_hz, amplitudes.shape)
     if highest is None:
-        highest = _highest(frequencies_hz, amplitudes.max(axis=0), _COLOURS)
+        highest = _highest(frequencies_hz, amplitudes, _COLOURS)
     with panels(1, 6.0, columns=1, ax=ax) as (figure, (panel,)):
+        # The segments of a run-up have frequencies of their own.
+        rows = np.broadcast_to(factor * speeds[:, np.newaxis], amplitudes.shape)
         drawn = panel.pcolormesh(
             frequencies_hz,
-            factor * speeds,
+            rows,
             np.maximum(amplitudes, _COLOURS * top),
             norm=LogNorm(_COLOURS * top, top) if top > 0.0 else None,
             cmap="cividis",
@@ -311,7 +345,7 @@ def waterfall(
 
 @dataclass(frozen=True, eq=False)
 class _Background:
-    """Cells of a waterfall without signal, shape (speeds, frequencies)."""
+    """Cells of a waterfall without signal; all arrays but `speeds` are (speeds, frequencies)."""
 
     frequencies_hz: Array
     speeds: Array
@@ -319,15 +353,17 @@ class _Background:
 
     def free(self, frequencies: Array, speeds: Array) -> NDArray[np.bool_]:
         """Tell which points lie on the background."""
-        column = _nearest(self.frequencies_hz, frequencies)
-        found: NDArray[np.bool_] = self.is_free[_nearest(self.speeds, speeds), column]
+        row = _nearest(self.speeds, speeds)
+        column = _nearest(self.frequencies_hz[row], frequencies)
+        found: NDArray[np.bool_] = self.is_free[row, column]
         return found
 
 
 def _nearest(ascending: Array, values: Array) -> NDArray[np.intp]:
-    """Give the index of the nearest of ascending numbers."""
-    middles = (ascending[1:] + ascending[:-1]) / 2.0
-    return np.searchsorted(middles, values)
+    """Give the index of the nearest of ascending numbers, of one row for all values or for each."""
+    middles = (ascending[..., 1:] + ascending[..., :-1]) / 2.0
+    found: NDArray[np.intp] = np.sum(middles < values[:, np.newaxis], axis=-1)
+    return found
 
 
 def _order_lines(
@@ -372,6 +408,6 @@ def _order_lines(
 
 def _highest(frequencies: Array, amplitudes: Array, fraction: float) -> float:
     """Give 1.1 times the largest frequency with an amplitude above a fraction of the maximum."""
-    visible = np.flatnonzero(amplitudes > fraction * amplitudes.max(initial=0.0))
-    end = float(frequencies[-1])
-    return min(1.1 * float(frequencies[visible[-1]]), end) if visible.size else end
+    visible = frequencies[amplitudes > fraction * amplitudes.max(initial=0.0)]
+    end = float(frequencies.max())
+    return min(1.1 * float(visible.max()), end) if visible.size else end

@@ -31,6 +31,8 @@ class RunRecord(Shown):
     accuracy: str | None = None
     request: RunRequest | None = None
     errors: Errors | None = None
+    #: Period of a steady motion, of which this is one period [s].
+    period: float | None = None
     speed_unit: SpeedUnit = "rad/s"
 
     @property

@@ -23,6 +23,10 @@ _MODULES = {
     "Correction": "gearbow.identification.correction",
     "Identification": "gearbow.identification.result",
     "ProbeResidual": "gearbow.identification.result",
+    "MeasuredCurve": "gearbow.exchange.harmonic",
+    "LoadCase": "gearbow.exchange.rexs",
+    "RexsContents": "gearbow.exchange.rexs",
+    "MissingValue": "gearbow.exchange.rexs_joints",
     "Orders": "gearbow.orders.fit",
     "Spectrum": "gearbow.orders.spectrum",
     "Waterfall": "gearbow.orders.waterfall",
@@ -32,12 +36,16 @@ _MODULES = {
     "EnergyBalance": "gearbow.recording.energy",
     "Event": "gearbow.recording.record",
     "MeshResponse": "gearbow.recording.record",
+    "BowLimits": "gearbow.results.bow_limits",
+    "ReachedLimit": "gearbow.results.bow_limits",
     "Campbell": "gearbow.results.campbell",
     "ExcitationLine": "gearbow.results.campbell",
     "Intersection": "gearbow.results.campbell",
     "Continuation": "gearbow.results.continuation",
     "CriticalSpeedMap": "gearbow.results.critical_speeds",
     "Discretisation": "gearbow.results.discretisation",
+    "FrequencyComparison": "gearbow.results.frequency_comparison",
+    "FrequencyResponse": "gearbow.results.frequency_response",
     "Matrices": "gearbow.results.matrices",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
@@ -59,6 +67,9 @@ if _typing.TYPE_CHECKING:
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
     from gearbow.description.kinematics import Order as Order
     from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.exchange.harmonic import MeasuredCurve as MeasuredCurve
+    from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
+    from gearbow.exchange.rexs_joints import MissingValue as MissingValue
     from gearbow.identification.correction import Correction as Correction
     from gearbow.identification.result import (
         Identification as Identification,
@@ -77,6 +88,7 @@ if _typing.TYPE_CHECKING:
         Event as Event,
         MeshResponse as MeshResponse,
     )
+    from gearbow.results.bow_limits import BowLimits as BowLimits, ReachedLimit as ReachedLimit
     from gearbow.results.campbell import (
         Campbell as Campbell,
         ExcitationLine as ExcitationLine,
@@ -85,6 +97,10 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.continuation import Continuation as Continuation
     from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
     from gearbow.results.discretisation import Discretisation as Discretisation
+    from gearbow.results.frequency_comparison import (
+        FrequencyComparison as FrequencyComparison,
+    )
+    from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
     from gearbow.results.matrices import Matrices as Matrices
     from gearbow.results.modes import Modes as Modes
     from gearbow.results.peak import (

@@ -11,6 +11,7 @@ from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import read_only
 from gearbow._result import Column, Result, data_frame, in_micrometres, written_unit
+from gearbow._shown import short
 from gearbow._types import Array, ComplexArray, Record, RunData
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
@@ -186,6 +187,8 @@ class Continuation(Result):
     ) -> "Figure":
         """Draw a signal over the parameter: stable motions solid, unstable ones dashed.
 
+        A branch that ends before the end of its interval has an open circle at its last point.
+
         Parameters
         ----------
         at : str or tuple, optional
@@ -232,6 +235,7 @@ class Continuation(Result):
             size * values,
             self.stable,
             self.kinds,
+            is_open=bool(self.message),
             labels=(label, f"{statistic or 'amplitude'} of {name.label} [{unit}]"),
             ax=ax,
         )
@@ -287,7 +291,7 @@ class Continuation(Result):
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:
         at = "" if self.parameter == "speed" else f" at {speed_text(self._data.speed, speed_unit)}"
         lines = [f"branch of steady states over the {self.parameter}{at}"]
-        return [*lines, self.message] if self.message else lines
+        return [*lines, f"open end: {self.message}"] if self.message else lines
 
     def _columns(self) -> list[Column]:
         return self._of(self._first()) if self._signals.recorded else self._points()
@@ -335,7 +339,8 @@ class Continuation(Result):
         span = f"{self.values[0]:g} to {self.values[-1]:g}" if self.values.size else "empty"
         return (
             f"Continuation({self.parameter} {span}, {self.values.size} points, "
-            f"{self.folds.size} folds, {self.flips.size} flips)"
+            f"{self.folds.size} folds, {self.flips.size} flips"
+            f"{f', open end: {short(self.message)}' if self.message else ''})"
         )
 
 

@@ -12,7 +12,8 @@ from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_percent, plain_text
 from gearbow._shown import listed
-from gearbow._types import Array, ComplexArray, Dof, ModesData
+from gearbow._types import Array, At, ComplexArray, Dof, ModesData
+from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.errors import GearbowError
 from gearbow.units.speed import SpeedUnit, speed_text
@@ -52,6 +53,8 @@ class Modes(Result, ReadOnly):
         Shaft, position [m] and direction of each degree of freedom, as `RotorSystem.dofs`.
     layout : Layout
         Geometry of the train at rest.
+    coordinates : Coordinates
+        Degrees of freedom of the system.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
 
@@ -74,6 +77,7 @@ class Modes(Result, ReadOnly):
     speed: float
     dofs: tuple[Dof, ...]
     layout: Layout = field(repr=False)
+    coordinates: Coordinates = field(repr=False)
     _shares: Mapping[tuple[str, str], Array] = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
 
@@ -82,7 +86,7 @@ class Modes(Result, ReadOnly):
         cls,
         data: ModesData,
         speed: float,
-        dofs: tuple[Dof, ...],
+        coordinates: Coordinates,
         layout: Layout,
         *,
         speed_unit: SpeedUnit = "rad/s",
@@ -95,8 +99,8 @@ class Modes(Result, ReadOnly):
             Eigenvalues, shapes, and share of each degree of freedom in the kinetic energy.
         speed : float
             Speed of the reference shaft [rad/s].
-        dofs : tuple of (str, float, str)
-            Shaft, position [m] and direction of each degree of freedom.
+        coordinates : Coordinates
+            Degrees of freedom of the system.
         layout : Layout
             Geometry of the train at rest.
         speed_unit : {"rad/s", "rpm"}
@@ -107,6 +111,7 @@ class Modes(Result, ReadOnly):
         Modes
             The modes.
         """
+        dofs = coordinates.dofs
         groups = [
             (shaft, _DIRECTION[direction.rstrip("0123456789")]) for shaft, _, direction in dofs
         ]
@@ -121,12 +126,56 @@ class Modes(Result, ReadOnly):
             speed=speed,
             dofs=dofs,
             layout=layout,
+            coordinates=coordinates,
             _shares={
                 group: shares[:, [other == group for other in groups]].sum(axis=1)
                 for group in dict.fromkeys(groups)
             },
             speed_unit=speed_unit,
         )
+
+    def displacement(self, at: At) -> ComplexArray:
+        """Lateral displacement of a place in the shape of each mode.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]),
+            also between nodes.
+
+        Returns
+        -------
+        ndarray, shape (m, 2)
+            Displacements along y and z, in the unit of `shapes`.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        displacement: ComplexArray = self.coordinates.displacement(self.shapes, at)
+        return displacement
+
+    def twist(self, at: At) -> ComplexArray:
+        """Twist of a place in the shape of each mode.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            As for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            Twists, in the unit of `shapes`.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no torsion.
+        """
+        twist: ComplexArray = self.coordinates.twisted(self.shapes, at)
+        return twist
 
     def energy_shares(self) -> dict[tuple[str, str], Array]:
         """Share of each shaft and direction in the kinetic energy of each mode.

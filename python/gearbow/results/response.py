@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import items, number, shown
+from gearbow._progress import working
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._result import Column, Result
 from gearbow._shown import span
@@ -63,6 +64,9 @@ class Response(Result, ReadOnly):
         Speed ratios and tooth frequencies, which determine the orders.
     request : RunRequest or None
         Scene and options of the run; None if unknown.
+    period : float or None
+        Period of the motion [s], if this is one period of a `SteadyState`; its orders are then
+        exact. None for other runs.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
 
@@ -100,6 +104,7 @@ class Response(Result, ReadOnly):
         self.accuracy: str | None = None
         self.kinematics: Kinematics | None = None
         self.request: RunRequest | None = None
+        self.period: float | None = None
         self._errors: Errors | None = None
         self.speed_unit: SpeedUnit = "rad/s"
 
@@ -127,6 +132,7 @@ class Response(Result, ReadOnly):
         response = cls(record.data, record.speed)
         response.kinematics, response.accuracy = record.kinematics, record.accuracy
         response.request, response._errors = record.request, record.errors
+        response.period = record.period
         response.speed_unit = record.speed_unit
         return response
 
@@ -145,6 +151,7 @@ class Response(Result, ReadOnly):
             self.accuracy,
             self.request,
             self._errors,
+            self.period,
             self.speed_unit,
         )
 
@@ -554,7 +561,8 @@ class Response(Result, ReadOnly):
                     "errors: this response does not know its system; take the errors of a response "
                     "that simulate returned or that save wrote"
                 )
-            self._errors = estimate_errors(self.request, self.statistics.modes)
+            with working(None, "errors, by more accurate runs"):
+                self._errors = estimate_errors(self.request, self.statistics.modes)
         return self._errors
 
     def measure(self, sensor: Sensor) -> Array:
@@ -630,10 +638,15 @@ class Response(Result, ReadOnly):
         sidebands: int = 1,
         bearing_harmonics: int = 3,
         skip_time: float = 0.0,
+        revolutions: float | None = None,
     ) -> Orders:
         """Find the amplitudes of one recorded signal at the orders of shafts and meshes.
 
-        What these orders do not contain is the rest, of which the result states the RMS.
+        What these orders do not contain is the rest, of which the result states the RMS. At a
+        changing speed, the amplitudes of segments of the run show each order over the speed.
+
+        Orders that are too close to each other for the record have one common amplitude. Those of a
+        `SteadyState` are always separate, because its motion repeats after the record.
 
         Parameters
         ----------
@@ -654,6 +667,12 @@ class Response(Result, ReadOnly):
             more, also the order of the cage.
         skip_time : float
             Time at the beginning that is ignored [s].
+        revolutions : float, optional
+            Length of the segments in revolutions of the reference shaft. Long segments separate
+            close orders, short ones follow fast changes: a segment must be shorter than the
+            passage of a resonance. Orders with a distance of 4/`revolutions` are separate. None
+            is the complete record at a constant speed. At a changing speed, it is the shortest
+            length that separates all orders, up to a fifth of the record.
 
         Returns
         -------
@@ -665,13 +684,15 @@ class Response(Result, ReadOnly):
         ChannelError
             If it was not recorded.
         GearbowError
-            If the speed changes, the record is too short to separate the orders, or the output
-            step is too long for the highest order.
+            If the train does not rotate, no harmonic is asked for, or `revolutions` is longer than
+            the record.
 
         Warns
         -----
         AccuracyWarning
-            If the rest is more than 30 % of the RMS of the signal about its mean.
+            If the record does not separate some orders, or its output step is too long for the
+            highest of them, which are then left out: the message gives all remedies. If the rest
+            is more than 30 % of the RMS of the signal about its mean.
         """
         return orders(
             self.to_record(),
@@ -682,9 +703,10 @@ class Response(Result, ReadOnly):
             sidebands=sidebands,
             bearing_harmonics=bearing_harmonics,
             skip_time=skip_time,
+            revolutions=revolutions,
         )
 
-    def resample(self, rate: float) -> "Response":
+    def resample(self, rate: float, *, shaft: str | None = None) -> "Response":
         """Sample all signals at a lower rate, as a data-acquisition chain with an analogue filter.
 
         A low-pass filter precedes the sampling, so that no frequency appears as another one
@@ -692,25 +714,33 @@ class Response(Result, ReadOnly):
         above 0.5 `rate` by 80 dB, and shifts no phase. The filter sees what was recorded: the
         `output_step` of the run must be short enough for all frequencies of the motion.
 
+        With a shaft, the samples have equal distances in its angle, and the filter acts over this
+        angle. At a changing speed, the orders of the shaft are then sines.
+
         Parameters
         ----------
         rate : float
-            Sampling rate [Hz].
+            Sampling rate [Hz]; with a shaft, the number of samples in a revolution.
+        shaft : str, optional
+            Name of the shaft whose prescribed angle replaces the time.
 
         Returns
         -------
         Response
-            The response at multiples of 1/rate. The first and the last 25 samples are missing,
+            The response at multiples of 1/rate, or at the times at which the angle of the shaft is
+            a multiple of 2π/rate. The first and the last 25 samples are missing,
             because the filter needs the signal on both sides. Events, final state and statistics
             are those of the run.
 
         Raises
         ------
+        ChannelError
+            If there is no such shaft.
         GearbowError
             If the times are not equally spaced, the rate exceeds that of the recording, or the
             recording is shorter than the filter.
         """
-        return Response.from_record(resampled(self.to_record(), rate))
+        return Response.from_record(resampled(self.to_record(), rate, shaft))
 
     def plot(
         self,
@@ -719,7 +749,9 @@ class Response(Result, ReadOnly):
         *,
         times: tuple[float, float] | None = None,
         skip_time: float | None = None,
+        against: str = "time",
         ax: Any = None,
+        speed_unit: SpeedUnit | None = None,
     ) -> "Figure":
         """Draw recorded signals.
 
@@ -747,9 +779,14 @@ class Response(Result, ReadOnly):
             spectra omit it. The values after it set the scale and the mean; a title gives the range
             of earlier values beyond this scale. None takes the last turn of the slowest shaft for
             the scale, without shading, if the speed is constant; 0 shows all values.
+        against : {"time", "speed", "angle"}
+            Horizontal axis of figures against time: time [s], speed of the reference shaft in a
+            run at a changing speed, or revolutions of the reference shaft.
         ax : Axes or sequence of Axes, optional
             One panel for each place, for a bearing two, for a mesh three and for its geometry four;
             None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is `speed_unit` of the response.
 
         Returns
         -------
@@ -759,11 +796,20 @@ class Response(Result, ReadOnly):
         Raises
         ------
         GearbowError
-            If the kind or `ax` is invalid, or no suitable signal was recorded.
+            If the kind, `against` or `ax` is invalid, or no suitable signal was recorded.
         SceneError
             If `skip_time` is negative or longer than the record, or `times` are not in it.
         """
-        return plot(self.to_record(), kind, at, times=times, skip_time=skip_time, ax=ax)
+        return plot(
+            self.to_record(),
+            kind,
+            at,
+            times=times,
+            skip_time=skip_time,
+            against=against,
+            speed_unit=self._speed_unit(speed_unit),
+            ax=ax,
+        )
 
     def animate(
         self,

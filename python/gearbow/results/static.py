@@ -167,7 +167,7 @@ class Static(Result, ReadOnly):
         GearbowError
             If there is no such place, or the system has no twist.
         """
-        return float(self.state[self.coordinates.twist(at)])
+        return float(self.coordinates.twisted(self.state, at))
 
     def axial(self, at: At) -> float:
         """Axial displacement of a place.

@@ -8,6 +8,7 @@ import numpy as np
 
 from gearbow._convert import number as number_of
 from gearbow._core import Model, multipliers
+from gearbow._progress import working
 from gearbow._result import Column, Result
 from gearbow._types import ComplexArray
 from gearbow.errors import GearbowError
@@ -110,6 +111,8 @@ class SteadyState(Result):
         self.residual: float = data["residual"]
         self.periods: int = data["periods"]
         self.method: str = data["method"]
+        # The orders of the response follow from the period.
+        response.period = self.period if math.isfinite(self.period) else None
         self.speed_unit: SpeedUnit = response.speed_unit
         self._model = model
         found = data.get("multipliers")
@@ -160,7 +163,8 @@ class SteadyState(Result):
         options = dict(request.options)
         if math.isinf(self.period):
             options["duration"] *= _PART
-        return multipliers(model, **options, smallest=smallest, progress=None)
+        with working(None, "multipliers"):
+            return multipliers(model, **options, smallest=smallest, progress=None)
 
     def is_stable(self) -> bool:
         """Return whether small disturbances decay.

@@ -144,7 +144,8 @@ class Synchronous(Result, ReadOnly):
         GearbowError
             If there is no such place, or the system has no twist.
         """
-        return self.amplitudes[:, :, self.coordinates.twist(at)]
+        twist: ComplexArray = self.coordinates.twisted(self.amplitudes, at)
+        return twist
 
     def orbit(self, at: At) -> Array:
         """Major semi-axis of the orbit that each shaft causes at a place.

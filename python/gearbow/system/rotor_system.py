@@ -30,8 +30,10 @@ from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.results.discretisation import Discretisation
 from gearbow.sweeps.many import simulate_many
+from gearbow.system.bow_limits import bow_limits
 from gearbow.system.continuation import continuation
 from gearbow.system.drawing import plot
+from gearbow.system.frequency import frequency_response, mesh_response
 from gearbow.system.linear import (
     campbell,
     critical_speed_map,
@@ -330,7 +332,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Parameters
         ----------
         path : str or path-like
-            A file of ``rotor.save`` of ROSS 2, ``.toml`` or ``.json``.
+            A file of ``rotor.save`` of ROSS 2 or 3, ``.toml`` or ``.json``.
 
         Returns
         -------
@@ -346,6 +348,12 @@ class RotorSystem(CheckedKeywords, Shown):
         OSError
             If the file cannot be opened.
 
+        Warns
+        -----
+        SceneWarning
+            If a table of ROSS 3 over speed and frequency is read at the frequency of the speed, or
+            the rotor is implausible.
+
         Notes
         -----
         The axes x, y, z of ROSS are y, z, x here. https://ross.readthedocs.io
@@ -353,6 +361,71 @@ class RotorSystem(CheckedKeywords, Shown):
         from gearbow.exchange.ross import read_ross  # noqa: PLC0415  # with a TOML parser
 
         return cls.from_dict(read_ross(path))
+
+    @classmethod
+    def read_rexs(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        load_case: int | None = None,
+        bearings: Mapping[str, object] | None = None,
+        couplings: Mapping[str, object] | None = None,
+    ) -> "Self":
+        """Read a gear unit from a REXS file.
+
+        REXS is the exchange format of FVA for gear units. It contains shafts, gears, stages and
+        load cases, but seldom the stiffness of bearings, which is given by name.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive) of version 1.0 to
+            2.0.
+        load_case : int, optional
+            Number of the load case in the order of the file, from 1, whose torques and forces act.
+            None is the only one. `gearbow.rexs_contents` lists them, with their speeds.
+        bearings : mapping of str to float, mapping or None, optional
+            What the file does not contain, by the name of the bearing: a stiffness for the
+            directions in which the file says that it carries [N/m]; or parameters of
+            `gearbow.Bearing`, `gearbow.RollingBearing` or `gearbow.JournalBearing` without shaft
+            and position; or None to leave the bearing out. "other" is for all bearings without an
+            entry, except those between two shafts.
+        couplings : mapping of str to float, mapping or None, optional
+            The same for couplings: a torsional stiffness [N m/rad], or parameters of
+            `gearbow.Coupling`.
+
+        Returns
+        -------
+        RotorSystem
+            The train, with the names of the file. The axes u, v, w of its reference shaft are x, y,
+            z. Its reference shaft is the one whose speed the file defines.
+
+        Raises
+        ------
+        SceneError
+            If the file is damaged, has a component that gearbow cannot represent, for example a
+            ring gear, or does not contain a value that is not given either; the message names it.
+        OSError
+            If the file cannot be opened.
+
+        Warns
+        -----
+        SceneWarning
+            What gearbow assumes or leaves out, and what is implausible.
+
+        Notes
+        -----
+        https://www.rexs.info
+        """
+        from gearbow.exchange.rexs import read_system  # noqa: PLC0415  # with a parser of XML
+
+        description, contents = read_system(path, load_case, bearings, couplings)
+        for note in contents.notes:
+            warnings.warn(f"{os.fspath(path)}: {note}", SceneWarning, stacklevel=outside())
+        try:
+            return cls.from_dict(description)
+        except SceneError as error:
+            raise SceneError(f"{os.fspath(path)}: {error}") from None
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the description to a TOML file.
@@ -532,7 +605,14 @@ class RotorSystem(CheckedKeywords, Shown):
         """
         own = (bearing.support for bearing in self.bearings)
         bases = names_of_bases(own, *self.supports, *self.housings)
-        return Coordinates.of(self.dofs, self.gears, self.disks, bases, self.housings)
+        return Coordinates.of(
+            self.dofs,
+            self.gears,
+            self.disks,
+            bases=bases,
+            housings=self.housings,
+            shafts=self.shafts,
+        )
 
     plot = plot
     matrices = matrices
@@ -541,7 +621,10 @@ class RotorSystem(CheckedKeywords, Shown):
     campbell = campbell
     critical_speed_map = critical_speed_map
     synchronous = synchronous
+    frequency_response = frequency_response
+    mesh_response = mesh_response
     balance = balance
+    bow_limits = bow_limits
     simulate = simulate
     simulate_many = simulate_many
     default_output_step = default_output_step

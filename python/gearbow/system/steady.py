@@ -90,12 +90,14 @@ def steady_state(
     start : float, optional
         Time at the start [s]; 0 by default.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction.
 
     Returns
     -------
     SteadyState
-        One period of the motion; without a common period, ten turns of the slowest shaft.
+        One period of the motion. Without a common period, ten turns of the slowest shaft, or the
+        longer time up to `max_period` that separates the default orders of `Response.orders`.
 
     Raises
     ------
@@ -169,11 +171,11 @@ def _period(
     except SceneError:
         sources = Superposition.of(system, speed, geometry)
         if sources is not None:
-            return min(sources.duration, longest), sources
+            return recorded_duration(system, speed, longest), sources
         section = section_length(system._model, speed, longest)
         if section is None:
             raise
-        count = math.ceil(min(recorded_duration(system, speed), longest) / section)
+        count = math.ceil(recorded_duration(system, speed, longest) / section)
         return count * section, longest
 
 
@@ -212,7 +214,7 @@ def _solved(
 ) -> tuple[RunData, dict[str, Any]]:
     """Record a periodic motion, or one without a period."""
     arguments, samples = run
-    with reported(progress, 1.0) as report:
+    with reported(progress, 1.0, "", what="steady state", setup="modes, pilot runs") as report:
         if not isinstance(without, Superposition):
             return steady_period(
                 system._model,

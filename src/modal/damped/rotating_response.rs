@@ -69,7 +69,7 @@ impl<'m> RotatingResponse<'m> {
             stiffness: 1.0 + damping,
             mass: (damping - 1.0) * square,
             gyroscopic: Complex64::new(0.0, spin * speed),
-            ..Weights::dynamic(Complex64::new(0.0, spin), 0.0)
+            ..Weights::harmonic(spin, speed)
         };
         let factors = self.model.dynamic_stiffness(&weights, speed).factor(spin.signum()).ok()?;
         let start = self.solve_bands(&factors, force).ok()?;

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::first_order::FirstOrder;
 use super::model::{ModalStateSpace, StateMatrix};
@@ -42,6 +42,15 @@ struct SynthesisKey {
     highest: f64,
     /// Coordinates under whose loads the static displacements are exact, ascending.
     loaded: Vec<usize>,
+}
+
+/// What a model in given modes reads beside it.
+#[derive(Clone, Debug, PartialEq)]
+struct GivenModesKey {
+    /// Speed of the reference shaft, rad/s.
+    speed: f64,
+    /// Modes whose displacements the model can have.
+    modes: Arc<RealModes>,
 }
 
 /// The inputs, besides the model, on which its growing modes depend.
@@ -100,6 +109,8 @@ struct LinearPart {
     growing: Recent<GrowthKey, Option<Arc<DMatrix<f64>>>>,
     /// The modes that runs keep.
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
+    /// The model in the modes of another speed, or of a system with the same coordinates.
+    in_given_modes: Recent<GivenModesKey, Arc<Projected>>,
     /// Factors of the dynamic stiffness at the last speeds.
     dynamic: Recent<DynamicKey, Arc<DynamicFactors>>,
     /// The linear parts at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
@@ -355,6 +366,19 @@ impl CachedModel {
         })
     }
 
+    /// The model at `speed` of the reference shaft, rad/s, in the displacements of `modes`: those of another speed, or of a
+    /// system with the same coordinates.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn in_modes(&self, modes: &Arc<RealModes>, speed: f64) -> Result<Arc<Projected>, DecompositionError> {
+        let key = GivenModesKey { speed, modes: Arc::clone(modes) };
+        self.linear_part().in_given_modes.get_or_try(key, || {
+            let own = RealModes::in_subspace(&self.model, speed, &modes.vectors)?;
+            Ok(Arc::new(Projected::new(&self.model, own, speed)))
+        })
+    }
+
     /// Displacements of the growing modes at the speeds of a key, n rows; `None` if nearly parallel modes hide them. The modes
     /// of a model with meshes are those up to a frequency, with the static displacements at coupled coordinates.
     fn growing_of(&self, key: &SubspaceKey) -> Result<Option<DMatrix<f64>>, DecompositionError> {
@@ -417,9 +441,7 @@ impl CachedModel {
         self.linear_part().dynamic.get_or_try(key, || {
             let DynamicKey { speed, spin, flank_speed } = key;
             let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
-            let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
-            let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
-            let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
+            let mut matrix = model.dynamic_stiffness(&Weights::harmonic(spin, speed), flank_speed);
             pins.add_to(model, &mut matrix);
             Ok(Arc::new(DynamicFactors { factors: matrix.factor(if spin < 0.0 { -1.0 } else { 1.0 }), pins }))
         })

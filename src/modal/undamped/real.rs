@@ -31,7 +31,7 @@ const ZERO_STIFFNESS: f64 = 1e-13;
 const EQUAL: f64 = 1e-12;
 
 /// Undamped modes of a model, or of an uncoupled part of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RealModes {
     /// Angular frequencies ω, rad/s: the zeros of the rigid-body modes, then ascending.
     pub frequencies: DVector<f64>,

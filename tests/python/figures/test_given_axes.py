@@ -46,6 +46,10 @@ def results() -> dict:
         "synchronous": system.synchronous([10.0, 20.0]),
         "measurement": measured,
         "identification": gb.identify(system, measured, [gb.unknown.bow("input")], runout=False),
+        "bow limits": system.bow_limits("input", [10.0, 20.0]),
+        "response": system.frequency_response(
+            [10.0, 20.0], source=gb.Force("g1", 1.0), speed=[5.0, 9.0]
+        ),
         "spectrum": run.spectrum("g1"),
         "orders": series.orders("g1", "z", shaft_harmonics=1, mesh_harmonics=0),
         "waterfall": gb.waterfall(runs, "g1", "z"),
@@ -53,7 +57,7 @@ def results() -> dict:
         "tradeoff": STUDY,
         "steady": system.steady_state(100.0, geometry="frozen"),
         "branch": jeffcott(damping=4e3).continuation(
-            "speed", 50.0, 55.0, record=["disk"], max_points=4
+            "speed", 50.0, 55.0, record=["disk"], first_step=1.0
         ),
     }
 
@@ -76,6 +80,10 @@ FIGURES = {
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
     "measurement": (2, lambda r, ax: r["measurement"].plot(ax=ax)),
     "identification": (5, lambda r, ax: r["identification"].plot(ax=ax)),
+    "bow limits": (1, lambda r, ax: r["bow limits"].plot(ax=ax)),
+    "frequency response": (2, lambda r, ax: r["response"].plot("g1", ax=ax)),
+    "nyquist": (1, lambda r, ax: r["response"].plot("g1", kind="nyquist", ax=ax)),
+    "map of a response": (1, lambda r, ax: r["response"].plot("g1", kind="waterfall", ax=ax)),
     "spectrum": (1, lambda r, ax: r["spectrum"].plot(ax=ax)),
     "orders": (1, lambda r, ax: r["orders"].plot(ax=ax)),
     "waterfall": (1, lambda r, ax: r["waterfall"].plot(ax=ax)),

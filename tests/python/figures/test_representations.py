@@ -51,6 +51,8 @@ def objects() -> dict[str, object]:
     response = pair.simulate(0.1, 100.0, record=["gears", "meshes", "energy"], output_step=1e-4)
     campbell = pair.campbell([10.0, 20.0, 30.0], count=12)
     synchronous = pair.synchronous(MANY[1:])
+    frequency = pair.frequency_response(MANY[1:], source=gb.Force("gear 0", 1.0))
+    measured = gb.results.MeasuredCurve("gear 0", "y", "velocity", MANY[1:], 1j * MANY[1:])
     bent = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=4, bow=gb.Bow.half_sine(1e-4))
     soft = [gb.Bearing("s", x, stiffness=1e8, damping=1e4) for x in (0.0, 1.0)]
     rotor = gb.RotorSystem([bent], bearings=soft)
@@ -120,8 +122,17 @@ def objects() -> dict[str, object]:
             bearings=[gb.Bearing(b.shaft, b.position, stiffness=1e8) for b in bearings[:4]]
         ).critical_speed_map(np.linspace(1e7, 1e8, 12), count=4),
         synchronous,
+        gb.MeshExcitation("gear 0/gear 1"),
+        gb.GroundMotion(1e-6),
+        gb.ShaftExcitation("shaft 0"),
+        frequency,
+        frequency.compare([measured]),
+        measured,
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5)),
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5))[0],
+        rotor.bow_limits("s", 100.0, limits=[gb.BowLimit.displacement(("s", 0.5), 1e-4)]),
+        gb.BowLimit.displacement(("s", 0.5), 1e-4),
+        gb.results.ReachedLimit("backlash used up", "gear 0/gear 1", 100.0, 2e-4),
         pair.static(speed=100.0),
         response,
         response.mesh(("gear 0", "gear 1")),
@@ -145,8 +156,13 @@ def objects() -> dict[str, object]:
         if hasattr(gb, name)
     ]
     found += [
+        gb.results.LoadCase(1, 150.0, {f"load {i}": 50.0 for i in range(300)}),
+        gb.results.MissingValue("bearings", "B1", "ball bearing at 0.1 m", ("stiffness",)),
+        gb.results.RexsContents(
+            "example 1", "1.4", "input", (), (), ("a shaft has no material",) * 300
+        ),
         rotor.steady_state(100.0, record=[("s", 0.5)]),
-        rotor.continuation("bow", 0.5, 1.0, speed=100.0, record=[("s", 0.5)], max_points=4),
+        rotor.continuation("bow", 0.5, 1.0, speed=100.0, record=[("s", 0.5)], first_step=1.0),
     ]
     with contextlib.suppress(gb.MissingExtraError):
         found.append(pair.matrices(20.0, sparse=True))

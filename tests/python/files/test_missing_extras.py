@@ -46,10 +46,12 @@ calls = {
         lambda: gb.Response.load(f"{folder}/run.nc"),
         lambda: system.simulate(1e300, 100.0, output_step=1e299, checkpoint=f"{folder}/run.nc"),
     ],
+    "matlab": [lambda: gb.SpeedTable.read_table("x.mat")],
     "sweep": [sweep.to_xarray],
     "dataframe": [
         response.to_dataframe, modes.to_dataframe, campbell.to_dataframe, run.energy_balance().to_dataframe,
         sweep.to_dataframe, lambda: modes.save(f"{folder}/modes.csv"),
+        lambda: gb.SpeedTable.read_table("x.xlsx"), lambda: gb.Bow.read_table("x.xlsx"),
     ],
 }
 for call in calls[sys.argv[3]]:
@@ -70,6 +72,7 @@ print("done")
         ("plot", "matplotlib"),
         ("netcdf", "xarray,h5netcdf,h5py"),
         ("dataframe", "pandas"),
+        ("matlab", "scipy"),
         ("sweep", "xarray,pandas"),
     ],
 )

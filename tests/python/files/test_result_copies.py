@@ -22,6 +22,11 @@ from test_response import recorded
 WITH_SYSTEMS = ("balance", "tradeoff", "identification", "correction")
 
 
+MEASURED = [
+    gb.results.MeasuredCurve("g1", "y", "velocity", np.array([50.0, 60.0]), np.array([1j, 2.0]))
+]
+
+
 def everything() -> dict[str, Any]:
     system = bowed_pair()
     run = system.simulate(0.07, 100.0, output_step=2e-4, record=["g1"])
@@ -43,8 +48,12 @@ def everything() -> dict[str, Any]:
         "mesh state": system.static().mesh(("g1", "g2")),
         "line": campbell.lines[0],
         "intersection": bowed.campbell([0.0, 900.0], count=2).criticals[0],
+        "comparison": results()["frequency response"].compare(MEASURED),
+        "measured": MEASURED[0],
         "peak": response.peaks(("rotor", 0.5))[0],
         "peaks": response.peaks(("rotor", 0.5)),
+        "limits": system.bow_limits(system.shafts[0].name, 100.0),
+        "limit": system.bow_limits(system.shafts[0].name, 100.0).limits[0],
         "orders": run.orders("g1", mesh_harmonics=0),
         "waterfall": gb.waterfall([run, system.simulate(0.07, 90.0, output_step=2e-4)], "g1"),
         "variable": system.simulate(1e-3, (np.array([0.0, 1e-3]), np.array([90.0, 95.0]))),

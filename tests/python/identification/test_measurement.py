@@ -79,7 +79,7 @@ WRONG = {
     "twice": (
         "speed, shaft, position, amplitude, phase",
         ["1, a, 0, 1e-6, 0", "2, a, 0, 1e-6, 0", "1, a, 0, 2e-6, 0"],
-        "lines 2 and 4: probe a at 0 m, 0° occurs twice at 1 rad/s",
+        "line 2 and line 4: probe a at 0 m, 0° occurs twice at 1 rad/s",
     ),
     "negative": (
         "speed, shaft, position, amplitude, phase",

@@ -35,6 +35,7 @@ def results():
         "modes": system.modes(10.0),
         "campbell": system.campbell(speeds, count=3),
         "synchronous": system.synchronous(speeds),
+        "frequency response": system.frequency_response([10.0], source=gb.Force("g1", 1.0)),
         "less": system.synchronous(speeds).subtract_slow_roll(1.0),
         "static": system.static(),
         "critical": bowed.critical_speed_map(speeds * 1e6),

@@ -204,11 +204,11 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
         '"pinoin"',
         'did you mean "pinion"?',
     ),
-    "a recorded position between nodes": (
-        lambda: run(record=[("input", 0.12)]),
+    "a recorded position in millimetres": (
+        lambda: run(record=[("input", 120.0)]),
         "record[0]: ",
-        'shaft "input" has no node at 0.12 m',
-        "the nearest is at 0.125 m",
+        'shaft "input" reaches from 0 to 0.5 m',
+        "give a position on it in metres, got 120 m",
     ),
     "a signal that was not recorded": (
         lambda: run(record=["pinion"]).displacement("wheel"),

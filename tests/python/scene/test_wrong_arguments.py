@@ -70,7 +70,7 @@ def sweep() -> gb.Sweep:
 
 @cache
 def branch() -> gb.Continuation:
-    return system().continuation("speed", 100.0, 100.5, max_points=3, first_step=0.5)
+    return system().continuation("speed", 100.0, 100.5, max_points=3, first_step=1.1)
 
 
 @cache
@@ -125,6 +125,21 @@ def in_shaft(name: str, **shaft: Any) -> Callable[..., object]:
     return make
 
 
+def as_limit(name: str) -> Callable[..., object]:
+    """Make a limit of a bow, and find the bow."""
+
+    def make(**given: Any) -> object:
+        one = getattr(gb.BowLimit, name)(**given)
+        return system().bow_limits("input", 100.0, limits=[one])
+
+    return make
+
+
+def of_source(name: str) -> Callable[..., object]:
+    """Make a source, and a response to it."""
+    return lambda **given: system().frequency_response([9.0], source=getattr(gb, name)(**given))
+
+
 def in_mesh(name: str, make: Callable[..., Any], **more: Any) -> Callable[..., object]:
     """Make a part of a mesh, and a system with it."""
     return lambda **given: system().replace(
@@ -163,6 +178,9 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "mm": (gb.mm, {"value": 1.0}),
     "rpm": (gb.rpm, {"value": 1.0}),
     "degrees": (gb.degrees, {"value": 1.0}),
+    "MeshExcitation": (of_source("MeshExcitation"), {"at": "g1/g2"}),
+    "GroundMotion": (of_source("GroundMotion"), {"value": 1e-6}),
+    "ShaftExcitation": (of_source("ShaftExcitation"), {"shaft": "input"}),
     "sweep": (
         gb.sweep,
         {"make": lambda x: system(), "parameters": {"x": [1.0]}, "measure": measure},  # noqa: ARG005
@@ -212,7 +230,17 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         {"positions": [0.0, 0.2, 0.5], "amplitudes": [0.0, 1e-4, 0.0]},
     ),
     "Bow.function": (in_shaft("bow", make=gb.Bow.function), {"f": lambda x: 1e-4 * x}),
-    "Bow.read_csv": (gb.Bow.read_csv, {"path": "x.csv"}),
+    "Bow.read_table": (gb.Bow.read_table, {"path": "x.csv"}),
+    "BowLimit.displacement": (as_limit("displacement"), {"at": "g1", "limit": 1e-4}),
+    "BowLimit.velocity": (as_limit("velocity"), {"at": "g1", "limit": 1e-3}),
+    "BowLimit.contact_ratio": (as_limit("contact_ratio"), {"at": "g1/g2", "least": 1.2}),
+    "BowLimit.mesh_force": (gb.BowLimit.mesh_force, {"at": "g1/g2", "factor": 1.5}),
+    "BowLimit.bearing_force": (as_limit("bearing_force"), {"at": ("input", 0.0), "force": 1e4}),
+    "BowLimit.bearing_life": (
+        as_limit("bearing_life"),
+        {"at": ("input", 0.0), "hours": 1e4, "capacity": 5e4, "exponent": 3.0},
+    ),
+    "BowLimit.film": (gb.BowLimit.film, {"at": ("input", 0.0), "thickness": 1e-5}),
     "Gear": (
         with_part("Gear"),
         {
@@ -264,9 +292,9 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         ),
         {"speeds": [0.0, 1.0], "values": [1e8, 2e8]},
     ),
-    "SpeedTable.read_csv": (
+    "SpeedTable.read_table": (
         lambda **given: system().replace(
-            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_csv(**given))]
+            bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_table(**given))]
         ),
         {"path": "x.csv"},
     ),
@@ -307,6 +335,11 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     ),
     "RotorSystem.from_dict": (gb.RotorSystem.from_dict, {"description": {}}),
     "RotorSystem.from_ross": (gb.RotorSystem.from_ross, {"path": "x.toml"}),
+    "RotorSystem.read_rexs": (
+        gb.RotorSystem.read_rexs,
+        {"path": "x.rexs", "load_case": 1, "bearings": {"other": 1e8}},
+    ),
+    "rexs_contents": (gb.rexs_contents, {"path": "x.rexs"}),
     "RotorSystem.load": (gb.RotorSystem.load, {"path": "x.toml"}),
     "RotorSystem.replace": (lambda **given: system().replace(**given), {}),
     "Accelerometer": (lambda **given: response().measure(gb.Accelerometer(**given)), {"at": "g1"}),
@@ -324,6 +357,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Sweep.load": (gb.Sweep.load, {"path": "x.sweep"}),
     "Response.from_record": (gb.Response.from_record, {"record": None}),
 }
+REXS = Path(__file__).parents[1] / "files" / "gearbox.rexs"
 BEARING = {"at": ("input", 0.0)}
 MESH = {"at": ("g1", "g2")}
 #: A value of each class, and valid required arguments of its methods.
@@ -332,17 +366,21 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         system,
         {
             "balance": {"planes": ["g1"], "speed": 100.0},
+            "bow_limits": {"shaft": "input", "speed": 100.0},
             "campbell": {"speeds": [0.0, 100.0]},
             "continuation": {
                 "parameter": "speed",
                 "begin": 100.0,
                 "end": 100.5,
                 "max_points": 1,
+                "first_step": 1.1,
                 "max_period": 0.2,
             },
             "critical_speed_map": {"stiffnesses": [1e7, 1e8]},
             "default_output_step": {"duration": 1e-3, "speed": 100.0},
+            "frequency_response": {"frequencies": [100.0], "source": gb.Force("g1", 1.0)},
             "matrices": {},
+            "mesh_response": {"at": "g1/g2", "speeds": [100.0]},
             "modes": {},
             "plot": {},
             "save": {"path": "x.toml"},
@@ -426,6 +464,33 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "subtract_slow_roll": {"speed": 50.0},
         },
     ),
+    "FrequencyResponse": (
+        lambda: system().frequency_response([50.0, 100.0], source=gb.Force("g1", 1.0)),
+        {
+            "bearing_force": BEARING,
+            **{
+                name: {"at": "g1"} for name in ("acceleration", "displacement", "twist", "velocity")
+            },
+            "axial_displacement": {"at": "g1"},
+            "compare": {"measured": "x.csv"},
+            "measure": {"sensor": gb.Probe("input", 0.25)},
+            "mesh_force": {"at": "g1/g2"},
+            "plot": {"at": ["g1"]},
+            "save": {"path": "x.mat"},
+            "to_dataframe": {},
+            "to_xarray": {},
+        },
+    ),
+    "FrequencyComparison": (
+        lambda: (
+            system()
+            .frequency_response([50.0, 100.0], source=gb.Force("g1", 1.0))
+            .compare(
+                [gb.results.MeasuredCurve("g1", "y", "velocity", np.array([50.0]), np.array([1j]))]
+            )
+        ),
+        {"plot": {}},
+    ),
     "Campbell": (
         lambda: system().campbell([0.0, 100.0], count=3),
         {"plot": {}, "table": {}, "to_dataframe": {}},
@@ -447,11 +512,19 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "EnergyBalance": (lambda: response().energy_balance(), {"plot": {}, "to_dataframe": {}}),
     "Modes": (
         lambda: system().modes(100.0),
-        {"energy_shares": {}, "names": {}, "plot": {}, "table": {}, "to_dataframe": {}},
+        {
+            "displacement": {"at": "g1"},
+            "twist": {"at": "g1"},
+            "energy_shares": {},
+            "names": {},
+            "plot": {},
+            "table": {},
+            "to_dataframe": {},
+        },
     ),
     "Orders": (
         lambda: response().orders("g1", shaft_harmonics=1, mesh_harmonics=0, sidebands=0),
-        {"amplitude": {"name": "1"}, "plot": {}, "table": {}},
+        {"amplitude": {"name": "1"}, "plot": {}, "table": {}, "track": {"name": "1"}},
     ),
     "Spectrum": (lambda: response().spectrum("g1"), {"plot": {}}),
     "SteadyState": (
@@ -479,6 +552,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {"front": {}, "plot": {}, "recommend": {}, "table": {}, "to_dataframe": {}},
     ),
     "Trial": (lambda: tradeoff().trials[0], {"cost": {}}),
+    "RexsContents": (lambda: gb.rexs_contents(REXS), {"table": {}}),
     "Waterfall": (
         lambda: gb.waterfall(
             [system().simulate(0.05, speed, output_step=1e-4) for speed in (100.0, 110.0)], "g1"
@@ -514,6 +588,7 @@ METHODS["Correction"] = (
     {"plot": {}},
 )
 METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
+METHODS["BowLimits"] = (lambda: system().bow_limits("input", 100.0), {"plot": {}})
 METHODS["Peaks"] = (
     lambda: system().synchronous([0.0, 50.0, 100.0]).peaks("g1"),
     {"plot": {}},
@@ -576,6 +651,7 @@ def test_an_error_names_the_argument(name: str, tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.chdir(tmp_path)
     Path("x.csv").write_text("speed,k\n0,1e8\n1,2e8\n", encoding="utf-8")
+    Path("x.rexs").write_bytes(REXS.read_bytes())
     call, arguments = ALL[name]
 
     @each_case(("argument", "wrong"), product(parameters(name), WRONG), ids=str)

@@ -133,9 +133,10 @@ def test_a_point_of_a_whole_train_takes_few_periods(monkeypatch: pytest.MonkeyPa
         return correct(model, states=states, levels=levels, **options)
 
     monkeypatch.setattr(continuation, "corrected_states", counted)
-    found = system.continuation(
-        "bow", 1.0, 1.1, speed=speed, rtol=rtol, first_step=0.05, max_points=2
-    )
+    with pytest.warns(gb.AccuracyWarning, match=r"ends before bow 1\.1: max_points"):
+        found = system.continuation(
+            "bow", 1.0, 1.1, speed=speed, rtol=rtol, first_step=0.05, max_points=2
+        )
     assert found.values.size == 3
     assert found.stable.all()
     # A dense derivative takes 4 periods for each degree of freedom, of which there are over 200.
@@ -252,7 +253,11 @@ def test_differences_do_not_limit_the_convergence_of_newtons_method():
     deflection = steady.response.mesh(MESH).deflection
     assert deflection.min() < 0.0 < deflection.max()
     motion = continuation._Motion(
-        continuation._Family(system, "speed", at), ["meshes"], (rtol, "live"), (1, 1.0), 128
+        continuation._Family(system, "speed", at),
+        ["meshes"],
+        continuation._Run(None, rtol, "live"),
+        (1, 1.0),
+        128,
     )
     state = motion.unknowns(steady) * (1 + 1e-3 * np.sin(np.arange(7)))
     residuals = []
@@ -346,11 +351,49 @@ def one_run(system: gb.RotorSystem, **_: float) -> float:
 
 
 def test_a_branch_over_the_torque_keeps_what_it_reached():
-    found = clearance().continuation(
-        "torque", 1.0, 3.0, speed=speed(0.3), record=["meshes"], max_points=3
-    )
+    with pytest.warns(gb.AccuracyWarning, match="branch ends before torque 3: max_points"):
+        found = clearance().continuation(
+            "torque", 1.0, 3.0, speed=speed(0.3), record=["meshes"], max_points=3
+        )
     assert found.values.size >= 4
     assert found.message.startswith("max_points: 3 points reach")
+    assert "open end: 'max_points: 3 points reach" in repr(found)
+    (panel,) = found.plot(MESH).axes
+    open_end = panel.get_lines()[-1]
+    assert open_end.get_label().startswith("open end")
+    assert open_end.get_xdata().tolist() == [found.values[-1]]
+
+
+def test_a_branch_to_its_end_has_no_open_end():
+    found = clearance().continuation("torque", 1.0, 1.05, speed=speed(0.3), record=["meshes"])
+    assert found.values[-1] == 1.05
+    assert "open end" not in repr(found)
+    (panel,) = found.plot(MESH).axes
+    assert not any(line.get_label().startswith("open end") for line in panel.get_lines())
+
+
+def test_a_point_of_the_new_scene_takes_few_evaluations(monkeypatch: pytest.MonkeyPatch):
+    # the scene that the command "new" writes
+    system = gb.RotorSystem.load(Path(gb.__file__).parent / "cli" / "example.toml")
+    evaluations = 0
+    correct = _core.corrected_states
+
+    def counted(model: Any, *, states: Any, levels: Any, **options: Any) -> Any:
+        nonlocal evaluations
+        evaluations += len(states) + (levels is None)
+        return correct(model, states=states, levels=levels, **options)
+
+    monkeypatch.setattr(continuation, "corrected_states", counted)
+    with pytest.warns(gb.AccuracyWarning, match="branch ends before speed 600"):
+        found = system.continuation("speed", 300.0, 600.0, max_points=8, record=["meshes"])
+    # The motion that runs in at the last speed: both have an error of the accuracy "engineering".
+    alone = system.steady_state(float(found.values[-1]), rtol=1e-7, record=["meshes"])
+    forces = alone.response.mesh(("pinion", "wheel")).force
+    amplitude = found.amplitude("pinion/wheel", "force")[-1]
+    assert amplitude == pytest.approx(np.ptp(forces) / 2, rel=1e-2)
+    # Near the fold at 303.17 rad/s a point takes 3 to 6 corrections; without the slope at each
+    # slow one, up to 12 with 3 evaluations each.
+    assert evaluations <= 15 * found.values.size
 
 
 def test_wrong_arguments_name_the_argument():
@@ -385,7 +428,7 @@ def test_an_interrupted_branch_keeps_its_points():
     assert "backlash" in repr(kept)
     kept.plot(MESH, "deflection").savefig(Path("/dev/null"), format="png")
     (panel,) = kept.plot(MESH, speed_unit="rpm").axes
-    assert panel.get_xlabel() == "backlash [m]"
+    assert panel.get_xlabel() == "backlash [µm]"
     table = kept.to_dataframe(MESH)
     assert len(table) == kept.values.size
     assert table.columns[1:3].tolist() == ["stable", "kind"]
