@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.polynomial import Legendre
 
 from gearbow._types import Array
 
@@ -52,15 +51,16 @@ def motion_within(
             yield direction, along
 
 
-def _product(function: Legendre, xi: Array, values: Any) -> Any:
+def _product(function: "np.polynomial.Legendre", xi: Array, values: Any) -> Any:
     """Give a polynomial at 2ξ − 1 times the values of the columns, shape (positions, columns)."""
     product: Any = np.outer(function(2.0 * xi - 1.0), values)
     return product
 
 
-def _integrated(n: int) -> Legendre:
+def _integrated(n: int) -> "np.polynomial.Legendre":
     """Give the integrated Legendre polynomial ψ_n = (P_n − P_{n−2})/√(4n − 2)."""
-    polynomial: Legendre = (Legendre.basis(n) - Legendre.basis(n - 2)) / np.sqrt(4.0 * n - 2.0)
+    basis = np.polynomial.Legendre.basis
+    polynomial: "np.polynomial.Legendre" = (basis(n) - basis(n - 2)) / np.sqrt(4.0 * n - 2.0)
     return polynomial
 
 

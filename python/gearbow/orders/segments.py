@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from gearbow._types import Array, ComplexArray
 from gearbow.description.kinematics import Order
@@ -118,12 +117,12 @@ def _fit(segment: Segment, numbers: Array) -> tuple[ComplexArray, float, Array]:
         fitted, *_ = np.linalg.lstsq(columns, segment.values, rcond=None)
     else:
         x = (segment.turns - segment.centre) / segment.half
-        powers = legendre.legvander(x, segment.degree)
+        powers = np.polynomial.legendre.legvander(x, segment.degree)
         columns = (powers[:, :, np.newaxis] * waves[:, np.newaxis, :]).reshape(x.size, -1)
         weighted = columns * segment.weights[:, np.newaxis]
         # The orders are so far apart that the normal equations have a condition below 1e4.
         fitted = np.linalg.solve(columns.T @ weighted, weighted.T @ segment.values)
-        middle = legendre.legvander(np.zeros(1), segment.degree)[0]
+        middle = np.polynomial.legendre.legvander(np.zeros(1), segment.degree)[0]
     remainder: Array = segment.values - columns @ fitted
     at_middle = middle @ fitted.reshape(terms, -1)
     count = numbers.size

@@ -217,7 +217,7 @@ def results() -> dict[str, Any]:
         "balance": jeffcott(damping=4e3).balance(["disk"], gb.rpm(2000), points=["disk"]),
         "steady": system.steady_state(100.0, geometry="frozen"),
         "branch": jeffcott(damping=4e3).continuation(
-            "speed", 50.0, 55.0, record=["disk"], max_points=4
+            "speed", 50.0, 55.0, record=["disk"], first_step=1.1
         ),
         "sweep": sweep,
         "tradeoff": STUDY,
