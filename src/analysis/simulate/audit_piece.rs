@@ -125,6 +125,7 @@ impl Piece {
 #[cfg(test)]
 mod tests {
     use super::{MAX_INTERVALS, Piece, fraction};
+    use crate::motion::SourceTerms;
 
     #[test]
     fn works_of_polynomials_are_exact() {
