@@ -85,7 +85,7 @@ pub fn deflection(element: &Element, material: &Material, shear: bool, ends: Vec
 /// Nodes in [0, 1] and weights of the four-point Gauss rule, to the last bit: round-off of [`crate::numerics::gauss`] would make the
 /// matrices of an element unsymmetric about its middle. The rule is exact for the products of shape functions, whose
 /// degree is at most six.
-const GAUSS: [(f64, f64); 4] = [
+const GAUSS_RULE: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
@@ -191,7 +191,7 @@ pub(super) fn rotation(xi: f64, l: f64, phi: f64) -> Vector4<f64> {
 
 /// ∫NᵀN dx over an element of length `l`, m, for the shape functions N(ξ) = `shape`.
 fn integral(l: f64, shape: impl Fn(f64) -> Vector4<f64>) -> Matrix4<f64> {
-    GAUSS.iter().fold(Matrix4::zeros(), |sum, &(xi, weight)| {
+    GAUSS_RULE.iter().fold(Matrix4::zeros(), |sum, &(xi, weight)| {
         let shape = shape(xi);
         sum + shape * shape.transpose() * (weight * l)
     })

@@ -19,6 +19,7 @@ use nalgebra::DMatrix;
 use super::reynolds::Reynolds;
 use super::spline::{bounded, periodic, slopes, weights};
 use super::{Matrix, Response, Vector, direction};
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Number of nodes in ξ, from 0 to [`MAX_RADIAL_COORDINATE`].
 const RADIAL_NODES: usize = 19;
@@ -30,8 +31,6 @@ const VELOCITY_DIRECTIONS: usize = 48;
 const DISPLACEMENT_DIRECTIONS: usize = 36;
 /// Eccentricity ratio from which the derivative at the centre is computed.
 const CENTRE_RATIO: f64 = 0.05;
-/// Grooves are equal if their angles differ by less, rad.
-const GROOVE_ANGLE_TOLERANCE: f64 = 1e-9;
 /// Number of tables that are kept.
 const KEPT_TABLES: usize = 16;
 
@@ -270,8 +269,7 @@ fn mirror(grooves: &[[f64; 2]]) -> Option<f64> {
 
 /// Whether two grooves are equal.
 fn same(a: [f64; 2], b: [f64; 2]) -> bool {
-    ((a[0] - b[0] + PI).rem_euclid(TAU) - PI).abs() < GROOVE_ANGLE_TOLERANCE
-        && (a[1] - b[1]).abs() < GROOVE_ANGLE_TOLERANCE
+    ((a[0] - b[0] + PI).rem_euclid(TAU) - PI).abs() < EQUALITY_TOLERANCE && (a[1] - b[1]).abs() < EQUALITY_TOLERANCE
 }
 
 /// Applies a matrix along one of three axes of an array.

@@ -7,7 +7,7 @@
 use super::controller::MIN_STEP_FRACTION;
 use super::event_locator::{ChangeLocation, MAX_CHANGES_AT_ONE_TIME, RungeKuttaEventLocator};
 use super::{
-    Adaptive, FirstOrderSystem, Halt, MethodState, Observer, RungeKutta, Span, State, Statistics, StepControl,
+    Adaptive, FirstOrderSystem, Halt, MethodState, Observer, RungeKutta, Span, State, Statistics, StepControl, StepEnd,
     StepInterval,
 };
 
@@ -142,7 +142,9 @@ fn take_step<const S: usize>(
 /// The last step, which began at `state` and is `step` seconds long.
 fn span<'a, const S: usize>(method: &'a RungeKutta<S>, state: &'a State, step: f64) -> Span<'a> {
     let (before, after) = method.derivatives();
-    Span { start: state.elapsed, step, before: (&state.y, before), after: (method.end(), after) }
+    let before = StepEnd { state: &state.y, derivative: before };
+    let after = StepEnd { state: method.end(), derivative: after };
+    Span { start: state.elapsed, step, before, after }
 }
 
 /// Takes the end of a step as the state. A step that a contact change has shortened sets no next step.

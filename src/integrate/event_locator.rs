@@ -8,14 +8,12 @@
 //! at units of a time grid.
 
 use super::{FirstOrderSystem, Halt, Span, State};
-use crate::numerics::bisect;
+use crate::numerics::{EQUALITY_TOLERANCE, bisect};
 
 /// Fractions of the step at which the contact mode is evaluated.
 const EVALUATED_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// The change is located to this fraction of the step.
 const EVENT_RESOLUTION: f64 = 1e-13;
-/// A change closer to an end of the step than this fraction happens at that end: no step is shorter.
-const MIN_FRACTION: f64 = 1e-9;
 /// Contact changes at one instant after which a step is accepted as it is: grazing contact could change its mode for ever.
 pub const MAX_CHANGES_AT_ONE_TIME: u32 = 8;
 
@@ -73,9 +71,10 @@ impl RungeKuttaEventLocator {
         };
         let [_, high] = bisect(0.0, first, EVENT_RESOLUTION, |part| self.differs(system, state, span, part))?;
         self.differs(system, state, span, high)?;
+        // A change at an end of the step takes that end: no step is shorter.
         Ok(Some(match high {
-            high if high <= MIN_FRACTION => ChangeLocation::AtBeginning,
-            high if high >= 1.0 - MIN_FRACTION => ChangeLocation::AtEnd,
+            high if high <= EQUALITY_TOLERANCE => ChangeLocation::AtBeginning,
+            high if high >= 1.0 - EQUALITY_TOLERANCE => ChangeLocation::AtEnd,
             high => ChangeLocation::Within(high * span.step),
         }))
     }

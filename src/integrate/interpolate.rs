@@ -92,10 +92,19 @@ pub struct Span<'a> {
     pub start: f64,
     /// Length, s.
     pub step: f64,
-    /// State and derivative at the beginning.
-    pub before: (&'a [f64], &'a [f64]),
-    /// State and derivative at the end.
-    pub after: (&'a [f64], &'a [f64]),
+    /// The beginning.
+    pub before: StepEnd<'a>,
+    /// The end.
+    pub after: StepEnd<'a>,
+}
+
+/// The motion at an end of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct StepEnd<'a> {
+    /// Displacements, then velocities.
+    pub state: &'a [f64],
+    /// Time derivative of the state.
+    pub derivative: &'a [f64],
 }
 
 /// Weights of the six end values for displacement and velocity at one instant.
@@ -150,14 +159,14 @@ impl Span<'_> {
 
     /// Displacement and velocity of coordinate `index`.
     pub fn at(&self, weights: &Weights, index: usize) -> (f64, f64) {
-        let velocity = self.before.0.len() / 2 + index;
+        let velocity = self.before.state.len() / 2 + index;
         let ends = [
-            self.before.0[index],
-            self.after.0[index],
-            self.before.0[velocity],
-            self.after.0[velocity],
-            self.before.1[velocity],
-            self.after.1[velocity],
+            self.before.state[index],
+            self.after.state[index],
+            self.before.state[velocity],
+            self.after.state[velocity],
+            self.before.derivative[velocity],
+            self.after.derivative[velocity],
         ];
         let sum = |weights: &[f64; 6]| weights.iter().zip(&ends).map(|(weight, end)| weight * end).sum();
         (sum(&weights.displacement), sum(&weights.velocity))

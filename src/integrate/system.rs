@@ -114,7 +114,7 @@ impl<S: FirstOrderSystem + ?Sized> Trajectory for SystemTrajectory<'_, S> {
     }
 
     fn accelerations(&mut self, instants: &[f64], coordinates: &[usize], a: &mut [f64]) -> Result<(), Halt> {
-        let len = self.span.before.0.len();
+        let len = self.span.before.state.len();
         let (mut y, mut derivative) = (vec![0.0; len], vec![0.0; len]);
         for (elapsed, a) in instants.iter().zip(a.chunks_exact_mut((len / 2).max(1))) {
             self.span.write_state(&self.span.weights(*elapsed), 0..len / 2, &mut y);
@@ -125,7 +125,7 @@ impl<S: FirstOrderSystem + ?Sized> Trajectory for SystemTrajectory<'_, S> {
     }
 
     fn end_displacement(&self) -> Option<&[f64]> {
-        let (y, _) = self.span.after;
+        let y = self.span.after.state;
         Some(&y[..y.len() / 2])
     }
 }

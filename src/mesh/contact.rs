@@ -1,6 +1,7 @@
 //! Contact of a mesh: the flank in contact, its force, and the quantities that a response reports.
 
 use super::Centres;
+use crate::numerics::LARGEST_EXACT_INTEGER;
 
 /// Angle and spin of a shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,10 +56,8 @@ pub struct ContactMode {
     pub engaged: [(i64, i64); 2],
 }
 
-/// Largest number of a tooth pair: f64 represents every whole number up to it.
-const MOST_PAIR: u64 = 1 << 53;
 /// Upper bound on the pairs in contact at once; contact ratios are below 10.
-const MOST_PAIRS: u64 = 1000;
+const MAX_PAIRS_IN_CONTACT: u64 = 1000;
 
 impl ContactMode {
     /// The contact mode of a mesh without backlash and without sharp engagement.
@@ -76,7 +75,8 @@ impl ContactMode {
     /// Whether numbers represent a contact mode: a flank, and ranges of pairs that can be in contact.
     pub fn is_code(code: &[i64]) -> bool {
         let range = |pairs: &[i64]| {
-            pairs.iter().all(|pair| pair.unsigned_abs() <= MOST_PAIR) && pairs[1].abs_diff(pairs[0]) <= MOST_PAIRS
+            pairs.iter().all(|pair| pair.unsigned_abs() <= LARGEST_EXACT_INTEGER)
+                && pairs[1].abs_diff(pairs[0]) <= MAX_PAIRS_IN_CONTACT
         };
         code.len() == Self::CODE_LENGTH && (0..=3).contains(&code[0]) && range(&code[1..3]) && range(&code[3..5])
     }

@@ -8,10 +8,9 @@ use super::{Model, Numbering, Support, bearing_rows};
 use crate::connection::{AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, SpeedDependentBearing};
 use crate::film::Film;
 use crate::rolling::RollingElements;
-use crate::scene::{Bearing, BearingCoefficient, EntryPath, LoadLaw, Node, Nonlinear, Scene, SceneError};
-
-/// Standard gravity, m/s².
-const STANDARD_GRAVITY: f64 = 9.806_65;
+use crate::scene::{
+    Bearing, BearingCoefficient, EntryPath, LoadLaw, Node, Nonlinear, STANDARD_GRAVITY, Scene, SceneError,
+};
 
 /// Bearings with constant coefficients on the ground, and bearings that depend on the speed.
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {

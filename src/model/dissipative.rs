@@ -1,10 +1,8 @@
 //! Whether any element of a model can feed energy into its motion.
 
 use super::{Model, Support};
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::Matrix2;
-
-/// Part of a coefficient that round-off may add to it.
-const ROUND_OFF: f64 = 1e-9;
 
 impl Model {
     /// Whether no element can feed energy into the motion at a constant speed of the reference shaft, rad/s, so that every
@@ -25,14 +23,14 @@ impl Model {
 fn is_passive(element: &Support) -> bool {
     let stiffness = &element.stiffness;
     let skew = (stiffness[0][1] - stiffness[1][0]).abs();
-    skew <= ROUND_OFF * norm(stiffness) && is_semidefinite(stiffness) && is_semidefinite(&element.damping)
+    skew <= EQUALITY_TOLERANCE * norm(stiffness) && is_semidefinite(stiffness) && is_semidefinite(&element.damping)
 }
 
 /// Whether (A + Aᵀ)/2 is positive semidefinite, apart from round-off.
 fn is_semidefinite(matrix: &Matrix2) -> bool {
     let [[a, b], [c, d]] = *matrix;
     let lowest = a / 2.0 + d / 2.0 - (a / 2.0 - d / 2.0).hypot(b / 2.0 + c / 2.0);
-    lowest >= -ROUND_OFF * norm(matrix)
+    lowest >= -EQUALITY_TOLERANCE * norm(matrix)
 }
 
 /// Frobenius norm.

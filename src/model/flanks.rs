@@ -7,10 +7,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Model;
 use crate::linalg::LuFactors;
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::Coupling;
-
-/// A mesh is unloaded if the moment of its tooth force is below this fraction of the largest given torque.
-const UNLOADED_FRACTION: f64 = 1e-9;
 
 /// Directions of rotation with different σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,8 +60,8 @@ impl Model {
         let largest = self.scene.torques.iter().map(|torque| torque.value.abs()).fold(0.0, f64::max);
         let sigma = |(mesh, force): (usize, &f64)| {
             let moment = force * self.meshes[mesh].involute.base_radius[0];
-            // NaN, the result of a singular system, counts as unloaded.
-            if moment.abs() > UNLOADED_FRACTION * largest { force.signum() } else { self.sigma_forward(mesh) }
+            // A moment of zero beside the largest torque, or NaN, the result of a singular system, counts as unloaded.
+            if moment.abs() > EQUALITY_TOLERANCE * largest { force.signum() } else { self.sigma_forward(mesh) }
         };
         forces.iter().enumerate().map(sigma).collect()
     }

@@ -44,6 +44,7 @@ use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
+use crate::numerics::ROUND_OFF;
 use crate::scene::{Gear, Matrix2, Node, Scene, SceneError};
 
 /// A bearing with its coordinates.
@@ -84,7 +85,7 @@ impl Support {
         let principal = [(mean + half, [cosine, sine]), (mean - half, [-sine, cosine])];
         principal
             .into_iter()
-            .filter(move |(stiffness, _)| *stiffness > ZERO_STIFFNESS * (mean + half))
+            .filter(move |(stiffness, _)| *stiffness > ROUND_OFF * (mean + half))
             .map(|(_, direction)| direction)
     }
 
@@ -114,8 +115,6 @@ impl Support {
     }
 }
 
-/// A principal stiffness below this fraction of the largest one counts as zero.
-const ZERO_STIFFNESS: f64 = 1e-12;
 /// (K + Kᵀ)/2 counts as positive definite if its lower eigenvalue exceeds this fraction of ‖K‖.
 const MIN_DEFINITE_FRACTION: f64 = 1e-3;
 

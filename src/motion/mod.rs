@@ -16,7 +16,7 @@ mod speed;
 pub use energy::{Energies, connected_coordinates};
 pub use equation::EquationOfMotion;
 pub use phase::{DoubleDouble, phasor};
-pub use power::{PowerCoordinates, PowerLoads, SOURCES};
+pub use power::{CONSTANT_LOAD_SUMS, PowerCoordinates, PowerLoads, SourceTerms};
 pub use rotating_load::RotatingLoad;
 pub use shaft_rotation::{Anchor, RotationState, ShaftRotation};
 pub use speed::{Profile, Speed};

@@ -8,8 +8,49 @@ use crate::connection::Connection;
 use crate::mesh::Overlap;
 use crate::model::{Excitation, Model, ShaftModel, Support};
 
-/// Names of the powers that change the energy, in the order of [`EquationOfMotion::powers`].
-pub const SOURCES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
+/// A quantity of each source that changes the energy: its power, W, or its work, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SourceTerms {
+    /// Of torques and forces.
+    pub torque: f64,
+    /// Of weights.
+    pub gravity: f64,
+    /// Of the drive, which turns bowed shafts and eccentric hubs, moves rolling elements and changes the stiffness of bearings.
+    pub drive: f64,
+    /// Of unbalance.
+    pub unbalance: f64,
+    /// Of the prescribed motion of the teeth.
+    pub teeth: f64,
+    /// Of damping and cross-coupling; negative where they take energy.
+    pub damping: f64,
+}
+
+impl SourceTerms {
+    /// Names of the terms in the order of [`Self::values`].
+    pub const NAMES: [&str; 6] = ["torque", "gravity", "drive", "unbalance", "teeth", "damping"];
+
+    /// All terms.
+    pub fn values(&self) -> [f64; 6] {
+        [self.torque, self.gravity, self.drive, self.unbalance, self.teeth, self.damping]
+    }
+
+    /// The terms from values in the order of [`Self::values`].
+    pub fn from_values([torque, gravity, drive, unbalance, teeth, damping]: [f64; 6]) -> Self {
+        Self { torque, gravity, drive, unbalance, teeth, damping }
+    }
+
+    /// The terms plus `factor` times other ones.
+    #[must_use]
+    pub fn plus(&self, factor: f64, other: &Self) -> Self {
+        let (own, other) = (self.values(), other.values());
+        Self::from_values(std::array::from_fn(|i| own[i] + factor * other[i]))
+    }
+
+    /// Sum of the magnitudes.
+    pub fn magnitude(&self) -> f64 {
+        self.values().iter().map(|value| value.abs()).sum()
+    }
+}
 
 /// Number of sums of a scalar product.
 const PARTIAL_SUMS: usize = 8;
@@ -125,7 +166,7 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Number of sums over constant loads.
-const CONSTANT_LOAD_SUMS: usize = 2;
+pub const CONSTANT_LOAD_SUMS: usize = 2;
 
 /// Whether the bow of a shaft exerts a force.
 fn is_bowed(shaft: &ShaftModel) -> bool {
@@ -163,7 +204,7 @@ impl EquationOfMotion<'_> {
         }
     }
 
-    /// Power of the [`SOURCES`] without constant loads, W: torques and forces; none for gravity; the drive, which turns bowed
+    /// Power of every source without constant loads, W: torques and forces; none for gravity; the drive, which turns bowed
     /// shafts and eccentric hubs of couplings, moves rolling elements and changes the stiffness of bearings with the speed;
     /// unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with the cross-coupling of bearings
     /// and with the power `distributed` of the distributed damping. q and v need the coordinates of [`PowerCoordinates`]; q is
@@ -178,7 +219,7 @@ impl EquationOfMotion<'_> {
         q: &[f64],
         v: &[f64],
         distributed: f64,
-    ) -> Result<[f64; 6], (usize, Overlap)> {
+    ) -> Result<SourceTerms, (usize, Overlap)> {
         let model = self.model;
         let [mut drive, circulating] = self.link_powers(elapsed, q, v);
         for (shaft, bow) in loads.bowed.iter().zip(q[model.len()..].chunks_exact(2)) {
@@ -226,7 +267,7 @@ impl EquationOfMotion<'_> {
                 Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),
             }
         }
-        Ok([torque, 0.0, drive, unbalance, teeth, -damping])
+        Ok(SourceTerms { torque, gravity: 0.0, drive, unbalance, teeth, damping: -damping })
     }
 
     /// Powers of links, W: that which turns the eccentric hubs of couplings, and that which the cross-coupling takes.

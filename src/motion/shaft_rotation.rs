@@ -74,8 +74,10 @@ const MIN_STRETCH: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct VariableSpeed {
     stretches: Vec<Stretch>,
-    /// First and last stretch of the current piece: a single stretch, or the stretches between two kinks.
-    current: (usize, usize),
+    /// Index of the first stretch of the current piece: a single stretch, or the stretches between two kinks.
+    first: usize,
+    /// Index of the last stretch of the current piece.
+    last: usize,
 }
 
 /// A cubic polynomial of Ω in the elapsed time since the start of the piece.
@@ -128,7 +130,7 @@ impl VariableSpeed {
                 piece: index,
             }
         });
-        Self { stretches: stretches.collect(), current: (0, 0) }
+        Self { stretches: stretches.collect(), first: 0, last: 0 }
     }
 
     /// Joins stretches at whose border Ω̇ does not jump to one piece. A very short stretch joins the next one, and counts
@@ -163,7 +165,7 @@ impl VariableSpeed {
 
     /// Whether another piece than the current one holds at an elapsed time.
     pub fn leaves_piece(&self, elapsed: f64) -> bool {
-        self.stretches.get(self.current.1 + 1).is_some_and(|next| next.start <= elapsed)
+        self.stretches.get(self.last + 1).is_some_and(|next| next.start <= elapsed)
     }
 
     /// Sets the piece for the following steps.
@@ -173,7 +175,8 @@ impl VariableSpeed {
         let last = last.max(first);
         // The law of the piece before its begin is that of its first long stretch.
         let is_long = |index: &usize| self.stretches[*index].length > MIN_STRETCH;
-        self.current = ((first..=last).find(is_long).unwrap_or(first), last);
+        self.first = (first..=last).find(is_long).unwrap_or(first);
+        self.last = last;
     }
 
     /// The reference shaft at an instant of the current piece. A trial step may end after the piece, and may begin before it
@@ -181,7 +184,7 @@ impl VariableSpeed {
     // Not inlined, because the constant speed is the common case.
     #[inline(never)]
     pub fn at(&self, elapsed: f64) -> RotationState {
-        let (first, last) = self.current;
+        let Self { first, last, .. } = *self;
         let later = self.stretches[first + 1..=last].partition_point(|stretch| stretch.start <= elapsed);
         let stretch = &self.stretches[first + later];
         let since = elapsed - stretch.start;

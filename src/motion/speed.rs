@@ -3,10 +3,8 @@
 //! Pieces are polynomials, so the angle ϑ = ∫Ω dt and the acceleration Ω̇ are exact.
 
 use super::phase::DoubleDouble;
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::{EntryPath, SceneError};
-
-/// Speeds and jumps below this fraction of the largest speed count as zero: they are round-off or interpolation errors.
-const ZERO_SPEED_FRACTION: f64 = 1e-9;
 
 /// Speed of the reference shaft, rad/s.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,7 +131,7 @@ impl Profile {
         pieces.insert(0, Piece { begin: f64::NEG_INFINITY, ..before });
         pieces.push(after);
         let profile = Self { breaks, pieces };
-        let least = ZERO_SPEED_FRACTION * profile.largest(first, last).abs();
+        let least = EQUALITY_TOLERANCE * profile.largest(first, last).abs();
         for (pair, time) in profile.pieces.windows(2).zip(&profile.breaks) {
             let (left, right) = (pair[0].at(*time), pair[1].at(*time));
             if (right - left).abs() > least {
@@ -194,7 +192,7 @@ impl Profile {
     }
 
     fn keeps_its_sign(&self, start: f64, end: f64) -> Result<(), SceneError> {
-        let least = ZERO_SPEED_FRACTION * self.largest(start, end).abs();
+        let least = EQUALITY_TOLERANCE * self.largest(start, end).abs();
         let turning =
             self.extremes(start, end).into_iter().filter(|(_, speed)| speed.abs() > least).collect::<Vec<_>>();
         let Some(pair) = turning.windows(2).find(|pair| pair[0].1 * pair[1].1 < 0.0) else {

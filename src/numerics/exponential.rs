@@ -21,9 +21,9 @@ pub const INVERSE_FACTORIAL: [f64; 24] = {
     values
 };
 /// Coefficients of eˣ for |x| ≤ ln 2/2, and of cos √−x and sin √−x/√−x for √−x ≤ π/4: further ones are below round-off.
-const EXPONENTIAL: [f64; 14] = every(0, 1);
-const COSINE: [f64; 9] = every(0, 2);
-const SINE: [f64; 9] = every(1, 2);
+const EXPONENTIAL_COEFFICIENTS: [f64; 14] = every(0, 1);
+const COSINE_COEFFICIENTS: [f64; 9] = every(0, 2);
+const SINE_COEFFICIENTS: [f64; 9] = every(1, 2);
 
 /// The inverse factorials of first, first + step, …
 const fn every<const N: usize>(first: usize, step: usize) -> [f64; N] {
@@ -53,8 +53,9 @@ pub fn exponential<const N: usize>([x, y]: &[[f64; N]; 2]) -> [[f64; N]; 2] {
     }
     let [x, y] = parts;
     let minus_square = y.map(|y| -y * y);
-    let size = polynomial(&EXPONENTIAL, &x);
-    let (cosine, sine) = (polynomial(&COSINE, &minus_square), polynomial(&SINE, &minus_square));
+    let size = polynomial(&EXPONENTIAL_COEFFICIENTS, &x);
+    let (cosine, sine) =
+        (polynomial(&COSINE_COEFFICIENTS, &minus_square), polynomial(&SINE_COEFFICIENTS, &minus_square));
     let mut result = [[0.0; N]; 2];
     for lane in 0..N {
         let size = size[lane] * scales[lane];

@@ -11,7 +11,7 @@ use super::handle::PyModel;
 use super::state::{write_checkpoint, write_final};
 use crate::analysis::simulate::{Event, Point, RecordPlan, Response};
 use crate::connection::ROLLING_CHANNELS;
-use crate::motion::{Energies, SOURCES};
+use crate::motion::{Energies, SourceTerms};
 
 /// What a run cost and what limited its steps.
 #[derive(Serialize)]
@@ -116,7 +116,7 @@ pub fn response_dict<'py>(
 }
 
 /// Energies and the work of each source at one time, J.
-type EnergyRow = (Energies, [f64; 6]);
+type EnergyRow = (Energies, SourceTerms);
 
 fn energy<'py>(record: &[EnergyRow], of: impl Fn(&EnergyRow) -> f64, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
     record.iter().map(of).collect::<Vec<_>>().into_pyarray(py)
@@ -128,8 +128,8 @@ fn energy_terms<'py>(record: &[EnergyRow], py: Python<'py>) -> PyResult<Bound<'p
     dict.set_item("shafts", energy(record, |(energies, _)| energies.shafts, py))?;
     dict.set_item("bearings", energy(record, |(energies, _)| energies.bearings, py))?;
     dict.set_item("meshes", energy(record, |(energies, _)| energies.meshes, py))?;
-    for (index, name) in SOURCES.into_iter().enumerate() {
-        dict.set_item(name, energy(record, |(_, works)| works[index], py))?;
+    for (index, name) in SourceTerms::NAMES.into_iter().enumerate() {
+        dict.set_item(name, energy(record, |(_, works)| works.values()[index], py))?;
     }
     Ok(dict)
 }

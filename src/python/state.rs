@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use super::entries::{self, any_number, count, counts, finite, list, not_negative, numbers, text};
 use super::speed::SpeedEntries;
-use crate::analysis::simulate::{Checkpoint, Final, Method, RecorderState, StepSetting};
+use crate::analysis::simulate::{Checkpoint, Final, Margins, Method, RecorderState, StepSetting};
 use crate::integrate::{State, Statistics};
 use crate::mesh::Geometry;
-use crate::motion::{Anchor, DoubleDouble, Speed};
+use crate::motion::{Anchor, DoubleDouble, SourceTerms, Speed};
 use crate::scene::SceneError;
 
 /// Plain entries of a final state. The dictionary also holds the arrays `contact_modes`, `memory` and `state`.
@@ -206,9 +206,11 @@ pub fn write_checkpoint<'py>(
         steps: [count.shortest, count.longest],
         events: recorder_state.events as u64,
         margins: margins
-            .map(|margins| margins.map(|(at, [ratio, tip, involute])| vec![at, ratio, tip, involute]))
+            .map(|margins| {
+                margins.map(|at| vec![at.elapsed, at.contact_ratio, at.tip_clearance, at.involute_clearance])
+            })
             .collect(),
-        works: recorder_state.works,
+        works: recorder_state.works.values(),
         until: recorder_state.until,
     };
     Ok(pythonize(py, &entries)?)
@@ -221,14 +223,19 @@ pub fn read_checkpoint((state, given): (Bound<'_, PyAny>, Bound<'_, PyAny>)) -> 
     let [steps, rejected, evaluations, events, at_limit] = entries.counts;
     let [shortest, longest] = entries.steps;
     let too_large = |_| SceneError::new("checkpoint.events", "is too large");
-    let margins = entries.margins.into_iter();
+    let margins = |row: Vec<f64>| Margins {
+        elapsed: row[0],
+        contact_ratio: row[1],
+        tip_clearance: row[2],
+        involute_clearance: row[3],
+    };
     Ok(Box::new(Checkpoint {
         state,
         statistics: Statistics { steps, rejected, evaluations, events, at_limit, shortest, longest },
         recorder_state: RecorderState {
             events: usize::try_from(entries.events).map_err(too_large)?,
-            margins: margins.map(|margins| margins.map(|row| (row[0], [row[1], row[2], row[3]]))).collect(),
-            works: entries.works,
+            margins: entries.margins.into_iter().map(|row| row.map(margins)).collect(),
+            works: SourceTerms::from_values(entries.works),
             until: entries.until,
         },
     }))

@@ -6,9 +6,9 @@ use crate::bearing_force::{BalanceSearch, BearingForce, Uncarried, Vector};
 /// Largest residual force, relative to the load, of a result: round-off may leave it.
 const MAX_RESIDUAL: f64 = 1e-9;
 /// Smallest part of the secant stiffness that is added to the tangent: a single loaded element has no stiffness across it.
-const MIN_ADDED: f64 = 1e-9;
+const MIN_ADDED_FRACTION: f64 = 1e-9;
 /// Largest part of the secant stiffness that is added, at a residual of the whole load.
-const MAX_ADDED: f64 = 1e-3;
+const MAX_ADDED_FRACTION: f64 = 1e-3;
 
 impl RollingElements {
     /// Displacement of the shaft, m, and the force there, under a static load over (y, z), N, at an angle of the cage, rad,
@@ -29,7 +29,9 @@ impl RollingElements {
         let search = BalanceSearch {
             load,
             force: &force,
-            added_stiffness: &|residual| secant * (MAX_ADDED * residual).clamp(MIN_ADDED, MAX_ADDED),
+            added_stiffness: &|residual| {
+                secant * (MAX_ADDED_FRACTION * residual).clamp(MIN_ADDED_FRACTION, MAX_ADDED_FRACTION)
+            },
             is_permitted: &|_, _| true,
         };
         // Beyond the equilibrium all loaded elements carry.

@@ -5,6 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Time over which errors of runs are promised and compared, s; phase errors grow over it.
+pub const COMPARED_DURATION: f64 = 0.1;
 /// Share of the total error that a reduction to fewer modes may use.
 pub const REDUCTION_SHARE: f64 = 1.0 / 3.0;
 /// Smallest unit of an error, as a share of the mean of the signal: in 200 random trains, runs of the level "engineering" left

@@ -42,12 +42,14 @@ pub(super) fn bearings(
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
             axial: coefficients(
-                [bearing.axial_stiffness, bearing.axial_damping],
+                bearing.axial_stiffness,
+                bearing.axial_damping,
                 ["axial_stiffness", "axial_damping"],
                 &at,
             )?,
             tilting: coefficients(
-                [bearing.tilting_stiffness, bearing.tilting_damping],
+                bearing.tilting_stiffness,
+                bearing.tilting_damping,
                 ["tilting_stiffness", "tilting_damping"],
                 &at,
             )?,
@@ -71,7 +73,8 @@ fn loss_factor(given: &description::Bearing, at: &EntryPath) -> Result<f64, Scen
 
 /// Stiffness and damping of a bearing in one direction; zero where the description gives none.
 fn coefficients(
-    [stiffness, damping]: [Option<f64>; 2],
+    stiffness: Option<f64>,
+    damping: Option<f64>,
     names: [&str; 2],
     at: &EntryPath,
 ) -> Result<[f64; 2], SceneError> {

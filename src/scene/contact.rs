@@ -1,9 +1,9 @@
 //! Checks of the contact of a pair of gears at rest: path of contact, contact ratio, interference and undercut.
 
 use super::centre_distance::{distance_without_play, largest_tip_radius};
-use super::gear::SAME;
 use super::number::short;
 use super::{EntryPath, Gear, SceneError};
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Begin and end of the path of contact on the line of action, m, measured from the interference point of the driver.
 ///
@@ -42,7 +42,7 @@ pub(super) fn check_contact(
     let mut interferes = false;
     for (of, other) in [(0, 1), (1, 0)] {
         let excess = reach[of] - tangent;
-        if excess > SAME * tangent {
+        if excess > EQUALITY_TOLERANCE * tangent {
             interferes = true;
             let without = (reach[0] + reach[1] - tangent) / pitch + overlap;
             warnings.push(format!(
@@ -57,8 +57,9 @@ pub(super) fn check_contact(
             ));
         }
     }
-    if ratio < 1.0 - SAME {
-        let without = distance_without_play([a, b]).filter(|without| centre_distance > without * (1.0 + SAME));
+    if ratio < 1.0 - EQUALITY_TOLERANCE {
+        let without =
+            distance_without_play([a, b]).filter(|without| centre_distance > without * (1.0 + EQUALITY_TOLERANCE));
         let cause = if let Some(without) = without {
             format!("centre_distance is {centre_distance} m, {without:.6} m is without play")
         } else if interferes {
@@ -81,7 +82,7 @@ pub(super) fn check_contact(
 /// Whether the tip radius is below its default.
 fn has_short_tips(gear: &Gear, other: &Gear, centre_distance: f64) -> bool {
     let full_depth = gear.full_depth_tip_radius().min(largest_tip_radius(gear, other, centre_distance));
-    gear.tip_radius < full_depth * (1.0 - SAME)
+    gear.tip_radius < full_depth * (1.0 - EQUALITY_TOLERANCE)
 }
 
 /// Warns of undercut: the generating rack cuts the flank near the base circle of gears with fewer than 2(1 − x) cos β/sin²α_t

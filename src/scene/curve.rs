@@ -76,7 +76,8 @@ impl Curve {
 /// Refuses points that do not ascend, or values that do not fit them.
 pub(super) fn check_points(
     at: &EntryPath,
-    [x_name, y_name]: [&str; 2],
+    x_name: &str,
+    y_name: &str,
     x: &[f64],
     y: &[num_complex::Complex64],
 ) -> Result<(), SceneError> {

@@ -8,17 +8,15 @@ use super::description::{self, STEEL, SceneDescription};
 use super::place::Names;
 use super::{Body, EntryPath, SceneError, Shaft, complex};
 
-/// Largest relative difference between the base pitches of a pair in mesh. Published data round their radii.
-pub(super) const BASE_PITCH_TOLERANCE: f64 = 0.05;
+/// Relative tolerance of relations between published data, which are rounded: base pitches of a pair in mesh, and I_p ≤ 2 I_d.
+pub(super) const PUBLISHED_DATA_TOLERANCE: f64 = 0.05;
 /// Dedendum of full-depth teeth in modules (ISO 53).
 const STANDARD_DEDENDUM: f64 = 1.25;
-/// Relative difference below which modules, pressure angles and base pitches count as equal.
-pub(super) const SAME: f64 = 1e-9;
 /// Default pressure angle of the basic rack, rad (ISO 53).
 const STANDARD_PRESSURE_ANGLE: f64 = 20.0 * PI / 180.0;
 
 /// Largest helix angle, rad. Usual ones are below 45°.
-const LARGEST_HELIX_ANGLE: f64 = PI / 3.0;
+const MAX_HELIX_ANGLE: f64 = PI / 3.0;
 
 /// A checked gear.
 #[derive(Clone, Debug)]
@@ -124,7 +122,7 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
         return Err(at.field("pressure_angle").error(message));
     }
     let helix_angle = at.field("helix_angle").finite(given.helix_angle.unwrap_or(0.0))?;
-    if helix_angle.abs() >= LARGEST_HELIX_ANGLE {
+    if helix_angle.abs() >= MAX_HELIX_ANGLE {
         let message = format!("must be between -π/3 and π/3 rad (is it in degrees?), got {helix_angle}");
         return Err(at.field("helix_angle").error(message));
     }
@@ -188,7 +186,7 @@ fn module_and_base_radius(
     match (module, optional(given.base_radius, "base_radius", at)?) {
         (Some(module), Some(base)) => {
             let expected = module / helix_cosine * teeth / 2.0 * pressure_angle.cos();
-            if (base - expected).abs() > BASE_PITCH_TOLERANCE * expected {
+            if (base - expected).abs() > PUBLISHED_DATA_TOLERANCE * expected {
                 let message =
                     format!("{base} m is not the base radius of this module and pressure angle, {expected} m");
                 return Err(at.field("base_radius").error(message));

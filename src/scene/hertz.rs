@@ -2,15 +2,15 @@
 
 use std::f64::consts::PI;
 
+use super::STEEL_POISSON_RATIO;
+
 /// Exponent p of a point contact.
 pub const POINT_CONTACT: f64 = 1.5;
 /// Exponent p of a line contact (Palmgren).
 pub const LINE_CONTACT: f64 = 10.0 / 9.0;
 
 /// Young's modulus of bearing steel, Pa.
-const YOUNGS_MODULUS: f64 = 206e9;
-/// Poisson's ratio of bearing steel.
-const POISSONS_RATIO: f64 = 0.3;
+const BEARING_STEEL_YOUNGS_MODULUS: f64 = 206e9;
 
 /// Stiffness of a ball of the diameter d, m, between both races, N/m^1.5; `ratio` is d/D with the pitch diameter D,
 /// `groove` the groove radii of the inner and the outer race over d.
@@ -30,7 +30,7 @@ pub fn ball_stiffness(diameter: f64, ratio: f64, contact_angle: f64, groove: [f6
         let ellipticity = 1.0339 * quotient.powf(0.636);
         let second = 1.0003 + 0.5968 / quotient;
         let first = 1.5277 + 0.6023 * quotient.ln();
-        let modulus = YOUNGS_MODULUS / (1.0 - POISSONS_RATIO * POISSONS_RATIO);
+        let modulus = BEARING_STEEL_YOUNGS_MODULUS / (1.0 - STEEL_POISSON_RATIO * STEEL_POISSON_RATIO);
         PI * ellipticity * modulus * (second / (4.5 * curvature * first.powi(3))).sqrt()
     };
     in_series([contact(-1.0, groove[0]), contact(1.0, groove[1])], POINT_CONTACT)
@@ -58,7 +58,7 @@ mod tests {
     fn a_ball_between_two_planes_has_the_stiffness_of_hertz() {
         // A ball on a plane: K = (4/3) E* √R with E* = E/(2(1 − ν²)) for equal materials. Grooves of a large radius, and a
         // pitch circle of a large diameter, are planes.
-        let modulus = YOUNGS_MODULUS / (1.0 - POISSONS_RATIO * POISSONS_RATIO) / 2.0;
+        let modulus = BEARING_STEEL_YOUNGS_MODULUS / (1.0 - STEEL_POISSON_RATIO * STEEL_POISSON_RATIO) / 2.0;
         let one = 4.0 / 3.0 * modulus * 0.005_f64.sqrt();
         let wanted = in_series([one; 2], POINT_CONTACT);
         let found = ball_stiffness(0.01, 1e-9, 0.0, [1e9, 1e9]);

@@ -8,7 +8,7 @@ use super::{EntryPath, SceneError};
 /// Ratios L/D for which the grid of the finite film is made; its errors were measured within them.
 const LENGTH_RATIOS: [f64; 2] = [0.1, 2.0];
 /// Smallest extent of a pad between two grooves, rad.
-const LEAST_PAD: f64 = 0.1;
+const MIN_PAD_ANGLE: f64 = 0.1;
 
 /// Geometry and oil of a journal bearing.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,9 +112,9 @@ fn check_grooves(grooves: &[[f64; 2]], at: &EntryPath) -> Result<(), SceneError>
         let next = order[(place + 1) % order.len()];
         let turn = if place + 1 == order.len() { TAU } else { 0.0 };
         let pad = begin(next) + turn - begin(*index) - grooves[*index][1];
-        if pad < LEAST_PAD {
+        if pad < MIN_PAD_ANGLE {
             let message = format!(
-                "leaves a pad of {pad:.4} rad to grooves[{next}], at least {LEAST_PAD} is needed; give (angle of the middle, extent) of each groove in radians"
+                "leaves a pad of {pad:.4} rad to grooves[{next}], at least {MIN_PAD_ANGLE} is needed; give (angle of the middle, extent) of each groove in radians"
             );
             return Err(at.index(*index).error(message));
         }

@@ -231,11 +231,11 @@ pub(super) fn varying(
 
 fn series_parts(series: &TimeSeries, at: &EntryPath) -> Result<[Curve; 2], SceneError> {
     let values: Vec<Complex64> = series.values.iter().map(|value| Complex64::from(*value)).collect();
-    check_points(at, ["times", "values"], &series.times, &values)?;
+    check_points(at, "times", "values", &series.times, &values)?;
     let slopes = series.slopes.as_ref().map(|slopes| slopes.iter().map(|slope| Complex64::from(*slope)).collect());
     let slopes: Option<Vec<Complex64>> = slopes;
     if let Some(slopes) = &slopes {
-        check_points(at, ["times", "slopes"], &series.times, slopes)?;
+        check_points(at, "times", "slopes", &series.times, slopes)?;
     }
     let part = |part: fn(&Complex64) -> f64| {
         let curve = Curve::new(series.times.clone(), values.iter().map(part).collect());
@@ -249,7 +249,7 @@ fn series_parts(series: &TimeSeries, at: &EntryPath) -> Result<[Curve; 2], Scene
 
 fn speed_torque(table: &TorqueTable, at: &EntryPath) -> Result<LoadLaw, SceneError> {
     let values: Vec<Complex64> = table.values.iter().map(|value| Complex64::from(*value)).collect();
-    check_points(at, ["speeds", "values"], &table.speeds, &values)?;
+    check_points(at, "speeds", "values", &table.speeds, &values)?;
     at.field("speeds").index(0).non_negative(table.speeds[0])?;
     let curve = Curve::new(table.speeds.clone(), table.values.clone());
     Ok(LoadLaw::SpeedTorque { curve, holds: table.outside == Outside::Hold })

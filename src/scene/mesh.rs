@@ -3,8 +3,9 @@
 use super::centre_distance::{check_play, default_distance, largest_tip_radius};
 use super::contact::{check_contact, check_undercut};
 use super::description::{self, SceneDescription};
-use super::gear::{BASE_PITCH_TOLERANCE, SAME};
+use super::gear::PUBLISHED_DATA_TOLERANCE;
 use super::{EntryPath, Gear, SceneError, Shaft, Teeth, nearest};
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Damping of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,7 +175,7 @@ fn mesh(
 
 /// Refuses gears of different modules, pressure angles, base pitches or helix angles.
 fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -> Result<(), SceneError> {
-    let differ = |first: f64, second: f64| (first - second).abs() > SAME * first.abs().max(second.abs());
+    let differ = |first: f64, second: f64| (first - second).abs() > EQUALITY_TOLERANCE * first.abs().max(second.abs());
     let names = || (a.body.name.as_str(), b.body.name.as_str());
     if let (Some((module_a, angle_a)), Some((module_b, angle_b))) = (a.rack, b.rack) {
         let (first, second) = names();
@@ -194,10 +195,10 @@ fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -
     let difference = (pitch_a - pitch_b).abs() / pitch_a.max(pitch_b);
     let (first, second) = names();
     let message = format!("the base pitch of \"{first}\" is {pitch_a} m, that of \"{second}\" {pitch_b} m");
-    if difference > BASE_PITCH_TOLERANCE {
+    if difference > PUBLISHED_DATA_TOLERANCE {
         return Err(at.error(format!("cannot mesh: {message}")));
     }
-    if difference > SAME {
+    if difference > EQUALITY_TOLERANCE {
         warnings.push(format!("{at}: {message}; speeds follow the tooth numbers, forces the base radii"));
     }
     Ok(())
@@ -206,7 +207,7 @@ fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -
 /// Refuses helices that do not fit: external gears need opposite hands of the same angle.
 fn check_hands(a: &Gear, b: &Gear, at: &EntryPath) -> Result<(), SceneError> {
     let (first, second) = (a.helix_angle, b.helix_angle);
-    if (first + second).abs() <= SAME * first.abs().max(second.abs()) {
+    if (first + second).abs() <= EQUALITY_TOLERANCE * first.abs().max(second.abs()) {
         return Ok(());
     }
     Err(at.error(format!(

@@ -41,12 +41,12 @@ mod train;
 
 use num_complex::Complex64;
 
-pub use accuracy::{Accuracy, AccuracyLevel, REDUCTION_SHARE, SHARE_OF_MEAN};
+pub use accuracy::{Accuracy, AccuracyLevel, COMPARED_DURATION, REDUCTION_SHARE, SHARE_OF_MEAN};
 pub use bearing::Bearing;
 pub use bow::{Bow, BowCurve};
 pub(crate) use contact::path_of_contact;
 pub use curve::Curve;
-pub use description::{Foundation, MotionKind, SceneDescription};
+pub use description::{Foundation, MotionKind, STEEL, STEEL_POISSON_RATIO, SceneDescription};
 pub use error::SceneError;
 pub use gear::Gear;
 pub use hertz::{LINE_CONTACT, POINT_CONTACT};
@@ -67,6 +67,8 @@ pub(crate) use error::{EntryPath, nearest};
 use place::Names;
 pub(crate) use plausibility::{eccentricity, implausible_unbalance};
 
+/// Standard gravity, m/s².
+pub const STANDARD_GRAVITY: f64 = 9.806_65;
 /// Largest number of elements of a scene. The dense matrices of larger models do not fit into the memory of a computer.
 pub const MAX_ELEMENTS: usize = 10_000;
 

@@ -8,7 +8,7 @@ use super::shaft::Station;
 use super::{EntryPath, Node, SceneError, Shaft, nearest};
 
 /// Characters that separate the names of a mesh, "driver/driven", and the kind of a recorded item, "bearing:shaft".
-const SEPARATORS: [char; 2] = ['/', ':'];
+const NAME_SEPARATORS: [char; 2] = ['/', ':'];
 
 /// A name, with the list, index and field of its entry.
 struct NamePlace<'a> {
@@ -41,8 +41,8 @@ impl<'a> Names<'a> {
             if place.name.is_empty() {
                 return Err(field("must not be empty".to_owned()));
             }
-            if let Some(sign) = place.name.chars().find(|sign| SEPARATORS.contains(sign)) {
-                let (name, other) = (place.name, place.name.replace(SEPARATORS, "-"));
+            if let Some(sign) = place.name.chars().find(|sign| NAME_SEPARATORS.contains(sign)) {
+                let (name, other) = (place.name, place.name.replace(NAME_SEPARATORS, "-"));
                 return Err(field(format!(
                     "must not contain \"{sign}\", got \"{name}\"; texts such as \"driver/driven\" join names with it, so write \"{other}\""
                 )));
@@ -120,13 +120,13 @@ impl<'a> Names<'a> {
             .chain(bearings.enumerate().map(|entry| ("bearings", entry)));
         for (list, (index, (shaft, position))) in lists {
             let shaft = self.shaft(shaft, &EntryPath::entry(list, index).field("shaft"))?;
-            stations[shaft].push(Station { position, entry: (list, index, "position") });
+            stations[shaft].push(Station { position, list, index, field: "position" });
         }
         for (place, list, index, field) in places(system) {
             let entry = EntryPath::entry(list, index);
             let at = entry.field(field);
             let (shaft, position) = self.shaft_and_position(place, &at)?;
-            stations[self.shaft(shaft, &at)?].push(Station { position, entry: (list, index, field) });
+            stations[self.shaft(shaft, &at)?].push(Station { position, list, index, field });
         }
         Ok(stations)
     }

@@ -2,9 +2,7 @@
 
 use super::description::{self, STEEL, SceneDescription};
 use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
-
-/// Positions closer than this fraction of the length of the shaft share a node.
-const SAME_POSITION: f64 = 1e-9;
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Largest degree of an element.
 pub const MAX_DEGREE: usize = 8;
@@ -44,8 +42,12 @@ pub struct Shaft {
 pub(super) struct Station {
     /// Position, m.
     pub position: f64,
-    /// List, index and field of the entry that contains the position.
-    pub entry: (&'static str, usize, &'static str),
+    /// List of the description whose entry contains the position.
+    pub list: &'static str,
+    /// Index of the entry in the list.
+    pub index: usize,
+    /// Field of the entry.
+    pub field: &'static str,
 }
 
 impl Shaft {
@@ -62,7 +64,7 @@ impl Shaft {
 
     /// Finds the node at a position, m.
     pub fn node_at(&self, position: f64) -> Option<usize> {
-        let tolerance = SAME_POSITION * self.length();
+        let tolerance = EQUALITY_TOLERANCE * self.length();
         self.nodes.iter().position(|x| (x - position).abs() <= tolerance)
     }
 
@@ -167,7 +169,7 @@ fn shaft(
     at: &EntryPath,
 ) -> Result<Shaft, SceneError> {
     let length: f64 = segments.iter().map(|segment| segment.length).sum();
-    let tolerance = SAME_POSITION * length;
+    let tolerance = EQUALITY_TOLERANCE * length;
     let mut nodes = vec![0.0];
     let mut sections = Vec::new();
     let mut start = 0.0;
@@ -179,7 +181,7 @@ fn shaft(
         }
         start += segment.length;
     }
-    for Station { position, entry: (list, index, field) } in stations {
+    for Station { position, list, index, field } in stations {
         let entry = EntryPath::entry(list, *index);
         let path = entry.field(field);
         path.finite(*position)?;

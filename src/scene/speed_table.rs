@@ -5,13 +5,10 @@
 
 use super::description::{self, Coefficient, Outside};
 use super::{EntryPath, SceneError};
-use crate::numerics::{PiecewiseCubic, Place, monotone_slopes};
+use crate::numerics::{PiecewiseCubic, Place, ROUND_OFF, monotone_slopes};
 
 /// A 2×2 coefficient over (y, z): stiffness [N/m] or damping [N s/m].
 pub type Matrix2 = [[f64; 2]; 2];
-
-/// Speeds that leave the table by less than this part of its last speed are round-off of the speed ratio.
-const ROUND_OFF: f64 = 1e-12;
 
 /// A coefficient of a bearing.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,6 +139,7 @@ impl SpeedTable {
 
     fn excludes(&self, speed: f64) -> Option<[f64; 2]> {
         let [first, last] = self.curve.range();
+        // A speed ratio has round-off.
         let slack = ROUND_OFF * last;
         let inside = speed >= first - slack && speed <= last + slack;
         (!self.holds && !inside).then_some([first, last])

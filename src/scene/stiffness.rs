@@ -1,8 +1,8 @@
 //! Checks the stiffness model of a mesh and its parameters.
 
 use super::description::{self, Foundation, StiffnessKind};
-use super::gear::SAME;
 use super::{EntryPath, Gear, SceneError};
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Default stiffness of a parabolic pair at the ends of the path of contact, relative to its largest stiffness.
 const DEFAULT_END_RATIO: f64 = 0.6;
@@ -144,7 +144,7 @@ impl Given<'_> {
                 return Err(at.error(message));
             }
             let ratio = root / *radius;
-            if !(FOUNDATION_RANGE[0] - SAME..=FOUNDATION_RANGE[1] + SAME).contains(&ratio) {
+            if !(FOUNDATION_RANGE[0] - EQUALITY_TOLERANCE..=FOUNDATION_RANGE[1] + EQUALITY_TOLERANCE).contains(&ratio) {
                 warnings.push(format!(
                     "{at}: the root radius of \"{}\" is {ratio:.3} times the radius of {radius} m at which its body \
                      is fixed; the compliance of fillet and gear body was fitted for 1.4 to 7 (Sainsot, Velex and Duverger \

@@ -5,9 +5,7 @@
 use super::description::{SceneDescription, TorqueValue};
 use super::place::Names;
 use super::{Coupling, EntryPath, Gear, Mesh, SceneError, Shaft, Torque};
-
-/// Relative difference below which speed ratios around a loop of meshes count as equal.
-const RATIO_TOLERANCE: f64 = 1e-9;
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Signed speed of each shaft relative to the reference shaft. Each external mesh multiplies it by −z_a/z_b.
 pub(super) fn speed_ratios(system: &SceneDescription, names: &Names, train: Train<'_>) -> Result<Vec<f64>, SceneError> {
@@ -30,7 +28,7 @@ pub(super) fn speed_ratios(system: &SceneDescription, names: &Names, train: Trai
     for (index, mesh) in meshes.iter().enumerate() {
         let (a, b) = (gears[mesh.driver].body.node.shaft, gears[mesh.driven].body.node.shaft);
         let expected = -ratios[a] * teeth(mesh.driver) / teeth(mesh.driven);
-        if (expected - ratios[b]).abs() > RATIO_TOLERANCE * expected.abs() {
+        if (expected - ratios[b]).abs() > EQUALITY_TOLERANCE * expected.abs() {
             let message = format!(
                 "closes a loop that cannot rotate: it gives shaft \"{}\" the speed ratio {expected}, the other meshes give {}",
                 system.shafts[b].name, ratios[b]
@@ -40,7 +38,7 @@ pub(super) fn speed_ratios(system: &SceneDescription, names: &Names, train: Trai
     }
     for (index, Coupling { hubs: [a, b], .. }) in couplings.iter().enumerate() {
         let [first, second] = [ratios[a.shaft], ratios[b.shaft]];
-        if (first - second).abs() > RATIO_TOLERANCE * first.abs() {
+        if (first - second).abs() > EQUALITY_TOLERANCE * first.abs() {
             let [a, b] = [a, b].map(|hub| &system.shafts[hub.shaft].name);
             let message = format!(
                 "joins \"{a}\" and \"{b}\", whose speed ratios are {first} and {second}; a coupling needs shafts of one speed"

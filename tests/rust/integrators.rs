@@ -5,8 +5,8 @@ use std::rc::Rc;
 use crate::common::particles::{Particles, Witness, adaptive, integrate};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
-    Adaptive, FirstOrderSystem as _, Halt, Observer, RungeKutta, Span, State, Statistics, StepControl, StepInterval,
-    Trajectory, run,
+    Adaptive, FirstOrderSystem as _, Halt, Observer, RungeKutta, Span, State, Statistics, StepControl, StepEnd,
+    StepInterval, Trajectory, run,
 };
 use proptest::prelude::*;
 
@@ -58,7 +58,8 @@ fn the_embedded_error_is_of_fourth_order() {
 /// Interpolates a known motion from the states at both ends of one step.
 fn interpolated(start: f64, step: f64, motion: impl Fn(f64) -> [f64; 3], at: f64) -> (f64, f64) {
     let ends = [motion(start), motion(start + step)].map(|[q, v, a]| ([q, v], [v, a]));
-    let span = Span { start, step, before: (&ends[0].0, &ends[0].1), after: (&ends[1].0, &ends[1].1) };
+    let [before, after] = [0, 1].map(|end| StepEnd { state: &ends[end].0, derivative: &ends[end].1 });
+    let span = Span { start, step, before, after };
     span.at(&span.weights(at), 0)
 }
 
@@ -107,7 +108,8 @@ proptest! {
     ) {
         let value = |t: f64| c.iter().rev().fold(0.0, |sum, c| sum * (t - start) + c);
         let slope = |t: f64| (1..4).rev().fold(0.0, |sum, k| sum * (t - start) + k as f64 * c[k]);
-        let span = Span { start, step, before: (&[], &[]), after: (&[], &[]) };
+        let empty = StepEnd { state: &[], derivative: &[] };
+        let span = Span { start, step, before: empty, after: empty };
         let at = start + part * step;
         let ends = [value(start), slope(start), value(start + step), slope(start + step)];
         let found: f64 = span.cubic(at).iter().zip(ends).map(|(weight, end)| weight * end).sum();

@@ -409,7 +409,7 @@ proptest! {
     ) {
         let pair = match uniform {
             true => ToothPair::Uniform(2e8),
-            false => ToothPair::Parabolic { middle: 2e8, end_ratio: 0.5, path: (8e-3, 1e-2) },
+            false => ToothPair::Parabolic { middle: 2e8, end_ratio: 0.5, centre: 8e-3, half_length: 1e-2 },
         };
         let relief = relieved.then_some(Relief { amount: 2e-5, length: 3e-3, exponent: 2 });
         let teeth = Stiffness::Pairs { pair, engagement: Engagement::Smooth(width), relief };

@@ -8,6 +8,7 @@ use crate::linalg::DecompositionError;
 use crate::mesh::GearMesh;
 use crate::modal::{CachedModel, RealModes};
 use crate::model::{Model, RodChain, ShaftModel};
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Step of a mesh force, relative to the static force, that its teeth excite. A pair of teeth that engages without
 /// transition has the fraction 1/ε of the mean stiffness, with contact ratios ε of 1.4 to 1.8.
@@ -22,8 +23,6 @@ pub const LARGEST_TO_ESTIMATE: usize = 400;
 /// disks and a train of 40 disks have the elements that all modes give.
 const MIN_VECTORS: usize = 120;
 const VECTORS_PER_LOAD: usize = 10;
-/// A displacement below this fraction of the largest one under the same load is round-off.
-const ROUND_OFF: f64 = 1e-9;
 
 /// A mode of the mean mesh stiffness that the loads excite.
 #[derive(Clone, Debug)]
@@ -221,7 +220,8 @@ fn push_moved(moved: &[Vec<f64>], displacement: bool, signals: &mut Vec<Signal>,
     let sizes: Vec<f64> = moved.iter().map(|each| each.iter().sum()).collect();
     let largest = sizes.iter().copied().fold(0.0, f64::max);
     for (each, size) in moved.iter().zip(sizes) {
-        if size > largest * ROUND_OFF * ROUND_OFF {
+        // A smaller displacement under the same load is round-off.
+        if size > largest * EQUALITY_TOLERANCE * EQUALITY_TOLERANCE {
             signals.push(Signal { steady: 0.0, displacement });
             squares.iter_mut().zip(each).for_each(|(squares, square)| squares.push(*square));
         }

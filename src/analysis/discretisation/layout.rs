@@ -1,5 +1,6 @@
 //! Elements of a shaft of which the scene gives neither number nor degree, and their dispersion error.
 
+use super::LENGTH_RATIO;
 use crate::element::shear_coefficient;
 use crate::scene::{Material, Shaft, description};
 
@@ -9,7 +10,7 @@ const MAX_ELEMENTS: f64 = 100.0;
 const RESOLVED_WAVENUMBER: f64 = 2.5;
 /// Relative error of the frequencies at a tone that the elements of the examined model may have.
 const TONE_ERROR: f64 = 1e-2;
-/// Number of element lengths that are tried for a tone; each is 0.8 of the one before.
+/// Number of element lengths that are tried for a tone; each is [`LENGTH_RATIO`] times the one before.
 const TONE_LENGTHS: i32 = 10;
 /// Smallest distance between the end of an equal part and a station, in lengths of a part. The highest natural frequency is
 /// inversely proportional to the length of the shortest element, and the round-off error of the low modes grows with its
@@ -110,9 +111,9 @@ impl Layout {
     /// are about right.
     pub fn counts_for(&self, tone: f64, longest: f64, degree: usize) -> Vec<usize> {
         let resolves = |counts: &[usize]| self.highest_frequency(&self.lengths(counts), degree, TONE_ERROR) >= tone;
-        let lengths = (0..TONE_LENGTHS).map(|i| longest * 0.8_f64.powi(i));
+        let lengths = (0..TONE_LENGTHS).map(|i| longest * LENGTH_RATIO.powi(i));
         let mut counts = lengths.map(|longest| self.counts(longest)).skip_while(|counts| !resolves(counts));
-        counts.next().unwrap_or_else(|| self.counts(longest * 0.8_f64.powi(TONE_LENGTHS)))
+        counts.next().unwrap_or_else(|| self.counts(longest * LENGTH_RATIO.powi(TONE_LENGTHS)))
     }
 
     /// The largest number of elements below `count` that a segment of this index may have; `None` for the first number.

@@ -38,10 +38,8 @@ use crate::linalg::DecompositionError;
 use crate::mesh::GearMesh;
 use crate::modal::CachedModel;
 use crate::model::Model;
-use crate::scene::{Accuracy, MAX_DEGREE, Scene, SceneDescription, SceneError};
+use crate::scene::{Accuracy, COMPARED_DURATION, MAX_DEGREE, Scene, SceneDescription, SceneError};
 
-/// Time over which phase errors grow, s: that of the errors that the accuracy levels promise.
-const PHASE_ERROR_TIME: f64 = 0.1;
 /// Degree of the elements of the model whose modes are examined.
 const PROBE_DEGREE: usize = 4;
 /// Longest element of that model, in diameters of the shaft.
@@ -430,7 +428,7 @@ impl Search<'_> {
 
     fn step_error(&self, excitation: &Excitation, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> f64 {
         let Excitation { signals, modes } = excitation;
-        let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * PHASE_ERROR_TIME]).collect();
+        let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * COMPARED_DURATION]).collect();
         for mode in modes {
             let [difference, response] = self.squares(mode, lengths, degrees);
             for (sum, square) in sums.iter_mut().zip(&mode.squares) {
@@ -474,15 +472,19 @@ impl Search<'_> {
 
 /// ∫₀ᵀ e^{−ct} dt, s.
 fn decay(damping: f64) -> f64 {
-    if damping * PHASE_ERROR_TIME > 1e-6 { -(-damping * PHASE_ERROR_TIME).exp_m1() / damping } else { PHASE_ERROR_TIME }
+    if damping * COMPARED_DURATION > 1e-6 {
+        -(-damping * COMPARED_DURATION).exp_m1() / damping
+    } else {
+        COMPARED_DURATION
+    }
 }
 
 /// ∫₀ᵀ e^{−ct} cos(dt) dt, s.
 fn decaying_cosine(c: f64, d: f64) -> f64 {
-    if c.hypot(d) * PHASE_ERROR_TIME < 1e-4 {
+    if c.hypot(d) * COMPARED_DURATION < 1e-4 {
         // Two terms of the series in d; the difference from `decay` would lose its digits.
-        return decay(c) - d * d * PHASE_ERROR_TIME * PHASE_ERROR_TIME * PHASE_ERROR_TIME / 6.0;
+        return decay(c) - d * d * COMPARED_DURATION * COMPARED_DURATION * COMPARED_DURATION / 6.0;
     }
-    let ((sin, cos), fade) = ((d * PHASE_ERROR_TIME).sin_cos(), (-c * PHASE_ERROR_TIME).exp());
+    let ((sin, cos), fade) = ((d * COMPARED_DURATION).sin_cos(), (-c * COMPARED_DURATION).exp());
     (c - fade * (c * cos - d * sin)) / (c * c + d * d)
 }

@@ -13,11 +13,11 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use super::excited_modes::{LARGEST_TO_ESTIMATE, damping, dot, elastic_modes, energy, examined_modes};
-use super::{Candidate, PHASE_ERROR_TIME, STEP_RESPONSE_SAFETY, Search};
+use super::{Candidate, STEP_RESPONSE_SAFETY, Search};
 use crate::linalg::DecompositionError;
 use crate::modal::CachedModel;
 use crate::model::{Model, ShaftModel};
-use crate::scene::SHARE_OF_MEAN;
+use crate::scene::{COMPARED_DURATION, SHARE_OF_MEAN};
 
 /// Largest number of harmonics of a tooth frequency, and number of samples of a tooth cycle.
 const MAX_HARMONICS: usize = 128;
@@ -95,7 +95,7 @@ impl ToothResponse {
                 exact: frequency / (1.0 + error),
                 given: *frequency,
                 // A resonance without damping grows for the time T, as one with this damping.
-                damping: damping(model, *frequency, shape).max(2.0 / PHASE_ERROR_TIME),
+                damping: damping(model, *frequency, shape).max(2.0 / COMPARED_DURATION),
                 deflections: meshes.map(|(i, mesh)| mesh.deflection_at_rest(model.sigma(i, 0.0), shape)).collect(),
                 rotating: rotating_forces(model, shape),
             }

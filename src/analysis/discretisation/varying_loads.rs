@@ -12,22 +12,20 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use super::PHASE_ERROR_TIME;
 use crate::connection::AppliedLoad;
 use crate::exponential::phi;
 use crate::model::Model;
-use crate::scene::{Curve, LoadLaw, Scene};
+use crate::numerics::EQUALITY_TOLERANCE;
+use crate::scene::{COMPARED_DURATION, Curve, LoadLaw, Scene};
 
-/// Widths of pieces that differ by less than this part of a width use the same φ-functions.
-const SAME_WIDTH: f64 = 1e-9;
 /// A load has a tone at a frequency where a mode without damping reaches this amplitude, relative to the range of the load.
 /// A step reaches 1, a pulse 2, and two periods of a tone 2π.
-const MIN_TONE: f64 = 3.0;
+const MIN_TONE_AMPLITUDE: f64 = 3.0;
 /// Frequencies near a tone, relative to it: those of modes that elements of an error of up to a factor of two shift to it, and
 /// those that lie above it by the uncertainty of the tone.
-const NEAR_TONE: [f64; 2] = [0.5, 1.25];
+const TONE_FREQUENCY_RANGE: [f64; 2] = [0.5, 1.25];
 /// Ratio between the frequencies at which tones are sought. Within 5 % of its frequency, a long tone reaches 10.
-const TONE_STEP: f64 = 1.1;
+const TONE_FREQUENCY_RATIO: f64 = 1.1;
 
 /// A load that varies, as entries over the coordinates for a unit load.
 pub struct VaryingLoad<'a> {
@@ -48,12 +46,12 @@ impl VaryingLoad<'_> {
             return own;
         }
         // A tone sustains its motion, while the rule for released loads counts a vibration that decays.
-        let sustained = (damping * PHASE_ERROR_TIME).max(1.0).sqrt();
-        if frequency < NEAR_TONE[0] * self.tone || frequency > NEAR_TONE[1] * self.tone {
+        let sustained = (damping * COMPARED_DURATION).max(1.0).sqrt();
+        if frequency < TONE_FREQUENCY_RANGE[0] * self.tone || frequency > TONE_FREQUENCY_RANGE[1] * self.tone {
             return own * sustained;
         }
         // A tone of the amplitude A that is in resonance for the time T, or until damping limits the motion: A ωT/2.
-        let time = if damping > 0.0 { PHASE_ERROR_TIME.min(2.0 / damping) } else { PHASE_ERROR_TIME };
+        let time = if damping > 0.0 { COMPARED_DURATION.min(2.0 / damping) } else { COMPARED_DURATION };
         own.max(curve.span() / 2.0 * frequency * time / 2.0) * sustained
     }
 }
@@ -97,10 +95,10 @@ fn highest_tone_of(curve: &Curve) -> f64 {
     // Two points for each half period show a tone.
     let mut frequency = PI / (2.0 * curve.mean_spacing());
     while frequency > lowest {
-        if amplitude(curve, Complex64::new(0.0, frequency)) > MIN_TONE * span {
+        if amplitude(curve, Complex64::new(0.0, frequency)) > MIN_TONE_AMPLITUDE * span {
             return frequency;
         }
-        frequency /= TONE_STEP;
+        frequency /= TONE_FREQUENCY_RATIO;
     }
     0.0
 }
@@ -118,7 +116,8 @@ fn amplitude(curve: &Curve, rate: Complex64) -> f64 {
             // The amplitude within a long piece, where its end may be a zero of the response.
             most = most.max(after(half_period, &within).norm_sqr());
         }
-        if (width - known.0).abs() > SAME_WIDTH * width {
+        // Pieces of equal widths share the φ-functions.
+        if (width - known.0).abs() > EQUALITY_TOLERANCE * width {
             known = (width, phi(rate * width));
         }
         z = after(width, &known.1);

@@ -11,30 +11,27 @@ use super::audit_piece::{MAX_INTERVALS, Piece, Sample};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory, at_each};
 use crate::mesh::ContactMode;
 use crate::model::Model;
-use crate::motion::{EquationOfMotion, PowerCoordinates, PowerLoads};
+use crate::motion::{EquationOfMotion, PowerCoordinates, PowerLoads, SourceTerms};
 
 /// Two rules agree if their works differ by less than this multiple of the tolerance of the run, but at least and at most by
 /// these fractions, times the total work. The difference is the error of the rule with fewer points; that of the other one is
 /// about a hundred times smaller.
-const AGREEMENT: f64 = 0.1;
-const AGREEMENTS: [f64; 2] = [1e-10, 1e-4];
+const AGREEMENT_FACTOR: f64 = 0.1;
+const AGREEMENT_RANGE: [f64; 2] = [1e-10, 1e-4];
 /// Smallest number of intervals of a rule that is accepted.
 const MIN_INTERVALS: usize = 4;
 /// Largest number of halvings of a step.
 const MAX_HALVINGS: usize = 20;
 
-/// Indices of the works of teeth and damping.
-const TEETH: usize = 4;
-const DAMPING: usize = 5;
-
 /// Works since the start of a run, J.
 #[derive(Clone, Debug)]
 pub(super) struct Audit {
-    works: [f64; 6],
+    works: SourceTerms,
     /// Elapsed time up to which the works are integrated, s.
     until: f64,
-    /// Works at the beginning of the last step, and the parts of the step.
-    works_before: [f64; 6],
+    /// Works at the beginning of the last step.
+    works_before: SourceTerms,
+    /// Parts of the last step.
     pieces: Vec<Piece>,
     /// Loads whose powers are sums over few coordinates.
     pub loads: PowerLoads,
@@ -71,14 +68,14 @@ impl Audit {
         let room = (MAX_INTERVALS + 1) * (model.len() + selection.sums());
         Self {
             has_jumps: model.meshes.iter().any(|mesh| mesh.teeth.is_relieved()),
-            works: [0.0; 6],
+            works: SourceTerms::default(),
             until: start,
-            works_before: [0.0; 6],
+            works_before: SourceTerms::default(),
             pieces: Vec::new(),
             coordinates,
             len: model.len(),
             loads: PowerLoads::new(model),
-            agreement: (AGREEMENT * tolerance).clamp(AGREEMENTS[0], AGREEMENTS[1]),
+            agreement: (AGREEMENT_FACTOR * tolerance).clamp(AGREEMENT_RANGE[0], AGREEMENT_RANGE[1]),
             selection,
             last: None,
             q: vec![0.0; room],
@@ -93,7 +90,7 @@ impl Audit {
     }
 
     /// Works since the start, J, and the elapsed time up to which they are integrated, s.
-    pub fn works(&self) -> ([f64; 6], f64) {
+    pub fn works(&self) -> (SourceTerms, f64) {
         (self.works, self.until)
     }
 
@@ -112,13 +109,13 @@ impl Audit {
 
     /// Works since the start of the run at an instant of the step that was integrated last, J, where the constant loads have
     /// these potentials, J.
-    pub fn works_at(&self, elapsed: f64, potentials: &[f64]) -> [f64; 6] {
+    pub fn works_at(&self, elapsed: f64, potentials: &[f64]) -> SourceTerms {
         if elapsed >= self.until {
             return self.works;
         }
         let mut works = self.works_before;
         for piece in self.pieces.iter().take_while(|piece| piece.span[0] < elapsed) {
-            works.iter_mut().zip(piece.works_until(elapsed, potentials)).for_each(|(work, added)| *work += added);
+            works = works.plus(1.0, &piece.works_until(elapsed, potentials));
         }
         works
     }
@@ -131,7 +128,7 @@ impl Audit {
         mut piece: Piece,
         halvings: usize,
     ) -> Result<(), Halt> {
-        let total: f64 = self.works.iter().map(|work| work.abs()).sum();
+        let total = self.works.magnitude();
         let known = self.last.take().filter(|(at, _)| *at == piece.span[0]).map(|(_, sample)| sample);
         piece.samples[0] = known.unwrap_or_default();
         self.evaluate(motion, step, &mut piece, usize::from(known.is_some())..=1)?;
@@ -142,7 +139,7 @@ impl Audit {
             piece.intervals *= 2;
             let new = (1..piece.intervals).step_by(2);
             self.evaluate(motion, step, &mut piece, new)?;
-            let difference: f64 = piece.works().iter().zip(coarse).map(|(a, b)| (a - b).abs()).sum();
+            let difference = piece.works().plus(-1.0, &coarse).magnitude();
             let agrees = difference <= self.agreement * (total + piece.magnitude());
             let is_last = halvings == 0 && piece.intervals == MAX_INTERVALS;
             if is_last || piece.intervals >= MIN_INTERVALS && (is_resolved || agrees) {
@@ -158,7 +155,7 @@ impl Audit {
 
     /// Adds the works of a part of the step.
     fn keep(&mut self, piece: Piece) {
-        self.works.iter_mut().zip(piece.works()).for_each(|(work, added)| *work += added);
+        self.works = self.works.plus(1.0, &piece.works());
         self.pieces.push(piece);
     }
 
@@ -212,10 +209,11 @@ impl Audit {
         let flanks = |contact_modes: &[i64]| {
             contact_modes.chunks_exact(ContactMode::CODE_LENGTH).map(|code| code[0]).collect::<Vec<_>>()
         };
-        let source = if flanks(&old) == flanks(contact_modes) { TEETH } else { DAMPING };
         // The integrator reports overlapping base circles.
         if let (Ok(before), Ok(after)) = (before, motion.mesh_energy(elapsed, q, v)) {
-            self.works[source] += after - before;
+            let keep_flanks = flanks(&old) == flanks(contact_modes);
+            let source = if keep_flanks { &mut self.works.teeth } else { &mut self.works.damping };
+            *source += after - before;
         }
     }
 }

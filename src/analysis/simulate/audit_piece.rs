@@ -6,6 +6,8 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
+use crate::motion::{CONSTANT_LOAD_SUMS, SourceTerms};
+
 /// Largest number of intervals of a rule.
 pub(super) const MAX_INTERVALS: usize = 8;
 /// One value for each point.
@@ -54,10 +56,10 @@ fn weights(intervals: usize, part: f64) -> PointValues {
 /// Powers at an instant, and the potentials of constant loads.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sample {
-    /// Powers of every source, W.
-    pub powers: [f64; 6],
+    /// Power of every source, W.
+    pub powers: SourceTerms,
     /// Constant loads times displacements, J: torques and forces, weights.
-    pub potentials: [f64; 2],
+    pub potentials: [f64; CONSTANT_LOAD_SUMS],
 }
 
 /// A part of a step with the samples at its points.
@@ -83,13 +85,13 @@ impl Piece {
     }
 
     /// Work of every source, J.
-    pub fn works(&self) -> [f64; 6] {
+    pub fn works(&self) -> SourceTerms {
         self.integral(&WHOLE[self.intervals], &self.samples[MAX_INTERVALS].potentials)
     }
 
     /// Work of every source from the beginning to an instant, J, where the constant loads have these potentials: the integral
     /// of the polynomials through the powers.
-    pub fn works_until(&self, elapsed: f64, potentials: &[f64]) -> [f64; 6] {
+    pub fn works_until(&self, elapsed: f64, potentials: &[f64]) -> SourceTerms {
         let [begin, end] = self.span;
         if elapsed >= end {
             self.works()
@@ -103,21 +105,19 @@ impl Piece {
         let [begin, end] = [0, MAX_INTERVALS].map(|end: usize| self.samples[end].potentials);
         let constant: f64 = begin.iter().zip(end).map(|(begin, end)| (end - begin).abs()).sum();
         let powers = WHOLE[self.intervals].iter().zip(&self.samples);
-        let sum = powers.map(|(weight, sample)| weight * sample.powers.iter().map(|power| power.abs()).sum::<f64>());
+        let sum = powers.map(|(weight, sample)| weight * sample.powers.magnitude());
         sum.sum::<f64>() * (self.span[1] - self.span[0]) + constant
     }
 
     /// Sum of the powers with weights, and the potentials at the same instant minus those at the beginning, J.
-    fn integral(&self, weights: &PointValues, potentials: &[f64]) -> [f64; 6] {
-        let mut works = [0.0; 6];
+    fn integral(&self, weights: &PointValues, potentials: &[f64]) -> SourceTerms {
+        let mut works = SourceTerms::default();
         for (weight, sample) in weights.iter().zip(&self.samples) {
-            for (work, power) in works.iter_mut().zip(&sample.powers) {
-                *work += weight * (self.span[1] - self.span[0]) * power;
-            }
+            works = works.plus(weight * (self.span[1] - self.span[0]), &sample.powers);
         }
-        for (work, (end, begin)) in works.iter_mut().zip(potentials.iter().zip(&self.samples[0].potentials)) {
-            *work += end - begin;
-        }
+        let begin = &self.samples[0].potentials;
+        works.torque += potentials[0] - begin[0];
+        works.gravity += potentials[1] - begin[1];
         works
     }
 }
@@ -125,6 +125,7 @@ impl Piece {
 #[cfg(test)]
 mod tests {
     use super::{MAX_INTERVALS, Piece, fraction};
+    use crate::motion::SourceTerms;
 
     #[test]
     fn works_of_polynomials_are_exact() {
@@ -132,13 +133,14 @@ mod tests {
             let mut piece = Piece { intervals, ..Piece::new([3.0, 5.0]) };
             for point in (0..=MAX_INTERVALS).step_by(MAX_INTERVALS / intervals) {
                 let at = fraction(point);
-                piece.samples[point].powers = std::array::from_fn(|source| source as f64 * at.powi(intervals as i32));
+                let power = |source: usize| source as f64 * at.powi(intervals as i32);
+                piece.samples[point].powers = SourceTerms::from_values(std::array::from_fn(power));
                 piece.samples[point].potentials = [at, -at];
             }
             for part in [0.0, 0.1, 0.5, 0.77, 1.0] {
                 let exact = 2.0 * f64::powi(part, intervals as i32 + 1) / (intervals + 1) as f64;
                 // Nine points with nine polynomials each.
-                let works = piece.works_until(3.0 + 2.0 * part, &[part, -part]);
+                let works = piece.works_until(3.0 + 2.0 * part, &[part, -part]).values();
                 assert!((works[0] - part).abs() < 1e-14 && (works[1] - exact + part).abs() < 1e-14);
                 assert!((works[2] - 2.0 * exact).abs() < 1e-14 && (works[5] - 5.0 * exact).abs() < 1e-13);
             }

@@ -2,10 +2,20 @@
 //! the recorder. Everything else follows from the options.
 
 use crate::integrate::{State, Statistics};
+use crate::motion::SourceTerms;
 
-/// Elapsed time of an evaluation (s), and the contact ratio of a mesh minus one, its tip clearance (m) and its involute
-/// clearance (m) then.
-pub type Margins = (f64, [f64; 3]);
+/// Margins of the geometry of a mesh at an instant; negative ones are violated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margins {
+    /// Elapsed time of the evaluation, s.
+    pub elapsed: f64,
+    /// Contact ratio minus one.
+    pub contact_ratio: f64,
+    /// Distance between the tips and the opposite roots, m.
+    pub tip_clearance: f64,
+    /// Distance of the tips from the ends of the involutes, m.
+    pub involute_clearance: f64,
+}
 
 /// The state of a recorder.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,8 +24,8 @@ pub struct RecorderState {
     pub events: usize,
     /// Last margins of every mesh.
     pub margins: Vec<Option<Margins>>,
-    /// Works of [`SOURCES`](crate::motion::SOURCES) since the start, J; zero where energy is not recorded.
-    pub works: [f64; 6],
+    /// Work of every source since the start, J; zero where energy is not recorded.
+    pub works: SourceTerms,
     /// Elapsed time up to which the works are integrated, s.
     pub until: f64,
 }

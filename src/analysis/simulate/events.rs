@@ -8,7 +8,8 @@
 use super::checkpoint::{Margins, RecorderState};
 use crate::integrate::Trajectory;
 use crate::mesh::{Centres, ContactMode, Flank, GearMesh, Helix};
-use crate::motion::EquationOfMotion;
+use crate::motion::{EquationOfMotion, SourceTerms};
+use crate::numerics::ROUND_OFF;
 
 /// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,10 +68,6 @@ pub struct Event {
 /// Largest number of listed events. The statistics count further ones.
 const MAX_EVENTS: usize = 1_000_000;
 
-/// A motion of the gears below this part of the driver's base radius is round-off. Measured deflections of touching
-/// flanks at the start are below 1e-16 of it.
-const TOUCHING_DISTANCE: f64 = 1e-12;
-
 /// Records the events of all meshes.
 #[derive(Clone, Debug)]
 pub(super) struct EventRecorder {
@@ -86,7 +83,7 @@ pub(super) struct EventRecorder {
     flanks: Vec<Option<Flank>>,
     /// Whether the gears of each mesh have moved by more than round-off since the start.
     moved: Vec<bool>,
-    /// Last contact ratio minus one, tip clearance and involute clearance (m) of each mesh.
+    /// Last margins of each mesh; none before the first evaluation.
     margins: Vec<Option<Margins>>,
 }
 
@@ -116,7 +113,7 @@ impl EventRecorder {
         RecorderState {
             events: self.before + self.list.len(),
             margins: self.margins.clone(),
-            works: [0.0; 6],
+            works: SourceTerms::default(),
             until: 0.0,
         }
     }
@@ -139,7 +136,8 @@ impl EventRecorder {
         motion: &EquationOfMotion,
         elapsed: f64,
         read: &mut dyn FnMut(&mut [f64], &mut [f64]),
-        (q, v): (&mut [f64], &mut [f64]),
+        q: &mut [f64],
+        v: &mut [f64],
         contact_modes: &[i64],
     ) {
         let mut is_read = false;
@@ -186,21 +184,29 @@ impl EventRecorder {
         let pair = &motion.model().scene.meshes[index];
         let [a, b] = [pair.driver, pair.driven].map(|gear| &motion.model().scene.gears[gear]);
         let reach = (a.tip_radius + b.root_radius()).max(b.tip_radius + a.root_radius());
-        let now = [centres.contact_ratio - 1.0, centres.distance - reach, centres.involute_clearance];
-        let before = self.margins[index].replace((elapsed, now));
+        let now = Margins {
+            elapsed,
+            contact_ratio: centres.contact_ratio - 1.0,
+            tip_clearance: centres.distance - reach,
+            involute_clearance: centres.involute_clearance,
+        };
+        let before = self.margins[index].replace(now);
+        let margins: [fn(&Margins) -> f64; 3] =
+            [|at| at.contact_ratio, |at| at.tip_clearance, |at| at.involute_clearance];
         let kinds = [
             (EventKind::RatioBelowOne, EventKind::RatioAboveOne),
             (EventKind::TipInterference, EventKind::TipClearance),
             (EventKind::InvoluteInterference, EventKind::InvoluteClearance),
         ];
-        for (i, (lost, won)) in kinds.into_iter().enumerate() {
-            match before {
-                None if now[i] < 0.0 => self.push(elapsed, index, lost),
+        for ((lost, won), margin) in kinds.into_iter().zip(margins) {
+            let now = margin(&now);
+            match before.map(|before| (before.elapsed, margin(&before))) {
+                None if now < 0.0 => self.push(elapsed, index, lost),
                 // Base circles that overlap have no contact ratio.
-                Some((_, margins)) if margins[i].is_nan() || now[i].is_nan() => {}
-                Some((then, margins)) if (margins[i] < 0.0) != (now[i] < 0.0) => {
-                    let part = margins[i] / (margins[i] - now[i]);
-                    let kind = if now[i] < 0.0 { lost } else { won };
+                Some((_, last)) if last.is_nan() || now.is_nan() => {}
+                Some((then, last)) if (last < 0.0) != (now < 0.0) => {
+                    let part = last / (last - now);
+                    let kind = if now < 0.0 { lost } else { won };
                     self.push(then + part * (elapsed - then), index, kind);
                 }
                 _ => {}
@@ -219,5 +225,6 @@ fn has_moved(mesh: &GearMesh, v: &[f64], since: f64) -> bool {
         helix.slope.abs() * y.hypot(z) * rate.tilt[0].hypot(rate.tilt[1])
     };
     let fastest = fastest + mesh.helix.as_ref().map_or(0.0, tilting);
-    fastest * since > TOUCHING_DISTANCE * mesh.involute.base_radius[0]
+    // Measured deflections of touching flanks at the start are below 1e-16 of the base radius.
+    fastest * since > ROUND_OFF * mesh.involute.base_radius[0]
 }

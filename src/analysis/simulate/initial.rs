@@ -89,9 +89,7 @@ pub(super) fn start(
     let (displacement, state, rotation) = match &options.initial {
         // A run from rest needs no equilibrium. Without one, tolerances are relative to the motion itself.
         Initial::Rest => (found.unwrap_or_else(|_| zero()), rest(), absolute),
-        Initial::Continue(last) => {
-            continued(cached, options, (last, spectrum), found.unwrap_or_else(|_| zero()), watch)?
-        }
+        Initial::Continue(last) => continued(cached, options, last, spectrum, found.unwrap_or_else(|_| zero()), watch)?,
         Initial::Static => {
             let found = found?;
             let y = [equilibrium_at(cached, options, &found, options.start)?.as_slice(), zero().as_slice()].concat();
@@ -136,7 +134,8 @@ fn check_flanks(cached: &CachedModel, last: &Final, fastest: f64) -> Result<(), 
 fn continued(
     cached: &CachedModel,
     options: &Options,
-    (last, spectrum): (&Final, &Spectrum),
+    last: &Final,
+    spectrum: &Spectrum,
     displacement: DVector<f64>,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Beginning, AnalysisError> {

@@ -29,7 +29,7 @@ mod run_cache;
 
 use std::time::{Duration, Instant};
 
-pub use checkpoint::{Checkpoint, RecorderState};
+pub use checkpoint::{Checkpoint, Margins, RecorderState};
 pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
 pub use known_reduction::Reduction;
@@ -117,11 +117,12 @@ pub fn simulate(
         return Err(foreign_contact_modes(&start).into());
     }
     let end = options.start + options.duration - origin;
-    let during = (options.start - origin, tolerance(options, &motion));
+    let (start_elapsed, tolerance) = (options.start - origin, tolerance(options, &motion));
     let mut observer = RunObserver {
-        recorder: Recorder::new(motion.clone(), plan, &options.times, origin, during),
+        recorder: Recorder::new(motion.clone(), plan, &options.times, origin, start_elapsed, tolerance),
         watch,
-        span: (options.start - origin, end),
+        start: start_elapsed,
+        end,
         last_check: Instant::now() - HEARTBEAT_INTERVAL,
     };
     let mut statistics = Statistics::new();
@@ -350,8 +351,10 @@ fn explain(cached: &CachedModel, halted: &Halted, origin: f64) -> AnalysisError 
 struct RunObserver<'a, 'm> {
     recorder: Recorder<'a, 'm>,
     watch: &'a mut dyn FnMut(f64) -> bool,
-    /// Elapsed time at the beginning and at the end, s.
-    span: (f64, f64),
+    /// Elapsed time at the beginning, s.
+    start: f64,
+    /// Elapsed time at the end, s.
+    end: f64,
     last_check: Instant,
 }
 
@@ -381,7 +384,7 @@ impl Observer for RunObserver<'_, '_> {
             return true;
         }
         self.last_check = Instant::now();
-        let (start, end) = self.span;
+        let Self { start, end, .. } = *self;
         let done = if end > start { ((elapsed - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
         (self.watch)(done)
     }

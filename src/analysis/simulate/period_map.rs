@@ -22,15 +22,12 @@ use super::{
 };
 use crate::analysis::instability::growing_modes;
 use crate::analysis::{AnalysisError, Spectrum};
-use crate::exponential::{LevelControl, Stepper, TimeGrid, run as integrate};
+use crate::exponential::{LevelControl, STAGE_SOLVE_RTOL, Stepper, TimeGrid, run as integrate};
 use crate::integrate::{Halt, Halted, Observer, State, Statistics, Trajectory};
 use crate::modal::{CachedModel, ModalStateSpace, RealModes};
 
 /// Duration of the run that a reduction to fewer modes is chosen for, in periods: about as many as a solution takes.
 const EXPECTED_PERIODS: f64 = 10.0;
-/// The stage equations of planned steps are solved to this fraction of the motion: differences of two runs then have
-/// seven digits, where two states differ by 1e-6 of the motion.
-const SOLVE_RTOL: f64 = 1e-13;
 
 /// Relative distance of two eigenvalues of one mode, of the complete model and of the modes of its components.
 const SAME_MODE_TOLERANCE: f64 = 1e-2;
@@ -299,7 +296,7 @@ impl PeriodMap<'_> {
     /// # Errors
     /// [`AnalysisError`] if the run ends early.
     pub fn apply(&mut self, z: &[f64]) -> Result<Vec<f64>, AnalysisError> {
-        let control = LevelControl::Planned { levels: Arc::clone(&self.levels), solve_rtol: SOLVE_RTOL };
+        let control = LevelControl::Planned { levels: Arc::clone(&self.levels), solve_rtol: STAGE_SOLVE_RTOL };
         let mut stepper = self.stepper.clone();
         Ok(self.follow_period(&mut stepper, control, z)?.y)
     }
@@ -377,7 +374,7 @@ impl PeriodMap<'_> {
         let times: Vec<f64> =
             (0..samples).map(|sample| origin + begin + duration * sample as f64 / samples as f64).collect();
         let motion = self.setup.loads.motion.clone();
-        let during = (begin, tolerance(self.options, &motion));
+        let tolerance = tolerance(self.options, &motion);
         let mut stepper = self.stepper.clone();
         stepper.levels = Some(vec![0; self.steps as usize]);
         let mut output = self.setup.output.clone();
@@ -385,9 +382,10 @@ impl PeriodMap<'_> {
         let control = self.control(self.tolerance());
         let done = self.heartbeat.done;
         let mut observer = RunObserver {
-            recorder: Recorder::new(motion, self.plan, &times, origin, during),
+            recorder: Recorder::new(motion, self.plan, &times, origin, begin, tolerance),
             watch: &mut |_| (self.heartbeat.watch)(done),
-            span: (begin, end),
+            start: begin,
+            end,
             last_check: Instant::now(),
         };
         let outcome = integrate(&mut stepper, &mut output, control, &mut state, end, &mut observer, &mut statistics);

@@ -11,11 +11,9 @@ use super::record::{Record, Recorder};
 use super::{RecordPlan, Run, RunObserver, exponential, sample_step};
 use crate::analysis::AnalysisError;
 use crate::integrate::{Halt, Observer, Statistics};
-use crate::scene::SHARE_OF_MEAN;
+use crate::scene::{COMPARED_DURATION, SHARE_OF_MEAN};
 
-/// Longest duration of a pilot run, s: the time over which errors are compared.
-pub(super) const PILOT_DURATION: f64 = 0.1;
-/// Part of a run that a pilot run takes, within `MIN_PILOT_DURATION` and `PILOT_DURATION`.
+/// Part of a run that a pilot run takes, within `MIN_PILOT_DURATION` and `COMPARED_DURATION`.
 const PILOT_PART: f64 = 1.0 / 3.0;
 /// Shortest duration of a pilot run, s: less contains little but the transient at the beginning.
 const MIN_PILOT_DURATION: f64 = 0.03;
@@ -39,7 +37,7 @@ pub(super) struct Pilot {
 impl Pilot {
     /// Chooses the part of a run that decides on the number of modes.
     pub fn new(run: &Run<'_>, start: &Start) -> Self {
-        Self::lasting(run, start, (PILOT_PART * run.options.duration).clamp(MIN_PILOT_DURATION, PILOT_DURATION))
+        Self::lasting(run, start, (PILOT_PART * run.options.duration).clamp(MIN_PILOT_DURATION, COMPARED_DURATION))
     }
 
     /// Chooses the part of a run that checks whether a known number of modes keeps the accuracy.
@@ -61,7 +59,7 @@ impl Pilot {
         Self {
             start: if first > options.start { start.moved(cached, options, first) } else { start.clone() },
             span: [begin, begin + duration],
-            ratio: if duration > 0.0 { options.duration.min(PILOT_DURATION).max(duration) / duration } else { 1.0 },
+            ratio: if duration > 0.0 { options.duration.min(COMPARED_DURATION).max(duration) / duration } else { 1.0 },
             times: (1..=count).map(|index| first + duration * index as f64 / intervals).collect(),
         }
     }
@@ -86,9 +84,10 @@ impl Pilot {
         let plan = RecordPlan { energy: false, velocity: false, acceleration: false, ..plan.clone() };
         let (motion, origin) = (setup.loads.motion.clone(), self.start.rotation.origin);
         let mut pilot = RunObserver {
-            recorder: Recorder::new(motion, &plan, &self.times, origin, (begin, 0.0)),
+            recorder: Recorder::new(motion, &plan, &self.times, origin, begin, 0.0),
             watch: &mut |_| observer.continues(run.options.start - origin),
-            span: (begin, end),
+            start: begin,
+            end,
             last_check: Instant::now(),
         };
         let mut counts = Statistics::new();

@@ -9,7 +9,7 @@ use crate::model::{Excitation, Model};
 /// Largest number of recorded coordinates whose static displacement under a load is kept.
 const MAX_RECORDED: usize = 128;
 /// Harmonics of the tooth meshing frequency, or of the rotation without teeth, that count as excited.
-const HARMONICS: f64 = 10.0;
+const EXCITED_HARMONICS: f64 = 10.0;
 
 /// Loads on the interfaces as entries (index, coefficient): those of connections, along their lines of action and on each
 /// coordinate, those of bearings and links, and unit loads at recorded coordinates. `speed` is that of the reference shaft,
@@ -52,5 +52,5 @@ pub(super) fn rotating_loads(model: &Model) -> Vec<Row> {
 /// meshing frequency or of the rotation.
 pub(super) fn excited_frequency(model: &Model, speed: f64) -> f64 {
     let order = model.max_mesh_order().max(model.max_speed_ratio());
-    model.highest_mesh_frequency().max(HARMONICS * order * speed.abs())
+    model.highest_mesh_frequency().max(EXCITED_HARMONICS * order * speed.abs())
 }

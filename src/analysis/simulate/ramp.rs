@@ -17,7 +17,7 @@ const NEGLECTED_COUPLING: f64 = 10.0;
 /// The same limit in multiples of the error of displacements that a reduction may cause.
 const NEGLECTED_SHARE: f64 = 0.1;
 /// Tolerance of the gyroscopic couplings with fixed steps.
-const FIXED_TOLERANCE: f64 = 1e-10;
+const FIXED_STEP_RTOL: f64 = 1e-10;
 
 /// Speed of the reference shaft in the linear motion, rad/s.
 pub(super) fn reference_speed(options: &Options) -> f64 {
@@ -37,7 +37,7 @@ pub(super) fn speed_change(model: &Model, options: &Options, real: &RealModes) -
     let corner = corner_frequency(model, real, fastest);
     let neglected = match (options.reduction, options.step) {
         (Some([displacement, _]), _) => NEGLECTED_SHARE * displacement,
-        (None, Some(_)) => NEGLECTED_COUPLING * FIXED_TOLERANCE,
+        (None, Some(_)) => NEGLECTED_COUPLING * FIXED_STEP_RTOL,
         (None, None) => NEGLECTED_COUPLING * options.tolerance(),
     };
     let difference = (largest - slowest) / 2.0;

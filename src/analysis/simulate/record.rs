@@ -4,9 +4,10 @@ use super::audit::Audit;
 use super::events::{Event, EventRecorder};
 use super::{RecordPlan, RecorderState};
 use crate::connection::{MESH_CHANNELS, Row, mesh_values};
+use crate::exponential::INSTANT_BATCH;
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
 use crate::model::PlaceRows;
-use crate::motion::{Energies, EquationOfMotion};
+use crate::motion::{CONSTANT_LOAD_SUMS, Energies, EquationOfMotion, SourceTerms};
 
 /// The recorded motion. Each vector holds one row of values after another, one row for each time.
 #[derive(Clone, Debug, Default)]
@@ -33,8 +34,8 @@ pub struct Record {
     pub rolling: Vec<f64>,
     /// One vector for each quantity of [`MESH_CHANNELS`].
     pub mesh: [Vec<f64>; MESH_CHANNELS.len()],
-    /// Energies, J, and works of [`SOURCES`](crate::motion::SOURCES) since the start, J; empty where not asked for.
-    pub energy: Vec<(Energies, [f64; 6])>,
+    /// Energies, J, and work of every source since the start, J; empty where not asked for.
+    pub energy: Vec<(Energies, SourceTerms)>,
     /// Contact events and warnings of the meshes.
     pub events: Vec<Event>,
 }
@@ -52,13 +53,7 @@ pub struct AxialRecord {
     pub bearing_force: Vec<f64>,
 }
 
-/// Number of potentials of constant loads.
-const POTENTIALS: usize = 2;
-
-/// Largest number of outputs that are read together.
-const BATCH: usize = 8;
-
-/// What is read at [`BATCH`] instants, one vector after the other.
+/// What is read at [`INSTANT_BATCH`] instants, one vector after the other.
 struct Scratch {
     /// Displacements and velocities; behind the displacements, potentials where energies are recorded.
     displacement: Vec<f64>,
@@ -93,13 +88,14 @@ pub(super) struct Recorder<'a, 'm> {
 }
 
 impl<'a, 'm> Recorder<'a, 'm> {
-    /// Creates a recorder of a run with a relative tolerance that starts at the elapsed time `start`, s.
+    /// Creates a recorder of a run with the relative tolerance `tolerance` that starts at the elapsed time `start`, s.
     pub fn new(
         motion: EquationOfMotion<'m>,
         plan: &'a RecordPlan,
         times: &'a [f64],
         origin: f64,
-        (start, tolerance): (f64, f64),
+        start: f64,
+        tolerance: f64,
     ) -> Self {
         let model = motion.model();
         let count = times.len();
@@ -119,14 +115,14 @@ impl<'a, 'm> Recorder<'a, 'm> {
             energy: Vec::with_capacity(if plan.energy { count } else { 0 }),
             events: Vec::new(),
         };
-        let extra = if plan.energy { POTENTIALS } else { 0 };
+        let extra = if plan.energy { CONSTANT_LOAD_SUMS } else { 0 };
         Self {
             coordinates: plan.coordinates(model),
             bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
             scratch: Scratch {
-                displacement: vec![0.0; BATCH * (model.len() + extra)],
-                velocity: vec![0.0; BATCH * (model.len() + extra)],
-                acceleration: vec![0.0; if plan.acceleration { BATCH * model.len() } else { 0 }],
+                displacement: vec![0.0; INSTANT_BATCH * (model.len() + extra)],
+                velocity: vec![0.0; INSTANT_BATCH * (model.len() + extra)],
+                acceleration: vec![0.0; if plan.acceleration { INSTANT_BATCH * model.len() } else { 0 }],
                 unbent: vec![0.0; if plan.energy { model.len() } else { 0 }],
             },
             extra,
@@ -154,7 +150,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             audit.integrate(&self.motion, motion, end)?;
         }
         loop {
-            let mut instants = [0.0; BATCH];
+            let mut instants = [0.0; INSTANT_BATCH];
             let left = &self.times[self.record.time.len()..];
             let due = left.iter().map(|time| time - self.origin).take_while(|elapsed| *elapsed <= end);
             let count = instants.iter_mut().zip(due).map(|(instant, elapsed)| *instant = elapsed).count();
@@ -191,8 +187,8 @@ impl<'a, 'm> Recorder<'a, 'm> {
             None => self.motion.set_contact_modes(contact_modes),
         }
         let len = self.motion.model().len();
-        let room = (&mut self.scratch.displacement[..len], &mut self.scratch.velocity[..len]);
-        self.events.switched(&self.motion, elapsed, read, room, contact_modes);
+        let (q, v) = (&mut self.scratch.displacement[..len], &mut self.scratch.velocity[..len]);
+        self.events.switched(&self.motion, elapsed, read, q, v, contact_modes);
     }
 
     /// Adds kinetic energy and elastic energy of the shafts, J, to the oldest output without them.
@@ -218,7 +214,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
         }
         if let Some(audit) = &self.audit {
             let deferred = deferred.then_some(potentials);
-            let energies = energies(&self.motion, audit, elapsed, (q, v), deferred, &mut self.scratch.unbent)?;
+            let energies = energies(&self.motion, audit, elapsed, q, v, deferred, &mut self.scratch.unbent)?;
             self.record.energy.push(energies);
         }
         for (mesh, state) in self.plan.meshes.iter().zip(&meshes) {
@@ -294,10 +290,11 @@ fn energies(
     motion: &EquationOfMotion<'_>,
     audit: &Audit,
     elapsed: f64,
-    (q, v): (&[f64], &[f64]),
+    q: &[f64],
+    v: &[f64],
     potentials: Option<&[f64]>,
     unbent: &mut [f64],
-) -> Result<(Energies, [f64; 6]), Halt> {
+) -> Result<(Energies, SourceTerms), Halt> {
     let others = motion.connection_energies(elapsed, q, v);
     let [bearings, meshes] = others.map_err(|(mesh, overlap)| Halt::Overlap { mesh, overlap })?;
     let ([kinetic, shafts], works) = match potentials {

@@ -4,12 +4,12 @@ use crate::analysis::{Kept, product};
 use crate::connection::{MESH_CHANNELS, ROLLING_CHANNELS};
 use crate::exponential::Selection;
 use crate::model::{Model, PlaceRows};
-use crate::motion::{Energies, PowerCoordinates, connected_coordinates};
+use crate::motion::{Energies, PowerCoordinates, SourceTerms, connected_coordinates};
 use crate::scene::description::Place;
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
 /// Names of everything of one kind.
-const GROUPS: [&str; 9] =
+const RECORD_GROUPS: [&str; 9] =
     ["gears", "disks", "meshes", "bearings", "nodes", "housings", "energy", "velocity", "acceleration"];
 
 const VELOCITY: &str = "velocity";
@@ -109,7 +109,7 @@ impl RecordPlan {
             + ROLLING_CHANNELS.len() * rolling
             + MESH_CHANNELS.len() * self.meshes.len();
         // Energies are kept in the record and in the arrays of the result.
-        let energies = usize::from(self.energy) * (size_of::<(Energies, [f64; 6])>() + 12 * size_of::<f64>());
+        let energies = usize::from(self.energy) * (size_of::<(Energies, SourceTerms)>() + 12 * size_of::<f64>());
         product(&[times, values * size_of::<f64>() + energies])
     }
 
@@ -148,12 +148,16 @@ impl RecordPlan {
                         let bodies = scene.bodies().map(|body| body.name.as_str());
                         let shafts = scene.shafts.iter().map(|shaft| shaft.name.as_str());
                         // "mesh" is the beginning of a group, but its edit distance to "meshes" is large.
-                        let near = match GROUPS.iter().find(|group| name.len() > 2 && group.starts_with(name.as_str()))
+                        let near = match RECORD_GROUPS
+                            .iter()
+                            .find(|group| name.len() > 2 && group.starts_with(name.as_str()))
                         {
                             Some(group) => format!("; did you mean \"{group}\"?"),
-                            None => nearest(name, bodies.chain(shafts).chain(scene.housing_names()).chain(GROUPS)),
+                            None => {
+                                nearest(name, bodies.chain(shafts).chain(scene.housing_names()).chain(RECORD_GROUPS))
+                            }
                         };
-                        let groups = GROUPS.join(", ");
+                        let groups = RECORD_GROUPS.join(", ");
                         return Err(at.error(format!(
                             "\"{name}\" is no gear, disk, shaft or housing, and none of {groups}{near}"
                         )));

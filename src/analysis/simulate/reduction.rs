@@ -11,7 +11,7 @@ use super::initial::Start;
 use super::known_reduction::{KnownReduction, Reduction, excess};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
-use super::pilot::{PILOT_DURATION, Pilot};
+use super::pilot::Pilot;
 use super::ports::{excited_frequency, interfaces, rotating_loads};
 use super::ramp::reference_speed;
 use super::record::Record;
@@ -20,16 +20,16 @@ use crate::analysis::AnalysisError;
 use crate::integrate::Observer;
 use crate::modal::{Extent, Projected, StateMatrix, SubspaceKey};
 use crate::motion::{EquationOfMotion, Speed};
-use crate::scene::SceneError;
+use crate::scene::{COMPARED_DURATION, SceneError};
 
 /// Runs shorter than this multiple of a pilot run compare models over a shorter part, because pilot runs take as long as
 /// they save.
-const SHORT_RUN: f64 = 3.0;
+const SHORT_RUN_FACTOR: f64 = 3.0;
 /// Number of coordinates up to which a short run keeps all modes: two smaller eigenvalue problems take as long as theirs. Without
 /// meshes it always does, because it is compared with all modes.
 const FEW_COORDINATES: usize = 100;
 /// Largest part of all modes that a run keeps before it keeps all; a larger one saves too little.
-const LARGEST_PART: f64 = 0.75;
+const MAX_KEPT_PART: f64 = 0.75;
 /// Errors of displacements and mesh forces of the reference for a given number of modes.
 const DEFAULT_TARGET: [f64; 2] = [3e-4, 3e-3];
 /// Error of the mesh force for L = 1 in a train with sharp engagement, from the scenes of `benches/reduction.py` at L = 6 to
@@ -40,10 +40,11 @@ const DISPLACEMENT_PART: f64 = 0.1;
 /// Runs shorter than this, s, take the expected error: comparisons would take longer than the run, and so few tooth periods
 /// say little about the error.
 const SHORTEST_COMPARED: f64 = 0.01;
-/// Smallest L.
-const SMALLEST_LIMIT: f64 = 2.0;
-/// Ratio of successive L, and their number, until the error is below the target.
-const NEXT_LIMIT: f64 = 1.5;
+/// Smallest L: kept modes reach up to L times the highest tooth frequency.
+const MIN_LIMIT: f64 = 2.0;
+/// Ratio of successive L until the error is below the target.
+const LIMIT_RATIO: f64 = 1.5;
+/// Largest number of L that are tried.
 const MAX_LIMITS: usize = 6;
 
 /// A set-up with its reduction.
@@ -64,7 +65,7 @@ pub(super) fn keeps_all(run: &Run<'_>, plan: &RecordPlan, start: &Start) -> bool
 
 /// Whether a pilot run only measures the error.
 fn is_short(run: &Run<'_>) -> bool {
-    run.options.duration < SHORT_RUN * PILOT_DURATION
+    run.options.duration < SHORT_RUN_FACTOR * COMPARED_DURATION
 }
 
 impl<'m> Run<'m> {
@@ -144,7 +145,7 @@ impl<'m> Reducer<'_, 'm> {
             None => Pilot::new(self.run, self.start),
         };
         let first = base.and_then(|base| base.limit).unwrap_or_else(|| first_limit(target));
-        let limits = || std::iter::successors(Some(first), |limit| Some(limit * NEXT_LIMIT)).take(MAX_LIMITS);
+        let limits = || std::iter::successors(Some(first), |limit| Some(limit * LIMIT_RATIO)).take(MAX_LIMITS);
         // A continued run keeps the modes of the run before it, so that it continues bit by bit.
         let mut continued = None;
         if self.start.is_reduced(&self.run.cached.model) {
@@ -191,7 +192,7 @@ impl<'m> Reducer<'_, 'm> {
                     Candidate { setup, projected, signals }
                 }
             };
-            let next = limit * NEXT_LIMIT;
+            let next = limit * LIMIT_RATIO;
             if let Some(all) = &all {
                 let errors = pilot.errors(&current.signals, all);
                 if continued.is_some() || excess(errors, target) <= 1.0 {
@@ -204,7 +205,7 @@ impl<'m> Reducer<'_, 'm> {
                 return Ok(None);
             };
             // The errors e of L and e/1.5² of 1.5 L differ by (1 − 1/1.5²) e.
-            let decrease = NEXT_LIMIT.powi(-2);
+            let decrease = LIMIT_RATIO.powi(-2);
             let errors = pilot.errors(&current.signals, &fine.signals).map(|found| found / (1.0 - decrease));
             if continued.is_some() || excess(errors, target) <= 1.0 {
                 return Ok(Some(current.with_errors(Some(limit), errors)));
@@ -226,7 +227,7 @@ impl<'m> Reducer<'_, 'm> {
 
     /// Whether the complete model has hardly more modes.
     fn saves_little(&self, setup: &ModalSetup<'m>) -> bool {
-        setup.linear.modes as f64 > LARGEST_PART * self.run.cached.model.len() as f64
+        setup.linear.modes as f64 > MAX_KEPT_PART * self.run.cached.model.len() as f64
     }
 
     /// A set-up with the signals of its pilot run; none if the modes are nearly parallel.
@@ -288,5 +289,5 @@ impl<'m> Candidate<'m> {
 
 /// L whose error of mesh forces is about the target.
 fn first_limit(target: [f64; 2]) -> f64 {
-    (ERROR_OF_TEETH / target[1]).sqrt().max(SMALLEST_LIMIT)
+    (ERROR_OF_TEETH / target[1]).sqrt().max(MIN_LIMIT)
 }

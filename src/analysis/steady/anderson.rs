@@ -5,10 +5,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::numerics::ROUND_OFF;
+
 /// Largest number of secants.
 const MAX_SECANTS: usize = 40;
-/// Singular values of the secants below this fraction of the largest one are round-off.
-const ROUND_OFF: f64 = 1e-12;
 
 /// The secants of an iteration.
 #[derive(Debug, Default)]

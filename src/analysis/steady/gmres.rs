@@ -3,11 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::norm;
+use crate::numerics::ROUND_OFF;
 
 /// Largest dimension of the Krylov space.
 const MAX_PRODUCTS: usize = 80;
-/// A product that loses more than this factor in orthogonalization lies in the space.
-const DEPENDENCE_TOLERANCE: f64 = 1e-12;
 
 /// Solves A x = b up to a residual of `rtol`·|b|, or the smallest one in the largest space.
 ///
@@ -35,7 +34,8 @@ pub fn gmres<E>(b: &[f64], rtol: f64, mut apply: impl FnMut(&[f64]) -> Result<Ve
             }
         }
         let rest = image.norm();
-        let is_complete = rest <= DEPENDENCE_TOLERANCE * before;
+        // A product that loses more in the orthogonalization lies in the space.
+        let is_complete = rest <= ROUND_OFF * before;
         column.push(if is_complete { 0.0 } else { rest });
         columns.push(column);
         let count = columns.len();

@@ -11,15 +11,15 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Complex, DMatrix, DVector, Dyn, LU, RowDVector};
 
-/// Difference of two angles, relative to a turn, below which both harmonics are the same.
-const ANGLE_TOLERANCE: f64 = 1e-9;
+use crate::numerics::EQUALITY_TOLERANCE;
+
 /// Number of sections for each unknown among which the sections are selected, and the factor by which it grows.
 const CANDIDATE_SECTIONS: usize = 20;
 const CANDIDATE_GROWTH: usize = 4;
 /// Largest number of entries of the matrix of candidates: 64 MB.
 const MAX_ENTRIES: usize = 8_000_000;
 /// Smallest ratio of the pivots of the decomposition.
-const WELL_CONDITIONED: f64 = 0.05;
+const MIN_PIVOT_RATIO: f64 = 0.05;
 /// Largest number of unknowns of a coordinate.
 const MAX_UNKNOWNS: usize = 400;
 
@@ -88,7 +88,7 @@ impl Combinations {
         // A frequency and its negative give the same motion.
         let part = cycles.rem_euclid(1.0);
         let angle = TAU * part.min(1.0 - part);
-        let known = self.angles.iter().position(|other| (other - angle).abs() <= TAU * ANGLE_TOLERANCE);
+        let known = self.angles.iter().position(|other| (other - angle).abs() <= TAU * EQUALITY_TOLERANCE);
         let number = known.unwrap_or_else(|| {
             self.angles.push(angle);
             self.angles.len() - 1
@@ -185,7 +185,7 @@ impl Harmonics {
 
 /// Number of unknowns of a harmonic: those of a cosine, and of a sine unless it is zero in all sections.
 fn parts(angle: f64) -> usize {
-    if angle <= TAU * ANGLE_TOLERANCE || angle >= PI - TAU * ANGLE_TOLERANCE { 1 } else { 2 }
+    if angle <= TAU * EQUALITY_TOLERANCE || angle >= PI - TAU * EQUALITY_TOLERANCE { 1 } else { 2 }
 }
 
 fn count(angles: &[f64]) -> usize {
@@ -215,7 +215,7 @@ fn selected(angles: &[f64], candidates: usize) -> Option<Vec<i64>> {
     let decomposition = matrix.col_piv_qr();
     let triangle = decomposition.r();
     let pivots: Vec<f64> = (0..unknowns).map(|row| triangle[(row, row)].abs()).collect();
-    if pivots.iter().any(|pivot| *pivot < WELL_CONDITIONED * pivots[0]) {
+    if pivots.iter().any(|pivot| *pivot < MIN_PIVOT_RATIO * pivots[0]) {
         return None;
     }
     let mut sections = RowDVector::from_fn(candidates, |_, section| section as i64);

@@ -5,23 +5,23 @@ use std::cell::RefCell;
 use nalgebra::Complex;
 
 use super::norm;
-use super::preconditioner::{NO_DECAY, Preconditioner};
+use super::preconditioner::Preconditioner;
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::PeriodMap;
+use crate::exponential::STAGE_SOLVE_RTOL;
 use crate::linalg::{DecompositionError, Krylov, Operator};
 use crate::modal::ModePair;
+use crate::numerics::EQUALITY_TOLERANCE;
 
-/// Error of the motion after a period from the solution of the stage equations, relative to the motion.
-const ROUND_OFF: f64 = 1e-13;
 /// Difference of two states from which a derivative is taken, relative to the motion. The central difference has an error
-/// of about its square, and [`ROUND_OFF`] divided by it.
+/// of about its square, and [`STAGE_SOLVE_RTOL`] divided by it.
 const DERIVATIVE_DIFFERENCE: f64 = 1e-5;
 /// Sizes of the disturbance that the steps resolve, relative to the motion: the first one that can be integrated.
 const DISTURBANCE_SIZES: [f64; 3] = [0.1, 0.01, 0.001];
 /// Energy norm that differences are relative to where there is no motion, √J: that of a mesh of 2e8 N/m deflected by 1e-7 m.
 const REST_ENERGY_NORM: f64 = 1e-3;
 /// Energy norm below which there is no motion.
-const NO_MOTION: f64 = 1e-100;
+const MIN_ENERGY_NORM: f64 = 1e-100;
 /// Largest residual of a multiplier, relative to it.
 const MAX_RESIDUAL: f64 = 1e-6;
 /// Largest number of products with the derivative.
@@ -49,7 +49,7 @@ pub fn multipliers(
 fn multipliers_of_modes(map: &PeriodMap<'_>) -> Vec<Complex<f64>> {
     let (linear, period) = (map.linear(), map.period());
     let rate = |pair: &ModePair| if let ModePair::RigidBodyPair(rate) = pair { Some(*rate) } else { None };
-    let moving = linear.pairs().iter().filter_map(rate).filter(|rate| (rate * period).abs() >= NO_DECAY);
+    let moving = linear.pairs().iter().filter_map(rate).filter(|rate| (rate * period).abs() >= EQUALITY_TOLERANCE);
     let modes = linear.eigenvalues().into_iter().chain(moving.map(Complex::from));
     modes.map(|value| (value * period).exp()).collect()
 }
@@ -60,7 +60,7 @@ fn multipliers_of_map(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Comp
     let z = map.initial();
     let image = map.adapt(&z)?;
     // Without a motion, the equations have no scale.
-    let size = Some(map.size(&z)?).filter(|size| *size > NO_MOTION).unwrap_or(REST_ENERGY_NORM);
+    let size = Some(map.size(&z)?).filter(|size| *size > MIN_ENERGY_NORM).unwrap_or(REST_ENERGY_NORM);
     let unknown: Vec<usize> = unknowns(map, &preconditioner);
     let is_affine = map.is_affine();
     for part in DISTURBANCE_SIZES {
@@ -180,7 +180,8 @@ fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Comple
         largest_residual = may_be_wanted.clone().map(|pair| pair.residual).fold(0.0, f64::max);
         if count == operator.size() || largest_residual <= MAX_RESIDUAL && may_be_wanted.count() + 2 < count {
             let largest = pairs.iter().map(|pair| pair.value.norm()).fold(0.0, f64::max);
-            let lost = largest * if operator.is_affine { ROUND_OFF } else { ROUND_OFF / DERIVATIVE_DIFFERENCE };
+            let lost =
+                largest * if operator.is_affine { STAGE_SOLVE_RTOL } else { STAGE_SOLVE_RTOL / DERIVATIVE_DIFFERENCE };
             if lost > smallest {
                 return Err(AnalysisError::Convergence(format!(
                     "multipliers: those below {lost:.0e} are lost in the round-off of the largest one, {largest:.1e}; take a larger magnitude with multipliers_above()"

@@ -9,12 +9,11 @@ use super::harmonics::BaseFrequency;
 use crate::analysis::AnalysisError;
 use crate::mesh::{GearMesh, Geometry};
 use crate::model::Model;
+use crate::numerics::ROUND_OFF;
 use crate::scene::{LoadLaw, Scene, SceneError};
 
 /// Largest denominator of an order that is not a ratio of tooth numbers, for example that of a force.
 const LARGEST_DENOMINATOR: u64 = 1000;
-/// Relative difference between an order and a ratio of whole numbers below which both are equal.
-const ORDER_TOLERANCE: f64 = 1e-12;
 
 /// What to do without a common period.
 const RUN_IN_INSTEAD: &str = "or run in with simulate()";
@@ -62,7 +61,7 @@ impl Ratio {
             if q[1] > LARGEST_DENOMINATOR {
                 return None;
             }
-            if (p[1] as f64 / q[1] as f64 - value).abs() <= ORDER_TOLERANCE * value {
+            if (p[1] as f64 / q[1] as f64 - value).abs() <= ROUND_OFF * value {
                 return Self::new(u128::from(p[1]), u128::from(q[1]));
             }
             rest = (rest - whole).recip();
@@ -83,7 +82,7 @@ impl Ratio {
 const ROLLING_HARMONICS: usize = 4;
 
 /// Number of periods of the slowest source in which a motion runs in.
-const RUN_IN: f64 = 10.0;
+const RUN_IN_PERIODS: f64 = 10.0;
 
 /// How many harmonics an excitation has.
 #[derive(Clone, Copy, PartialEq)]
@@ -127,7 +126,7 @@ pub fn common_period(model: &Model, speed: f64, given: Option<f64>, longest: f64
         return Err(error("nothing rotates at speed 0", "give a speed, or period= for loads over time"));
     }
     let action = format!("give period= if you know one, {RUN_IN_INSTEAD}");
-    let same = |a: f64, b: f64| (a - b).abs() <= ORDER_TOLERANCE * a.abs();
+    let same = |a: f64, b: f64| (a - b).abs() <= ROUND_OFF * a.abs();
     let first = sources[0].order;
     let order = if sources.iter().all(|source| source.order.zip(first).is_some_and(|(a, b)| same(a, b))) {
         first
@@ -209,12 +208,12 @@ pub fn sections(model: &Model, speed: f64, longest: f64) -> Option<Sections> {
         };
         let frequency = BaseFrequency { cycles, harmonics };
         // A source whose period divides the section has no frequency of its own.
-        if cycles.min(1.0 - cycles) > ORDER_TOLERANCE && !base.contains(&frequency) {
+        if cycles.min(1.0 - cycles) > ROUND_OFF && !base.contains(&frequency) {
             base.push(frequency);
         }
     }
     let slowest = sources.iter().filter_map(|source| source.order).fold(order, f64::min);
-    let run_in = (RUN_IN * order / slowest).ceil() as u64;
+    let run_in = (RUN_IN_PERIODS * order / slowest).ceil() as u64;
     Some(Sections { length: TAU / (order * speed.abs()), base, run_in })
 }
 

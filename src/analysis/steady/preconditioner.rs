@@ -4,9 +4,7 @@
 //! condition that the position returns after a period.
 
 use crate::modal::{ModalStateSpace, ModePair};
-
-/// Decay of a rigid-body motion within a period below which it is round-off.
-pub const NO_DECAY: f64 = 1e-9;
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// (I − e^{AT})⁻¹.
 pub struct Preconditioner {
@@ -28,7 +26,8 @@ impl Preconditioner {
             blocks.push(inverse_block(pair, period));
             if let ModePair::RigidBodyPair(rate) = pair {
                 positions.push(slot);
-                if (rate * period).abs() < NO_DECAY {
+                // A smaller decay within a period is round-off.
+                if (rate * period).abs() < EQUALITY_TOLERANCE {
                     velocities.push(linear.slots + slot);
                 }
             }
@@ -71,7 +70,9 @@ fn inverse_block(pair: &ModePair, period: f64) -> [[f64; 2]; 2] {
         }
         ModePair::Real([first, second]) => [[inverse(*first), 0.0], [0.0, inverse(*second)]],
         // The position after a period changes by the velocity times the period.
-        ModePair::RigidBodyPair(rate) if (rate * period).abs() < NO_DECAY => [[0.0, 0.0], [-period.recip(), 0.0]],
+        ModePair::RigidBodyPair(rate) if (rate * period).abs() < EQUALITY_TOLERANCE => {
+            [[0.0, 0.0], [-period.recip(), 0.0]]
+        }
         ModePair::RigidBodyPair(rate) => [[0.0, 0.0], [0.0, inverse(*rate)]],
     }
 }

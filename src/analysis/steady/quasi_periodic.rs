@@ -44,7 +44,7 @@ const MAX_ITERATIONS: usize = 40;
 /// Relative error up to which the first harmonics are solved if others follow. The others are solved up to a fraction of the
 /// last change of the motion.
 const FIRST_GOAL: f64 = 1e-3;
-const NEXT_GOAL: f64 = 0.1;
+const GOAL_FRACTION: f64 = 0.1;
 /// Sections at which the harmonics are checked, in multiples of the largest one of the unknowns.
 const CHECKED_SECTIONS: [f64; 3] = [1.37, 2.19, 3.53];
 /// Largest difference of the recorded motion from the harmonics at its end, in multiples of the tolerance.
@@ -375,7 +375,7 @@ impl Changes {
 
     /// Error in multiples of the tolerance up to which the next harmonics are solved.
     fn goal(&self) -> f64 {
-        let goal = self.relative.last().map_or(FIRST_GOAL, |change| NEXT_GOAL * change);
+        let goal = self.relative.last().map_or(FIRST_GOAL, |change| GOAL_FRACTION * change);
         (goal / self.tolerance).max(1.0)
     }
 

@@ -13,25 +13,25 @@ const RECORDED_ERROR: f64 = 0.5;
 /// Difference after a period in multiples of the tolerance up to which a recorded motion repeats: its steps are not those of
 /// the iteration, and each has an error of the tolerance.
 pub(super) const MAX_REPETITION_ERROR: f64 = 10.0;
-/// Largest error in multiples of the tolerance at which the iteration may stall, and the reduction of the error that is too
-/// little.
+/// Largest error, in multiples of the tolerance, at which the iteration may stall.
 const MAX_STALLED_ERROR: f64 = 100.0;
+/// An iteration stalls if its error exceeds this fraction of the error before.
 const STALLED_REDUCTION: f64 = 0.3;
 /// Number of iterations in which the accelerated iteration must converge.
 const MAX_ITERATIONS: usize = 30;
-/// Tolerance of the first iteration. That of the next ones is a fraction of the error that is left, until it is the given one:
-/// a period of a large error need not be integrated accurately.
+/// Relative tolerance of the integration in the first iteration.
 pub(super) const FIRST_TOLERANCE: f64 = 1e-4;
-/// That fraction.
+/// Relative tolerance of the integration in the next iterations, as a fraction of the expected error of the period, down to the
+/// given tolerance: a period with a large error need not be integrated accurately.
 pub(super) const TOLERANCE_FRACTION: f64 = 1e-3;
 /// Error of a state in multiples of the tolerance of the integration.
 pub(super) const STATE_ERROR_FACTOR: f64 = 10.0;
 /// Change of a correction in multiples of its error from which a secant is taken.
 pub(super) const MIN_SECANT: f64 = 5.0;
 /// Number of periods of running in before each attempt of Newton's method.
-const RUN_IN: [usize; 3] = [0, 20, 100];
+const RUN_IN_PERIODS: [usize; 3] = [0, 20, 100];
 /// Largest number of iterations of an attempt.
-const MAX_NEWTON: usize = 15;
+const MAX_NEWTON_ITERATIONS: usize = 15;
 /// The linear systems of Newton's method are solved up to this fraction.
 const NEWTON_RTOL: f64 = 1e-3;
 /// Smallest fraction of a step of Newton's method.
@@ -108,7 +108,7 @@ impl<'s, 'a> Solver<'s, 'a> {
             Ok(found) => return self.found(found),
             Err(best) => best,
         };
-        for periods in RUN_IN {
+        for periods in RUN_IN_PERIODS {
             for _ in 0..periods {
                 best.z = self.map.adapt(&best.z)?;
             }
@@ -183,7 +183,7 @@ impl<'s, 'a> Solver<'s, 'a> {
     /// Newton's method from z: the recorded fixed point, or the last point.
     fn newton(&mut self, z: Vec<f64>) -> Result<Result<Point, Point>, AnalysisError> {
         let mut point = self.point(z, Steps::Adapted(self.tolerance))?;
-        for _ in 0..MAX_NEWTON {
+        for _ in 0..MAX_NEWTON_ITERATIONS {
             // Derivatives need a base of the same steps.
             let base = self.point(point.z, Steps::Same)?;
             if base.error <= RECORDED_ERROR {

@@ -7,7 +7,8 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::packed::{Aligned, BLOCK, Columns, Group, Rows, WIDTH};
+use super::packed::{Aligned, BLOCK_SLOTS, Columns, Group, Rows};
+use crate::modal::LANES;
 
 /// `out[i] = rows[i]·z`, with the rows one after the other.
 pub fn scalars(arch: Arch, rows: &[f64], z: &[f64], out: &mut [f64]) {
@@ -26,7 +27,7 @@ impl WithSimd for Scalars<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let (z, len) = (self.z, self.z.len());
-        let whole = 0..len / WIDTH;
+        let whole = 0..len / LANES;
         let whole = std::slice::from_ref(&whole);
         // Four rows share one pass over the state.
         let (fours, rest) = self.out.as_chunks_mut::<4>();
@@ -66,7 +67,7 @@ impl WithSimd for RowProducts<'_> {
         let (seen, size) = (rows.count, rows.size);
         let mut values = &rows.values[..];
         for Group { rows, spans, len } in &rows.groups {
-            let (own, rest) = values.split_at(rows.len() * len * WIDTH);
+            let (own, rest) = values.split_at(rows.len() * len * LANES);
             values = rest;
             for k in 0..states {
                 let (z, out) = (&z[k * size..(k + 1) * size], &mut out[k * seen..(k + 1) * seen]);
@@ -84,14 +85,14 @@ impl WithSimd for RowProducts<'_> {
     }
 }
 
-/// Products of `N` rows with the `spans` of a state, which count chunks of [`WIDTH`].
+/// Products of `N` rows with the `spans` of a state, which count chunks of [`LANES`].
 #[inline(always)]
 fn products<S: Simd, const N: usize>(simd: S, rows: &[f64], spans: &[Range<usize>], z: &[f64]) -> [f64; N] {
-    match WIDTH / S::F64_LANES {
+    match LANES / S::F64_LANES {
         1 => in_registers::<S, 1, N>(simd, rows, spans, z),
         2 => in_registers::<S, 2, N>(simd, rows, spans, z),
         4 => in_registers::<S, 4, N>(simd, rows, spans, z),
-        _ => in_registers::<S, WIDTH, N>(simd, rows, spans, z),
+        _ => in_registers::<S, LANES, N>(simd, rows, spans, z),
     }
 }
 
@@ -121,7 +122,7 @@ fn in_registers<S: Simd, const R: usize, const N: usize>(
         at += z.len();
     }
     sums.map(|sums| {
-        let mut lanes = [0.0; WIDTH];
+        let mut lanes = [0.0; LANES];
         S::as_mut_simd_f64s(&mut lanes).0.copy_from_slice(&sums);
         let [a, b, c, d, e, f, g, h] = lanes;
         ((a + e) + (c + g)) + ((b + f) + (d + h))
@@ -151,10 +152,10 @@ impl WithSimd for Advance<'_> {
             for block in part.blocks() {
                 let (own, rest) = values.split_at(2 * block.len() * part.columns.len());
                 values = rest;
-                if block.len() == BLOCK {
-                    self.over::<BLOCK>(block.start, &part.columns, own);
+                if block.len() == BLOCK_SLOTS {
+                    self.over::<BLOCK_SLOTS>(block.start, &part.columns, own);
                 } else {
-                    self.over::<WIDTH>(block.start, &part.columns, own);
+                    self.over::<LANES>(block.start, &part.columns, own);
                 }
             }
         }
@@ -162,26 +163,26 @@ impl WithSimd for Advance<'_> {
 }
 
 impl Advance<'_> {
-    /// Computes `LANES` slots of both coordinates from `columns` with the entries `values`, column after column.
+    /// Computes `N` slots of both coordinates from `columns` with the entries `values`, column after column.
     #[inline(always)]
-    fn over<const LANES: usize>(&mut self, from: usize, columns: &[usize], values: &[f64]) {
+    fn over<const N: usize>(&mut self, from: usize, columns: &[usize], values: &[f64]) {
         let (x, y) = self.z.split_at(self.z.len() / 2);
-        let [a, b, c, d] = self.transition.each_ref().map(|list| &list[from..].as_chunks::<LANES>().0[0]);
-        let [x, y] = [x, y].map(|half| &half[from..].as_chunks::<LANES>().0[0]);
-        let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
+        let [a, b, c, d] = self.transition.each_ref().map(|list| &list[from..].as_chunks::<N>().0[0]);
+        let [x, y] = [x, y].map(|half| &half[from..].as_chunks::<N>().0[0]);
+        let (mut first, mut second) = ([0.0; N], [0.0; N]);
+        for lane in 0..N {
             first[lane] = a[lane] * x[lane] + b[lane] * y[lane];
             second[lane] = c[lane] * x[lane] + d[lane] * y[lane];
         }
-        for (k, [by_x, by_y]) in columns.iter().zip(values.as_chunks::<LANES>().0.as_chunks::<2>().0) {
+        for (k, [by_x, by_y]) in columns.iter().zip(values.as_chunks::<N>().0.as_chunks::<2>().0) {
             let p = self.p[*k];
-            for lane in 0..LANES {
+            for lane in 0..N {
                 first[lane] += by_x[lane] * p;
                 second[lane] += by_y[lane] * p;
             }
         }
         let (x, y) = self.out.split_at_mut(self.out.len() / 2);
-        x[from..].as_chunks_mut::<LANES>().0[0] = first;
-        y[from..].as_chunks_mut::<LANES>().0[0] = second;
+        x[from..].as_chunks_mut::<N>().0[0] = first;
+        y[from..].as_chunks_mut::<N>().0[0] = second;
     }
 }

@@ -18,7 +18,7 @@ mod time_grid;
 
 pub use cache::{PropagatorCache, PropagatorKey};
 pub use interface_maps::{InterfaceMaps, LinearizedDirection};
-pub use packed::{Aligned, Panel, Rows, WIDTH, aligned};
+pub use packed::{Aligned, Panel, Rows, aligned};
 pub use phi::phi;
 pub use quadrature::{MAX_STAGES, PointValues, QuadratureRule};
 pub use time_grid::TimeGrid;

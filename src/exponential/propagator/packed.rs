@@ -6,9 +6,6 @@ use aligned_vec::{AVec, ConstAlign};
 
 use crate::modal::LANES;
 
-/// Lanes of two registers of AVX2.
-pub const WIDTH: usize = LANES;
-
 /// Numbers that begin at a cache line: otherwise half of all vector loads would cross a line.
 pub type Aligned = AVec<f64, ConstAlign<CACHE_LINE_BYTES>>;
 /// Size of a cache line, bytes.
@@ -21,7 +18,7 @@ pub fn aligned(values: &[f64]) -> Aligned {
 
 /// Slots for which columns are summed in one pass: four registers of AVX2 for each coordinate. Every load is then read
 /// once for all these slots.
-pub(in crate::exponential) const BLOCK: usize = 2 * WIDTH;
+pub(in crate::exponential) const BLOCK_SLOTS: usize = 2 * LANES;
 
 /// Rows over a state, grouped by the parts of the state on which they are not zero.
 #[derive(Clone, Debug)]
@@ -40,7 +37,7 @@ pub struct Rows {
 pub(in crate::exponential) struct Group {
     /// Indices of the rows.
     pub rows: Vec<usize>,
-    /// Ranges of the state that the rows contain, in chunks of [`WIDTH`].
+    /// Ranges of the state that the rows contain, in chunks of [`LANES`].
     pub spans: Vec<Range<usize>>,
     /// Length of a row without its zero parts, in chunks.
     pub len: usize,
@@ -69,7 +66,7 @@ impl Rows {
                     _ => 6,
                 });
                 for row in group {
-                    values.extend(spans.iter().flat_map(|span| &rows[*row][span.start * WIDTH..span.end * WIDTH]));
+                    values.extend(spans.iter().flat_map(|span| &rows[*row][span.start * LANES..span.end * LANES]));
                 }
                 groups.push(Group { rows: group.to_vec(), spans: spans.clone(), len });
                 left = rest;
@@ -98,10 +95,10 @@ pub(in crate::exponential) struct NonzeroPart {
 }
 
 impl NonzeroPart {
-    /// Its slots in blocks of [`BLOCK`] slots; the last block may have [`WIDTH`] slots.
+    /// Its slots in blocks of [`BLOCK_SLOTS`] slots; the last block may have [`LANES`] slots.
     pub fn blocks(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         let end = self.slots.end;
-        self.slots.clone().step_by(BLOCK).map(move |at| at..end.min(at + BLOCK))
+        self.slots.clone().step_by(BLOCK_SLOTS).map(move |at| at..end.min(at + BLOCK_SLOTS))
     }
 }
 
@@ -126,7 +123,7 @@ impl Columns {
     }
 }
 
-/// Short columns in chunks of [`WIDTH`] entries. The chunks of all columns for the same entries are adjacent.
+/// Short columns in chunks of [`LANES`] entries. The chunks of all columns for the same entries are adjacent.
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// Number of columns.
@@ -139,10 +136,10 @@ impl Panel {
     /// Packs columns of `len` entries, which are given one after the other.
     pub fn new(columns: &[f64], len: usize) -> Self {
         let count = columns.len() / len.max(1);
-        let mut values = vec![0.0; count * len.next_multiple_of(WIDTH)];
+        let mut values = vec![0.0; count * len.next_multiple_of(LANES)];
         for (k, column) in columns.chunks_exact(len.max(1)).enumerate() {
-            for (chunk, entries) in column.chunks(WIDTH).enumerate() {
-                let at = (chunk * count + k) * WIDTH;
+            for (chunk, entries) in column.chunks(LANES).enumerate() {
+                let at = (chunk * count + k) * LANES;
                 values[at..at + entries.len()].copy_from_slice(entries);
             }
         }
@@ -151,7 +148,7 @@ impl Panel {
 
     /// Reads an entry of a column.
     pub fn get(&self, column: usize, entry: usize) -> f64 {
-        self.values[(entry / WIDTH * self.columns + column) * WIDTH + entry % WIDTH]
+        self.values[(entry / LANES * self.columns + column) * LANES + entry % LANES]
     }
 }
 
@@ -166,7 +163,7 @@ fn spans<'a>(slots: usize, parts: impl Iterator<Item = &'a Range<usize>> + Clone
     let mut spans: Vec<Range<usize>> = Vec::new();
     let second = parts.clone().map(|part| part.start + slots..part.end + slots);
     for part in parts.cloned().chain(second) {
-        let chunks = part.start / WIDTH..part.end / WIDTH;
+        let chunks = part.start / LANES..part.end / LANES;
         match spans.last_mut() {
             Some(last) if last.end == chunks.start => last.end = chunks.end,
             _ => spans.push(chunks),

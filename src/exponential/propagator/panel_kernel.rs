@@ -4,10 +4,11 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::packed::{Panel, WIDTH};
+use super::packed::Panel;
+use crate::modal::LANES;
 
 /// Lanes of one register of AVX2.
-const NARROW_WIDTH: usize = WIDTH / 2;
+const NARROW_LANES: usize = LANES / 2;
 
 /// Extrapolates vectors from the stages and the end of a step to the stages of the next. `nodes` holds the vectors of the
 /// stages, one after the other. For each new stage `weights` holds the weight of the end, then those of the stages.
@@ -53,24 +54,24 @@ impl WithSimd for Accumulate<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, _: S) {
         let len = self.out.len();
-        let wide = len / WIDTH * WIDTH;
-        let narrow = len / NARROW_WIDTH * NARROW_WIDTH;
-        self.over::<WIDTH>(0, wide);
-        self.over::<NARROW_WIDTH>(wide, narrow);
+        let wide = len / LANES * LANES;
+        let narrow = len / NARROW_LANES * NARROW_LANES;
+        self.over::<LANES>(0, wide);
+        self.over::<NARROW_LANES>(wide, narrow);
         self.over::<1>(narrow, len);
     }
 }
 
 impl Accumulate<'_> {
     #[inline(always)]
-    fn over<const LANES: usize>(&mut self, from: usize, to: usize) {
+    fn over<const N: usize>(&mut self, from: usize, to: usize) {
         let len = self.out.len();
-        for (i, out) in self.out[from..to].as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-            let at = from + i * LANES;
+        for (i, out) in self.out[from..to].as_chunks_mut::<N>().0.iter_mut().enumerate() {
+            let at = from + i * N;
             let mut sum = *out;
             for (p, column) in self.p.iter().zip(self.columns.chunks_exact(len)) {
-                let column = &column[at..at + LANES];
-                for lane in 0..LANES {
+                let column = &column[at..at + N];
+                for lane in 0..N {
                     sum[lane] += column[lane] * p;
                 }
             }
@@ -95,8 +96,8 @@ impl WithSimd for AccumulatePanel<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let values = self.panel.values.as_chunks::<WIDTH>().0;
-        let (whole, rest) = self.out.as_chunks_mut::<WIDTH>();
+        let values = self.panel.values.as_chunks::<LANES>().0;
+        let (whole, rest) = self.out.as_chunks_mut::<LANES>();
         let mut columns = values.chunks_exact(self.p.len().max(1));
         for (out, columns) in whole.iter_mut().zip(&mut columns) {
             let mut sum = *out;
@@ -105,10 +106,10 @@ impl WithSimd for AccumulatePanel<'_> {
         }
         // The remaining entries fit into one chunk.
         if let (Some(columns), false) = (columns.next(), rest.is_empty()) {
-            if rest.len() <= NARROW_WIDTH {
-                add_rest::<NARROW_WIDTH>(rest, self.p, columns)
+            if rest.len() <= NARROW_LANES {
+                add_rest::<NARROW_LANES>(rest, self.p, columns)
             } else {
-                add_rest::<WIDTH>(rest, self.p, columns)
+                add_rest::<LANES>(rest, self.p, columns)
             }
         }
     }
@@ -129,10 +130,10 @@ impl WithSimd for QuadraticForm<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let chunks = self.panel.values.as_chunks::<WIDTH>().0.chunks_exact(self.x.len().max(1));
+        let chunks = self.panel.values.as_chunks::<LANES>().0.chunks_exact(self.x.len().max(1));
         let mut form = 0.0;
-        for (columns, own) in chunks.zip(self.x.chunks(WIDTH)) {
-            let mut sum = [0.0; WIDTH];
+        for (columns, own) in chunks.zip(self.x.chunks(LANES)) {
+            let mut sum = [0.0; LANES];
             add_columns(&mut sum, self.x, columns);
             form += own.iter().zip(sum).map(|(x, sum)| x * sum).sum::<f64>();
         }
@@ -141,8 +142,8 @@ impl WithSimd for QuadraticForm<'_> {
 }
 
 #[inline(always)]
-fn add_rest<const LANES: usize>(out: &mut [f64], p: &[f64], columns: &[[f64; WIDTH]]) {
-    let mut sum = [0.0; LANES];
+fn add_rest<const N: usize>(out: &mut [f64], p: &[f64], columns: &[[f64; LANES]]) {
+    let mut sum = [0.0; N];
     add_columns(&mut sum, p, columns);
     for (out, sum) in out.iter_mut().zip(sum) {
         *out += sum;
@@ -150,9 +151,9 @@ fn add_rest<const LANES: usize>(out: &mut [f64], p: &[f64], columns: &[[f64; WID
 }
 
 #[inline(always)]
-fn add_columns<const LANES: usize>(sum: &mut [f64; LANES], p: &[f64], columns: &[[f64; WIDTH]]) {
+fn add_columns<const N: usize>(sum: &mut [f64; N], p: &[f64], columns: &[[f64; LANES]]) {
     for (p, column) in p.iter().zip(columns) {
-        for lane in 0..LANES {
+        for lane in 0..N {
             sum[lane] += column[lane] * p;
         }
     }

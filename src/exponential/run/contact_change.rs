@@ -9,18 +9,15 @@ use super::contact_monitor::{CandidateEvent, ContactMonitor};
 use crate::exponential::step::{DefectScratch, StepInstant, Stepper};
 use crate::exponential::within_step::{CompletedStep, SubstepSampler};
 use crate::integrate::Halt;
-use crate::numerics::bisect;
+use crate::numerics::{EQUALITY_TOLERANCE, bisect};
 
 /// The instant is located to this fraction of the step.
 const EVENT_RESOLUTION: f64 = 1e-12;
 /// Factor by which the bracket around a predicted instant widens after it has missed the change.
-const WIDENING: f64 = 64.0;
-/// Half width of the bracket, as a fraction of the step, above which bisection takes over.
-const MAX_BRACKET: f64 = 0.05;
-/// A correction of the polynomial may move the instant by this fraction of the step.
-const MAX_SHIFT: f64 = 0.05;
-/// The instant is final if a correction moves it by no more than this fraction of the step.
-const FINAL_SHIFT: f64 = 1e-9;
+const BRACKET_GROWTH: f64 = 64.0;
+/// Largest distance of a contact change from its predicted instant, as a fraction of the step: a correction of the polynomial
+/// moves the instant by at most this, and bisection takes over where the bracket around the instant is wider.
+const MAX_PREDICTION_ERROR: f64 = 0.05;
 /// Points, as fractions of the way to a change, at which the motion after the beginning of the step is evaluated.
 const POINTS_AFTER_CHANGE: [f64; 5] = [1e-4, 1e-3, 1e-2, 0.1, 0.5];
 /// Largest number of corrections of the polynomial.
@@ -145,11 +142,14 @@ impl ExponentialEventLocator {
                 return Ok(Some(change));
             }
             // Round-off may decide on the contact modes so close to the beginning.
-            if change - begin <= FINAL_SHIFT {
+            if change - begin <= EQUALITY_TOLERANCE {
                 return Ok(None);
             }
             self.measure_error(step, sampler, change);
-            let near = Bracket { low: (change - MAX_SHIFT).max(begin), high: (change + MAX_SHIFT).min(1.0) };
+            let near = Bracket {
+                low: (change - MAX_PREDICTION_ERROR).max(begin),
+                high: (change + MAX_PREDICTION_ERROR).min(1.0),
+            };
             if self.differs(step, near.low)? || !self.differs(step, near.high)? {
                 return Ok(None);
             }
@@ -160,7 +160,7 @@ impl ExponentialEventLocator {
             let shift = corrected - change;
             change = corrected;
             self.keep_modes(step, change)?;
-            if shift.abs() <= FINAL_SHIFT {
+            if shift.abs() <= EQUALITY_TOLERANCE {
                 return Ok(Some(change));
             }
         }
@@ -252,8 +252,8 @@ impl ExponentialEventLocator {
                     if self.differs(step, probe)? { high = probe } else { low = probe }
                 }
             }
-            half_width *= WIDENING;
-            predicts = half_width < MAX_BRACKET;
+            half_width *= BRACKET_GROWTH;
+            predicts = half_width < MAX_PREDICTION_ERROR;
         }
         Ok(high)
     }

@@ -86,7 +86,7 @@ impl FirstOrderSystem for InModes<'_> {
     fn within(&self, span: &Span<'_>, elapsed: f64, z: &mut [f64]) {
         // The step resolves every mode, so that the cubic is accurate for all of them.
         let weights = span.cubic(elapsed);
-        let sides = [span.before.0, span.before.1, span.after.0, span.after.1];
+        let sides = [span.before.state, span.before.derivative, span.after.state, span.after.derivative];
         for (at, z) in z.iter_mut().enumerate() {
             *z = weights.iter().zip(sides).map(|(weight, side)| weight * side[at]).sum();
         }

@@ -12,4 +12,4 @@ mod level_control;
 
 pub use driver::run;
 pub use in_modes::InModes;
-pub use level_control::LevelControl;
+pub use level_control::{LevelControl, STAGE_SOLVE_RTOL};

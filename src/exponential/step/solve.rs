@@ -24,7 +24,7 @@ const MAX_CONTRACTION: f64 = 0.4;
 /// Newton iterations before the step is given up.
 const MAX_NEWTON_ITERATIONS: usize = 12;
 /// A change below this fraction of the load is round-off.
-const ROUND_OFF: f64 = 1e-14;
+const LOAD_ROUND_OFF: f64 = 1e-14;
 
 /// Solver of the stage equations.
 #[derive(Clone, Debug)]
@@ -36,8 +36,10 @@ pub(in crate::exponential) struct LoadSolver {
     tangent_solver: TangentSolver,
     /// Factor by which an iteration reduces the residual; infinite if unknown.
     contraction: f64,
-    /// Ratio of the last two step lengths, and the weights that extrapolate the loads for it.
-    extrapolation: (f64, Vec<f64>),
+    /// Ratio of the last two step lengths for which [`Self::extrapolation_weights`] are known; zero before the first step.
+    extrapolation_ratio: f64,
+    /// Weights that extrapolate the loads from the previous step.
+    extrapolation_weights: Vec<f64>,
     /// Scratch: contacts of an evaluation.
     contacts: Vec<Contact>,
 }
@@ -51,7 +53,8 @@ impl LoadSolver {
             small_lu: SmallLu::new(stages * loads.coupled_load_count()),
             tangent_solver: TangentSolver::new(loads, &cache.maps.tangents, stages),
             contraction: f64::INFINITY,
-            extrapolation: (0.0, vec![0.0; stages * (stages + 1)]),
+            extrapolation_ratio: 0.0,
+            extrapolation_weights: vec![0.0; stages * (stages + 1)],
             contacts: vec![Contact::default(); loads.connection_count()],
         }
     }
@@ -103,11 +106,11 @@ impl LoadSolver {
         // The contraction is proportional to h² for stiffness and to h for damping.
         let ratio = context.step(span.level) / history.step;
         self.contraction = history.contraction * ratio.max(ratio * ratio);
-        if self.extrapolation.0 != ratio {
-            context.cache.rule.extrapolation(ratio, &mut self.extrapolation.1);
-            self.extrapolation.0 = ratio;
+        if self.extrapolation_ratio != ratio {
+            context.cache.rule.extrapolation(ratio, &mut self.extrapolation_weights);
+            self.extrapolation_ratio = ratio;
         }
-        let (arch, weights) = (context.arch, &self.extrapolation.1);
+        let (arch, weights) = (context.arch, &self.extrapolation_weights);
         panel_kernel::extrapolate(arch, &begin.load, &history.loads, weights, &mut stages.loads);
         let states = &history.interface_states;
         panel_kernel::extrapolate(arch, &begin.interface_state, states, weights, &mut stages.interface_states);
@@ -201,7 +204,7 @@ impl LoadSolver {
             }
             let assumed = contraction.max(MIN_CONTRACTION);
             let remaining = if assumed < 1.0 { change * assumed / (1.0 - assumed) } else { change };
-            if remaining <= tolerance || change <= ROUND_OFF * load_norm(context, stages, step) {
+            if remaining <= tolerance || change <= LOAD_ROUND_OFF * load_norm(context, stages, step) {
                 stages.mark_stale();
                 return Ok(true);
             }
@@ -252,7 +255,7 @@ impl LoadSolver {
             if !change.is_finite() {
                 return Ok(false);
             }
-            if change <= tolerance || change <= ROUND_OFF.sqrt() * 1e-3 * load_norm(context, stages, step) {
+            if change <= tolerance || change <= LOAD_ROUND_OFF.sqrt() * 1e-3 * load_norm(context, stages, step) {
                 stages.respond_all(context, span.level);
                 stages.evaluated_loads.copy_from_slice(&stages.loads);
                 return Ok(true);

@@ -12,10 +12,10 @@ use crate::linalg::semidefinite_root;
 use crate::modal::ModalStateSpace;
 use crate::motion::PowerCoordinates;
 
-/// Number of instants whose energies are evaluated together.
-const BATCH: usize = 8;
+/// Largest number of instants that are evaluated together.
+pub const INSTANT_BATCH: usize = 8;
 /// Largest number of instants that wait: the last outputs of a step are added to those of earlier steps.
-const MAX_WAITING: usize = 2 * BATCH;
+const MAX_WAITING: usize = 2 * INSTANT_BATCH;
 
 /// Coordinates that a run reads.
 #[derive(Clone, Debug, Default)]
@@ -158,7 +158,7 @@ impl OutputMap {
         v: &mut [f64],
     ) {
         let values = self.map.evaluate(loads, instants);
-        write((&self.displacements, &self.velocities), values, instants, q, v);
+        write(&self.displacements, &self.velocities, values, instants, q, v);
         if let Some(damping) = &mut self.damping {
             // Without distributed damping, there are no values.
             let powers = damping.evaluate(loads, instants).map(|values| values.iter().map(|x| x * x).sum());
@@ -178,7 +178,7 @@ impl OutputMap {
         v: &mut [f64],
     ) {
         let values = self.map.interpolate(loads, span, instants);
-        write((&self.displacements, &self.velocities), values, instants, q, v);
+        write(&self.displacements, &self.velocities, values, instants, q, v);
     }
 }
 
@@ -223,7 +223,7 @@ impl ShaftEnergies {
     /// Passes kinetic energy and elastic energy of the shafts, J, of all collected states to `receive`, oldest first, if there
     /// are enough of them or `all` are wanted.
     pub fn evaluate(&mut self, loads: &Loads<'_>, all: bool, receive: &mut dyn FnMut([f64; 2])) {
-        if self.instants.len() < if all { 1 } else { BATCH } {
+        if self.instants.len() < if all { 1 } else { INSTANT_BATCH } {
             return;
         }
         let room = self.instants.len() * self.unbent.len();
@@ -258,7 +258,8 @@ fn distributed_damping(loads: &Loads<'_>, linear: &ModalStateSpace) -> StateMap 
 
 /// Writes the values of displacements and velocities at each instant to their coordinates.
 fn write<'v>(
-    (displacements, velocities): (&[usize], &[usize]),
+    displacements: &[usize],
+    velocities: &[usize],
     values: impl Iterator<Item = &'v [f64]>,
     instants: &[f64],
     q: &mut [f64],

@@ -58,7 +58,7 @@ impl StateMap {
         span: &Span<'_>,
         instants: &[f64],
     ) -> impl Iterator<Item = &[f64]> {
-        let sides = [span.before.0, span.before.1, span.after.0, span.after.1];
+        let sides = [span.before.state, span.before.derivative, span.after.state, span.after.derivative];
         sides.into_iter().for_each(|z| self.gather(z));
         self.map_states(sides.len());
         std::mem::swap(&mut self.ends, &mut self.values);

@@ -13,24 +13,24 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::load_polynomials::LoadPolynomials;
-use crate::exponential::propagator::{Aligned, MAX_STAGES, PropagatorCache, WIDTH, aligned, panel_kernel};
+use crate::exponential::propagator::{Aligned, MAX_STAGES, PropagatorCache, aligned, panel_kernel};
 use crate::exponential::step::Stepper;
-use crate::modal::ModePair;
+use crate::modal::{LANES, ModePair};
 use crate::numerics::exponential;
 
 /// Largest number of functions ψ: one for each coefficient of a load, and a further one for rigid-body motions.
 const MAX_FUNCTIONS: usize = MAX_STAGES + 3;
 /// Terms of the series for |x| < 1. Its last term is then below 2/17!, which is round-off.
-const TERMS: usize = 16;
+const SERIES_TERMS: usize = 16;
 
-type Lanes = [f64; WIDTH];
+type Lanes = [f64; LANES];
 
 /// States within the last step.
 #[derive(Clone, Debug)]
 pub(in crate::exponential) struct SubstepModes {
     /// Real and imaginary parts of the eigenvalues λ, 1/s: one for each slot, then both of each of [`Self::others`].
     eigenvalues: [Aligned; 2],
-    /// Smallest |λ| of each chunk of [`WIDTH`] slots, 1/s; zero if one of [`Self::others`] is in it.
+    /// Smallest |λ| of each chunk of [`LANES`] slots, 1/s; zero if one of [`Self::others`] is in it.
     slowest: Vec<f64>,
     /// Pairs that are no oscillation.
     others: Vec<OtherPair>,
@@ -62,7 +62,7 @@ impl SubstepModes {
             pairs.iter().map(|pair| (pair.eigenvalues()[0].re, pair.eigenvalues()[0].im)).unzip();
         let sizes: Vec<f64> = real.iter().zip(&imaginary).map(|(re, im): (&f64, &f64)| re.hypot(*im)).collect();
         let least = |sizes: &[f64]| sizes.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut slowest: Vec<f64> = sizes.chunks_exact(WIDTH).map(least).collect();
+        let mut slowest: Vec<f64> = sizes.chunks_exact(LANES).map(least).collect();
         let mut others = Vec::new();
         for (slot, pair) in pairs.iter().enumerate() {
             let values = pair.eigenvalues().map(|value| value.re);
@@ -70,22 +70,22 @@ impl SubstepModes {
             // Equal real eigenvalues, also those of empty slots, are an oscillation without frequency.
             if is_rigid || matches!(pair, ModePair::Real(_)) && values[0] != values[1] {
                 others.push(OtherPair { slot, first: real.len(), is_rigid });
-                slowest[slot / WIDTH] = 0.0;
+                slowest[slot / LANES] = 0.0;
                 real.extend(values);
             }
         }
-        real.resize(real.len().next_multiple_of(WIDTH), 0.0);
+        real.resize(real.len().next_multiple_of(LANES), 0.0);
         imaginary.resize(real.len(), 0.0);
         let powers = if loads > 0 { cache.rule.whole.len() } else { 0 };
-        let (count, chunks) = (powers + 1, real.len() / WIDTH);
+        let (count, chunks) = (powers + 1, real.len() / LANES);
         Self {
             eigenvalues: [aligned(&real), aligned(&imaginary)],
             slowest,
             others,
             forces: vec![0.0; powers * cache.linear.len()],
             count,
-            exponentials: vec![[[0.0; WIDTH]; 2]; chunks],
-            functions: vec![[[0.0; WIDTH]; 2]; chunks * count],
+            exponentials: vec![[[0.0; LANES]; 2]; chunks],
+            functions: vec![[[0.0; LANES]; 2]; chunks * count],
             state: vec![0.0; cache.linear.len()],
         }
     }
@@ -133,7 +133,7 @@ impl SubstepModes {
         for OtherPair { slot, first, is_rigid } in &self.others {
             // e^{λt} has the order 0, and ψₘ the order m + 1.
             let function = |order: usize, index: usize| {
-                let (chunk, lane) = (index / WIDTH, index % WIDTH);
+                let (chunk, lane) = (index / LANES, index % LANES);
                 match order {
                     0 => self.exponentials[chunk][0][lane],
                     _ => self.functions[chunk * self.count + order - 1][0][lane],
@@ -167,14 +167,14 @@ impl WithSimd for Polynomials<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<WIDTH>().0);
-        let forces = self.forces.as_chunks_mut::<WIDTH>().0;
+        let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<LANES>().0);
+        let forces = self.forces.as_chunks_mut::<LANES>().0;
         let half = self.slowest.len();
         for i in (0..half).filter(|i| self.slowest[*i] * self.step >= 1.0) {
             let inverse = inverse(&scaled(&real[i], &imaginary[i], self.step));
-            let mut next = [[0.0; WIDTH]; 2];
+            let mut next = [[0.0; LANES]; 2];
             for (m, forces) in forces.chunks_exact_mut(2 * half).enumerate().rev() {
-                for lane in 0..WIDTH {
+                for lane in 0..LANES {
                     next[0][lane] = (m + 1) as f64 * next[0][lane] - self.step * forces[i][lane];
                     next[1][lane] = (m + 1) as f64 * next[1][lane] - self.step * forces[half + i][lane];
                 }
@@ -197,7 +197,7 @@ impl WithSimd for Exponentials<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<WIDTH>().0);
+        let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<LANES>().0);
         for (out, parts) in self.exponentials.iter_mut().zip(real.iter().zip(imaginary)) {
             *out = exponential(&scaled(parts.0, parts.1, self.time));
         }
@@ -223,10 +223,10 @@ impl WithSimd for Sum<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<WIDTH>().0);
+        let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<LANES>().0);
         let (half, part) = (self.slowest.len(), self.time / self.step);
-        let (z, state) = (self.z.as_chunks::<WIDTH>().0, self.state.as_chunks_mut::<WIDTH>().0);
-        let forces = self.forces.as_chunks::<WIDTH>().0;
+        let (z, state) = (self.z.as_chunks::<LANES>().0, self.state.as_chunks_mut::<LANES>().0);
+        let forces = self.forces.as_chunks::<LANES>().0;
         let powers = self.count - 1;
         for (i, (functions, exponential)) in
             self.functions.chunks_exact_mut(self.count).zip(self.exponentials).enumerate()
@@ -238,7 +238,7 @@ impl WithSimd for Sum<'_> {
                     std::array::from_fn(|lane| z[i][lane] - begin[0][lane]),
                     std::array::from_fn(|lane| z[half + i][lane] - begin[1][lane]),
                 ];
-                let mut sum = [[0.0; WIDTH]; 2];
+                let mut sum = [[0.0; LANES]; 2];
                 for m in (0..powers).rev() {
                     add(&mut sum, part, &force(m), |sum, part, force| sum * part + force);
                 }
@@ -268,11 +268,11 @@ fn integrals(x: &[Lanes; 2], exponential: &[Lanes; 2], functions: &mut [[Lanes; 
     let square: Lanes = std::array::from_fn(|lane| x[0][lane] * x[0][lane] + x[1][lane] * x[1][lane]);
     let is_slow = square.map(|square| square < 1.0);
     let last = functions.len() - 1;
-    let mut slow = [[[0.0; WIDTH]; 2]; MAX_FUNCTIONS];
+    let mut slow = [[[0.0; LANES]; 2]; MAX_FUNCTIONS];
     if is_slow.contains(&true) {
         // ψ_last = Σ xʲ/((last + 1)…(last + 1 + j))
-        let mut sum = [[0.0; WIDTH]; 2];
-        for j in (0..TERMS).rev() {
+        let mut sum = [[0.0; LANES]; 2];
+        for j in (0..SERIES_TERMS).rev() {
             sum = affine(&product(x, &sum), 1.0, 1.0 / (last + 1 + j) as f64);
         }
         slow[last] = sum;
@@ -290,7 +290,7 @@ fn integrals(x: &[Lanes; 2], exponential: &[Lanes; 2], functions: &mut [[Lanes; 
         let factor = m.max(1) as f64;
         before = product(&inverse, &affine(&before, -1.0 / factor, factor));
         for part in 0..2 {
-            for lane in 0..WIDTH {
+            for lane in 0..LANES {
                 function[part][lane] = if is_slow[lane] { slow[part][lane] } else { before[part][lane] };
             }
         }
@@ -357,8 +357,8 @@ mod tests {
             .flat_map(|size| directions.map(|d| (size, d)))
         {
             let x = direction * size.min(if direction.re > 0.5 { 40.0 } else { size });
-            let mut functions = [[[0.0; WIDTH]; 2]; MAX_FUNCTIONS];
-            let parts = |value: Complex64| [[value.re; WIDTH], [value.im; WIDTH]];
+            let mut functions = [[[0.0; LANES]; 2]; MAX_FUNCTIONS];
+            let parts = |value: Complex64| [[value.re; LANES], [value.im; LANES]];
             integrals(&parts(x), &parts(x.exp()), &mut functions);
             for (m, value) in phi::<{ MAX_FUNCTIONS + 1 }>(x).into_iter().skip(1).enumerate() {
                 let found = Complex64::new(functions[m][0][0], functions[m][1][0]) / factorial(m);

@@ -4,9 +4,8 @@ use super::output::OutputMap;
 use super::substep::SubstepSampler;
 use crate::exponential::step::Stepper;
 use crate::integrate::{Halt, Trajectory};
+use crate::numerics::EQUALITY_TOLERANCE;
 
-/// Instants closer to an end of the step than this fraction of it take the state of that end.
-const ROUND_OFF: f64 = 1e-9;
 /// The step that was taken last, before it is committed.
 #[derive(Clone, Copy)]
 pub struct CompletedStep<'a, 'm> {
@@ -99,7 +98,7 @@ impl Trajectory for StepTrajectory<'_, '_> {
     }
 
     fn ends_at_state(&self) -> bool {
-        (self.end - self.step.begin - self.step.length()).abs() <= ROUND_OFF * self.step.length()
+        (self.end - self.step.begin - self.step.length()).abs() <= EQUALITY_TOLERANCE * self.step.length()
     }
 
     fn end_displacement(&self) -> Option<&[f64]> {
@@ -117,9 +116,10 @@ fn each_state(
     let length = step.length();
     for elapsed in instants {
         let within = elapsed - step.begin;
-        let z = if (within - length).abs() <= ROUND_OFF * length {
+        // Instants at an end of the step take the state of that end.
+        let z = if (within - length).abs() <= EQUALITY_TOLERANCE * length {
             &step.stepper.end_state
-        } else if within.abs() <= ROUND_OFF * length {
+        } else if within.abs() <= EQUALITY_TOLERANCE * length {
             step.z
         } else {
             step.state_at(sampler, within)

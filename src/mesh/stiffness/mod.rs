@@ -196,20 +196,22 @@ impl Stiffness {
     }
 }
 
+/// Number of pieces of the path or cycle on which a mean stiffness is integrated. The rule has an error of h⁴.
+const MEAN_PIECES: usize = 256;
+
 /// (1/p_b)∫w k ds over the path of contact, N/m, by Simpson's rule. The pieces meet at the kinks of the engagement w,
 /// which extends beyond the path.
 fn mean_of_pairs(pair: &ToothPair, engagement: &Engagement, path: &ContactPath) -> f64 {
-    const PIECES: usize = 256;
     let &ContactPath { tangent, low, high, pitch, .. } = path;
     let half = if let Engagement::Smooth(width) = engagement { width * pitch / 2.0 } else { 0.0 };
     let at = |s: f64| engagement.weight(s - low, high - s, pitch)[0] * pair.at(s, tangent)[0];
     let piece = |from: f64, to: f64| {
-        let h = (to - from) / PIECES as f64;
+        let h = (to - from) / MEAN_PIECES as f64;
         let simpson = |i: usize| {
             let s = from + i as f64 * h;
             (at(s) + 4.0 * at(s + h / 2.0) + at(s + h)) * h / 6.0
         };
-        (0..PIECES).map(simpson).sum::<f64>()
+        (0..MEAN_PIECES).map(simpson).sum::<f64>()
     };
     let (entered, leaving) = ((low + half).min(high), (high - half).max(low));
     (piece(low - half, entered.min(leaving))

@@ -42,11 +42,11 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
         }
         StiffnessModel::Square(scale) => scaled(ToothPair::Uniform(1.0), scale),
         StiffnessModel::Parabolic(scale, end_ratio) => {
-            let path = ((low + high) / 2.0, (high - low) / 2.0);
-            scaled(ToothPair::Parabolic { middle: 1.0, end_ratio: *end_ratio, path }, scale)
+            let (centre, half_length) = ((low + high) / 2.0, (high - low) / 2.0);
+            scaled(ToothPair::Parabolic { middle: 1.0, end_ratio: *end_ratio, centre, half_length }, scale)
         }
         StiffnessModel::PotentialEnergy(width, bores, foundation) => {
-            potential_energy(teeth, pair, pitch, (*width, bores, *foundation), pairs)
+            potential_energy(teeth, pair, pitch, *width, bores, *foundation, pairs)
         }
         StiffnessModel::Table(values) => {
             let values: Vec<f64> = values.iter().map(|value| transverse(*value)).collect();
@@ -59,13 +59,15 @@ pub fn build(teeth: &Teeth, pair: [&Gear; 2], involute: &Involute) -> Stiffness 
     }
 }
 
-/// The stiffness of teeth by the potential-energy method: face width, radii of the bores, and foundation; `pitch` is the base
-/// pitch, m.
+/// The stiffness of teeth by the potential-energy method: `pitch` is the base pitch, m, `width` the face width, m, and `bores`
+/// the radii of the bores, m.
 fn potential_energy(
     teeth: &Teeth,
     pair: [&Gear; 2],
     pitch: f64,
-    (width, bores, foundation): (f64, &[f64; 2], Foundation),
+    width: f64,
+    bores: &[f64; 2],
+    foundation: Foundation,
     pairs: impl Fn(ToothPair) -> Stiffness,
 ) -> Stiffness {
     // Contact points lie between the larger one of base circle and root circle, and the tip circle. A smooth

@@ -14,8 +14,10 @@ pub enum ToothPair {
         middle: f64,
         /// Ratio of the stiffness at the ends to the stiffness in the middle.
         end_ratio: f64,
-        /// Middle and half length of the path of contact at rest, m.
-        path: (f64, f64),
+        /// Position of the middle of the path of contact at rest, m.
+        centre: f64,
+        /// Half length of the path of contact at rest, m.
+        half_length: f64,
     },
     /// Contact and both teeth in series; the compliance of the teeth depends on the contact point.
     Teeth {
@@ -34,11 +36,11 @@ impl ToothPair {
     pub fn at(&self, s: f64, tangent: f64) -> [f64; 3] {
         match self {
             Self::Uniform(k) => [*k, 0.0, 0.0],
-            Self::Parabolic { middle, end_ratio, path: (centre, half) } => {
-                let x = (s - centre) / half;
+            Self::Parabolic { middle, end_ratio, centre, half_length } => {
+                let x = (s - centre) / half_length;
                 let drop = middle * (1.0 - end_ratio);
                 let k = middle - drop * x * x;
-                if k > 0.0 { [k, -2.0 * drop * x / half, 0.0] } else { [0.0; 3] }
+                if k > 0.0 { [k, -2.0 * drop * x / half_length, 0.0] } else { [0.0; 3] }
             }
             Self::Teeth { contact, teeth } => {
                 let ((driver, by_s), (driven, by_rest)) = (teeth[0].at(s), teeth[1].at(tangent - s));
@@ -53,7 +55,9 @@ impl ToothPair {
     pub fn scaled(self, factor: f64) -> Self {
         match self {
             Self::Uniform(k) => Self::Uniform(k * factor),
-            Self::Parabolic { middle, end_ratio, path } => Self::Parabolic { middle: middle * factor, end_ratio, path },
+            Self::Parabolic { middle, end_ratio, centre, half_length } => {
+                Self::Parabolic { middle: middle * factor, end_ratio, centre, half_length }
+            }
             Self::Teeth { contact, teeth } => {
                 let teeth = Box::new(teeth.map(|curve| curve.scaled(1.0 / factor)));
                 Self::Teeth { contact: contact / factor, teeth }

@@ -9,13 +9,11 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use crate::numerics::gauss;
-use crate::scene::Gear;
+use crate::scene::{Gear, STEEL, STEEL_POISSON_RATIO};
 
-/// Young's modulus and Poisson's ratio of the gears: steel.
-const YOUNGS_MODULUS: f64 = 207e9;
-const POISSON_RATIO: f64 = 0.3;
-/// Compliance of the contact of two flanks times face width, m²/N.
-pub const CONTACT_COMPLIANCE: f64 = 4.0 * (1.0 - POISSON_RATIO * POISSON_RATIO) / (PI * YOUNGS_MODULUS);
+/// Compliance of the contact of two flanks of steel times face width, m²/N.
+pub const CONTACT_COMPLIANCE: f64 =
+    4.0 * (1.0 - STEEL_POISSON_RATIO * STEEL_POISSON_RATIO) / (PI * STEEL.youngs_modulus);
 /// Shear correction of a rectangular section.
 const SHEAR_CORRECTION: f64 = 1.2;
 
@@ -27,6 +25,8 @@ const FOUNDATION_POLYNOMIALS: [[f64; 6]; 4] = [
     [-6.2042e-5, 9.0889e-3, -4.0964e-4, 7.8297e-3, -0.1472, 0.6904],
 ];
 
+/// Number of pieces of the profile of a tooth.
+const PROFILE_PIECES: usize = 8;
 /// Points of the Gauss rule on each piece of the profile.
 const GAUSS_POINTS: usize = 8;
 
@@ -71,14 +71,14 @@ impl Tooth {
         let roll = rolling_displacement / self.base_radius;
         let (sin, cos) = (roll - self.half_angle).sin_cos();
         let (contact, lever) = self.flank(roll);
-        let shear_modulus = YOUNGS_MODULUS / (2.0 * (1.0 + POISSON_RATIO));
+        let shear_modulus = STEEL.youngs_modulus / (2.0 * (1.0 + STEEL_POISSON_RATIO));
         // Energy of a unit force in a slice at the height x with the half thickness h.
         let slice = |x: f64, h: f64| {
             let moment = cos * (contact - x) - sin * lever;
             let inertia = 2.0 / 3.0 * h.powi(3);
-            moment * moment / (YOUNGS_MODULUS * inertia)
+            moment * moment / (STEEL.youngs_modulus * inertia)
                 + SHEAR_CORRECTION * cos * cos / (2.0 * shear_modulus * h)
-                + sin * sin / (2.0 * YOUNGS_MODULUS * h)
+                + sin * sin / (2.0 * STEEL.youngs_modulus * h)
         };
         // Along the involute from the larger one of base circle and root circle; x' = r_b·roll·cos(roll − half_angle).
         let lowest = ((self.root_radius / self.base_radius).powi(2) - 1.0).max(0.0).sqrt();
@@ -104,7 +104,7 @@ impl Tooth {
         // Height above the root circle at which the line of action intersects the axis of the tooth.
         let reach = (contact - lever * sin / cos - self.root_radius) / arc;
         let tangent = sin / cos;
-        cos * cos / YOUNGS_MODULUS * (l * reach * reach + m * reach + p * (1.0 + q * tangent * tangent))
+        cos * cos / STEEL.youngs_modulus * (l * reach * reach + m * reach + p * (1.0 + q * tangent * tangent))
     }
 
     /// Half the angle of the tooth at the root circle.
@@ -119,11 +119,10 @@ impl Tooth {
     }
 }
 
-/// Integral by a Gauss rule on eight pieces.
+/// Integral by a Gauss rule on each of [`PROFILE_PIECES`].
 fn integral(from: f64, to: f64, integrand: impl Fn(f64) -> f64) -> f64 {
-    const PIECES: usize = 8;
     static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(GAUSS_POINTS));
-    let length = (to - from) / PIECES as f64;
+    let length = (to - from) / PROFILE_PIECES as f64;
     let piece = |begin: f64| RULE.iter().map(|(at, weight)| weight * integrand(begin + at * length)).sum::<f64>();
-    (0..PIECES).map(|index| piece(from + index as f64 * length)).sum::<f64>() * length
+    (0..PROFILE_PIECES).map(|index| piece(from + index as f64 * length)).sum::<f64>() * length
 }

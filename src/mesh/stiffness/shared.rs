@@ -12,7 +12,7 @@
 //! K is positive. It equals 1/(1/κ + c) for one pair. For pairs with equal body compliance c it equals 1/(1/Σκ + c):
 //! fillet and body are then in series with all pairs in parallel.
 
-use super::{ElasticState, ToothPair, UniformCurve};
+use super::{ElasticState, MEAN_PIECES, ToothPair, UniformCurve};
 use crate::mesh::ContactPath;
 use crate::numerics::gauss;
 use crate::scene::Engagement;
@@ -79,7 +79,6 @@ impl Shared {
 
     /// Mean over the mesh cycle, N/m, by the two-point Gauss rule on pieces between the engagement changes.
     pub(super) fn mean(&self, path: &ContactPath) -> f64 {
-        const PIECES: usize = 256;
         let pitch = path.pitch;
         let half = if let Engagement::Smooth(width) = self.engagement { width * pitch / 2.0 } else { 0.0 };
         let mut marks = [path.low - half, path.low + half, path.high - half, path.high + half, 0.0, 0.0]
@@ -88,10 +87,10 @@ impl Shared {
         marks.sort_by(f64::total_cmp);
         let rule = gauss(2);
         let piece = |from: f64, to: f64| {
-            let h = (to - from) / PIECES as f64;
+            let h = (to - from) / MEAN_PIECES as f64;
             let at = |i: usize, part: f64| self.stiffness(path, from + h * (i as f64 + part));
             let sum = |i: usize| rule.iter().map(|(part, weight)| weight * at(i, *part)).sum::<f64>();
-            (0..PIECES).map(sum).sum::<f64>() * h
+            (0..MEAN_PIECES).map(sum).sum::<f64>() * h
         };
         marks.windows(2).map(|ends| piece(ends[0], ends[1])).sum::<f64>() / pitch
     }

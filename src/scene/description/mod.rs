@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 pub use bearing::{Bearing, ContactKind, FilmModel};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
-pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
+pub use shaft::{Bow, BowShape, Material, STEEL, STEEL_POISSON_RATIO, Segment, Shaft};
 pub use sources::{GroundQuantity, Source};
 pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable};
 pub use teeth::{

@@ -6,10 +6,8 @@ use std::marker::PhantomData;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 
+use crate::numerics::LARGEST_EXACT_INTEGER;
 use crate::scene::{SceneError, nearest};
-
-/// Largest value up to which every whole number is a float, 2⁵³.
-const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
 /// Names of the entries that are lists of a fixed length, and what their numbers are.
 const FIXED_LISTS: [(&[&str], &str); 6] = [
@@ -62,7 +60,7 @@ impl<T: TryFrom<i64>> Visitor<'_> for Whole<T> {
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<T, E> {
-        if value.fract() == 0.0 && value.abs() <= LARGEST_WHOLE {
+        if value.fract() == 0.0 && value.abs() <= LARGEST_EXACT_INTEGER as f64 {
             return self.visit_i64(value as i64);
         }
         if value.fract() == 0.0 {

@@ -20,9 +20,11 @@ pub struct Material {
     pub shear_modulus: Option<f64>,
 }
 
+/// Poisson's ratio of steel.
+pub const STEEL_POISSON_RATIO: f64 = 0.3;
 /// Steel: 207 GPa, Poisson's ratio 0.3, 7850 kg/m³.
 pub const STEEL: Material =
-    Material { youngs_modulus: 207e9, density: 7850.0, poisson_ratio: Some(0.3), shear_modulus: None };
+    Material { youngs_modulus: 207e9, density: 7850.0, poisson_ratio: Some(STEEL_POISSON_RATIO), shear_modulus: None };
 
 /// A shaft: uniform (`length`, `outer_diameter`, …, `elements`) or stepped (`segments`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

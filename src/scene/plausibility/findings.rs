@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use super::ranges::{DEGREES, Usual};
+use super::ranges::{ASK_DEGREES, Usual};
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::EntryPath;
 use crate::scene::number::short;
 
 /// A full turn, rad, with a tolerance for round-off.
-const FULL_TURN: f64 = TAU * (1.0 + 1e-9);
+const FULL_TURN: f64 = TAU * (1.0 + EQUALITY_TOLERANCE);
 
 /// A quantity outside its range.
 struct Finding {
@@ -41,7 +42,11 @@ impl Findings {
     /// Adds a finding if an angle, rad, is larger than a full turn.
     pub(super) fn check_angle(&mut self, at: &EntryPath, angle: f64) {
         if angle.abs() > FULL_TURN {
-            self.add("angle", at, &format!("{} rad is more than a full turn, 2π = 6.283 rad; {DEGREES}", short(angle)));
+            self.add(
+                "angle",
+                at,
+                &format!("{} rad is more than a full turn, 2π = 6.283 rad; {ASK_DEGREES}", short(angle)),
+            );
         }
     }
 

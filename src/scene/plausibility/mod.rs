@@ -10,20 +10,21 @@ mod ranges;
 use std::f64::consts::PI;
 
 use super::description::{self, SceneDescription};
+use super::gear::PUBLISHED_DATA_TOLERANCE;
 use super::number::short;
-use super::{BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Nonlinear, Scene, SceneError, Shaft};
+use super::{
+    BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Nonlinear, STANDARD_GRAVITY, Scene, SceneError,
+    Shaft,
+};
 use findings::Findings;
 use ranges::{
-    ADDENDUM, BACKLASH, BEARING, BOW, CENTRE_DISTANCE, CLEARANCE, DENSITY, DIAMETER, ECCENTRICITY, ERROR, FACE_WIDTH,
-    GEAR_DENSITY, GEAR_GYRATION, GYRATION, LENGTH, MASS, MESH_DAMPING, MESH_STIFFNESS, METRES, MODAL_DAMPING, MODULE,
-    MODULUS, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF, RELIEF_LENGTH, ROLLING_CLEARANCE, RUNOUT, SAG, SHEAR_MODULUS,
-    SLENDERNESS, TIP_REACH, TORSION, VISCOSITY, WEIGHT,
+    ASK_MILLIMETRES, BEARING_STIFFNESS, BODY_ECCENTRICITY, BODY_GYRATION, BODY_MASS, CENTRE_DISTANCE, FACE_WIDTH,
+    GEAR_ADDENDUM, GEAR_DENSITY, GEAR_GYRATION, GEAR_MODULE, GEAR_RUNOUT, GRAVITY, JOURNAL_CLEARANCE, MESH_BACKLASH,
+    MESH_DAMPING, MESH_STIFFNESS, MODAL_DAMPING, OIL_VISCOSITY, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF_LENGTH,
+    ROLLING_CLEARANCE, SHAFT_BOW, SHAFT_DIAMETER, SHAFT_LENGTH, SHAFT_SAG, SHAFT_SLENDERNESS, SHAFT_TORSION,
+    SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH, TIP_RELIEF, TRANSMISSION_ERROR, YOUNGS_MODULUS,
 };
 
-/// Standard gravity, m/s².
-const GRAVITY: f64 = 9.806_65;
-/// Relative tolerance of I_p ≤ 2 I_d. Published inertias are rounded.
-const INERTIA_TOLERANCE: f64 = 0.05;
 /// Largest plausible pitch-line speed, m/s. Turbo gears reach 200 m/s; AGMA 6011 covers speeds above 35 m/s.
 const PITCH_LINE_SPEED: f64 = 250.0;
 
@@ -59,10 +60,10 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     for (index, bearing) in scene.bearings.iter().enumerate() {
         let at = EntryPath::entry("bearings", index);
         match &bearing.nonlinear {
-            None => found.check(&at.field("stiffness"), largest_stiffness(&bearing.stiffness), &BEARING),
+            None => found.check(&at.field("stiffness"), largest_stiffness(&bearing.stiffness), &BEARING_STIFFNESS),
             Some(Nonlinear::Journal(journal)) => {
-                found.check(&at.field("clearance"), 2.0 * journal.clearance / journal.diameter, &CLEARANCE);
-                found.check(&at.field("viscosity"), journal.viscosity, &VISCOSITY);
+                found.check(&at.field("clearance"), 2.0 * journal.clearance / journal.diameter, &JOURNAL_CLEARANCE);
+                found.check(&at.field("viscosity"), journal.viscosity, &OIL_VISCOSITY);
             }
             Some(Nonlinear::Rolling(rolling)) => {
                 let diameter = system.bearings[index].element_diameter.unwrap_or(f64::INFINITY);
@@ -73,13 +74,13 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     for (index, torque) in scene.torques.iter().enumerate() {
         let (shaft, node) = (&scene.shafts[torque.node.shaft], torque.node.node);
         let strain = 2.0 * torque.value.abs() / (PI * shaft.radius_at(node).powi(3) * shaft.material.shear_modulus);
-        found.check(&EntryPath::entry("torques", index), strain, &TORSION);
+        found.check(&EntryPath::entry("torques", index), strain, &SHAFT_TORSION);
     }
     if scene.lateral {
         (0..scene.shafts.len()).for_each(|shaft| check_supports(scene, shaft, &mut found));
     }
     found.check(&EntryPath::root("modal_damping"), scene.modal_damping, &MODAL_DAMPING);
-    found.check(&EntryPath::root("gravity"), scene.gravity[0].hypot(scene.gravity[1]), &WEIGHT);
+    found.check(&EntryPath::root("gravity"), scene.gravity[0].hypot(scene.gravity[1]), &GRAVITY);
     Ok(found.messages().collect())
 }
 
@@ -91,13 +92,13 @@ fn check_shaft(
 ) -> Result<(), SceneError> {
     let (length, diameter) = (shaft.length(), 2.0 * largest_radius(shaft));
     let place = |field: &'static str| if given.segments.is_some() { at.field("segments") } else { at.field(field) };
-    found.check(&place("length"), length, &LENGTH);
-    found.check(&place("outer_diameter"), diameter, &DIAMETER);
-    found.check(&place("length"), length / diameter, &SLENDERNESS);
+    found.check(&place("length"), length, &SHAFT_LENGTH);
+    found.check(&place("outer_diameter"), diameter, &SHAFT_DIAMETER);
+    found.check(&place("length"), length / diameter, &SHAFT_SLENDERNESS);
     let material = at.field("material");
-    found.check(&material.field("youngs_modulus"), shaft.material.youngs_modulus, &MODULUS);
+    found.check(&material.field("youngs_modulus"), shaft.material.youngs_modulus, &YOUNGS_MODULUS);
     if !is_massless(shaft.material.density) {
-        found.check(&material.field("density"), shaft.material.density, &DENSITY);
+        found.check(&material.field("density"), shaft.material.density, &SOLID_DENSITY);
     }
     if given.material.is_some_and(|material| material.shear_modulus.is_some()) {
         found.check(&material.field("shear_modulus"), shaft.material.shear_modulus, &SHEAR_MODULUS);
@@ -108,9 +109,11 @@ fn check_shaft(
     let list = bow.amplitudes.iter().flatten().map(|value| value.abs()).reduce(f64::max);
     for (at, amplitude) in one.into_iter().chain(list.map(|amplitude| (at.field("amplitudes"), amplitude))) {
         if amplitude > length {
-            return Err(at.error(format!("{amplitude} m is more than the length of the shaft, {length} m; {METRES}")));
+            return Err(
+                at.error(format!("{amplitude} m is more than the length of the shaft, {length} m; {ASK_MILLIMETRES}"))
+            );
         }
-        found.check(&at, amplitude / length, &BOW);
+        found.check(&at, amplitude / length, &SHAFT_BOW);
     }
     bow.phase.iter().for_each(|phase| found.check_angle(&at.field("phase"), *phase));
     bow.phases
@@ -147,18 +150,19 @@ fn check_extrapolation(shaft: &Shaft, largest: f64, at: &EntryPath, found: &mut 
 /// Whether a density means a massless shaft, for example of a Jeffcott rotor. Such a density is at most 1 and is not the
 /// density of a solid in kg/mm³ or t/mm³. In g/cm³, solids heavier than water have values above 1.
 fn is_massless(density: f64) -> bool {
-    density <= 1.0 && ![1e-9, 1e-12].iter().any(|unit| (DENSITY.low * unit..DENSITY.high * unit).contains(&density))
+    density <= 1.0
+        && ![1e-9, 1e-12].iter().any(|unit| (SOLID_DENSITY.low * unit..SOLID_DENSITY.high * unit).contains(&density))
 }
 
 fn check_gear(given: &description::Gear, gear: &Gear, at: &EntryPath, found: &mut Findings) {
     let size = if given.module.is_some() { "module" } else { "base_radius" };
-    found.check(&at.field(size), gear.module, &MODULE);
+    found.check(&at.field(size), gear.module, &GEAR_MODULE);
     found.check(&at.field("pressure_angle"), gear.pressure_angle, &PRESSURE_ANGLE);
     found.check(&at.field("profile_shift"), gear.profile_shift, &PROFILE_SHIFT);
     if given.tip_radius.is_some() {
-        found.check(&at.field("tip_radius"), (gear.tip_radius - gear.pitch_radius) / gear.module, &ADDENDUM);
+        found.check(&at.field("tip_radius"), (gear.tip_radius - gear.pitch_radius) / gear.module, &GEAR_ADDENDUM);
     }
-    found.check(&at.field("runout"), gear.runout.norm() / gear.module, &RUNOUT);
+    found.check(&at.field("runout"), gear.runout.norm() / gear.module, &GEAR_RUNOUT);
     if let Some(width) = gear.face_width {
         found.check(&at.field("face_width"), width / (2.0 * gear.pitch_radius), &FACE_WIDTH);
         let volume = PI * gear.pitch_radius.powi(2) * width;
@@ -175,19 +179,19 @@ fn check_gear(given: &description::Gear, gear: &Gear, at: &EntryPath, found: &mu
 fn check_body(scene: &Scene, body: &Body, at: &EntryPath, found: &mut Findings) -> Result<(), SceneError> {
     // A diametral inertia of zero is a usual idealisation. It has no effect in pure torsion.
     let (polar, diametral) = (body.polar_inertia, body.diametral_inertia);
-    if scene.lateral && diametral > 0.0 && polar > 2.0 * diametral * (1.0 + INERTIA_TOLERANCE) {
+    if scene.lateral && diametral > 0.0 && polar > 2.0 * diametral * (1.0 + PUBLISHED_DATA_TOLERANCE) {
         return Err(at.field("polar_inertia").error(format!(
             "{polar} kg m2 is more than twice the diametral inertia, {diametral} kg m2, which is impossible for a rigid body; are the two exchanged?"
         )));
     }
     if body.mass > 0.0 {
-        found.check(&at.field("mass"), body.mass, &MASS);
+        found.check(&at.field("mass"), body.mass, &BODY_MASS);
         if polar > 0.0 {
-            found.check(&at.field("polar_inertia"), (polar / body.mass).sqrt(), &GYRATION);
+            found.check(&at.field("polar_inertia"), (polar / body.mass).sqrt(), &BODY_GYRATION);
         }
     }
     let radius = scene.shafts[body.node.shaft].radius_at(body.node.node);
-    found.check(&at.field("unbalance"), eccentricity(scene, body) / radius, &ECCENTRICITY);
+    found.check(&at.field("unbalance"), eccentricity(scene, body) / radius, &BODY_ECCENTRICITY);
     Ok(())
 }
 
@@ -221,22 +225,22 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
     if let Damping::Ratio(ratio) = mesh.damping {
         found.check(&at.field("damping_ratio"), ratio, &MESH_DAMPING);
     }
-    found.check(&at.field("backlash"), mesh.teeth.backlash.unwrap_or(0.0) / module, &BACKLASH);
+    found.check(&at.field("backlash"), mesh.teeth.backlash.unwrap_or(0.0) / module, &MESH_BACKLASH);
     if let Some(relief) = &mesh.teeth.relief {
         let at = at.field("tip_relief");
-        found.check(&at.field("amount"), relief.amount / module, &RELIEF);
+        found.check(&at.field("amount"), relief.amount / module, &TIP_RELIEF);
         found.check(&at.field("length"), relief.length / module, &RELIEF_LENGTH);
     }
     if let Some(error) = &mesh.teeth.error {
         let at = at.field("error");
         for (name, list) in [("tooth", &error.tooth), ("driver", &error.driver), ("driven", &error.driven)] {
             for (i, [amplitude, phase]) in list.iter().enumerate() {
-                found.check(&at.field(name).index(i), amplitude.abs() / module, &ERROR);
+                found.check(&at.field(name).index(i), amplitude.abs() / module, &TRANSMISSION_ERROR);
                 found.check_angle(&at.field(name).index(i), *phase);
             }
         }
         let largest = error.table.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        found.check(&at.field("table"), largest / module, &ERROR);
+        found.check(&at.field("table"), largest / module, &TRANSMISSION_ERROR);
     }
 }
 
@@ -253,13 +257,13 @@ fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
     if span == 0.0 {
         return;
     }
-    let weight = GRAVITY * mass_on(scene, shaft);
+    let weight = STANDARD_GRAVITY * mass_on(scene, shaft);
     let length = shape.length();
     // A beam on two supports has the deflection 5qs⁴/384EI. The compliance is the mean over the sections.
     let compliance: f64 = shape.elements.iter().map(|element| element.length / second_moment(element)).sum();
     let compliance = compliance / (length * shape.material.youngs_modulus);
     let radius = largest_radius(shape);
-    found.check(&at, 5.0 / 384.0 * weight / length * span.powi(4) * compliance / radius, &SAG);
+    found.check(&at, 5.0 / 384.0 * weight / length * span.powi(4) * compliance / radius, &SHAFT_SAG);
     let total: f64 = bearings.iter().map(|(_, bearing)| largest_stiffness(&bearing.stiffness)).sum();
     let settling = weight / total / radius;
     let own = 48.0 / (compliance * span.powi(3));
@@ -285,7 +289,7 @@ pub(crate) fn eccentricity(scene: &Scene, body: &Body) -> f64 {
 /// Whether an unbalance exceeds the plausible range.
 pub(crate) fn implausible_unbalance(scene: &Scene, body: &Body) -> bool {
     let radius = scene.shafts[body.node.shaft].radius_at(body.node.node);
-    eccentricity(scene, body) > ECCENTRICITY.high * radius
+    eccentricity(scene, body) > BODY_ECCENTRICITY.high * radius
 }
 
 impl Scene {
