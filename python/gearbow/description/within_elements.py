@@ -60,7 +60,7 @@ def _product(function: "np.polynomial.Legendre", xi: Array, values: Any) -> Any:
 def _integrated(n: int) -> "np.polynomial.Legendre":
     """Give the integrated Legendre polynomial ψ_n = (P_n − P_{n−2})/√(4n − 2)."""
     basis = np.polynomial.Legendre.basis
-    polynomial: "np.polynomial.Legendre" = (basis(n) - basis(n - 2)) / np.sqrt(4.0 * n - 2.0)
+    polynomial: np.polynomial.Legendre = (basis(n) - basis(n - 2)) / np.sqrt(4.0 * n - 2.0)
     return polynomial
 
 
