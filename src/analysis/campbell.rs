@@ -15,13 +15,14 @@ mod state;
 mod threshold;
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use nalgebra::Complex;
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{lowest_modes, require, uses_bands};
 use super::{AnalysisError, Interrupt};
-use crate::modal::{self, AtSpeed, CachedModel, Forces, Mode, ModeAtSpeed, Quadratic, Whirl};
+use crate::modal::{self, AtSpeed, CachedModel, Forces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl};
 use crate::scene::EntryPath;
 use state::State;
 pub use threshold::Threshold;
@@ -224,12 +225,13 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         let [low, high] = ends;
         let part = ((speed - low.0) / (high.0 - low.0)).clamp(0.0, 1.0);
-        if self.has_band_newton() {
+        if self.is_partial() {
             let nearest = if part < 0.5 { low.1 } else { high.1 };
             let eigenvalue = low.1.eigenvalue * (1.0 - part) + high.1.eigenvalue * part;
             let cached = self.cached.at_speed(speed)?;
             let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
-            if let Some(met) = modal::mode_near(&cached.model, &start) {
+            let modal = self.modal_damping(&cached, speed)?;
+            if let Some(met) = modal::mode_near(&cached.model, modal.as_deref(), &start) {
                 let found = self.state(&cached, met)?;
                 if found.residual.is_accurate() && is_like(ends, &found) {
                     return Ok(found);
@@ -243,7 +245,8 @@ impl<'a> Tracker<'a> {
     fn state(&self, cached: &CachedModel, met: ModeAtSpeed) -> Result<State, AnalysisError> {
         let ModeAtSpeed { speed, eigenvalue, shape } = met;
         let whirl = modal::whirl(&cached.model, speed, eigenvalue, &shape);
-        let residual = modal::residual(cached, speed, eigenvalue, &shape, Forces::All)?;
+        let modal = self.modal_damping(cached, speed)?;
+        let residual = modal::residual(cached, speed, eigenvalue, &shape, Forces::All(modal.as_deref()))?;
         Ok(State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual }))
     }
 
@@ -293,10 +296,11 @@ impl<'a> Tracker<'a> {
     fn followed(&self, speed: f64) -> Result<Option<Vec<State>>, AnalysisError> {
         self.interrupt.check()?;
         let cached = self.cached.at_speed(speed)?;
+        let modal = self.modal_damping(&cached, speed)?;
         let mut states: Vec<State> = Vec::new();
         for mode in &self.modes {
             let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape() };
-            let Some(met) = modal::mode_near(&cached.model, &start) else {
+            let Some(met) = modal::mode_near(&cached.model, modal.as_deref(), &start) else {
                 return Ok(None);
             };
             let found = self.state(&cached, met)?;
@@ -315,12 +319,13 @@ impl<'a> Tracker<'a> {
         let is_equal = |(index, mode): (usize, &State)| {
             self.modes[..index].iter().any(|other| equal(other.eigenvalue, mode.eigenvalue))
         };
-        self.has_band_newton() && !self.modes.iter().enumerate().any(is_equal)
+        self.is_partial() && !self.modes.iter().enumerate().any(is_equal)
     }
 
-    /// Whether Newton's method with band matrices finds a mode: they contain all damping but that of modes.
-    fn has_band_newton(&self) -> bool {
-        self.cached.model.scene.modal_damping == 0.0 && self.is_partial()
+    /// Modal damping of a model at `speed`: that of the lowest modes, or of all modes if all are computed.
+    fn modal_damping(&self, cached: &CachedModel, speed: f64) -> Result<Option<Arc<ModalDamping>>, AnalysisError> {
+        let highest = if self.is_partial() { Highest::Mode(self.wanted) } else { Highest::Frequency(f64::INFINITY) };
+        Ok(cached.modal_damping(speed, highest)?)
     }
 
     /// Tracks the modes to the states at `speed`.
@@ -407,11 +412,9 @@ impl<'a> Tracker<'a> {
         Ok(())
     }
 
-    /// Whether Newton's method finds intersections: the matrices do not depend on the speed, and band matrices contain the
-    /// damping, or dense ones.
+    /// Whether Newton's method finds intersections: the matrices do not depend on the speed.
     fn has_newton(&self) -> bool {
-        let model = &self.cached.model;
-        !model.depends_on_speed() && (model.scene.modal_damping == 0.0 || self.quadratic.is_some())
+        !self.cached.model.depends_on_speed()
     }
 
     /// Finds the intersection of a mode with the line ω = `order`·Ω between two speeds on opposite sides of the line.
@@ -434,7 +437,10 @@ impl<'a> Tracker<'a> {
         };
         let met = match &self.quadratic {
             Some(quadratic) => quadratic.intersection(order, &start),
-            None => modal::intersection(&self.cached.model, order, &start),
+            None => {
+                let modal = self.modal_damping(self.cached, speed)?;
+                modal::intersection(&self.cached.model, modal.as_deref(), order, &start)
+            }
         };
         if let Some(met) = met.filter(within) {
             return Ok(met);

@@ -4,22 +4,23 @@ use std::any::Any;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::components::ComponentModes;
+use super::dynamic_solver::{DynamicKey, DynamicStiffnessSolver};
 use super::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use super::first_order::FirstOrder;
 use super::kept_modes::{SubspaceKey, kept_modes};
 use super::load_modes::modes_of_loads;
-use super::pins::Pins;
+use super::modal_damping::{Highest, ModalDamping};
 use super::projected::Projected;
-use super::real::{RealModes, null_motions};
+use super::real::RealModes;
 use super::recent::Recent;
 use super::spectral_range::SpectralRange;
 use super::state_space::{ModalStateSpace, StateMatrix};
-use crate::linalg::{CoupledFactors, DecompositionError, Singular};
+use crate::linalg::{DecompositionError, Singular};
 use crate::mesh::Geometry;
-use crate::model::{Model, Weights};
+use crate::model::Model;
 
 /// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
 const MIN_KRYLOV: usize = 100;
@@ -34,6 +35,24 @@ struct LinearKey {
     speed: f64,
     /// Whether the meshes are included.
     includes_meshes: bool,
+}
+
+/// What the solver of a dynamic stiffness reads beside its model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SolverKey {
+    /// Speed and frequency.
+    at: DynamicKey,
+    /// Highest frequency in question for modal damping; none without.
+    highest: Option<Highest>,
+}
+
+/// What modal damping reads beside its model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct DampingKey {
+    /// Direction of rotation.
+    rotation: usize,
+    /// Highest frequency in question.
+    highest: Highest,
 }
 
 /// What the undamped modes of a large model up to a frequency read beside it.
@@ -56,17 +75,6 @@ struct GrowthKey {
     highest: Option<f64>,
 }
 
-/// The inputs, besides the model, on which the dynamic stiffness without modal damping depends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DynamicKey {
-    /// Speed of the reference shaft, rad/s.
-    pub speed: f64,
-    /// Spin of the source shaft, rad/s.
-    pub spin: f64,
-    /// Speed of the reference shaft that determines the flanks in contact, rad/s.
-    pub flank_speed: f64,
-}
-
 /// What a static equilibrium reads beside its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct EquilibriumKey {
@@ -74,15 +82,6 @@ struct EquilibriumKey {
     geometry: Geometry,
     /// Speeds of bearings and flanks.
     speeds: EquilibriumSpeeds,
-}
-
-/// Factors of the dynamic stiffness without modal damping.
-#[derive(Debug)]
-pub struct DynamicFactors {
-    /// Factors of the matrix; none where it is singular.
-    pub factors: Result<CoupledFactors, Singular>,
-    /// Springs on the null motions, which a spin of zero needs.
-    pub pins: Pins,
 }
 
 /// What follows from the linear part of a model alone, computed on first use: of the loads, only torques over the speed have an
@@ -93,6 +92,8 @@ struct LinearPart {
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
     /// Lowest and highest frequency for each [`crate::model::Rotation`].
     ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
+    /// Modal damping.
+    damping: Recent<DampingKey, Arc<ModalDamping>>,
     /// State-space models; `None` marks a model that modes cannot represent.
     linear: Recent<LinearKey, Option<Arc<ModalStateSpace>>>,
     /// Undamped modes of the components.
@@ -103,8 +104,8 @@ struct LinearPart {
     growing: Recent<GrowthKey, Option<Arc<DMatrix<f64>>>>,
     /// The modes that runs keep.
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
-    /// Factors of the dynamic stiffness at the last speeds.
-    dynamic: Recent<DynamicKey, Arc<DynamicFactors>>,
+    /// Dynamic stiffness at the last speeds; a singular one has no solver.
+    dynamic: Recent<SolverKey, Arc<Result<DynamicStiffnessSolver, Singular>>>,
     /// The linear parts at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<LinearPart>>,
 }
@@ -411,20 +412,19 @@ impl CachedModel {
         })
     }
 
-    /// Factors of the dynamic stiffness K + iωC − ω²M + iωΩG of the spin ω, without modal damping.
+    /// Solver of the dynamic stiffness, with modal damping for a highest frequency in question or without; a singular one has
+    /// none.
     ///
     /// # Errors
-    /// [`DecompositionError`] if the null motions cannot be found.
-    pub fn dynamic_factors(&self, key: DynamicKey) -> Result<Arc<DynamicFactors>, DecompositionError> {
-        let model = &self.model;
-        self.linear_part().dynamic.get_or_try(key, || {
-            let DynamicKey { speed, spin, flank_speed } = key;
-            let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
-            let weights = Weights::dynamic(Complex::new(0.0, spin), 0.0);
-            let weights = Weights { gyroscopic: Complex::new(0.0, spin * speed), ..weights };
-            let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
-            pins.add_to(model, &mut matrix);
-            Ok(Arc::new(DynamicFactors { factors: matrix.factor(if spin < 0.0 { -1.0 } else { 1.0 }), pins }))
+    /// [`DecompositionError`] if the null motions or the undamped modes cannot be found.
+    pub fn dynamic_solver(
+        &self,
+        at: DynamicKey,
+        highest: Option<Highest>,
+    ) -> Result<Arc<Result<DynamicStiffnessSolver, Singular>>, DecompositionError> {
+        self.linear_part().dynamic.get_or_try(SolverKey { at, highest }, || {
+            let modal = highest.map(|highest| self.modal_damping(at.flank_speed, highest)).transpose()?;
+            DynamicStiffnessSolver::new(&self.model, at, modal.flatten()).map(Arc::new)
         })
     }
 
@@ -447,7 +447,21 @@ impl CachedModel {
         Ok(matrix)
     }
 
-    /// Modal damping matrix MΦ·diag(2ζω)·ΦᵀM, n × n; `None` if the scene has no modal damping.
+    /// Modal damping for a highest frequency in question; `None` if the scene has none.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the undamped modes cannot be found.
+    pub fn modal_damping(&self, speed: f64, highest: Highest) -> Result<Option<Arc<ModalDamping>>, DecompositionError> {
+        if self.model.scene.modal_damping == 0.0 {
+            return Ok(None);
+        }
+        let rotation = self.model.rotation(speed);
+        let key = DampingKey { rotation: rotation as usize, highest };
+        let find = || ModalDamping::new(self, rotation.speed(), highest).map(Arc::new);
+        self.linear_part().damping.get_or_try(key, find).map(Some)
+    }
+
+    /// Modal damping matrix MΦ·diag(2ζω)·ΦᵀM of all modes, n × n; `None` if the scene has no modal damping.
     ///
     /// # Errors
     /// [`DecompositionError`] if the modes cannot be computed.

@@ -13,7 +13,6 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::CachedModel;
 use super::contour::{Annulus, Contour, SECTOR};
 use super::real::RealModes;
 use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, Problem};
@@ -42,24 +41,18 @@ const CHECK_INTERVAL: usize = 12;
 /// Number of strongly damped eigenvalues up to which they are sought one by one.
 const MAX_MISSING: i64 = 120;
 
-/// The `count` modes of lowest |Im λ| at `speed` of the reference shaft, rad/s, rigid-body modes first; `None` if too many
+/// The `count` modes of lowest |Im λ| of a problem, rigid-body modes first; `None` if too many
 /// overdamped modes have to be told apart from them.
 ///
 /// # Errors
 /// [`DecompositionError`] if a linear system has no accurate solution, or an eigenvalue iteration fails.
-pub(super) fn lowest(
-    cached: &CachedModel,
-    speed: f64,
-    count: usize,
-) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
-    let model = &cached.model;
-    let problem = Problem::new(model, speed, cached.spectral_range(speed)?)?;
+pub(super) fn lowest(problem: &Problem<'_>, count: usize) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
     let elastic = count.saturating_sub(problem.null.ncols());
     if problem.undamped {
-        return lowest_undamped(&problem, count);
+        return lowest_undamped(problem, count);
     }
-    let operator = |shift: f64| FirstOrderInverse::new(&problem, shift);
-    Search { problem: &problem, count, elastic, locked: problem.rigid_states().collect() }.run(operator)
+    let operator = |shift: f64| FirstOrderInverse::new(problem, shift);
+    Search { problem, count, elastic, locked: problem.rigid_states().collect() }.run(operator)
 }
 
 /// The same for an undamped problem.
@@ -299,7 +292,7 @@ impl Search<'_, '_> {
             let real = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
             let shapes = real.vectors.column_iter().map(|column| column.map(Complex::from));
             let values = real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));
-            values.zip(shapes).map(|(value, shape)| Eigenpair::without_modal_damping(value, shape)).collect()
+            values.zip(shapes).map(|(value, shape)| Eigenpair { value, shape }).collect()
         } else {
             let pair = |found: &&Found| {
                 let shape = shape(found);
@@ -307,7 +300,7 @@ impl Search<'_, '_> {
                 let shape = shape.unscale(size);
                 let value = without_round_off(problem.rayleigh(found.value, &shape));
                 // A real eigenvalue has no sign of zero, which would count in the order.
-                Eigenpair::without_modal_damping(Complex64::new(value.re, value.im.abs()), shape)
+                Eigenpair { value: Complex64::new(value.re, value.im.abs()), shape }
             };
             chosen.iter().map(pair).collect()
         };

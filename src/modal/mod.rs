@@ -8,13 +8,13 @@
 //!
 //! - Reduced models: `components` (modes of the parts of a large model), `kept_modes` (which modes a run keeps),
 //!   `projected` (the model in them); `gyroscopic` decomposes the gyroscopic matrix for runs at changing speed.
-//! - A few modes of a large model: Krylov spaces (`lowest`, `shift_invert`); with strong or modal damping a Galerkin
-//!   projection (`lowest_damped`, `galerkin`, `square_root`). `contour` counts the eigenvalues, `bound` bounds them,
+//! - A few modes of a large model: Krylov spaces (`lowest`, `shift_invert`); with strong damping a Galerkin projection
+//!   (`lowest_damped`, `galerkin`). `modal_damping` is the damping of undamped modes. `contour` counts the eigenvalues, `bound` bounds them,
 //!   `spectral_range` gives the lowest and highest undamped frequency, `load_modes` the modes that given loads excite.
 //! - `critical` finds critical speeds, `intersection` a mode at a speed or on a line of the Campbell diagram.
 //! - `residual` is the residual of a mode; `growth` decides whether a mode grows.
 //! - `equilibrium` is the static equilibrium, with `pins` for null motions and `clearance` for nonlinear bearings;
-//!   `rotating_response` is the response to bow and unbalance with modal damping.
+//!   `dynamic_solver` is the response to harmonic forces.
 
 mod bound;
 mod cached;
@@ -23,6 +23,7 @@ mod components;
 mod contour;
 mod critical;
 mod damped;
+mod dynamic_solver;
 mod eigenpairs;
 mod eigenvectors;
 mod equilibrium;
@@ -35,6 +36,7 @@ mod kept_modes;
 mod load_modes;
 mod lowest;
 mod lowest_damped;
+mod modal_damping;
 mod pairs;
 mod pins;
 mod projected;
@@ -43,22 +45,22 @@ mod real;
 mod recent;
 mod residual;
 mod rigid_body;
-mod rotating_response;
 mod shift_invert;
 mod spectral_range;
-mod square_root;
 mod state_space;
 mod whirl;
 
-pub use cached::{AtSpeed, CachedModel, DynamicKey};
+pub use cached::{AtSpeed, CachedModel};
 pub use components::ComponentModes;
 pub use critical::lowest_critical;
 pub use damped::{Mode, modes, structured_modes, whirl};
+pub use dynamic_solver::{DynamicKey, DynamicStiffnessSolver, Solved};
 pub use equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use growth::is_growing;
 pub use gyroscopic::{GyroscopicPair, gyroscopic_pairs};
 pub use intersection::{ModeAtSpeed, intersection, mode_near};
 pub use kept_modes::{Extent, SubspaceKey};
+pub use modal_damping::{Highest, ModalDamping};
 pub use pairs::ModePair;
 pub use pins::Pins;
 pub use projected::Projected;
@@ -66,7 +68,6 @@ pub use quadratic::Quadratic;
 pub use real::{RealModes, null_motions};
 pub use recent::Recent;
 pub use residual::{Forces, Residual, Residuals, residual};
-pub use rotating_response::{RotatingResponse, Solved};
 pub use spectral_range::SpectralRange;
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, StateMatrix};
 pub use whirl::Whirl;

@@ -167,7 +167,7 @@ pub fn synchronous<'py>(
     let found = model.run(py, memory, move |cached, interrupt| {
         let mut found =
             ResponseTable { amplitudes, forces, residuals: Vec::new(), largest: Vec::new(), unstable: Ok(Vec::new()) };
-        let responses = analysis::Responses::new(cached);
+        let responses = analysis::Responses::new(cached, &speeds);
         for speed in &speeds {
             interrupt.check()?;
             found.add(cached, *speed, &responses.all(*speed, part)?, &nodes)?;
