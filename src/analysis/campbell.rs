@@ -379,6 +379,8 @@ impl<'a> Tracker<'a> {
 
     /// Stores the intersections of a mode with all lines between two speeds.
     fn add_intersections(&mut self, mode: usize, ends: [(f64, &State); 2]) -> Result<(), AnalysisError> {
+        // Where matrices depend on the speed, the modes between the ends that the searches find.
+        let mut known: Vec<(f64, State)> = ends.iter().map(|(speed, state)| (*speed, (*state).clone())).collect();
         for line in 0..self.lines.len() {
             let order = self.lines[line].order;
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
@@ -392,7 +394,7 @@ impl<'a> Tracker<'a> {
                 } else {
                     // Without Newton's method.
                     let gap = |speed: f64, state: &State| state.eigenvalue.im - order * speed;
-                    let (speed, state) = self.root_of(ends, gap)?;
+                    let (speed, state) = self.root_of(&mut known, gap)?;
                     (speed, state.eigenvalue, state.whirl, state.residual)
                 };
                 let residual = residual.with((eigenvalue.im / (order * speed) - 1.0).abs());

@@ -12,12 +12,13 @@ use super::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use super::first_order::FirstOrder;
 use super::kept_modes::{SubspaceKey, kept_modes};
 use super::load_modes::modes_of_loads;
-use super::modal_damping::{Highest, ModalDamping};
+use super::modal_damping::{Highest, ModalDamping, ModalSpace};
 use super::projected::Projected;
 use super::real::RealModes;
 use super::recent::Recent;
 use super::spectral_range::SpectralRange;
 use super::state_space::{ModalStateSpace, StateMatrix};
+use crate::connection::Row;
 use crate::linalg::{DecompositionError, Singular};
 use crate::mesh::Geometry;
 use crate::model::Model;
@@ -119,12 +120,24 @@ pub struct CachedModel {
     linear_part: OnceLock<Arc<LinearPart>>,
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<CachedModel>>,
+    /// What the models at all speeds share, if bearings depend on the speed.
+    nominal: OnceLock<Arc<Nominal>>,
     /// Displacements of the last static equilibria.
     equilibria: Recent<EquilibriumKey, DVector<f64>>,
     /// Results of runs; their type belongs to a later folder.
     run_results: OnceLock<Arc<dyn Any + Send + Sync>>,
     /// The model of which this one is a variation.
     base: Option<Arc<CachedModel>>,
+}
+
+/// A model whose undamped modes are close to those at any speed.
+#[derive(Debug)]
+struct Nominal {
+    cached: CachedModel,
+    /// Loads on the bearings that depend on the speed.
+    rows: Vec<Row>,
+    /// Spaces of the undamped modes at all speeds.
+    spaces: Recent<DampingKey, Arc<ModalSpace>>,
 }
 
 /// A model at a constant speed: the model itself if nothing in it depends on the speed.
@@ -154,6 +167,7 @@ impl CachedModel {
             model,
             linear_part: OnceLock::new(),
             at_speeds: Recent::default(),
+            nominal: OnceLock::new(),
             equilibria: Recent::default(),
             run_results: OnceLock::new(),
             base: None,
@@ -199,11 +213,31 @@ impl CachedModel {
         }
         self.model.check_speed(speed)?;
         let model = self.model.with_tables_at(speed)?;
-        let model = if model.is_at_speed(speed) { Self::new(model) } else { at_equilibrium(model, speed)? };
+        let model = if model.is_at_speed(speed) {
+            Self::new(model)
+        } else {
+            let previous = self.at_speeds.last().and_then(|known| known.equilibria.last());
+            at_equilibrium(model, speed, previous.as_ref())?
+        };
+        model.nominal.get_or_init(|| Arc::clone(self.nominal.get_or_init(|| Arc::new(self.nominal_at(&model.model)))));
         model.linear_part.get_or_init(|| self.linear_part().at_speed(speed));
         let model = Arc::new(model);
         self.at_speeds.insert(speed, Arc::clone(&model));
         Ok(AtSpeed::Specialised(model))
+    }
+
+    /// The model whose nonlinear bearings have their initial stiffness; with bearings that have tables over the speed, the first
+    /// model at a speed, `first`.
+    fn nominal_at(&self, first: &Model) -> Nominal {
+        let tables = self.model.bearings.iter().flat_map(|bearing| bearing.rows.iter().cloned());
+        let nonlinear = self.model.nonlinear_bearings.iter().flat_map(|bearing| bearing.rows.iter().cloned());
+        let rows = tables.chain(nonlinear).collect();
+        let model = if self.model.bearings.is_empty() {
+            self.model.clone().with_initial_operating_points()
+        } else {
+            first.clone()
+        };
+        Nominal { cached: Self::new(model), rows, spaces: Recent::default() }
     }
 
     /// The model whose nonlinear bearings have the coefficients of a speed of the reference shaft, rad/s, while tables of
@@ -230,7 +264,7 @@ impl CachedModel {
     /// As [`equilibrium`].
     pub fn equilibrium(&self, geometry: Geometry, speeds: EquilibriumSpeeds) -> Result<DVector<f64>, EquilibriumError> {
         let key = EquilibriumKey { geometry, speeds };
-        self.equilibria.get_or_try(key, || equilibrium(&self.model, key.geometry, key.speeds))
+        self.equilibria.get_or_try(key, || equilibrium(&self.model, key.geometry, key.speeds, None))
     }
 
     /// The results that runs of this model share, in a type of a later folder.
@@ -457,7 +491,15 @@ impl CachedModel {
         }
         let rotation = self.model.rotation(speed);
         let key = DampingKey { rotation: rotation as usize, highest };
-        let find = || ModalDamping::new(self, rotation.speed(), highest).map(Arc::new);
+        let find = || match self.nominal.get() {
+            // All modes are those of this speed.
+            Some(nominal) if highest != Highest::Frequency(f64::INFINITY) => {
+                let space = || ModalSpace::new(&nominal.cached, &nominal.rows, rotation.speed(), highest).map(Arc::new);
+                let space = nominal.spaces.get_or_try(key, space)?;
+                ModalDamping::in_space(&self.model, rotation.speed(), &space).map(Arc::new)
+            }
+            _ => ModalDamping::new(self, rotation.speed(), highest).map(Arc::new),
+        };
         self.linear_part().damping.get_or_try(key, find).map(Some)
     }
 
@@ -474,10 +516,11 @@ impl CachedModel {
     }
 }
 
-/// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s, which it keeps.
-fn at_equilibrium(model: Model, speed: f64) -> Result<CachedModel, EquilibriumError> {
+/// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s, which it keeps. The
+/// search begins at `start`, the equilibrium of another speed, if it is known.
+fn at_equilibrium(model: Model, speed: f64, start: Option<&DVector<f64>>) -> Result<CachedModel, EquilibriumError> {
     let model = model.with_initial_operating_points();
-    let q = equilibrium(&model, Geometry::Live, speed.into())?;
+    let q = equilibrium(&model, Geometry::Live, speed.into(), start)?;
     let cached = CachedModel::new(model.with_operating_points_at(speed, q.as_slice()));
     cached.equilibria.insert(EquilibriumKey { geometry: Geometry::Live, speeds: speed.into() }, q);
     Ok(cached)

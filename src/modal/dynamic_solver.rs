@@ -116,7 +116,8 @@ impl DynamicStiffnessSolver {
             Ok::<_, Singular>(solve(&dynamic_force(model, speeds, eigenvalue, x, Forces::All(Some(modal)))))
         };
         let weigh = |x: &DVector<Complex64>| {
-            let inertia = model.product(x, |x, out| model.multiply_mass(x, out)) * Complex64::from(eigenvalue.norm_sqr());
+            let inertia =
+                model.product(x, |x, out| model.multiply_mass(x, out)) * Complex64::from(eigenvalue.norm_sqr());
             inertia + model.product(x, |x, out| model.multiply_stiffness(self.at.flank_speed, true, x, out))
         };
         let start = solve(force);

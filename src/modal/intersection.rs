@@ -60,12 +60,7 @@ pub fn mode_near(model: &Model, modal: Option<&ModalDamping>, start: &ModeAtSpee
 /// bordered system of Spence and Poulton (J. Comput. Phys. 204, 2005). The residual Sφ comes from the strains, so that the
 /// stiff modes cause no round-off in the soft ones. With modal damping, S is a band matrix close to the dynamic stiffness, and
 /// the error decreases by the damping ratio in each iteration.
-fn newton(
-    model: &Model,
-    modal: Option<&ModalDamping>,
-    unknown: Unknown,
-    mut at: ModeAtSpeed,
-) -> Option<ModeAtSpeed> {
+fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at: ModeAtSpeed) -> Option<ModeAtSpeed> {
     let (mut previous, mut is_close) = (f64::INFINITY, false);
     for _ in 0..MAX_ITERATIONS {
         let change = newton_step(model, modal, unknown, &at).ok()?;

@@ -13,7 +13,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::contour::{Annulus, Contour, SECTOR};
+use super::contour::{Annulus, SECTOR};
 use super::real::RealModes;
 use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, Problem};
 use super::spectral_range::ShiftInverse;
@@ -142,7 +142,7 @@ impl Search<'_, '_> {
                 target = steps + (steps / 8).max(8);
                 continue;
             };
-            let missing = self.problem.missing(values(&found), &self.problem.contour(radius));
+            let missing = self.problem.missing_lowest(values(&found), radius);
             let chosen = self.chosen(&found, radius);
             if missing == Some(0) && chosen.iter().all(|found| found.is_accurate()) {
                 return Ok(Some(self.eigenpairs(&space, &found, &chosen)));
@@ -151,7 +151,7 @@ impl Search<'_, '_> {
                 return Ok(None);
             }
             restarts += 1;
-            if self.problem.missing(values(&found), &Contour::of_disk(radius)) != Some(0) {
+            if self.problem.missing_in_disk(values(&found), radius) != Some(0) {
                 // Further start vectors find further vectors of equal eigenvalues.
                 space.add_start()?;
                 space.add_start()?;
@@ -334,7 +334,7 @@ fn weight<'f>(found: impl Iterator<Item = &'f Found>) -> i64 {
     found.map(|found| if found.value.im == 0.0 { 1 } else { 2 }).sum()
 }
 
-fn values(found: &[Found]) -> impl Iterator<Item = Complex64> + '_ {
+fn values(found: &[Found]) -> impl Iterator<Item = Complex64> + Clone + '_ {
     found.iter().map(|found| found.value)
 }
 

@@ -51,10 +51,7 @@ const MAX_REFINEMENTS: usize = 8;
 ///
 /// # Errors
 /// [`DecompositionError`] if a linear system has no accurate solution, or an eigenvalue iteration fails.
-pub(super) fn lowest_damped(
-    problem: &Problem<'_>,
-    count: usize,
-) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
+pub(super) fn lowest_damped(problem: &Problem<'_>, count: usize) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
     let undamped = problem.without_damping();
     let null = problem.null.ncols();
     let elastic = count.saturating_sub(null);
@@ -93,7 +90,7 @@ fn counted(
         let Some(radius) = radius(&found, elastic).filter(|radius| MARGIN * radius <= top) else {
             return Ok(None);
         };
-        let missing = problem.missing(found.iter().map(|pair| pair.value), &problem.contour(radius));
+        let missing = problem.missing_lowest(found.iter().map(|pair| pair.value), radius);
         match missing {
             Some(0) => return Ok(Some(found)),
             Some(missing) if missing.abs() <= MAX_MISSING => {}

@@ -1,21 +1,26 @@
 //! Modal damping: a damping ratio ζ on the undamped modes of low frequency.
 //!
 //! ```text
-//! D = B diag(2ζω) Bᵀ,    B = MΦ
+//! D = B R Bᵀ,    B = MΦ,    R = diag(2ζω)
 //! ```
 //!
-//! D has a low rank. The modes that are left out respond without damping; far above the frequencies in question they respond
+//! D has a low rank. If bearings change with the speed, B = MV with a space V that contains the modes at every speed, and R
+//! = Q diag(2ζω) Qᵀ for the modes Φ = VQ: a new speed takes a small eigenproblem. The modes that are left out respond without damping; far above the frequencies in question they respond
 //! as springs. A band matrix replaces D where only an approximation is needed: for motions of the frequency |λ|, the matrix
 //! ζ(|λ|M + K/|λ|) has the same damping, and for others the difference is at most ζ(|λ|M + K/|λ|) itself.
+
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::cached::CachedModel;
 use super::lowest::lowest_undamped;
-use super::real::RealModes;
+use super::real::{RealModes, times};
 use super::shift_invert::Problem;
-use crate::linalg::DecompositionError;
+use super::spectral_range::ShiftInverse;
+use crate::connection::Row;
+use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::model::{Model, Weights};
 
 /// Smallest number of elastic modes with damping. In the machines of `examples/machines` with a ratio of 0.01, the others change
@@ -31,6 +36,8 @@ const MAX_DENSE: usize = 2000;
 /// Smallest relative distance of the frequency of a mode that is left out from that of a damped one: the modes of both planes of a
 /// shaft stay together.
 const GAP: f64 = 1e-3;
+/// Part of a static displacement outside of the others below which it is left out.
+const DEPENDENCE_TOLERANCE: f64 = 1e-8;
 
 /// Highest frequency in question.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,16 +53,28 @@ pub enum Highest {
 pub struct ModalDamping {
     /// ζ.
     pub ratio: f64,
-    /// B, n × m in the order of the core.
-    pub momenta: DMatrix<f64>,
-    /// 2ζω, 1/s, m entries, positive.
-    pub rates: DVector<f64>,
+    /// B = MV, n × m in the order of the core.
+    pub momenta: Arc<DMatrix<f64>>,
+    /// R, m × m symmetric, 1/s.
+    pub rates: DMatrix<f64>,
+}
+
+/// A space of displacements V that contains the undamped modes of low frequency at all speeds, because it contains those of one
+/// model and the static displacements of the others under loads on the bearings (MacNeal 1971, Rubin 1975).
+#[derive(Debug)]
+pub struct ModalSpace {
+    /// V, n × m, elastic motions orthonormal in M.
+    shapes: DMatrix<f64>,
+    /// MV.
+    momenta: Arc<DMatrix<f64>>,
+    /// Number of damped modes.
+    damped: usize,
 }
 
 impl ModalDamping {
     /// Damping of all elastic `modes`.
     pub(super) fn of_modes(model: &Model, modes: &RealModes) -> Self {
-        Self::of_lowest(model, modes, modes.frequencies.len())
+        Self::of_lowest(model, &DampedModes { shapes: modes.clone(), kept: modes.frequencies.len() })
     }
 
     /// The modal damping of a model for a highest frequency in question, with the loaded tooth flanks of `speed` (reference
@@ -64,53 +83,44 @@ impl ModalDamping {
     /// # Errors
     /// [`DecompositionError`] if the undamped modes cannot be found.
     pub(super) fn new(cached: &CachedModel, speed: f64, highest: Highest) -> Result<Self, DecompositionError> {
-        let model = &cached.model;
-        let largest = (MAX_KRYLOV_FRACTION * model.len() as f64) as usize;
-        let mut size = MIN_DAMPED_MODES;
-        loop {
-            let is_last = 2 * size > largest;
-            if size > largest && model.len() <= MAX_DENSE {
-                return Ok(Self::of_modes(model, cached.real_modes(speed)?));
-            }
-            let Some(modes) = lowest_modes(cached, speed, size.min(largest))? else {
-                return Ok(Self::of_modes(model, cached.real_modes(speed)?));
-            };
-            let limit = match highest {
-                Highest::Frequency(frequency) => frequency,
-                Highest::Mode(number) => modes.frequencies.get(number).copied().unwrap_or(f64::INFINITY),
-            };
-            let frequencies = modes.frequencies.as_slice();
-            let kept = (1..frequencies.len())
-                .rev()
-                .find(|index| frequencies[*index] > (1.0 + GAP) * frequencies[index - 1])
-                .unwrap_or(frequencies.len());
-            if frequencies[kept - 1] >= FREQUENCY_MARGIN * limit || is_last && model.len() > MAX_DENSE {
-                return Ok(Self::of_lowest(model, &modes, kept));
-            }
-            size *= 2;
-        }
+        Ok(Self::of_lowest(&cached.model, &DampedModes::new(cached, speed, highest)?))
     }
 
     /// Damping of the elastic modes among the first `kept` ones.
-    fn of_lowest(model: &Model, modes: &RealModes, kept: usize) -> Self {
+    fn of_lowest(model: &Model, modes: &DampedModes) -> Self {
+        let (null, elastic) = (modes.shapes.null, modes.elastic());
+        let momenta = model.mass_times(&modes.shapes.vectors.columns(null, elastic).into_owned());
         let ratio = model.scene.modal_damping;
-        let elastic = kept - modes.null;
-        let momenta = model.mass_times(&modes.vectors.columns(modes.null, elastic).into_owned());
-        let rates = modes.frequencies.rows(modes.null, elastic) * (2.0 * ratio);
-        Self { ratio, momenta, rates }
+        let rates = DMatrix::from_diagonal(&(modes.shapes.frequencies.rows(null, elastic) * (2.0 * ratio)));
+        Self { ratio, momenta: Arc::new(momenta), rates }
+    }
+
+    /// Damping of the modes of `model` in a space, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the decomposition of the projected stiffness fails.
+    pub(super) fn in_space(model: &Model, speed: f64, space: &ModalSpace) -> Result<Self, DecompositionError> {
+        let stiffness = space.shapes.tr_mul(&times(&model.sparse_symmetric_stiffness(speed), &space.shapes));
+        let size = stiffness.nrows();
+        let symmetric = (&stiffness + stiffness.transpose()) / 2.0;
+        let modes = symmetric_pencil(&symmetric, &DMatrix::identity(size, size), &DMatrix::zeros(size, 0))?;
+        let ratio = model.scene.modal_damping;
+        let kept = modes.vectors.columns(0, space.damped.min(size)).into_owned();
+        let mut scaled = kept.clone();
+        for (mut column, value) in scaled.column_iter_mut().zip(&modes.values) {
+            column *= 2.0 * ratio * value.max(0.0).sqrt();
+        }
+        Ok(Self { ratio, momenta: Arc::clone(&space.momenta), rates: scaled * kept.transpose() })
     }
 
     /// D X for real columns X, n × k.
     pub(super) fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut modal = self.momenta.tr_mul(columns);
-        modal.column_iter_mut().for_each(|mut column| column.component_mul_assign(&self.rates));
-        &self.momenta * modal
+        &*self.momenta * (&self.rates * self.momenta.tr_mul(columns))
     }
 
     /// Adds `factor`·D x to `sum`, both with n entries.
     pub(super) fn multiply_add(&self, factor: f64, x: &[f64], sum: &mut [f64]) {
-        let mut modal = self.momenta.tr_mul(&nalgebra::DVectorView::from_slice(x, x.len()));
-        modal.component_mul_assign(&self.rates);
+        let modal = &self.rates * self.momenta.tr_mul(&nalgebra::DVectorView::from_slice(x, x.len()));
         let length = sum.len();
         nalgebra::DVectorViewMut::from_slice(sum, length).gemv(factor, &self.momenta, &modal, 1.0);
     }
@@ -128,6 +138,96 @@ impl ModalDamping {
         let size = eigenvalue.norm();
         let damping = eigenvalue / size * self.ratio;
         Weights { stiffness: weights.stiffness + damping, mass: weights.mass + damping * (size * size), ..weights }
+    }
+}
+
+impl ModalSpace {
+    /// The space for a highest frequency in question: modes of `cached`, and static displacements under the loads `rows`, with the
+    /// loaded tooth flanks of `speed` (reference shaft, rad/s).
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the undamped modes cannot be found.
+    pub(super) fn new(
+        cached: &CachedModel,
+        rows: &[Row],
+        speed: f64,
+        highest: Highest,
+    ) -> Result<Self, DecompositionError> {
+        let model = &cached.model;
+        let modes = DampedModes::new(cached, speed, highest)?;
+        let (null, damped) = (modes.shapes.null, modes.elastic());
+        let known = modes.shapes.vectors.columns(0, null + damped).into_owned();
+        let mut loads = DMatrix::zeros(model.len(), rows.len());
+        for (row, mut load) in rows.iter().zip(loads.column_iter_mut()) {
+            row.iter().for_each(|(index, coefficient)| load[*index] += coefficient);
+        }
+        let shift = cached.spectral_range(speed)?.slowest.unwrap_or(1.0);
+        let mut statics = ShiftInverse::new(model, speed, shift)?.solve_columns(&loads)?;
+        // The known modes are orthonormal in M.
+        for _ in 0..2 {
+            statics -= &known * known.tr_mul(&model.mass_times(&statics));
+        }
+        let mut form = statics.tr_mul(&model.mass_times(&statics));
+        let scale = form.diagonal().map(|value| 1.0 / value.max(f64::MIN_POSITIVE).sqrt());
+        form.iter_mut().enumerate().for_each(|(place, value)| {
+            *value *= scale[place % rows.len()] * scale[place / rows.len()];
+        });
+        let found = form.symmetric_eigen();
+        let independent = (0..rows.len()).filter(|index| found.eigenvalues[*index] > DEPENDENCE_TOLERANCE);
+        let scaled = DMatrix::from_diagonal(&scale);
+        let mut columns: Vec<DVector<f64>> = known.column_iter().skip(null).map(|column| column.into_owned()).collect();
+        columns
+            .extend(independent.map(|index| {
+                &statics * (&scaled * found.eigenvectors.column(index)) / found.eigenvalues[index].sqrt()
+            }));
+        let shapes = DMatrix::from_columns(&columns);
+        let momenta = Arc::new(model.mass_times(&shapes));
+        Ok(Self { shapes, momenta, damped })
+    }
+}
+
+/// The lowest undamped modes, of which the first `kept` ones have damping.
+struct DampedModes {
+    shapes: RealModes,
+    kept: usize,
+}
+
+impl DampedModes {
+    fn new(cached: &CachedModel, speed: f64, highest: Highest) -> Result<Self, DecompositionError> {
+        let model = &cached.model;
+        let all = || -> Result<Self, DecompositionError> {
+            let shapes = cached.real_modes(speed)?.clone();
+            Ok(Self { kept: shapes.frequencies.len(), shapes })
+        };
+        let largest = (MAX_KRYLOV_FRACTION * model.len() as f64) as usize;
+        let mut size = MIN_DAMPED_MODES;
+        loop {
+            let is_last = 2 * size > largest;
+            if size > largest && model.len() <= MAX_DENSE {
+                return all();
+            }
+            let Some(shapes) = lowest_modes(cached, speed, size.min(largest))? else {
+                return all();
+            };
+            let limit = match highest {
+                Highest::Frequency(frequency) => frequency,
+                Highest::Mode(number) => shapes.frequencies.get(number).copied().unwrap_or(f64::INFINITY),
+            };
+            let frequencies = shapes.frequencies.as_slice();
+            let kept = (1..frequencies.len())
+                .rev()
+                .find(|index| frequencies[*index] > (1.0 + GAP) * frequencies[index - 1])
+                .unwrap_or(frequencies.len());
+            if frequencies[kept - 1] >= FREQUENCY_MARGIN * limit || is_last && model.len() > MAX_DENSE {
+                return Ok(Self { shapes, kept });
+            }
+            size *= 2;
+        }
+    }
+
+    /// Number of elastic modes with damping.
+    fn elastic(&self) -> usize {
+        self.kept.saturating_sub(self.shapes.null)
     }
 }
 

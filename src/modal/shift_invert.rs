@@ -216,9 +216,29 @@ impl<'m> Problem<'m> {
         contour::missing(determinant, &known, contour)
     }
 
+    /// Number of eigenvalues with |λ| < `radius` that are missing in `found`; `None` if it cannot be determined. Without damping it
+    /// is the inertia of K − radius²·M (Sturm sequence; Golub and Van Loan, section 8.4).
+    pub fn missing_in_disk(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
+        let count = || {
+            let matrix = self.model.dynamic_stiffness(&self.weights(Complex64::new(0.0, radius)), self.speed);
+            let known = self.null.ncols() + found.clone().filter(|value| value.norm() < radius).count();
+            matrix.negative_eigenvalues().map(|negative| negative as i64 - known as i64)
+        };
+        let inertia = if self.undamped { count() } else { None };
+        inertia.or_else(|| self.missing(found.clone(), &Contour::of_disk(radius)))
+    }
+
+    /// Number of eigenvalues inside of [`Self::contour`] that are missing in `found`; `None` if it cannot be determined.
+    pub fn missing_lowest(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
+        if self.undamped {
+            return self.missing_in_disk(found, radius);
+        }
+        self.missing(found, &self.contour(radius))
+    }
+
     /// The contour of the eigenvalues with |λ| < `radius` and, if something damps, of those with a damping ratio above one
     /// half.
-    pub fn contour(&self, radius: f64) -> Contour {
+    fn contour(&self, radius: f64) -> Contour {
         if self.is_undamped() || self.largest_ratio_above(radius).is_some() {
             return Contour::of_disk(radius);
         }
@@ -312,11 +332,13 @@ pub(super) struct FirstOrderInverse<'p, 'm> {
 }
 
 /// Change of the inverse of S by modal damping (Woodbury; Golub and Van Loan, Matrix Computations, 4th ed., section 2.1.4):
-/// (S + sBRBᵀ)⁻¹ = S⁻¹ − X (R⁻¹/s + BᵀX)⁻¹ Bᵀ S⁻¹ with X = S⁻¹B.
+/// (S + sBRBᵀ)⁻¹ = S⁻¹ − X (I + sR BᵀX)⁻¹ sR Bᵀ S⁻¹ with X = S⁻¹B.
 struct Update {
     /// X, n × m.
     responses: DMatrix<f64>,
-    /// Factors of R⁻¹/s + BᵀX, m × m.
+    /// sR, m × m.
+    rates: DMatrix<f64>,
+    /// Factors of I + sR BᵀX, m × m.
     capacity: LuFactors<f64>,
 }
 
@@ -328,15 +350,21 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
         let factors = matrix.factor(shift.signum())?;
         let update = problem.modal.map(|modal| -> Result<_, DecompositionError> {
             let mut responses = DMatrix::zeros(modal.momenta.nrows(), modal.momenta.ncols());
-            for (momentum, mut response) in modal.momenta.column_iter().zip(responses.column_iter_mut()) {
-                let momentum: Vec<f64> = momentum.iter().copied().collect();
-                response.copy_from_slice(&problem.model.solve_real(&factors, 0.0, &momentum)?);
+            // The matrix is real: real and imaginary part are two columns.
+            for first in (0..modal.momenta.ncols()).step_by(2) {
+                let second = (first + 1).min(modal.momenta.ncols() - 1);
+                let pair = modal.momenta.column(first).zip_map(&modal.momenta.column(second), Complex64::new);
+                let mut x = problem.model.to_circular(pair.as_slice());
+                factors.solve(&mut x)?;
+                for (row, value) in problem.model.from_circular(&x).iter().enumerate() {
+                    responses[(row, second)] = value.im;
+                    responses[(row, first)] = value.re;
+                }
             }
-            let mut capacity = modal.momenta.tr_mul(&responses);
-            for (index, rate) in modal.rates.iter().enumerate() {
-                capacity[(index, index)] += 1.0 / (shift * rate);
-            }
-            Ok(Update { responses, capacity: LuFactors::new(&capacity) })
+            let rates = &modal.rates * shift;
+            let mut capacity = &rates * modal.momenta.tr_mul(&responses);
+            (0..capacity.nrows()).for_each(|index| capacity[(index, index)] += 1.0);
+            Ok(Update { responses, rates, capacity: LuFactors::new(&capacity) })
         });
         Ok(Self { problem, factors, update: update.transpose()?, shift })
     }
@@ -360,9 +388,9 @@ impl Operator for FirstOrderInverse<'_, '_> {
             modal.multiply_add(-1.0, x, &mut force);
         }
         let mut image = model.solve_real(&self.factors, 0.0, &force)?;
-        if let (Some(modal), Some(Update { responses, capacity })) = (modal, &self.update) {
+        if let (Some(modal), Some(Update { responses, rates, capacity })) = (modal, &self.update) {
             let image = &mut DVectorViewMut::from_slice(&mut image, model.len());
-            let modal = DMatrix::from_columns(&[modal.momenta.tr_mul(image)]);
+            let modal = DMatrix::from_columns(&[rates * modal.momenta.tr_mul(image)]);
             image.gemv(-1.0, responses, &capacity.solve(&modal).column(0), 1.0);
         }
         for index in 0..model.len() {
