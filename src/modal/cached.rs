@@ -5,6 +5,7 @@ use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
 use super::components::ComponentModes;
 use super::dynamic_solver::{DynamicKey, DynamicStiffnessSolver};
@@ -28,6 +29,10 @@ const MIN_KRYLOV: usize = 100;
 /// Multiple of the highest frequency that the teeth excite up to which undamped modes show the growing modes. Oil films and
 /// circulating forces let modes below the speed of rotation grow.
 const GROWTH_LIMIT: f64 = 2.0;
+
+/// Part of the highest frequency of a space of undamped modes up to which it approximates the eigenvalues of a model. The
+/// relative error is about the fourth power of this part.
+const MAX_APPROXIMATED: f64 = 0.4;
 
 /// What a state-space model reads beside its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,6 +141,8 @@ struct Nominal {
     cached: CachedModel,
     /// Loads on the bearings that depend on the speed.
     rows: Vec<Row>,
+    /// Spaces of few undamped modes at all speeds, by direction of rotation and number of modes.
+    small_spaces: Recent<[usize; 2], Option<Arc<ModalSpace>>>,
     /// Spaces of the undamped modes at all speeds.
     spaces: Recent<DampingKey, Arc<ModalSpace>>,
 }
@@ -237,7 +244,7 @@ impl CachedModel {
         } else {
             first.clone()
         };
-        Nominal { cached: Self::new(model), rows, spaces: Recent::default() }
+        Nominal { cached: Self::new(model), rows, spaces: Recent::default(), small_spaces: Recent::default() }
     }
 
     /// The model whose nonlinear bearings have the coefficients of a speed of the reference shaft, rad/s, while tables of
@@ -479,6 +486,32 @@ impl CachedModel {
             matrix += modal;
         }
         Ok(matrix)
+    }
+
+    /// Approximations of the eigenvalues with Im λ ≥ 0 of lowest magnitude, rad/s, in the space of the `count` lowest undamped
+    /// modes and of static displacements under loads on the bearings; `None` for a model that is the same at every speed.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn approximate_eigenvalues(
+        &self,
+        speed: f64,
+        count: usize,
+    ) -> Result<Option<Vec<Complex64>>, DecompositionError> {
+        let Some(nominal) = self.nominal.get() else {
+            return Ok(None);
+        };
+        let rotation = self.model.rotation(speed);
+        let find = || -> Result<_, DecompositionError> {
+            let found = ModalSpace::of_lowest(&nominal.cached, &nominal.rows, rotation.speed(), count)?;
+            Ok(found.map(Arc::new))
+        };
+        let Some(space) = nominal.small_spaces.get_or_try([rotation as usize, count], find)? else {
+            return Ok(None);
+        };
+        let mut values = space.project(&self.model, speed)?.eigenvalues()?;
+        values.retain(|value| value.norm() < MAX_APPROXIMATED * space.highest);
+        Ok(Some(values))
     }
 
     /// Modal damping for a highest frequency in question; `None` if the scene has none.

@@ -16,7 +16,8 @@ use num_complex::Complex64;
 
 use super::cached::CachedModel;
 use super::lowest::lowest_undamped;
-use super::real::{RealModes, times};
+use super::projected::Projected;
+use super::real::{RealModes, null_motions, times};
 use super::shift_invert::Problem;
 use super::spectral_range::ShiftInverse;
 use crate::connection::Row;
@@ -69,6 +70,8 @@ pub struct ModalSpace {
     momenta: Arc<DMatrix<f64>>,
     /// Number of damped modes.
     damped: usize,
+    /// Highest frequency of the modes, rad/s.
+    pub(super) highest: f64,
 }
 
 impl ModalDamping {
@@ -153,8 +156,33 @@ impl ModalSpace {
         speed: f64,
         highest: Highest,
     ) -> Result<Self, DecompositionError> {
+        Self::of_modes(cached, rows, speed, &DampedModes::new(cached, speed, highest)?)
+    }
+
+    /// The same with the `count` lowest modes; `None` if band matrices do not give them.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub(super) fn of_lowest(
+        cached: &CachedModel,
+        rows: &[Row],
+        speed: f64,
+        count: usize,
+    ) -> Result<Option<Self>, DecompositionError> {
+        let Some(shapes) = lowest_modes(cached, speed, count)? else {
+            return Ok(None);
+        };
+        Self::of_modes(cached, rows, speed, &DampedModes { kept: shapes.frequencies.len(), shapes }).map(Some)
+    }
+
+    /// The space of known modes and of static displacements.
+    fn of_modes(
+        cached: &CachedModel,
+        rows: &[Row],
+        speed: f64,
+        modes: &DampedModes,
+    ) -> Result<Self, DecompositionError> {
         let model = &cached.model;
-        let modes = DampedModes::new(cached, speed, highest)?;
         let (null, damped) = (modes.shapes.null, modes.elastic());
         let known = modes.shapes.vectors.columns(0, null + damped).into_owned();
         let mut loads = DMatrix::zeros(model.len(), rows.len());
@@ -163,12 +191,14 @@ impl ModalSpace {
         }
         let shift = cached.spectral_range(speed)?.slowest.unwrap_or(1.0);
         let mut statics = ShiftInverse::new(model, speed, shift)?.solve_columns(&loads)?;
+        let norm = |x: nalgebra::DVectorView<'_, f64>| model.kinetic_form(x.into_owned().as_slice()).sqrt();
+        let scale =
+            DVector::from_iterator(rows.len(), statics.column_iter().map(|x| 1.0 / norm(x).max(f64::MIN_POSITIVE)));
         // The known modes are orthonormal in M.
         for _ in 0..2 {
             statics -= &known * known.tr_mul(&model.mass_times(&statics));
         }
         let mut form = statics.tr_mul(&model.mass_times(&statics));
-        let scale = form.diagonal().map(|value| 1.0 / value.max(f64::MIN_POSITIVE).sqrt());
         form.iter_mut().enumerate().for_each(|(place, value)| {
             *value *= scale[place % rows.len()] * scale[place / rows.len()];
         });
@@ -182,7 +212,19 @@ impl ModalSpace {
             }));
         let shapes = DMatrix::from_columns(&columns);
         let momenta = Arc::new(model.mass_times(&shapes));
-        Ok(Self { shapes, momenta, damped })
+        let highest = modes.shapes.frequencies[modes.kept - 1];
+        Ok(Self { shapes, momenta, damped, highest })
+    }
+
+    /// A model in this space at `speed` of the reference shaft, rad/s.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub(super) fn project(&self, model: &Model, speed: f64) -> Result<Projected, DecompositionError> {
+        let null = null_motions(model, speed)?;
+        let columns: Vec<_> = null.column_iter().chain(self.shapes.column_iter()).map(|x| x.into_owned()).collect();
+        let modes = RealModes::in_subspace(model, speed, &DMatrix::from_columns(&columns))?;
+        Ok(Projected::new(model, modes, speed))
     }
 }
 

@@ -7,7 +7,9 @@
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::DMatrix;
+use num_complex::Complex64;
 
+use super::eigenvectors::{damped, undamped};
 use super::first_order::FirstOrder;
 use super::real::RealModes;
 use super::state_space::ModalStateSpace;
@@ -44,6 +46,15 @@ impl Projected {
             modes,
             linear: OnceLock::new(),
         }
+    }
+
+    /// Eigenvalues with Im λ ≥ 0, rad/s.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the eigenvalue iteration fails.
+    pub fn eigenvalues(&self) -> Result<Vec<Complex64>, DecompositionError> {
+        let order = FirstOrder::projected(&self.modes, &self.damping, &self.skew_part, self.undamped);
+        Ok(if self.undamped { undamped(&self.modes).0 } else { damped(&self.modes, &order)?.0 })
     }
 
     /// The same with a known state-space model.
