@@ -31,7 +31,7 @@ help:
 	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
 	@echo "make random        check general properties on 2,000 new random scenes, and run all examples and the slow cells of the fleet"
-	@echo "make fuzz          parse a million randomly changed descriptions"
+	@echo "make fuzz          parse a million randomly changed descriptions, and 10,000 damaged REXS files"
 	@echo "make mutants       change one place of the program at a time: what share of 210 changes do the tests catch? (hours)"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
 	@echo "make docs          build the documentation site into site/; open site/index.html"
@@ -73,14 +73,15 @@ random: $(VENV)/.dev
 
 fuzz: $(VENV)/.dev
 	GEARBOW_CASES=350 $(CARGO_TEST) --test rust fuzz::
-	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/scene/test_fuzz.py tests/python/runs/test_random_run_up.py -k "every"
+	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/scene/test_fuzz.py tests/python/files/test_rexs.py \
+		tests/python/runs/test_random_run_up.py -k "every"
 
 # Takes up to five hours on two cores and needs cargo-mutants. Parts that another design replaces are left out.
 mutants: $(VENV)/.mutants
 	$(BIN)/python tools/mutants.py --seed 1 --left-out tradeoff/ accuracy/ recording/motion.py \
 		simulate/reduc simulate/variation simulate/pilot simulate/known simulate/ports simulate/component simulate/audit \
-		modal/balanced modal/components modal/projected modal/square_root modal/galerkin exponential/substep \
-		exponential/dense exponential/jump exponential/contact_change steady/quasi steady/harmonics steady/turning \
+		undamped/components state_space/projected undamped/square_root lowest/galerkin within_step/substep \
+		run/contact_change steady/quasi steady/harmonics steady/turning \
 		steady/anderson steady/gmres linalg/band linalg/coup linalg/conjugate connection/spring
 
 check: lint types documents docs test

@@ -1,9 +1,9 @@
 """Run the code blocks of the Markdown documents as tests.
 
 The Python blocks of a document run in order and share their names. A `text` block contains the
-expected output of the Python block before it. A `toml` block becomes the file `scene.toml` for the
-blocks after it. Each document runs in an empty folder. The cells of a notebook run in order; its
-outputs are not stored.
+expected output of the Python block before it. A `toml` block becomes the file `scene.toml`, an
+`xml` block the file `gearbox.rexs`, for the blocks after it. Each document runs in an empty folder.
+The cells of a notebook run in order; its outputs are not stored.
 """
 
 import contextlib
@@ -20,6 +20,8 @@ import pytest
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 # They need the packages of the extra docs, and have no examples.
 collect_ignore_glob = ["docs/site/*.py"]
+#: File that a block becomes, by its language.
+FILES = {"toml": "scene.toml", "xml": "gearbox.rexs"}
 ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
@@ -89,8 +91,8 @@ class Examples(pytest.Item):
         printed = io.StringIO()
         with tempfile.TemporaryDirectory() as folder, inside(folder):
             for language, text, line in self.blocks:
-                if language == "toml":
-                    Path("scene.toml").write_text(text, encoding="utf-8")
+                if language in FILES:
+                    Path(FILES[language]).write_text(text, encoding="utf-8")
                 elif language == "python":
                     self.compare("", printed.getvalue(), line)
                     printed = io.StringIO()

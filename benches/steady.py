@@ -14,6 +14,7 @@ import argparse
 import importlib.util
 import sys
 import time
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,8 @@ MAX_TURNS = 100
 RECORDED = 10
 STEPS = np.arange(400) / 400
 COPRIME = (23, 47, 29, 61)
+#: Number of points of a branch that passes a fold.
+NEAR_FOLD = 30
 
 
 def demo() -> gb.RotorSystem:
@@ -177,11 +180,18 @@ def without_period() -> None:
 
 
 def branch_row(
-    name: str, system: gb.RotorSystem, parameter: str, interval: tuple[float, float], speed: float
+    name: str,
+    system: gb.RotorSystem,
+    parameter: str,
+    interval: tuple[float, float],
+    speed: float,
+    *,
+    rtol: float | None = 1e-8,
+    count: int = 8,
 ) -> list[str]:
     """Measure the points of a branch; the speed is that of its start."""
     begin = time.process_time()
-    steady = system.steady_state(speed, initial="static", rtol=1e-8)
+    steady = system.steady_state(speed, initial="static", rtol=rtol)
     alone = time.process_time() - begin
     periods = [0]
     correct: Any = _core.corrected_states
@@ -193,8 +203,13 @@ def branch_row(
 
     fixed = None if parameter == "speed" else speed
     begin = time.process_time()
-    with mock.patch.object(continuation, "corrected_states", counted):
-        branch = system.continuation(parameter, *interval, speed=fixed, rtol=1e-8, max_points=8)
+    with (
+        mock.patch.object(continuation, "corrected_states", counted),
+        warnings.catch_warnings(),
+    ):
+        # The branch ends after a few points.
+        warnings.simplefilter("ignore", gb.AccuracyWarning)
+        branch = system.continuation(parameter, *interval, speed=fixed, rtol=rtol, max_points=count)
     points = branch.values.size
     cost = (time.process_time() - begin - alone) / points
     return [
@@ -221,6 +236,12 @@ def branches() -> None:
         for parameter, interval in (("speed", (speed, 1.3 * speed)), ("bow", (0.5, 2.0))):
             print("| " + " | ".join(branch_row(name, system, parameter, interval, speed)) + " |")
             sys.stdout.flush()
+    new = gb.RotorSystem.load(Path(gb.__file__).parent / "cli" / "example.toml")
+    # Near a fold, where the steps are small, at the accuracy of the system.
+    row = branch_row(
+        "new scene, 1 %", new, "speed", (300.0, 600.0), 300.0, rtol=None, count=NEAR_FOLD
+    )
+    print("| " + " | ".join(row) + " |")
 
 
 def main() -> None:

@@ -62,7 +62,7 @@ def train(bow: float) -> gb.RotorSystem:
 def simulate(system: gb.RotorSystem) -> gb.Response:
     """Simulate a few revolutions of the slowest shaft."""
     turn = 2.0 * math.pi / (SPEED * float(np.abs(system.speed_ratios).min()))
-    return system.simulate(TURNS * turn, SPEED, output_step=turn / 1000, progress=True)
+    return system.simulate(TURNS * turn, SPEED, output_step=turn / 1000)
 
 
 def settled(response: gb.Response) -> slice:

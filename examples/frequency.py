@@ -66,6 +66,11 @@ def main() -> None:
         "stability": sealed().campbell(np.linspace(0.0, 600.0, 13), count=4).plot(),
         "critical_speed_map": bowed.critical_speed_map(np.geomspace(1e5, 1e10, 41)).plot(3),
         "bode": response.bode(["left", "right"]),
+        "frf": pair.frequency_response(
+            2.0 * np.pi * np.linspace(1.0, 1000.0, 1000),
+            source=gb.Force(("input", 0.35), 1.0),
+            speed=150.0,
+        ).plot(["pinion", ("output", 0.65)]),
         "mode_shape": pair.modes(speed=300.0).plot(2),
     }
     for name, figure in figures.items():

@@ -165,9 +165,9 @@ def main() -> None:
     if given.sobol:
         print(sobol(given.sobol))
     else:
-        over_speed = gb.sweep(train, {"speed": SPEEDS, "bow": BOWS}, force, progress=True)
+        over_speed = gb.sweep(train, {"speed": SPEEDS, "bow": BOWS}, force)
         grid: dict[str, Any] = {"unbalance": UNBALANCES, "phase": PHASES, "bow": [BOW]}
-        over_unbalance = gb.sweep(train, grid, force, progress=True)
+        over_unbalance = gb.sweep(train, grid, force)
         print(first_loss(over_speed))
         print(f"\n{len(over_speed) + len(over_unbalance)} runs")
         output: Path = given.output

@@ -118,7 +118,7 @@ def main() -> None:
         speed = resonance(system)
         static = float(system.static().mesh(MESH).deflection)
         branch = system.continuation(
-            "speed", RANGE[0] * speed, RANGE[1] * speed, record=["meshes"], progress=True
+            "speed", RANGE[0] * speed, RANGE[1] * speed, rtol=1e-9, record=["meshes"]
         )
         curves[torque] = (static, speed, branch)
         rms = branch.statistic("rms", MESH, "deflection")

@@ -1,6 +1,6 @@
-"""Draw the figure of docs/signals.md: probes, pulses, an acceleration with and without aliasing.
+"""Draw the figures of docs/signals.md: probes, pulses, an acceleration without aliasing, a run-up.
 
-Run with ``python examples/signals.py``. The script writes the figure to ``docs/figures``.
+Run with ``python examples/signals.py``. The script writes the figures to ``docs/figures``.
 """
 
 from pathlib import Path
@@ -86,9 +86,26 @@ def draw(system: gb.RotorSystem) -> Figure:
     return figure
 
 
+def draw_run_up() -> Figure:
+    """Draw the orders and the waterfall of a bowed rotor that passes its first critical speed."""
+    rotor = gb.RotorSystem(
+        [gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(2e-5))],
+        disks=[gb.Disk("disk", "rotor", 0.5, 20.0, 0.1, 0.2)],
+        bearings=[gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)],
+        modal_damping=0.02,
+    )
+    ramp = gb.SpeedProfile.ramp(50.0, 500.0, duration=5.0)
+    run = rotor.simulate(5.0, ramp, output_step=5e-4, record=["disk"])
+    figure, (top, bottom) = plt.subplots(2, 1, figsize=(8.0, 8.0), layout="constrained")
+    run.orders("disk", "y").plot(ax=top, speed_unit="rpm")
+    gb.waterfall(run, "disk", "y").plot(120.0, ax=bottom, speed_unit="rpm")
+    return figure
+
+
 def main() -> None:
-    """Draw and save the figure."""
+    """Draw and save the figures."""
     draw(train()).savefig(FIGURES / "signals.png", dpi=80)
+    draw_run_up().savefig(FIGURES / "run_up.png", dpi=80)
 
 
 if __name__ == "__main__":

@@ -110,7 +110,6 @@ def study(scene: Scene) -> gb.results.Tradeoff[gb.RotorSystem]:
         initial=scene.initial,
         degrees=[],
         budget=BUDGET,
-        progress=True,
     )
 
 

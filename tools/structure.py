@@ -61,8 +61,8 @@ def without_tests(text: str) -> str:
 
 
 def code_of(text: str) -> str:
-    """Cut the unit tests and the lines of comments of a Rust file."""
-    return re.sub(r"^\s*//.*$", "", without_tests(text), flags=re.M)
+    """Cut the unit tests, the lines of comments and the paths of visibilities of a Rust file."""
+    return re.sub(r"^\s*//.*$|\(in [\w:]+\)", "", without_tests(text), flags=re.M)
 
 
 def use_paths(tree: str, prefix: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
@@ -101,7 +101,7 @@ def rust_graph(family: str = "none") -> Graph:
     for module, text in texts.items():
         exports[module] = {
             path[-1]: path
-            for use in re.findall(r"pub(?:\([a-z]+\))? use ([^;]+);", text)
+            for use in re.findall(r"pub(?:\([a-z: ]+\))? use ([^;]+);", text)
             for path in use_paths(use)
         }
 
@@ -130,7 +130,7 @@ def rust_graph(family: str = "none") -> Graph:
     for module, text in texts.items():
         paths = [
             path
-            for use in re.findall(r"^\s*(?:pub(?:\([a-z]+\))? )?use ([^;]+);", text, re.M)
+            for use in re.findall(r"^\s*(?:pub(?:\([a-z: ]+\))? )?use ([^;]+);", text, re.M)
             for path in use_paths(use)
         ]
         paths += [
@@ -151,15 +151,22 @@ def rust_graph(family: str = "none") -> Graph:
 
 
 def folder_graph() -> Graph:
-    """Collect the imports between the folders of the crate."""
+    """Collect the imports between folders of the crate that lie in the same folder."""
     graph: Graph = {}
     for file, targets in rust_graph().items():
-        folders = {
-            str(Path(target).parent) for target in targets if Path(target).parent.name != "src"
-        }
-        folder = "/".join(Path(file).parts[:2])
-        names = graph.setdefault(folder, set())
-        names |= {"/".join(Path(name).parts[:2]) for name in folders} - {folder}
+        for target in targets:
+            parts, others = Path(file).with_suffix("").parts, Path(target).with_suffix("").parts
+            depth = next(
+                (
+                    k
+                    for k, pair in enumerate(zip(parts, others, strict=False))
+                    if len(set(pair)) > 1
+                ),
+                0,
+            )
+            folder, other = Path(*parts[: depth + 1]), Path(*others[: depth + 1])
+            if depth and (ROOT / folder).is_dir() and (ROOT / other).is_dir():
+                graph.setdefault(str(folder), set()).add(str(other))
     return graph
 
 
@@ -191,7 +198,7 @@ def rust_functions(text: str) -> Iterator[tuple[str, int]]:
     """Give every function of a Rust file with its number of lines."""
     lines = text.splitlines()
     for at, line in enumerate(lines):
-        match = re.match(r"(\s*)(?:pub(?:\([a-z]+\))? )?(?:const )?fn (\w+)", line)
+        match = re.match(r"(\s*)(?:pub(?:\([a-z: ]+\))? )?(?:const )?fn (\w+)", line)
         if match and not line.rstrip().endswith(";"):
             end = next(
                 (k for k in range(at, len(lines)) if lines[k].rstrip() == f"{match[1]}}}"), at
@@ -202,9 +209,9 @@ def rust_functions(text: str) -> Iterator[tuple[str, int]]:
 def rust_structs(text: str) -> Iterator[tuple[str, int]]:
     """Give every struct of a Rust file with its number of fields."""
     for match in re.finditer(
-        r"^(?:pub(?:\([a-z]+\))? )?struct (\w+)[^;{]*\{\n(.*?)^\}", text, re.M | re.S
+        r"^(?:pub(?:\([a-z: ]+\))? )?struct (\w+)[^;{]*\{\n(.*?)^\}", text, re.M | re.S
     ):
-        yield match[1], len(re.findall(r"^    (?:pub(?:\([a-z]+\))? )?\w+:", match[2], re.M))
+        yield match[1], len(re.findall(r"^    (?:pub(?:\([a-z: ]+\))? )?\w+:", match[2], re.M))
 
 
 def python_functions(text: str) -> Iterator[tuple[str, int]]:

@@ -246,6 +246,7 @@ fn options(duration: f64) -> Options {
         stages: None,
         modes: None,
         reduction: None,
+        kept_modes: None,
         force_error: None,
         initial: Initial::Rest,
         times: Vec::new(),

@@ -4,7 +4,7 @@ Campbell diagram with speed-dependent bearings
 
 A data sheet gives the stiffness and damping of the bearings of a turbine rotor at four speeds.
 `SpeedTable` interpolates them, and every analysis uses the coefficients at its speed.
-`SpeedTable.read_csv` reads such a table from a file, with cross-coupled coefficients too. The
+`SpeedTable.read_table` reads such a table from a file, with cross-coupled coefficients too. The
 stiffness rises with the speed and lifts the frequencies. The table lists the critical speeds.
 
 The figure shows the frequencies and damping ratios of the modes against the speed. The line

@@ -47,6 +47,11 @@ from gearbow.description.shafts import (
     Segment as Segment,
     Shaft as Shaft,
 )
+from gearbow.description.sources import (
+    GroundMotion as GroundMotion,
+    MeshExcitation as MeshExcitation,
+    ShaftExcitation as ShaftExcitation,
+)
 from gearbow.description.speed import SpeedProfile as SpeedProfile
 from gearbow.description.speed_table import SpeedTable as SpeedTable
 from gearbow.description.stiffness import Stiffness as Stiffness
@@ -85,13 +90,15 @@ from gearbow.units.values import (
     rpm as rpm,
 )
 
-#: Modules of the names that are imported at their first use, with the libraries of a sweep.
+#: Modules of the names that are imported at their first use, with the libraries that they need.
 _LAZY = {
     "Sweep": "gearbow.sweeps.result",
+    "rexs_contents": "gearbow.exchange.rexs",
     "sweep": "gearbow.sweeps.run",
 }
 
 if _typing.TYPE_CHECKING:
+    from gearbow.exchange.rexs import rexs_contents as rexs_contents
     from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep
 else:  # a type checker would accept every name

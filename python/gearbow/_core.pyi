@@ -13,6 +13,7 @@ from gearbow._types import (
     CoreCheckpoint,
     Dof,
     FilmData,
+    HarmonicData,
     MatricesData,
     MeshGeometry,
     ModesData,
@@ -28,6 +29,7 @@ from gearbow._types import (
 
 __all__ = [
     "SHARE_OF_MEAN",
+    "KeptModes",
     "Model",
     "__version__",
     "accuracy_levels",
@@ -39,6 +41,7 @@ __all__ = [
     "film_coefficients",
     "has_constant_coefficients",
     "initial_state",
+    "kept_modes",
     "mesh_geometry",
     "multipliers",
     "recorded_period",
@@ -65,6 +68,13 @@ def require_memory(argument: str, what: str, needed: float, remedy: str) -> None
 def rolling_coefficients(
     bearing: dict[str, Plain], load: tuple[float, float], cage: float | None = None
 ) -> RollingData: ...
+
+@final
+class KeptModes:
+    @property
+    def modes(self) -> int: ...
+    @property
+    def modes_error(self) -> tuple[float, float]: ...
 
 @final
 class Model:
@@ -102,6 +112,9 @@ class Model:
         self, stiffnesses: Array, order: float, count: int | None = None
     ) -> list[list[tuple[float, str, float, int]]]: ...
     def synchronous(self, speeds: Array, excitation: str = "both") -> SynchronousData: ...
+    def frequency_response(
+        self, frequencies: Array, speeds: Array, sources: list[dict[str, Plain]]
+    ) -> HarmonicData: ...
     def peaks(
         self,
         speeds: Array,
@@ -143,12 +156,20 @@ def corrected_states(
     initial: str | dict[str, Any],
     states: Array,
     levels: bytes | None,
+    kept: KeptModes | None = None,
     **options: Unpack[RunOptions],
 ) -> tuple[Array, bytes]: ...
 def has_constant_coefficients(model: Model, geometry: str) -> bool: ...
 def initial_state(
     model: Model, *, initial: str | dict[str, Any], **options: Unpack[RunOptions]
 ) -> Array: ...
+def kept_modes(
+    model: Model,
+    *,
+    initial: str | dict[str, Any],
+    record: list[Record],
+    **options: Unpack[RunOptions],
+) -> KeptModes | None: ...
 def recorded_period(
     model: Model,
     *,
@@ -156,6 +177,7 @@ def recorded_period(
     state: Array,
     samples: int,
     record: list[Record],
+    kept: KeptModes | None = None,
     **options: Unpack[RunOptions],
 ) -> RunData: ...
 def multipliers(
@@ -165,6 +187,7 @@ def multipliers(
     smallest: float,
     record: list[Record],
     progress: Callable[[float], object] | None,
+    kept: KeptModes | None = None,
     **options: Unpack[RunOptions],
 ) -> ComplexArray: ...
 def whirl_classes() -> list[str]: ...

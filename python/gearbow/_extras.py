@@ -12,8 +12,10 @@ __all__ = ["extra"]
 _PACKAGES = {
     "plot": {"matplotlib", "mpl_toolkits", "PIL"},
     "netcdf": {"xarray", "h5netcdf", "h5py"},
-    "dataframe": {"pandas"},
+    "dataframe": {"pandas", "openpyxl"},
+    "matlab": {"scipy"},
     "sparse": {"scipy"},
+    "uff": {"pyuff"},
     "units": {"pint"},
     "sweep": {"xarray", "pandas", "dask", "distributed"},
 }

@@ -22,7 +22,7 @@ except ImportError:  # Windows
 from gearbow._convert import shown
 from gearbow.errors import SceneError
 
-__all__ = ["FileLock", "check_name", "check_output", "reading", "replacing", "reserve"]
+__all__ = ["FileLock", "as_path", "check_name", "check_output", "reading", "replacing", "reserve"]
 
 #: Longest file name that temporary files and locks contain as it is [bytes]; a file system has at
 #: most 255.
@@ -40,7 +40,7 @@ _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 def check_name(path: object, endings: Sequence[str], argument: str = "path") -> tuple[Path, str]:
     """Check the name of a file, whose suffix means its format."""
-    found = _path(path, argument)
+    found = as_path(path, argument)
     ending = found.suffix.lower()
     if ending not in endings:
         *others, last = endings
@@ -51,7 +51,7 @@ def check_name(path: object, endings: Sequence[str], argument: str = "path") -> 
     return found, ending
 
 
-def _path(path: object, argument: str) -> Path:
+def as_path(path: object, argument: str) -> Path:
     """Check that a value is the name of a file."""
     if not isinstance(path, str | os.PathLike):
         raise SceneError(f"{argument}: must be the name of a file, got {shown(path)}")
@@ -74,7 +74,7 @@ def check_output(path: Path) -> None:
 @contextmanager
 def reading(path: str | os.PathLike[str]) -> Iterator[str]:
     """Read a text file in UTF-8, with or without a byte-order mark, and parse it in the block."""
-    data = _path(path, "path").read_bytes()
+    data = as_path(path, "path").read_bytes()
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -105,7 +105,7 @@ def _unchanged(path: Path) -> Iterator[None]:
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[BufferedRandom]:
     """Open a temporary file that replaces `path` at the end of the block."""
-    given = _path(path, "path")
+    given = as_path(path, "path")
     trial: Path | None = None
     file: BufferedRandom | None = None
     with _unchanged(given):

@@ -1,18 +1,33 @@
-"""Progress of long work: progress bar, and warning about a long run."""
+"""Progress of long work: progress bar, and warning about a long run.
 
+A bar appears on a terminal by itself if a call takes long. Only the outermost call of the main
+thread and process shows one, so that the runs of a sweep show nothing beside the bar of the sweep.
+"""
+
+import sys
+import threading
 import time
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from typing import TYPE_CHECKING, Any
 
-from gearbow._convert import function
+from gearbow._convert import function, truth
 from gearbow._types import Progress
 from gearbow.errors import AccuracyWarning, outside
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
 
 #: A run with a longer estimated duration gives a warning [s].
 LONG_RUN = 3600.0
 #: Observation time before the estimate of the duration [s].
 WATCHED = 1.0
+#: Time before a bar appears by itself [s], and time between two renewals of its elapsed time [s].
+_DELAY, _RENEWAL = 2.0, 0.5
+
+#: Calls that show a bar or are asked to show none: the calls within show nothing by themselves.
+_decided: list[str] = []
 
 
 @contextmanager
@@ -21,30 +36,89 @@ def reported(
     total: float,
     unit: str = "s",
     *,
+    what: str,
+    setup: str | None = None,
     estimate: bool = True,
     numbers: str = ".3g",
 ) -> Iterator[Progress | None]:
-    """Give the callable that receives the completed fraction; True makes a progress bar."""
-    if progress is not True:
+    """Give the callable that receives the completed fraction; True or a terminal makes a bar."""
+    if progress is not True and not (progress is None and _is_automatic()):
         is_off = progress is None or progress is False
         report = None if is_off else function(progress, "progress")
-        yield _Estimate(report) if estimate else report
+        with nullcontext() if progress is None else _deciding(what):
+            yield _Estimate(report) if estimate else report
         return
-    from tqdm import tqdm  # noqa: PLC0415  # its import takes longer than that of gearbow
-
-    with tqdm(
-        total=total,
-        bar_format=f"{{l_bar}}{{bar}}| {{n:{numbers}}}/{{total:{numbers}}} {unit} "
-        "[{elapsed}<{remaining}]",
-        # Show every report, because the remaining time changes without progress too.
-        miniters=0,
-    ) as bar:
+    # The bar names the set-up while the fraction is zero.
+    names = what if setup is None else f"{what}: {setup}"
+    count = f"{{n:{numbers}}}/{{total:{numbers}}} {unit}"
+    look = f"{{l_bar}}{{bar}}| {count} [{{elapsed}}<{{remaining}}]"
+    with _bar(what, at_once=bool(progress), total=total, desc=names, bar_format=look) as bar:
 
         def show(fraction: float) -> None:
+            if fraction > 0.0:
+                bar.set_description_str(what, refresh=False)
             bar.update(fraction * total - bar.n)
 
         yield _Estimate(show) if estimate else show
-        show(1.0)
+        bar.set_description_str(what, refresh=False)
+        bar.update(total - bar.n)
+
+
+@contextmanager
+def working(progress: bool | None, what: str) -> Iterator[None]:
+    """Show the time of work whose completed fraction is unknown, as `reported` does."""
+    asked = _is_automatic() if progress is None else truth(progress, "progress")
+    if not asked:
+        with nullcontext() if progress is None else _deciding(what):
+            yield
+        return
+    with _bar(what, at_once=False, desc=what, bar_format="{desc} [{elapsed}]"):
+        yield
+
+
+def _is_automatic() -> bool:
+    """Return whether this call shows a bar by itself."""
+    if _decided or not sys.stderr.isatty():
+        return False
+    if threading.current_thread() is not threading.main_thread():
+        return False
+    from multiprocessing import parent_process  # noqa: PLC0415  # its import takes 10 ms
+
+    return parent_process() is None
+
+
+@contextmanager
+def _deciding(what: str) -> Iterator[None]:
+    """Keep the calls within from showing a bar by themselves."""
+    _decided.append(what)
+    try:
+        yield
+    finally:
+        _decided.remove(what)
+
+
+@contextmanager
+def _bar(what: str, *, at_once: bool, **look: Any) -> "Iterator[tqdm[Any]]":
+    """Show a bar whose elapsed time goes on while the core reports nothing."""
+    from tqdm import tqdm  # noqa: PLC0415  # its import takes longer than that of gearbow
+
+    # Show every report, because the remaining time changes without progress too. A bar that appears
+    # by itself disappears at the end.
+    delay = 0.0 if at_once else _DELAY
+    stop = threading.Event()
+    with _deciding(what), tqdm(miniters=0, delay=delay, leave=at_once, **look) as bar:
+
+        def renew() -> None:
+            while not stop.wait(_RENEWAL):
+                bar.update(0)
+
+        clock = threading.Thread(target=renew, name="gearbow progress", daemon=True)
+        clock.start()
+        try:
+            yield bar
+        finally:
+            stop.set()
+            clock.join()
 
 
 class _Estimate:

@@ -1,5 +1,7 @@
 """Times at which a run is recorded."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -10,6 +12,9 @@ from gearbow.errors import SceneError
 
 #: Largest number of recorded times. With more, the gears of one pair alone would take 10 GB.
 MAX_TIMES = 100_000_000
+#: Steps of the safeguarded Newton iteration of `crossings`; bisection alone reaches round-off in as
+#: many.
+_CROSSING_STEPS = 64
 
 
 def distinct(times: ArrayLike) -> tuple[Array, NDArray[np.intp]]:
@@ -72,3 +77,36 @@ def window(times: Array, given: object) -> slice:
     if cut.stop - cut.start < 2:
         raise SceneError(f"times: the record has fewer than two instants within {shown(given)}")
     return cut
+
+
+def crossings(
+    nodes: Array, turned: Callable[[Array], Array], rate: Callable[[Array], Array]
+) -> Array:
+    """Find the times at which a function, monotone between the nodes, is a whole number."""
+    values = turned(nodes)
+    low, high, levels = [], [], []
+    for begin, end, first, last in zip(nodes, nodes[1:], values, values[1:], strict=False):
+        if last > first:
+            whole_numbers = np.arange(np.ceil(first), np.ceil(last))
+        else:
+            whole_numbers = np.arange(np.floor(first), np.floor(last), -1.0)
+        levels.append(whole_numbers)
+        low.append(np.full(whole_numbers.size, begin))
+        high.append(np.full(whole_numbers.size, end))
+    if not levels:
+        return np.empty(0)
+    level, left, right = (np.concatenate(parts) for parts in (levels, low, high))
+    rising = turned(right) > turned(left)
+    t = (left + right) / 2.0
+    for _ in range(_CROSSING_STEPS):
+        excess = turned(t) - level
+        passed = (excess >= 0.0) == rising
+        left, right = np.where(passed, left, t), np.where(passed, t, right)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = t - excess / rate(t)
+        # Newton's step, or the middle of the bracket where the step leaves it.
+        following = np.where((newton >= left) & (newton <= right), newton, (left + right) / 2.0)
+        if np.array_equal(following, t):
+            break
+        t = following
+    return np.sort(t)

@@ -85,6 +85,17 @@ class SynchronousData(TypedDict):
     bow: ComplexArray
 
 
+class HarmonicData(TypedDict):
+    """Phasors by pair of frequency and speed, source and degree of freedom; forces likewise."""
+
+    phasors: ComplexArray
+    residuals: Array
+    bearings: list[tuple[str, float]]
+    bearing_force: ComplexArray
+    meshes: list[tuple[str, str]]
+    mesh_force: ComplexArray
+
+
 class StaticData(TypedDict):
     """Static equilibrium: n degrees of freedom, the meshes and the bearings."""
 

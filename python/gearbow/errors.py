@@ -91,7 +91,8 @@ class AccuracyWarning(UserWarning):
     Possible causes: the frequencies differ so much that round-off reduces the accuracy of the slow
     motions; a tolerance is below round-off; a displacement exceeds the size of the shafts,
     although the equations assume small displacements; the motion is unstable at the speed of a
-    steady response; or orders contain only a small part of a signal. The message gives the amount
+    steady response; orders contain only a small part of a signal; or a branch ends before the
+    end of its interval. The message gives the amount
     and the cause. The time of a run is estimated from its first second. A filter "error" ends the
     run there, and the attribute `response` of the warning contains the results so far.
 

@@ -2,7 +2,7 @@
 //!
 //! - Before a model: `discretisation` chooses number and degree of the shaft elements.
 //! - Linear analyses: `modes`, `campbell` with `assignment` (which modes continue which), `critical`, `equilibrium`,
-//!   `synchronous` (one speed) and `responses` (several speeds), `peaks`, `instability` (speeds at which the motion is
+//!   `synchronous` (one speed) and `responses` (several speeds), `frequency_response` to the harmonic `sources`, `peaks`, `instability` (speeds at which the motion is
 //!   unstable), `stability` (step limits of explicit methods).
 //! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
 //! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
@@ -15,6 +15,7 @@ mod diagnostics;
 mod discretisation;
 mod equilibrium;
 mod error;
+mod frequency_response;
 mod instability;
 mod interrupt;
 mod memory;
@@ -22,6 +23,7 @@ mod modes;
 mod peaks;
 mod responses;
 pub mod simulate;
+mod sources;
 mod stability;
 pub mod steady;
 mod synchronous;
@@ -32,11 +34,13 @@ pub use diagnostics::{ill_conditioning, parallel_modes_check, small_displacement
 pub use discretisation::{Choice, ElementErrors, Resolved, resolve, resolve_variation};
 pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;
+pub use frequency_response::FrequencyResponses;
 pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;
 pub use memory::{Dense, Kept, product};
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
 pub use responses::{Response, Responses, memory_of_responses, synchronous};
+pub use sources::{Forces, Harmonic, Source};
 pub use stability::Spectrum;
-pub use synchronous::{ExcitationPart, SourceResponse, bearing_forces, bow};
+pub use synchronous::{ExcitationPart, SourceResponse, bow};

@@ -9,7 +9,7 @@ use super::{AnalysisError, Dense};
 use crate::linalg::{backward_error, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Highest, Solved};
 use crate::model::{Excitation, Model};
-use crate::scene::Node;
+use crate::scene::{EntryPath, SceneError};
 
 /// Part of the excitation by a rotating shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,6 +23,21 @@ pub enum ExcitationPart {
     Unbalance,
 }
 
+impl ExcitationPart {
+    /// Finds a part by its name, which the entry `at` contains.
+    ///
+    /// # Errors
+    /// [`SceneError`] for another name.
+    pub(crate) fn named(name: &str, at: &EntryPath<'_>) -> Result<Self, SceneError> {
+        match name {
+            "both" => Ok(Self::Both),
+            "bow" => Ok(Self::Bow),
+            "unbalance" => Ok(Self::Unbalance),
+            _ => Err(at.error(format!("must be \"both\", \"bow\" or \"unbalance\", got \"{name}\""))),
+        }
+    }
+}
+
 /// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
 pub(super) const MAX_DENSE: usize = 2000;
 
@@ -31,7 +46,7 @@ pub(super) const MIN_BANDS: usize = 100;
 
 /// Largest relative residual of a response. Machines reach 1e-11, and scenes with stiffnesses of very different size 2e-6; a
 /// response that is wrong has a residual near one.
-const MAX_RESIDUAL: f64 = 1e-4;
+pub(super) const MAX_RESIDUAL: f64 = 1e-4;
 
 /// Response to the rotation of one shaft.
 #[derive(Clone, Debug)]
@@ -86,25 +101,6 @@ pub fn bow(model: &Model) -> DVector<Complex<f64>> {
     amplitudes
 }
 
-/// Phasors of the force over (y, z) on the bearings of `nodes`, N, for a source shaft of speed `spin`, rad/s.
-pub fn bearing_forces(
-    model: &Model,
-    nodes: &[Node],
-    spin: f64,
-    amplitudes: &DVector<Complex<f64>>,
-) -> Vec<[Complex<f64>; 2]> {
-    let part = |part: fn(&Complex<f64>) -> f64| amplitudes.iter().map(part).collect::<Vec<_>>();
-    let (re, im) = (part(|value| value.re), part(|value| value.im));
-    // The velocity is Re(iω a e^{iϑ}): its phasor has the real part −ω Im a and the imaginary part ω Re a.
-    let rate = |part: &[f64], factor: f64| part.iter().map(|value| factor * value).collect::<Vec<_>>();
-    let (rate_re, rate_im) = (rate(&im, -spin), rate(&re, spin));
-    let force = |node: &Node| {
-        let (re, im) = (model.bearing_force(*node, &re, &rate_re), model.bearing_force(*node, &im, &rate_im));
-        [0, 1].map(|row| Complex::new(re[row], im[row]))
-    };
-    nodes.iter().map(force).collect()
-}
-
 /// Response at `speed` to one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s, and with the modal
 /// damping for the `highest` frequency in question.
 ///
@@ -129,7 +125,7 @@ pub(super) fn synchronous_of(
     // At standstill modal damping has no effect.
     let is_damped = model.scene.modal_damping > 0.0 && spin != 0.0;
     if !is_damped || model.len() >= MIN_BANDS {
-        match banded(&cached, key, is_damped.then_some(highest), &force)? {
+        match banded(&cached, key, is_damped.then_some(highest), 0.0, &force)? {
             Some(found) => return found.checked(speed, name),
             // At an undamped critical speed the response is very large: the dense solution shows its size.
             None if model.len() <= MAX_DENSE => {}
@@ -165,20 +161,22 @@ pub(super) fn rotating_force(
     Some(force)
 }
 
-/// Solves S x = f with the band matrices of the shafts; `None` if round-off leaves no accurate solution.
-fn banded(
+/// Solves S x = f with the band matrices of the shafts, without modal damping to a backward error or, if it is zero, to
+/// round-off; `None` if round-off leaves no accurate solution.
+pub(super) fn banded(
     cached: &CachedModel,
     key: DynamicKey,
     highest: Option<Highest>,
+    tolerance: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<Option<SourceResponse>, AnalysisError> {
     let solver = cached.dynamic_solver(key, highest)?;
-    let found = solver.as_ref().as_ref().ok().and_then(|solver| solver.solve(&cached.model, force).ok());
+    let found = solver.as_ref().as_ref().ok().and_then(|solver| solver.solve(&cached.model, tolerance, force).ok());
     Ok(found.map(|Solved { phasors, residual, .. }| SourceResponse { phasors, residual }))
 }
 
 /// The same with the dense matrix, which may contain modal damping.
-fn solve_dense(
+pub(super) fn solve_dense(
     cached: &CachedModel,
     DynamicKey { speed, spin, flank_speed }: DynamicKey,
     force: DVector<Complex<f64>>,
@@ -190,6 +188,12 @@ fn solve_dense(
     let mut dynamic = DMatrix::from_fn(model.len(), model.len(), |i, j| {
         Complex::new(stiffness[(i, j)] - spin * spin * mass[(i, j)], spin * rate[(i, j)])
     });
+    if model.has_structural_damping() && spin != 0.0 {
+        let sign = spin.signum();
+        model.sparse_structural(flank_speed).for_each(|row, column, value| {
+            dynamic[(row, column)] += Complex::new(0.0, sign * value);
+        });
+    }
     if spin == 0.0 {
         // Null motions have no stiffness at standstill. The bow does not drive them, so that an artificial stiffness has
         // no effect.

@@ -133,6 +133,15 @@ impl Connection<'_> {
         }
     }
 
+    /// Loss factor η of the stiffness, which analyses in the frequency domain contain.
+    pub fn loss_factor(&self) -> f64 {
+        match self {
+            Self::Mesh(_, mesh, _) => mesh.loss_factor,
+            Self::Bearing(bearing) => bearing.bearing.loss_factor,
+            Self::Nonlinear(_) | Self::Load(_) => 0.0,
+        }
+    }
+
     /// Bounds of the coefficients in a run whose linear part is the one at `speed`.
     pub fn bounds(&self, speed: f64) -> Bounds {
         match self {

@@ -9,7 +9,7 @@
 //! therefore has no entries between nodal and internal coordinates, static displacements of the nodes do not depend on
 //! p, and only mass and gyroscopic matrix are coupled. Natural frequencies converge with the order 2p.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector4};
 
 use super::beam::{Section, displacement, rotation};
 use crate::numerics::{gauss, integrated, integrated_slope, twice_integrated};
@@ -83,6 +83,30 @@ impl BendingFunction {
 /// Degrees of the internal shape functions of the twist and of the axial displacement.
 pub fn rod_degrees(degree: usize) -> std::ops::RangeInclusive<usize> {
     2..=degree
+}
+
+/// Shape functions of an element at one place: factors of its coordinates in a displacement.
+#[derive(Clone, Debug)]
+pub struct PlaceShape {
+    /// Factors of the coordinates of the two nodes: (u₁, φ₁, u₂, φ₂) in bending.
+    pub nodal: Vector4<f64>,
+    /// Factors of the internal coordinates of bending.
+    pub internal: Vec<f64>,
+    /// Factors of the internal coordinates of a rod (twist or axial displacement), by degree from 2.
+    pub rod: Vec<f64>,
+}
+
+impl PlaceShape {
+    /// The displacement at ξ = x/l of an element of this degree.
+    pub fn new(element: &Element, material: &Material, shear: bool, degree: usize, xi: f64) -> Self {
+        let (l, phi) = (element.length, Section::new(element, material, shear).phi);
+        let functions = BendingFunction::all(degree, shear);
+        Self {
+            nodal: displacement(xi, l, phi),
+            internal: functions.iter().map(|function| function.at(2.0 * xi - 1.0, l).displacement).collect(),
+            rod: rod_degrees(degree).map(|n| integrated(n, 2.0 * xi - 1.0)).collect(),
+        }
+    }
 }
 
 /// Blocks of a symmetric element matrix for its m internal coordinates.

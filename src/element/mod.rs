@@ -10,4 +10,4 @@ mod internal;
 
 pub use beam::{Beam, RodMatrices, deflection, flexural_rigidity, shear_coefficient};
 pub use elastic::{Bending, Elastic, Rod, Values};
-pub use internal::{BendingFunction, InternalBeam, InternalBlocks, InternalRod, rod_degrees};
+pub use internal::{BendingFunction, InternalBeam, InternalBlocks, InternalRod, PlaceShape, rod_degrees};

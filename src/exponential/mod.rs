@@ -12,68 +12,22 @@
 //! Time is an integer count of units. A step is a power of two of units and starts at a multiple of its length or at a
 //! contact change, so that the propagators of a few lengths serve all steps.
 //!
-//! - Loads: `loads`, `prescribed`, `rotating_source`, `changing_speed`, `interface_maps`.
-//! - Data of a step length: `quadrature`, `phi`, `time_grid`, `propagator`, `cache`.
-//! - One step: `step` with `context`, `step_point`, `stages`, `solve`, `tangent_solver`, `small_lu`, `estimate`.
-//! - Loops over modes: `kernel`, `panel_kernel`, with the memory layout of `packed`.
-//! - A run: `driver`, `level_control`, `contact_change`, `contact_monitor`.
-//! - The motion within a step: `substep` with `substep_modes` and `load_polynomials`; `trajectory`, `output` with
-//!   `accelerations` and `state_map`.
-//! - `in_modes`: the same equation for Runge–Kutta methods.
+//! - `propagator`: the linear motion of a step, and what follows from the step length alone.
+//! - `loads`: the loads on this motion.
+//! - `step`: one step.
+//! - `within_step`: the motion within a step, and what observers read of it.
+//! - `run`: the loop over steps.
+//!
+//! Each folder uses only those before it.
 
-mod accelerations;
-mod cache;
-mod changing_speed;
-mod contact_change;
-mod contact_monitor;
-mod context;
-mod driver;
-mod estimate;
-mod in_modes;
-mod interface_maps;
-mod kernel;
-mod level_control;
-mod load_polynomials;
 mod loads;
-mod output;
-mod packed;
-mod panel_kernel;
-mod phi;
-mod prescribed;
 mod propagator;
-mod quadrature;
-mod rotating_source;
-mod small_lu;
-mod solve;
-mod stages;
-mod state_map;
+mod run;
 mod step;
-mod step_point;
-mod substep;
-mod substep_modes;
-mod tangent_solver;
-mod time_grid;
-mod trajectory;
+mod within_step;
 
-pub use cache::{PropagatorCache, PropagatorKey};
-pub use changing_speed::SpeedChange;
-pub use driver::run;
-pub use in_modes::InModes;
-pub use interface_maps::InterfaceMaps;
-pub use level_control::LevelControl;
-pub use loads::Loads;
-pub use output::{OutputMap, Selection};
-pub(crate) use phi::phi;
-pub use quadrature::{MAX_STAGES, QuadratureRule};
-pub use rotating_source::is_resonant;
+pub use loads::{Loads, SpeedChange, is_resonant};
+pub use propagator::{InterfaceMaps, MAX_STAGES, PropagatorCache, PropagatorKey, QuadratureRule, TimeGrid, phi};
+pub use run::{InModes, LevelControl, run};
 pub use step::Stepper;
-pub use time_grid::TimeGrid;
-
-/// Result of a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Outcome {
-    /// The stage equations are solved.
-    Solved,
-    /// The stage equations are not solved: the step is too long.
-    Unsolved,
-}
+pub use within_step::{OutputMap, Selection};

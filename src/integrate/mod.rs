@@ -21,7 +21,7 @@ pub use driver::{CHECK_INTERVAL, Halted, run};
 pub use event_locator::MAX_CHANGES_AT_ONE_TIME;
 pub use halt::Halt;
 pub use interpolate::{Span, Trajectory, at_each};
-pub use state::{ExponentialState, ForceRange, MethodState, State, StepHistory};
+pub use state::{ExponentialState, ForceVariation, MethodState, State, StepHistory};
 pub use statistics::{Statistics, StepLimit};
 pub use step::{RungeKutta, StepInterval};
 pub use system::{FirstOrderSystem, Observer};

@@ -43,31 +43,42 @@ pub struct ExponentialState {
     pub time_base: f64,
     /// Time from the unit `count` of the state to the state, s: positive after a contact change, until the next unit.
     pub since_unit: f64,
-    /// Range of the force of each connection since the origin, or since the last change of the method; empty before the first
-    /// step.
-    pub force_ranges: Vec<ForceRange>,
+    /// Mean and variation of the force of each connection since the origin, or since the last change of the method; empty
+    /// before the first step.
+    pub force_variations: Vec<ForceVariation>,
     /// The previous step, from which the loads of the next step are predicted.
     pub history: StepHistory,
 }
 
-/// Smallest and largest value of a force, N.
+/// Mean and variation of a force over the time of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ForceRange {
-    /// Smallest value, N.
-    pub smallest: f64,
-    /// Largest value, N.
-    pub largest: f64,
+pub struct ForceVariation {
+    /// Time, s.
+    pub duration: f64,
+    /// Mean, N.
+    pub mean: f64,
+    /// Integral of the squared difference to the mean, N²·s.
+    pub squares: f64,
 }
 
-impl ForceRange {
-    /// The range of one value, N.
+impl ForceVariation {
+    /// That of a force at the beginning, N.
     pub fn of(force: f64) -> Self {
-        Self { smallest: force, largest: force }
+        Self { duration: 0.0, mean: force, squares: 0.0 }
     }
 
-    /// The smallest range that also contains `force`, N.
-    pub fn with(self, force: f64) -> Self {
-        Self { smallest: self.smallest.min(force), largest: self.largest.max(force) }
+    /// That with a step of `length`, s, at whose end the force is `force`, N. The sums are those of West (1979), which do
+    /// not subtract large numbers.
+    pub fn with(self, force: f64, length: f64) -> Self {
+        let duration = self.duration + length;
+        let difference = force - self.mean;
+        let mean = self.mean + difference * length / duration;
+        Self { duration, mean, squares: self.squares + length * difference * (force - mean) }
+    }
+
+    /// The standard deviation, N.
+    pub fn deviation(self) -> f64 {
+        if self.duration > 0.0 { (self.squares / self.duration).sqrt() } else { 0.0 }
     }
 }
 
@@ -120,11 +131,16 @@ impl State {
         if !self.modal.is_empty() {
             push(&self.modal);
         }
-        if let MethodState::Exponential(ExponentialState { time_base, force_ranges, history, .. }) = &self.method {
+        if let MethodState::Exponential(ExponentialState { time_base, force_variations, history, .. }) = &self.method {
             push(&history.loads);
             push(&history.interface_states);
             push(&history.residual_tangent);
-            push(&force_ranges.iter().flat_map(|range| [range.smallest, range.largest]).collect::<Vec<f64>>());
+            push(
+                &force_variations
+                    .iter()
+                    .flat_map(|force| [force.duration, force.mean, force.squares])
+                    .collect::<Vec<f64>>(),
+            );
             numbers.extend([*time_base, history.step, history.contraction]);
         }
         numbers
@@ -193,18 +209,29 @@ impl Numbers<'_> {
 
     fn exponential(&mut self, since_unit: f64) -> Option<ExponentialState> {
         let (loads, interface_states, residual_tangent) = (self.vector()?, self.vector()?, self.vector()?);
-        let ranges = self.vector()?;
-        let force_ranges =
-            ranges.chunks_exact(2).map(|range| ForceRange { smallest: range[0], largest: range[1] }).collect();
+        let variations = self.vector()?;
+        let force_variations = variations
+            .chunks_exact(3)
+            .map(|values| ForceVariation { duration: values[0], mean: values[1], squares: values[2] })
+            .collect();
         let (time_base, step, contraction) = (self.number()?, self.number()?, self.number()?);
         let history = StepHistory { loads, interface_states, residual_tangent, step, contraction };
-        self.0.is_empty().then_some(ExponentialState { time_base, since_unit, force_ranges, history })
+        self.0.is_empty().then_some(ExponentialState { time_base, since_unit, force_variations, history })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_variation_of_a_force_weighs_values_with_the_lengths_of_their_steps() {
+        // A mean of (1·2 + 3·5)/4 = 4.25 N, and a variance of (1·(2 − 4.25)² + 3·(5 − 4.25)²)/4 N².
+        let force = ForceVariation::of(7.0).with(2.0, 1.0).with(5.0, 1.0).with(5.0, 2.0);
+        assert!((force.mean - 4.25).abs() < 1e-15 && force.duration == 4.0);
+        assert!((force.deviation() - 1.6875_f64.sqrt()).abs() < 1e-15);
+        assert!(ForceVariation::of(7.0).deviation() == 0.0);
+    }
 
     fn states() -> [State; 4] {
         let history = StepHistory {
@@ -214,8 +241,8 @@ mod tests {
             step: 1e-5,
             contraction: f64::INFINITY,
         };
-        let force_ranges = vec![ForceRange::of(-3.0).with(4.0), ForceRange::of(0.0)];
-        let own = ExponentialState { time_base: 0.5, since_unit: 1e-9, force_ranges, history };
+        let force_variations = vec![ForceVariation::of(-3.0).with(4.0, 0.1), ForceVariation::of(0.0)];
+        let own = ExponentialState { time_base: 0.5, since_unit: 1e-9, force_variations, history };
         let modal = vec![0.25, -0.5];
         let compensated = MethodState::RungeKutta { compensation: -1e-17 };
         [

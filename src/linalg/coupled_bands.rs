@@ -236,21 +236,22 @@ impl CoupledFactors {
     /// # Errors
     /// [`Singular`] if round-off leaves no accurate solution.
     pub fn solve(&self, x: &mut [Complex64]) -> Result<(), Singular> {
-        self.solve_to(0.0, x)
+        self.solve_to(0.0, x).map(drop)
     }
 
-    /// The same with refinement until the componentwise backward error is at most `tolerance`, or decreases no more.
+    /// The same with refinement until the componentwise backward error is at most `tolerance`, or decreases no more. Returns the
+    /// backward error, that before the last refinement if there was one.
     ///
     /// # Errors
     /// As [`Self::solve`].
-    pub fn solve_to(&self, tolerance: f64, x: &mut [Complex64]) -> Result<(), Singular> {
+    pub fn solve_to(&self, tolerance: f64, x: &mut [Complex64]) -> Result<f64, Singular> {
         let right = x.to_vec();
         self.solve_once(x);
         let mut previous = f64::INFINITY;
         for _ in 0..=MAX_REFINEMENTS {
             let (mut residual, error) = self.residual(&right, x);
             if error <= tolerance.max(ROUND_OFF) || (error >= previous / 2.0 && error <= MAX_BACKWARD_ERROR) {
-                return Ok(());
+                return Ok(error);
             }
             if !error.is_finite() {
                 return Err(Singular);
@@ -258,11 +259,11 @@ impl CoupledFactors {
             self.solve_once(&mut residual);
             x.iter_mut().zip(&residual).for_each(|(x, change)| *x += change);
             if error <= REFINED_ONCE {
-                return Ok(());
+                return Ok(error);
             }
             previous = error;
         }
-        if previous <= MAX_BACKWARD_ERROR { Ok(()) } else { Err(Singular) }
+        if previous <= MAX_BACKWARD_ERROR { Ok(previous) } else { Err(Singular) }
     }
 
     /// Replaces the right-hand side `x` by the solution, without refinement.

@@ -44,6 +44,8 @@ pub struct GearMesh {
     pub damping: f64,
     /// Whether the damping acts in separation too. The deflection alone then decides on contact.
     pub damping_in_separation: bool,
+    /// Loss factor η of the stiffness, which analyses in the frequency domain contain.
+    pub loss_factor: f64,
     /// Backlash along the line of action in the transverse section, m; none for a mesh whose flanks never separate.
     pub backlash: Option<f64>,
     /// Shafts of driver and driven gear; the spin of the first gives σ.
@@ -88,6 +90,7 @@ impl GearMesh {
             phase: mesh.teeth.phase,
             damping,
             damping_in_separation: mesh.damping_in_separation,
+            loss_factor: mesh.loss_factor,
             backlash: mesh.teeth.backlash.map(|backlash| backlash / base_helix_cosine),
             shafts: [a.body.node.shaft, b.body.node.shaft],
             error: mesh.teeth.error.as_ref().map(|error| ErrorCurve::new(error, a.teeth)),

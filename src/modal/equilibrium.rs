@@ -9,15 +9,15 @@ use num_complex::Complex64;
 
 use thiserror::Error;
 
+mod clearance;
 mod forces;
 
+use self::clearance::{Entry, check_journals, regularisation, within_clearances};
 use self::forces::{AtRest, BearingTangent, Contacts, Forces, Laws};
-use super::clearance::{Entry, check_journals, regularisation, within_clearances};
-use super::pins::Pins;
-use super::real::null_motions;
 use crate::film::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
 use crate::mesh::{Flank, Geometry, Overlap};
+use crate::modal::undamped::{Pins, null_motions};
 use crate::model::{Dof, DofKind, Model, Weights};
 use crate::scene::{SceneError, short};
 

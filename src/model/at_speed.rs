@@ -24,7 +24,9 @@ pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, V
         match (bearing.stiffness.constant(), bearing.damping.constant()) {
             // A bearing on a housing is a link.
             (Some(_), Some(_)) if bearing.attachment.is_some() => {}
-            (Some(stiffness), Some(damping)) => supports.push(Support::new(index, stiffness, damping)),
+            (Some(stiffness), Some(damping)) => {
+                supports.push(Support::new(index, stiffness, damping).with_loss_factor(bearing.loss_factor));
+            }
             _ => {
                 let ratio = scene.speed_ratios[bearing.node.shaft];
                 bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), rows, ratio });

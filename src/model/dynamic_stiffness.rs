@@ -16,12 +16,14 @@ use super::{HousingInertia, Link, Model};
 use crate::connection::Row;
 use crate::linalg::{BandChain, ChainMatrix, CoupledBands};
 
-/// Weights of the matrices in S = stiffness·K + damping·C + mass·M + gyroscopic·G, where G is that of the unit speed of
-/// the reference shaft.
+/// Weights of the matrices in S = stiffness·K + structural·H + damping·C + mass·M + gyroscopic·G, where H = Σ η K of the
+/// elements with a loss factor η, and G is that of the unit speed of the reference shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights {
     /// Factor of K.
     pub stiffness: Complex64,
+    /// Factor of H: i sgn ω for a harmonic motion of the frequency ω, zero otherwise.
+    pub structural: Complex64,
     /// Factor of C.
     pub damping: Complex64,
     /// Factor of M.
@@ -37,6 +39,7 @@ impl Weights {
     pub fn dynamic(eigenvalue: Complex64, speed: f64) -> Self {
         Self {
             stiffness: Complex64::ONE,
+            structural: Complex64::ZERO,
             damping: eigenvalue,
             mass: eigenvalue * eigenvalue,
             gyroscopic: eigenvalue * speed,
@@ -44,10 +47,23 @@ impl Weights {
         }
     }
 
+    /// Weights of S(iω) of a harmonic motion of the frequency ω at a speed of the reference shaft, both rad/s, with structural
+    /// damping.
+    pub fn harmonic(frequency: f64, speed: f64) -> Self {
+        let sign = if frequency == 0.0 { 0.0 } else { frequency.signum() };
+        Self { structural: Complex64::new(0.0, sign), ..Self::dynamic(Complex64::new(0.0, frequency), speed) }
+    }
+
+    /// Factor of the stiffness of an element with a loss factor.
+    fn stiffness_of(&self, loss_factor: f64) -> Complex64 {
+        self.stiffness + self.structural * loss_factor
+    }
+
     /// Weights of ∂S/∂λ.
     pub fn slope(eigenvalue: Complex64, speed: f64) -> Self {
         Self {
             stiffness: Complex64::ZERO,
+            structural: Complex64::ZERO,
             damping: Complex64::ONE,
             mass: 2.0 * eigenvalue,
             gyroscopic: Complex64::from(speed),
@@ -68,10 +84,11 @@ impl Model {
         let mut sum = self.shaft_stiffness(weights);
         for connection in self.connections(speed) {
             let (rows, coefficients) = (connection.rows(), connection.linear(speed));
+            let factor = weights.stiffness_of(connection.loss_factor());
             for (i, left) in rows.iter().enumerate() {
                 for (j, right) in rows.iter().enumerate() {
-                    let value = weights.stiffness * coefficients.stiffness[(i, j)]
-                        + weights.damping * coefficients.damping[(i, j)];
+                    let value =
+                        factor * coefficients.stiffness[(i, j)] + weights.damping * coefficients.damping[(i, j)];
                     self.add_product(&mut sum, left, right, value);
                 }
             }
@@ -89,18 +106,20 @@ impl Model {
         push_housings(&mut sum, &self.housings, weights);
         for support in &self.supports {
             let stiffness = if weights.symmetric { &support.symmetric_part } else { &support.stiffness };
+            let factor = weights.stiffness_of(support.loss_factor);
             for (i, (stiffness, damping)) in stiffness.iter().zip(&support.damping).enumerate() {
                 for (j, (stiffness, damping)) in stiffness.iter().zip(damping).enumerate() {
-                    let value = weights.stiffness * *stiffness + weights.damping * *damping;
+                    let value = factor * *stiffness + weights.damping * *damping;
                     self.add_entry(&mut sum, support.index + i, support.index + j, value);
                 }
             }
         }
         for Link { rows, local, .. } in &self.links {
             let stiffness = if weights.symmetric { &local.symmetric_part } else { &local.stiffness };
+            let factor = weights.stiffness_of(local.loss_factor);
             for (i, left) in rows.iter().enumerate() {
                 for (j, right) in rows.iter().enumerate() {
-                    let value = weights.stiffness * stiffness[i][j] + weights.damping * local.damping[i][j];
+                    let value = factor * stiffness[i][j] + weights.damping * local.damping[i][j];
                     self.add_product(&mut sum, left, right, value);
                 }
             }

@@ -75,13 +75,6 @@ impl Model {
         (0..self.scene.housings.len()).map(move |index| Node { shaft: shafts + index, node: 0 })
     }
 
-    /// Displacements along y and z of a point of a housing at the distance `arm` (x, y, z) from its centre of mass;
-    /// `None` for a node of a shaft and without bending.
-    pub fn point_rows(&self, node: Node, arm: [f64; 3]) -> Option<[Row; 2]> {
-        let housing = self.scene.housings.get(node.shaft.checked_sub(self.scene.shafts.len())?)?;
-        Some(point_rows(housing, self.numbering.translation(node)?, arm))
-    }
-
     /// Displacement along the axis of a node of a shaft, or of a point of a housing at the distance `arm` (x, y, z) from its
     /// centre of mass; empty if it does not move along the axis.
     pub fn axial_row(&self, node: Node, arm: [f64; 3]) -> Row {

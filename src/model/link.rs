@@ -47,6 +47,11 @@ impl Link {
         Self { name, bearing: None, thrust: None, rows, local: Support::new(0, stiffness, damping), rest: None }
     }
 
+    /// The same element with a loss factor of its stiffness.
+    fn with_loss_factor(self, loss_factor: f64) -> Self {
+        Self { local: self.local.with_loss_factor(loss_factor), ..self }
+    }
+
     /// The scalars u for displacements q, or u̇ for velocities; zero beyond their number.
     #[inline]
     pub fn scalars(&self, q: &[f64]) -> [f64; 2] {
@@ -186,6 +191,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
             .filter(|_| bearing.attachment.is_some() && bearing.nonlinear.is_none())
         {
             let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
+            let link = link.with_loss_factor(bearing.loss_factor);
             links.push(Link { bearing: Some(bearing.node), ..link });
         }
     }
@@ -205,7 +211,7 @@ fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, 
         let under = base.map_or_else(Vec::new, |(node, arm, _)| axial_row(scene, numbering, node, arm));
         row.extend(under.into_iter().map(|(index, coefficient)| (index, -coefficient)));
         let [stiffness, damping] = bearing.axial.map(|value| [[value, 0.0], [0.0, 0.0]]);
-        let link = Link::new(name.clone(), vec![row], stiffness, damping);
+        let link = Link::new(name.clone(), vec![row], stiffness, damping).with_loss_factor(bearing.loss_factor);
         links.push(Link { thrust: Some(bearing.node), ..link });
     }
     if let Some(v) = numbering.translation(bearing.node).filter(|_| bearing.tilting != [0.0; 2]) {
@@ -216,7 +222,7 @@ fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, 
             std::iter::once((v + 2 + lane, 1.0)).chain(base).collect()
         };
         let [stiffness, damping] = bearing.tilting.map(isotropic);
-        links.push(Link::new(name, vec![row(0), row(1)], stiffness, damping));
+        links.push(Link::new(name, vec![row(0), row(1)], stiffness, damping).with_loss_factor(bearing.loss_factor));
     }
 }
 
@@ -269,16 +275,19 @@ fn mounts(housing: &Housing, first: usize, along: Option<usize>, links: &mut Vec
     let single = |value: f64| [[value, 0.0], [0.0, 0.0]];
     let rows = vec![vec![(first, 1.0)], vec![(first + 1, 1.0)]];
     let name = format!("the mount of \"{}\"", housing.name);
-    links.push(Link::new(name.clone(), rows, housing.stiffness, housing.damping));
+    let mut push = |rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2| {
+        links.push(Link::new(name.clone(), rows, stiffness, damping).with_loss_factor(housing.loss_factor));
+    };
+    push(rows, housing.stiffness, housing.damping);
     if housing.inertia.is_some() {
         // The description lists the rotations about x, y and z. The coordinates of the core have another order: −B (minus
         // the rotation about y), Γ (about z) and θ (about x).
         for (axis, index) in [(0, first + 4), (1, first + 3), (2, first + 2)] {
             let (k, c) = (housing.rotational_stiffness[axis], housing.rotational_damping[axis]);
-            links.push(Link::new(name.clone(), vec![vec![(index, 1.0)]], single(k), single(c)));
+            push(vec![vec![(index, 1.0)]], single(k), single(c));
         }
     }
     if let Some((index, [k, c])) = along.zip(housing.axial) {
-        links.push(Link::new(name, vec![vec![(index, 1.0)]], single(k), single(c)));
+        push(vec![vec![(index, 1.0)]], single(k), single(c));
     }
 }

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use super::shaft::{BendingChain, RodChain};
 use super::{Model, Support};
-use crate::connection::{Coefficients, Row};
+use crate::connection::{Connection, Row};
 use crate::linalg::{ChainMatrix, Sparse};
 
 /// Adds a value to the entry (row, column) of a matrix.
@@ -42,7 +42,7 @@ impl Model {
 
     /// Stiffness matrix of the connections at a speed of the reference shaft; meshes are linearised at rest.
     pub fn connection_stiffness_matrix(&self, speed: f64) -> DMatrix<f64> {
-        self.dense(|add| self.visit_connections(speed, |coefficients| coefficients.stiffness, add))
+        self.dense(|add| self.visit_connections(speed, |connection| connection.linear(speed).stiffness, add))
     }
 
     /// Stiffness matrix K of shafts, bearings and connections.
@@ -52,7 +52,7 @@ impl Model {
 
     /// Damping matrix of shafts, bearings and connections, without modal damping, which `CachedModel` adds.
     pub fn damping_matrix(&self, speed: f64) -> DMatrix<f64> {
-        self.dense(|add| self.visit_connections(speed, |coefficients| coefficients.damping, add))
+        self.dense(|add| self.visit_connections(speed, |connection| connection.linear(speed).damping, add))
             + self.damping_matrix_without_meshes()
     }
 
@@ -82,7 +82,7 @@ impl Model {
         self.sparse(|add| {
             self.visit_shaft_stiffness(add);
             self.visit_supports(|support| support.stiffness, add);
-            self.visit_connections(speed, |coefficients| coefficients.stiffness, add);
+            self.visit_connections(speed, |connection| connection.linear(speed).stiffness, add);
         })
     }
 
@@ -91,7 +91,7 @@ impl Model {
         self.sparse(|add| {
             self.visit_shaft_stiffness(add);
             self.visit_supports(|support| support.symmetric_part, add);
-            self.visit_connections(speed, |coefficients| coefficients.stiffness, add);
+            self.visit_connections(speed, |connection| connection.linear(speed).stiffness, add);
         })
     }
 
@@ -112,7 +112,7 @@ impl Model {
     pub fn sparse_damping(&self, speed: f64) -> Sparse {
         self.sparse(|add| {
             self.visit_damping_without_meshes(add);
-            self.visit_connections(speed, |coefficients| coefficients.damping, add);
+            self.visit_connections(speed, |connection| connection.linear(speed).damping, add);
         })
     }
 
@@ -121,11 +121,27 @@ impl Model {
         self.sparse(|add| self.visit_gyroscopic(add))
     }
 
+    /// H = Σ η K of the elements with a loss factor η, with the flanks in contact at `speed`, rad/s.
+    pub fn sparse_structural(&self, speed: f64) -> Sparse {
+        self.sparse(|add| {
+            let lossy = |support: &Support| support.stiffness.map(|row| row.map(|value| support.loss_factor * value));
+            self.visit_supports(lossy, add);
+            let of = |connection: &Connection<'_>| connection.linear(speed).stiffness * connection.loss_factor();
+            self.visit_connections(speed, of, add);
+        })
+    }
+
+    /// Whether an element has a loss factor.
+    pub fn has_structural_damping(&self) -> bool {
+        self.local_elements().any(|element| element.loss_factor != 0.0)
+            || self.connections(0.0).any(|connection| connection.loss_factor() != 0.0)
+    }
+
     /// C + ΩG at the speed Ω of the reference shaft, rad/s, without modal damping.
     pub fn sparse_rate(&self, speed: f64) -> Sparse {
         self.sparse(|add| {
             self.visit_damping_without_meshes(add);
-            self.visit_connections(speed, |coefficients| coefficients.damping, add);
+            self.visit_connections(speed, |connection| connection.linear(speed).damping, add);
             self.visit_gyroscopic(&mut |row, column, value| add(row, column, speed * value));
         })
     }
@@ -160,7 +176,7 @@ impl Model {
     pub fn multiply_damping(&self, speed: f64, x: &[f64], out: &mut [f64]) {
         let add: Add<'_> = &mut |row, column, value| out[row] += value * x[column];
         self.visit_damping_without_meshes(add);
-        self.visit_connections(speed, |coefficients| coefficients.damping, add);
+        self.visit_connections(speed, |connection| connection.linear(speed).damping, add);
     }
 
     /// `out += G x` with G per unit speed of the reference shaft.
@@ -255,9 +271,9 @@ impl Model {
         }
     }
 
-    fn visit_connections(&self, speed: f64, of: impl Fn(Coefficients) -> DMatrix<f64>, add: Add<'_>) {
+    fn visit_connections(&self, speed: f64, of: impl Fn(&Connection<'_>) -> DMatrix<f64>, add: Add<'_>) {
         for connection in self.connections(speed) {
-            let (rows, coefficients) = (connection.rows(), of(connection.linear(speed)));
+            let (rows, coefficients) = (connection.rows(), of(&connection));
             for (i, left) in rows.iter().enumerate() {
                 for (j, right) in rows.iter().enumerate() {
                     let factor = coefficients[(i, j)];

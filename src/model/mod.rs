@@ -26,6 +26,7 @@ mod link;
 mod loads;
 mod matrices;
 mod numbering;
+mod place;
 mod quadratic_forms;
 mod shaft;
 
@@ -36,6 +37,7 @@ pub use flanks::Rotation;
 pub use housing::{HousingInertia, point_rows};
 pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
+pub use place::PlaceRows;
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
 
 use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing};
@@ -56,6 +58,8 @@ pub struct Support {
     pub symmetric_part: [[f64; 2]; 2],
     /// Damping matrix over (v, w), N s/m.
     pub damping: [[f64; 2]; 2],
+    /// Loss factor η of the stiffness, which analyses in the frequency domain contain.
+    pub loss_factor: f64,
     /// Whether it has the coefficients of a nonlinear bearing at its operating point.
     pub is_operating_point: bool,
 }
@@ -63,7 +67,13 @@ pub struct Support {
 impl Support {
     /// A bearing with constant coefficients at the coordinates `index` (v) and `index` + 1 (w).
     pub fn new(index: usize, stiffness: Matrix2, damping: Matrix2) -> Self {
-        Self { index, stiffness, symmetric_part: symmetric_part(&stiffness), damping, is_operating_point: false }
+        let symmetric_part = symmetric_part(&stiffness);
+        Self { index, stiffness, symmetric_part, damping, loss_factor: 0.0, is_operating_point: false }
+    }
+
+    /// The same element with a loss factor η of its stiffness.
+    pub fn with_loss_factor(self, loss_factor: f64) -> Self {
+        Self { loss_factor, ..self }
     }
 
     /// Orthogonal unit vectors over (v, w) in which the bearing has stiffness.

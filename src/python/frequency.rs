@@ -5,28 +5,18 @@ use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::convert::{stack, table};
+use super::convert::{mesh_names, stack, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
-use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource, Kept, product};
+use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource, Forces, Harmonic, Kept, Source, product};
 use crate::modal::{self, CachedModel};
 use crate::model::Model;
-use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, range_with_rpm, with_rpm};
+use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, description, range_with_rpm, with_rpm};
 
 /// Speed (rad/s), whirl, residual and number of the line of a critical speed.
 pub type CriticalRow = (f64, String, f64, usize);
 /// N_c (rad/s), amplitude (m), N₁ and N₂ (rad/s) of a peak, and whether the motion is stable there.
 pub type PeakRow = (f64, f64, f64, f64, bool);
-
-/// Finds a part of the excitation by name.
-fn excitation_part(name: &str) -> Result<ExcitationPart, SceneError> {
-    match name {
-        "both" => Ok(ExcitationPart::Both),
-        "bow" => Ok(ExcitationPart::Bow),
-        "unbalance" => Ok(ExcitationPart::Unbalance),
-        _ => Err(SceneError::new("excitation", format!("must be \"both\", \"bow\" or \"unbalance\", got \"{name}\""))),
-    }
-}
 
 /// Copies speeds; each must be finite.
 fn finite_speeds(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, SceneError> {
@@ -153,7 +143,7 @@ pub fn synchronous<'py>(
     speeds: &PyReadonlyArray1<'_, f64>,
     excitation: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
+    let (speeds, part) = (finite_speeds(speeds)?, ExcitationPart::named(excitation, &EntryPath::root("excitation"))?);
     let memory = analysis::memory_of_responses(model.model());
     model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
@@ -224,10 +214,11 @@ impl ResponseTable {
         self.largest.push(largest_displacement(&cached.model, sources));
         let at_speed = cached.at_speed(speed)?;
         for (column, shaft) in sources.column_iter().zip(&cached.model.shafts) {
-            let column = column.into_owned();
-            self.amplitudes.extend(cached.model.numbering.to_user_order(column.as_slice()));
-            let forces = analysis::bearing_forces(&at_speed.model, bearings, shaft.ratio * speed, &column);
-            self.forces.extend(forces.as_flattened());
+            let phasors = column.as_slice();
+            self.amplitudes.extend(cached.model.numbering.to_user_order(phasors));
+            let at = Harmonic { frequency: shaft.ratio * speed, speed };
+            let forces = Forces { model: &at_speed.model, at, source: None, phasors };
+            self.forces.extend(bearings.iter().flat_map(|node| forces.bearing(*node)));
         }
         Ok(())
     }
@@ -299,7 +290,7 @@ pub fn peaks(
     excitation: &str,
     slow_roll: Option<f64>,
 ) -> PyResult<Vec<PeakRow>> {
-    let (speeds, part) = (finite_speeds(speeds)?, excitation_part(excitation)?);
+    let (speeds, part) = (finite_speeds(speeds)?, ExcitationPart::named(excitation, &EntryPath::root("excitation"))?);
     let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
     // The speeds of both directions of rotation, and the size of the response.
@@ -311,4 +302,94 @@ pub fn peaks(
         (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open), peak.is_stable)
     };
     Ok(found.iter().map(row).collect())
+}
+
+/// Computes the response to harmonic sources at pairs of a frequency and a speed: phasors (pairs, sources, n), bearing
+/// forces and mesh forces.
+pub fn frequency_response<'py>(
+    model: &PyModel,
+    py: Python<'py>,
+    frequencies: &PyReadonlyArray1<'_, f64>,
+    speeds: &PyReadonlyArray1<'_, f64>,
+    sources: &[description::Source],
+) -> PyResult<Bound<'py, PyDict>> {
+    let (frequencies, speeds) = (frequencies.as_array().to_vec(), finite_speeds(speeds)?);
+    for (index, frequency) in frequencies.iter().enumerate() {
+        EntryPath::entry("frequencies", index).finite(*frequency)?;
+    }
+    let assembled = model.model();
+    let source = |(index, given): (usize, &description::Source)| Source::new(assembled, given, index);
+    let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
+    let memory = analysis::memory_of_responses(assembled);
+    model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
+    warn_of_speed(py, &assembled.scene, fastest(&speeds))?;
+    let bearings = assembled.scene.bearing_nodes();
+    let (rows, meshes, directions) = (frequencies.len(), assembled.meshes.len(), 2 * bearings.len());
+    let count = sources.len();
+    let kept = Kept {
+        argument: "frequencies",
+        what: format!("the response at {rows} frequencies to {count} sources"),
+        bytes: product(&[rows, count, assembled.len() + directions + meshes, size_of::<Complex<f64>>()]),
+        remedy: "give fewer frequencies at a time",
+    };
+    kept.require()?;
+    let room = |values: usize| kept.room(rows * count * values);
+    let mut table = HarmonicTable {
+        phasors: room(assembled.len())?,
+        bearing_force: room(directions)?,
+        mesh_force: room(meshes)?,
+        residuals: Vec::with_capacity(rows),
+    };
+    let nodes = bearings.clone();
+    let table = model.run(py, memory, move |cached, interrupt| {
+        let responses = analysis::FrequencyResponses::new(cached, &sources, &frequencies);
+        for (index, (frequency, speed)) in frequencies.iter().zip(&speeds).enumerate() {
+            interrupt.check()?;
+            let at = Harmonic { frequency: *frequency, speed: *speed };
+            let found = responses.at(index, at)?;
+            table.add(&cached.at_speed(*speed)?.model, at, &sources, &found, &nodes);
+        }
+        Ok::<_, AnalysisError>(table)
+    })?;
+    let dict = PyDict::new(py);
+    dict.set_item("phasors", stack(py, table.phasors, rows, count, assembled.len())?)?;
+    dict.set_item("bearing_force", stack(py, table.bearing_force, rows, count, directions)?)?;
+    dict.set_item("mesh_force", stack(py, table.mesh_force, rows, count, meshes)?)?;
+    dict.set_item("residuals", table.residuals.into_pyarray(py))?;
+    dict.set_item("bearings", bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
+    dict.set_item("meshes", mesh_names(assembled, 0..meshes))?;
+    Ok(dict)
+}
+
+/// Responses to harmonic sources in the form of the result.
+struct HarmonicTable {
+    /// Phasors (pairs, sources, n), m and rad, in the order of the degrees of freedom that users see.
+    phasors: Vec<Complex<f64>>,
+    /// Bearing forces (pairs, sources, 2 bearings), N.
+    bearing_force: Vec<Complex<f64>>,
+    /// Mesh forces (pairs, sources, meshes), N.
+    mesh_force: Vec<Complex<f64>>,
+    /// Largest residual over the sources at each pair.
+    residuals: Vec<f64>,
+}
+
+impl HarmonicTable {
+    /// Adds the responses at a frequency and speed.
+    fn add(
+        &mut self,
+        model: &Model,
+        at: Harmonic,
+        sources: &[Source],
+        found: &[analysis::SourceResponse],
+        bearings: &[Node],
+    ) {
+        self.residuals.push(found.iter().map(|response| response.residual).fold(0.0, f64::max));
+        for (source, response) in sources.iter().zip(found) {
+            let phasors = response.phasors.as_slice();
+            self.phasors.extend(model.numbering.to_user_order(phasors));
+            let forces = Forces { model, at, source: Some(source), phasors };
+            self.bearing_force.extend(bearings.iter().flat_map(|node| forces.bearing(*node)));
+            self.mesh_force.extend(forces.meshes());
+        }
+    }
 }

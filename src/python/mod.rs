@@ -52,6 +52,8 @@ mod _core {
     #[pymodule_export]
     use super::state::check_final;
     #[pymodule_export]
+    use super::steady::PyKeptModes;
+    #[pymodule_export]
     use super::steady::common_period;
     #[pymodule_export]
     use super::steady::corrected_states;
@@ -59,6 +61,8 @@ mod _core {
     use super::steady::has_constant_coefficients;
     #[pymodule_export]
     use super::steady::initial_state;
+    #[pymodule_export]
+    use super::steady::kept_modes;
     #[pymodule_export]
     use super::steady::multipliers;
     #[pymodule_export]

@@ -17,7 +17,7 @@ use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal;
 use crate::model::Model;
-use crate::scene::{EntryPath, Node, SceneDescription, SceneError, nearest};
+use crate::scene::{EntryPath, Node, SceneDescription, SceneError, description, nearest};
 
 /// A gear or disk by name, or a shaft by name and a position on it, m.
 #[derive(FromPyObject)]
@@ -307,6 +307,18 @@ impl PyModel {
         excitation: &str,
     ) -> PyResult<Bound<'py, PyDict>> {
         frequency::synchronous(self, py, &speeds, excitation)
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn frequency_response<'py>(
+        &self,
+        py: Python<'py>,
+        frequencies: PyReadonlyArray1<'py, f64>,
+        speeds: PyReadonlyArray1<'py, f64>,
+        sources: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let sources: Vec<description::Source> = pythonize::depythonize(sources)?;
+        frequency::frequency_response(self, py, &frequencies, &speeds, &sources)
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]

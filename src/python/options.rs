@@ -86,7 +86,7 @@ impl RecordEntry {
     pub fn request(self, index: usize) -> Result<Request, SceneError> {
         Ok(match self {
             Self::Name(name) => Request::Name(name),
-            Self::Node(shaft, position) => Request::Node(shaft, position),
+            Self::Node(shaft, position) => Request::OnShaft(shaft, position),
             Self::Mesh(first, second) => Request::Mesh(first, second),
             Self::Bearing(kind, shaft, position) if kind == "bearing" => Request::Bearing(shaft, position),
             Self::Bearing(kind, ..) => {
@@ -114,6 +114,7 @@ pub fn run_options(
         stages: given.stages,
         modes: given.modes,
         reduction: level.and_then(|level| level.reduction()),
+        kept_modes: None,
         force_error: level.map(|level| level.mesh_force),
         initial: read_initial(initial)?,
         times: Vec::new(),

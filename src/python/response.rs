@@ -75,10 +75,7 @@ pub fn response_dict<'py>(
     let record = response.record;
     let (times, points, bearings) = (record.time.len(), plan.points.len(), plan.bearings.len());
     dict.set_item("time", record.time.into_pyarray(py))?;
-    let place = |point: &Point| {
-        let (shaft, position) = owner.place(point.node);
-        (shaft.to_owned(), position, point.names.clone())
-    };
+    let place = |point: &Point| (point.part.clone(), point.position, point.names.clone());
     dict.set_item("points", plan.points.iter().map(place).collect::<Vec<_>>())?;
     dict.set_item("displacement", stack(py, record.displacement, times, points, 2)?)?;
     dict.set_item("twist", table(py, record.twist, times, points)?)?;

@@ -15,9 +15,10 @@ use super::handle::PyModel;
 use super::options::{RecordEntry, run_options};
 use super::response::response_dict;
 use super::state::mesh_geometry;
-use crate::analysis::simulate::RecordPlan;
+use crate::analysis::simulate::{Options, RecordPlan, Reduction};
 use crate::analysis::{AnalysisError, equilibrium, small_displacement_check, steady};
 use crate::mesh::Geometry;
+use crate::modal::RealModes;
 use crate::scene::{EntryPath, SceneError};
 
 /// What the solution says about itself; `SteadyData` in `gearbow._types` lists the same entries.
@@ -107,22 +108,76 @@ pub fn steady_state<'py>(
     Ok((response, pythonize(py, &entries)?))
 }
 
+/// The modes that runs of several systems and speeds keep.
+#[pyclass(name = "KeptModes", module = "gearbow._core", frozen)]
+pub struct PyKeptModes {
+    modes: Arc<RealModes>,
+    reduction: Reduction,
+}
+
+#[pymethods]
+impl PyKeptModes {
+    /// Number of modes.
+    #[getter]
+    fn modes(&self) -> usize {
+        self.reduction.modes
+    }
+
+    /// Estimated error of displacements and of mesh forces.
+    #[getter]
+    fn modes_error(&self) -> (f64, f64) {
+        self.reduction.errors.into()
+    }
+}
+
+/// Finds the modes that a period with the given options keeps; None if it keeps all modes.
+///
+/// # Errors
+/// The reason for which the runs end early, or Ctrl-C.
+#[pyfunction]
+#[pyo3(signature = (model, *, initial, record, **options))]
+pub fn kept_modes(
+    model: &Bound<'_, PyModel>,
+    initial: &Bound<'_, PyAny>,
+    record: Vec<RecordEntry>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Option<PyKeptModes>> {
+    let (py, owner) = (model.py(), model.get());
+    let options = run_options(py, initial, options)?;
+    let plan = record_plan(owner, record)?;
+    let cached = Arc::clone(&owner.cached);
+    let (outcome, raised) =
+        background::run(py, None, move |_, watch| steady::kept_modes(&cached, &options, &plan, watch))?;
+    Ok(finished(outcome, raised)?.map(|(modes, reduction)| PyKeptModes { modes, reduction }))
+}
+
+/// The options of a run that keeps given modes.
+fn options_with_modes(
+    py: Python<'_>,
+    initial: &Bound<'_, PyAny>,
+    kept: Option<&Bound<'_, PyKeptModes>>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Options> {
+    Ok(Options { kept_modes: kept.map(|kept| Arc::clone(&kept.get().modes)), ..run_options(py, initial, options)? })
+}
+
 /// Finds the multipliers of magnitude `smallest` and more of a steady state.
 ///
 /// # Errors
 /// The reason for which the runs end early, or Ctrl-C.
 #[pyfunction]
-#[pyo3(signature = (model, *, initial, smallest, record, progress, **options))]
+#[pyo3(signature = (model, *, initial, smallest, record, progress, kept=None, **options))]
 pub fn multipliers<'py>(
     model: &Bound<'py, PyModel>,
     initial: &Bound<'py, PyAny>,
     smallest: f64,
     record: Vec<RecordEntry>,
     progress: Option<Py<PyAny>>,
+    kept: Option<&Bound<'py, PyKeptModes>>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyArray1<Complex<f64>>>> {
     let (py, owner) = (model.py(), model.get());
-    let options = run_options(py, initial, options)?;
+    let options = options_with_modes(py, initial, kept, options)?;
     let progress = progress.as_ref();
     let plan = record_plan(owner, record)?;
     let cached = Arc::clone(&owner.cached);
@@ -137,17 +192,18 @@ pub fn multipliers<'py>(
 /// # Errors
 /// The reason for which a run ends early, or Ctrl-C.
 #[pyfunction]
-#[pyo3(signature = (model, *, initial, states, levels, **options))]
+#[pyo3(signature = (model, *, initial, states, levels, kept=None, **options))]
 #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
 pub fn corrected_states<'py>(
     model: &Bound<'py, PyModel>,
     initial: &Bound<'py, PyAny>,
     states: PyReadonlyArray2<'py, f64>,
     levels: Option<Vec<u8>>,
+    kept: Option<&Bound<'py, PyKeptModes>>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyBytes>)> {
     let (py, owner) = (model.py(), model.get());
-    let options = run_options(py, initial, options)?;
+    let options = options_with_modes(py, initial, kept, options)?;
     let given = states.as_array();
     let states = given.rows().into_iter().map(|row| core_order(owner, &row.to_vec()));
     let states = states.collect::<PyResult<Vec<Vec<f64>>>>()?;
@@ -191,7 +247,7 @@ pub fn initial_state<'py>(
 /// # Errors
 /// The reason for which the run ends early, or Ctrl-C.
 #[pyfunction]
-#[pyo3(signature = (model, *, initial, state, samples, record, **options))]
+#[pyo3(signature = (model, *, initial, state, samples, record, kept=None, **options))]
 #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
 pub fn recorded_period<'py>(
     model: &Bound<'py, PyModel>,
@@ -199,10 +255,11 @@ pub fn recorded_period<'py>(
     state: PyReadonlyArray1<'py, f64>,
     samples: usize,
     record: Vec<RecordEntry>,
+    kept: Option<&Bound<'py, PyKeptModes>>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (py, owner) = (model.py(), model.get());
-    let options = run_options(py, initial, options)?;
+    let options = options_with_modes(py, initial, kept, options)?;
     let state = core_order(owner, state.as_slice()?)?;
     let plan = record_plan(owner, record)?;
     plan.require_memory(owner.model(), samples)?;

@@ -21,6 +21,8 @@ pub struct Bearing {
     pub axial: [f64; 2],
     /// Stiffness, N m/rad, and damping, N m s/rad, of rotations about y and z.
     pub tilting: [f64; 2],
+    /// Loss factor η of the stiffness.
+    pub loss_factor: f64,
     /// Its place on a housing; `None` on the ground.
     pub attachment: Option<Attachment>,
 }
@@ -49,10 +51,22 @@ pub(super) fn bearings(
                 ["tilting_stiffness", "tilting_damping"],
                 &at,
             )?,
+            loss_factor: loss_factor(bearing, &at)?,
             attachment: attachments[index],
         })
     };
     system.bearings.iter().enumerate().map(bearing).collect()
+}
+
+/// The loss factor of a linear bearing.
+fn loss_factor(given: &description::Bearing, at: &EntryPath) -> Result<f64, SceneError> {
+    let place = at.field("loss_factor");
+    match given.loss_factor {
+        Some(_) if given.stiffness.is_none() => {
+            Err(place.error("is that of a linear bearing with a stiffness; remove it"))
+        }
+        factor => place.non_negative(factor.unwrap_or(0.0)),
+    }
 }
 
 /// Stiffness and damping of a bearing in one direction; zero where the description gives none.

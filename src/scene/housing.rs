@@ -29,6 +29,8 @@ pub struct Housing {
     pub rotational_stiffness: [f64; 3],
     /// Damping to the ground about x, y and z, N m s/rad.
     pub rotational_damping: [f64; 3],
+    /// Loss factor η of the stiffness.
+    pub loss_factor: f64,
     /// Names of the points whose motion can be recorded, with their distance (x, y, z) from the centre of mass, m.
     pub points: Vec<(String, [f64; 3])>,
 }
@@ -163,6 +165,7 @@ fn support(given: &description::Support, at: &EntryPath) -> Result<Housing, Scen
         axial: axial([given.axial_stiffness, given.axial_damping], at)?,
         rotational_stiffness: [0.0; 3],
         rotational_damping: [0.0; 3],
+        loss_factor: at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?,
         points: Vec::new(),
     })
 }
@@ -202,6 +205,7 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         axial: axial([given.axial_stiffness, given.axial_damping], at)?,
         rotational_stiffness: given.rotational_stiffness.unwrap_or_default(),
         rotational_damping: given.rotational_damping.unwrap_or_default(),
+        loss_factor: at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?,
         points: given.points.iter().map(point).collect::<Result<_, _>>()?,
     })
 }

@@ -28,6 +28,8 @@ pub struct Mesh {
     pub damping: Damping,
     /// Whether the damping acts while the flanks are separated as well.
     pub damping_in_separation: bool,
+    /// Loss factor η of the stiffness.
+    pub loss_factor: f64,
     /// Angle ψ from y to the line of centres at rest, driver to driven gear, rad.
     pub centre_line_angle: f64,
     /// Centre distance C₀ at rest, m.
@@ -166,7 +168,8 @@ fn mesh(
     };
     let centre_line_angle = at.field("centre_line_angle").finite(given.centre_line_angle.unwrap_or(0.0))?;
     let damping_in_separation = given.damping_in_separation.unwrap_or(false);
-    Ok(Mesh { driver, driven, teeth, damping, damping_in_separation, centre_line_angle, centre_distance })
+    let loss_factor = at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?;
+    Ok(Mesh { driver, driven, teeth, damping, damping_in_separation, loss_factor, centre_line_angle, centre_distance })
 }
 
 /// Refuses gears of different modules, pressure angles, base pitches or helix angles.

@@ -197,6 +197,27 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Refuses loss factors, which have no meaning for a motion in time.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the first loss factor.
+    pub fn refuse_loss_factors(&self) -> Result<(), SceneError> {
+        let bearings = self.bearings.iter().map(|bearing| bearing.loss_factor).enumerate();
+        let bearings = bearings.map(|(index, factor)| (format!("bearings[{index}]"), factor));
+        let housings = self.housings.iter().map(|housing| (housing.name.clone(), housing.loss_factor));
+        let meshes = self.meshes.iter().map(|mesh| mesh.loss_factor).enumerate();
+        let meshes = meshes.map(|(index, factor)| (format!("meshes[{index}]"), factor));
+        match bearings.chain(housings).chain(meshes).find(|(_, factor)| *factor != 0.0) {
+            Some((name, factor)) => Err(SceneError::new(
+                format!("{name}.loss_factor"),
+                format!(
+                    "has a meaning in the frequency domain only, and a run integrates over time; give a damping instead of {factor}"
+                ),
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// All rigid bodies: gears, then disks.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
         self.gears.iter().map(|gear| &gear.body).chain(&self.disks)

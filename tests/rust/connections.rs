@@ -70,6 +70,7 @@ fn options(speed: Speed, method: Method, step: Option<f64>) -> Options {
         stages: None,
         modes: None,
         reduction: None,
+        kept_modes: None,
         force_error: None,
         initial: Initial::Static,
         times: (0..=20).map(|k| f64::from(k) * 1e-3).collect(),

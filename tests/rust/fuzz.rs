@@ -310,6 +310,7 @@ fn run(model: Model) {
             stages: None,
             modes: None,
             reduction: None,
+            kept_modes: None,
             force_error: None,
             initial: Initial::Rest,
             times: vec![0.0, 1e-3],

@@ -148,6 +148,7 @@ fn run_at(
         stages: None,
         modes: None,
         reduction: None,
+        kept_modes: None,
         force_error: None,
         initial: Initial::Rest,
         times: Vec::new(),

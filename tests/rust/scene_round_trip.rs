@@ -202,6 +202,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                     damping_ratio: given(0),
                     damping: given(1),
                     damping_in_separation: named.then_some(vector),
+                    loss_factor: None,
                     centre_line_angle: angle,
                     centre_distance: None,
                     backlash: None,

@@ -176,7 +176,7 @@ fn strong_dampers_with_modal_damping_need_no_dense_matrices_on_fine_meshes() {
 fn critical_speeds_are_those_of_dense_matrices() {
     for cached in [rotor(24, "stiffness = 1e8"), rotor(24, "stiffness = [1e7, 3e8]"), train(8, |text| text)] {
         for order in [1.0, 0.5, 3.0] {
-            let found = modal::lowest_critical(&cached, order, 9).unwrap().unwrap();
+            let found = modal::lowest_critical(&cached.model, order, 9).unwrap().unwrap();
             let wanted = modal::Quadratic::new(&cached, 1.0).unwrap().critical(order).unwrap();
             assert_eq!(found.len(), 9);
             for (one, other) in found.iter().zip(&wanted) {

@@ -8,18 +8,30 @@ signal about its mean, or over 2 % of the mean if this is larger (`scale`).
 import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from gearbow._core import Model, accuracy_levels
 from gearbow.accuracy.scale import SHARE_OF_MEAN
 from gearbow.errors import AccuracyWarning, SceneError, outside
-from gearbow.recording.record import Event, Statistics
+from gearbow.recording.record import Event
 
 __all__ = ["DEFAULT", "LEVELS", "Level", "check_reduction", "find_level", "tolerance"]
 
 
 #: What happens at events after which an impact follows.
 CHANGES_OF_CONTACT = {"separation": "flanks separated", "tight": "both flanks touched"}
+
+
+class Reduction(Protocol):
+    """Number of modes that runs keep, and the error of displacements and mesh forces."""
+
+    @property
+    def modes(self) -> int | None:
+        """Number of modes."""
+
+    @property
+    def modes_error(self) -> tuple[float, float] | None:
+        """Estimated errors."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +125,7 @@ def tolerance(options: Mapping[str, Any]) -> float | None:
     return LEVELS[accuracy].rtol if rtol is None and accuracy is not None else rtol
 
 
-def check_reduction(statistics: Statistics, level: Level, *, given: bool) -> None:
+def check_reduction(statistics: Reduction, level: Level, *, given: bool) -> None:
     """Warn if the error of a reduction to fewer modes exceeds an accuracy level."""
     if statistics.modes_error is None:
         return

@@ -7,6 +7,7 @@ derivative of N(x) − x is minus the identity plus a matrix of low rank. This m
 differences along few directions, and passed on from point to point.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace as changed
 from typing import Any, Protocol
@@ -25,6 +26,8 @@ __all__ = ["Map", "Settings", "branch"]
 _DIFFERENCE = 1e-7
 #: Difference of the parameter for the tangent, relative to the interval.
 _PARAMETER = 1e-6
+#: Largest distance of a point from its prediction, in lengths of the step.
+_REACH = 2.0
 #: Number of corrections of one point, and that at which the steps keep their length.
 _CORRECTIONS = 12
 _USUAL = 7
@@ -37,10 +40,10 @@ _TANGENT = 1e-4
 _DIRECTIONS = 40
 #: Part of a direction that is not in the span of the others, below which it is round-off.
 _DEPENDENT = 1e-8
-#: Largest angle between two tangents [cos].
+#: Largest angle between two tangents [cos], and that up to which steps become longer.
 _TURN = 0.9
-#: Relative accuracy of a located point.
-_LOCATED = 1e-8
+_SMALL_TURN = 0.96
+#: Number of steps in which a point is located.
 _LOCATIONS = 40
 
 
@@ -134,7 +137,11 @@ class _Follower:
                         f"{error}"
                     ) from error
                 continue
-            factor = 1.5 if count < _USUAL else 1.0 if count == _USUAL else 0.6
+            turn = point.tangent @ last.tangent
+            if count > _USUAL:
+                factor = 0.6
+            else:
+                factor = 1.5 if count < _USUAL and turn > _SMALL_TURN else 1.0
             return point, min(step * factor, self.settings.largest)
 
     def step(self, last: BranchPoint, step: float) -> tuple[BranchPoint, int]:
@@ -142,7 +149,7 @@ class _Follower:
         along = last.tangent
         state = last.state + step * along[:-1] * last.scale
         value = last.value + step * along[-1] * self.settings.span
-        return self.corrected(last, state, value, along)
+        return self.corrected(last, state, value, along, reach=_REACH * step)
 
     def ended(self, last: BranchPoint, beyond: BranchPoint, value: float) -> BranchPoint:
         """Give the point at a bound of the interval, between two points."""
@@ -156,12 +163,19 @@ class _Follower:
         return point
 
     def corrected(
-        self, base: BranchPoint, state: Array, value: float, along: Array
+        self,
+        base: BranchPoint,
+        state: Array,
+        value: float,
+        along: Array,
+        *,
+        reach: float = math.inf,
     ) -> tuple[BranchPoint, int]:
-        """Correct a predicted point in the plane across a direction."""
+        """Correct a predicted point in the plane across a direction, within a distance."""
         size, scale, derivative = self.size(state), base.scale, base.derivative
         image = self.map.images(state[None], value, adapt=True)[0]
         before, last, step = np.inf, np.zeros(0), np.zeros(0)
+        moved = np.zeros(along.size)
         for count in range(1, _CORRECTIONS + 1):
             residual = (image - state) / scale
             error = float(np.linalg.norm(residual)) * scale / size
@@ -176,11 +190,16 @@ class _Follower:
             if not error < 10.0 * before:
                 break
             if error > _SLOW * before:
+                slope = self.slope(state, value, image)
+                derivative = changed(derivative, slope=slope)
                 derivative, step = self.solved(
                     (state, value, image), derivative, (along, -residual, 0.0), _SOLVED
                 )
             else:
                 step = derivative.solve(along, -residual, 0.0)
+            moved = moved + step
+            if np.linalg.norm(moved) > reach:
+                break
             state = state + step[:-1] * scale
             value = value + step[-1] * self.settings.span
             image = self.map.images(state[None], value)[0]
@@ -260,7 +279,8 @@ class _Follower:
             found, _ = self.step(last, at)
             self.observe(found, (kind,))
             new = critical(found, kind)
-            done = abs(found.value - best.value) <= _LOCATED * abs(found.value)
+            # The values are not more accurate than the states.
+            done = abs(found.value - best.value) <= self.settings.tolerance * abs(found.value)
             best = found
             if done or new == 0.0:
                 break

@@ -3,20 +3,28 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Generic
+from typing import TYPE_CHECKING, Any, Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array
 from gearbow._core import require_memory
+from gearbow._extras import extra
 from gearbow._lookup import nearest, nodal, one_of
+from gearbow._progress import working
 from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, Written, in_degrees
+from gearbow._shown import listed
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S, System, variant
 from gearbow.description.gears import Disk, Gear
-from gearbow.description.places import places
+from gearbow.description.places import place_label, places
 from gearbow.errors import SceneError
+from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["Balance", "balance"]
 
@@ -26,7 +34,7 @@ _TRIAL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Balance(ReadOnly, Generic[S]):
+class Balance(Result, ReadOnly, Generic[S]):
     """A balancing correction and the predicted residual deflection.
 
     Parameters
@@ -47,6 +55,8 @@ class Balance(ReadOnly, Generic[S]):
         Predicted amplitudes with the correction [m].
     system : RotorSystem
         The system with the correction.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Notes
     -----
@@ -79,6 +89,7 @@ class Balance(ReadOnly, Generic[S]):
     before: ComplexArray
     residual: ComplexArray
     system: S = field(repr=False)
+    speed_unit: SpeedUnit = "rad/s"
 
     @property
     def residual_ratio(self) -> float:
@@ -91,6 +102,54 @@ class Balance(ReadOnly, Generic[S]):
         """
         return float(np.linalg.norm(self.residual) / np.linalg.norm(self.before))
 
+    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
+        """Draw the deflection at the measuring points before and after the correction.
+
+        Parameters
+        ----------
+        ax : Axes or sequence of Axes, optional
+            One panel for each speed; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the speeds; None is that in which they were given.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Major semi-axis of the deflection over the position, or bars for points with names.
+        """
+        with extra("plot"):
+            from gearbow.plotting import balance as figures  # noqa: PLC0415
+
+        unit = self._speed_unit(speed_unit)
+        return figures.balance(
+            [f"{speed_factor(unit) * speed:.6g} {unit}" for speed in self.speeds],
+            [point if isinstance(point, str) else float(point[1]) for point in self.points],
+            _semi_axes(self.before),
+            _semi_axes(self.residual),
+            label=f"{self.target} deflection [µm]",
+            ax=ax,
+        )
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        speeds = listed(speed_factor(speed_unit) * self.speeds)
+        remains = f"{100.0 * self.residual_ratio:.3g} % of it remains"
+        return [f"balance of the {self.target} deflection at {speeds} {speed_unit}: {remains}"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each plane."""
+        return [
+            Column("plane", [place_label(plane) for plane in self.planes]),
+            Column("unbalance", np.abs(self.unbalances), "kg m", ".4g", Written("g mm", 1e6)),
+            Column("angle", np.angle(self.unbalances), "rad", ".1f", in_degrees()),
+        ]
+
+
+def _semi_axes(amplitudes: ComplexArray) -> Array:
+    """Give the major semi-axes of orbits with amplitudes along y and z on the last axis."""
+    v, w = np.moveaxis(amplitudes, -1, 0)
+    semi_axes: Array = (np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0
+    return semi_axes
+
 
 def balance(  # numpydoc ignore=PR01
     self: S,
@@ -99,6 +158,7 @@ def balance(  # numpydoc ignore=PR01
     *,
     target: str = "total",
     points: At | Sequence[At] | None = None,
+    progress: bool | None = None,
 ) -> Balance[S]:
     """Find the unbalances that minimise the deflection of a bowed rotor.
 
@@ -112,6 +172,8 @@ def balance(  # numpydoc ignore=PR01
         Quantity to minimise: the displacement, or the elastic deflection (displacement minus bow).
     points : str, tuple of (str, float), or sequence of them, optional
         Measuring points; None is every node of the shaft.
+    progress : bool, optional
+        Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
@@ -150,13 +212,14 @@ def balance(  # numpydoc ignore=PR01
         "give fewer speeds, planes or points",
     )
     read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, target=target)
-    before = read(base, "both")
-    alone = _without_unbalance(base)
-    trial = np.full(1, _TRIAL, dtype=np.complex128)
-    influence = np.stack(
-        [read(_corrected(alone, (plane,), trial), "unbalance") / _TRIAL for plane in chosen],
-        axis=-1,
-    )
+    with working(progress, "balancing"):
+        before = read(base, "both")
+        alone = _without_unbalance(base)
+        trial = np.full(1, _TRIAL, dtype=np.complex128)
+        influence = np.stack(
+            [read(_corrected(alone, (plane,), trial), "unbalance") / _TRIAL for plane in chosen],
+            axis=-1,
+        )
     table = influence.reshape(-1, len(chosen))
     least = np.linalg.lstsq(table, -before.reshape(-1), rcond=None)[0]
     unbalances: ComplexArray = np.asarray(least, dtype=np.complex128)
@@ -169,6 +232,7 @@ def balance(  # numpydoc ignore=PR01
         before=before,
         residual=before + influence @ unbalances,
         system=_corrected(base, chosen, unbalances),
+        speed_unit=given_unit(speed) or self._speed_unit,
     )
 
 

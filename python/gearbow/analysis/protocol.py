@@ -13,11 +13,13 @@ from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
+from gearbow.description.supports import Housing
 from gearbow.errors import SceneWarning
 from gearbow.results.discretisation import Discretisation
 from gearbow.results.response import Response
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
+from gearbow.units.speed import SpeedUnit
 
 __all__ = ["S", "System", "variant"]
 
@@ -31,10 +33,12 @@ class System(Protocol):
     bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
+    housings: tuple[Housing, ...]
     couplings: tuple[Coupling, ...]
     forces: tuple[Force, ...]
     accuracy: str
     _model: Model
+    _speed_unit: SpeedUnit
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> Any:

@@ -1,8 +1,7 @@
 """Arguments that several commands share."""
 
 import argparse
-import sys
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -11,21 +10,37 @@ from gearbow._extras import extra
 from gearbow._files import check_name, check_output
 from gearbow.cli.answer import Answer
 from gearbow.errors import GearbowError, SceneError
-from gearbow.recording.container import suffix
+from gearbow.recording import file
+from gearbow.recording.container import ENDINGS, suffix
+from gearbow.results.response import Response
+from gearbow.results.run_figures import PLOT_KINDS
+from gearbow.results.steady import SteadyState
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
+from gearbow.units.speed import (
+    RevolutionsPerMinute,
+    SpeedUnit,
+    given_unit,
+    speed_factor,
+    unit_in_texts,
+)
 
 __all__ = [
     "Commands",
     "add_command",
     "add_duration",
+    "add_kind",
     "add_scene",
     "add_speed",
     "figure",
+    "is_run",
     "item",
+    "named_item",
     "output",
     "quantity",
-    "shows",
+    "read_run",
+    "speed",
+    "speed_line",
 ]
 
 #: The subparsers of the program.
@@ -71,20 +86,15 @@ def add_speed(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of a computation at a speed: speed and progress."""
     parser.add_argument(
         "--speed",
-        type=quantity("speed"),
+        type=speed,
         required=True,
         help='speed of the reference shaft, for example "1500 rpm"; a plain number is in rad/s',
     )
     parser.add_argument(
         "--progress",
         action=argparse.BooleanOptionalAction,
-        help="show a progress bar on stderr; default: if stderr is a terminal",
+        help="show a progress bar on stderr; default: on a terminal, after 2 s",
     )
-
-
-def shows(given: argparse.Namespace) -> bool:
-    """Return whether to show a progress bar."""
-    return bool(sys.stderr.isatty() if given.progress is None else given.progress)
 
 
 def quantity(field: str) -> Callable[[str], float]:
@@ -97,6 +107,44 @@ def quantity(field: str) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(str(error).removeprefix(f"{field}: ")) from None
 
     return read
+
+
+def speed(text: str) -> float:
+    """Read a speed; a plain number is in rad/s."""
+    value = quantity("speed")(text)
+    return RevolutionsPerMinute(value) if unit_in_texts(text) == "rpm" else value
+
+
+def speed_line(*speeds: float) -> str:
+    """Write the speeds in the given unit and in the other one, e.g. "1500 rad/s = 14,324 rpm"."""
+    units: tuple[SpeedUnit, ...] = ("rad/s", "rpm")
+    given = given_unit(speeds) or "rad/s"
+    (other,) = (unit for unit in units if unit != given)
+    own = " to ".join(f"{speed_factor(given) * value:.6g}" for value in speeds)
+    found = [speed_factor(other) * value for value in speeds]
+    texts = [f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.5g}" for value in found]
+    return f"{own} {given} = {' to '.join(texts)} {other}"
+
+
+def add_kind(parser: argparse.ArgumentParser, *, default: str | None) -> None:
+    """Add the kind of a figure of a run."""
+    kinds = ", ".join(PLOT_KINDS)
+    parser.add_argument(
+        "--kind", choices=PLOT_KINDS, default=default, help=f"what a figure of a run shows: {kinds}"
+    )
+
+
+def is_run(path: Path) -> bool:
+    """Tell whether a file holds recorded signals, by its ending."""
+    return path.suffix.lower() in ENDINGS
+
+
+def read_run(path: Path) -> Response | SteadyState:
+    """Read the file of `run --out`, `run --checkpoint` or `steady --out`."""
+    run, about = file.read(path)
+    if "branch" in about:
+        raise SceneError(f"{path}: is a branch of steady states; read it with Continuation.load")
+    return SteadyState.load(path) if "steady" in about else Response.from_record(run)
 
 
 def output(text: str) -> Path:
@@ -129,10 +177,15 @@ def _writable(check: Callable[[], Path]) -> Path:
 
 
 def item(system: RotorSystem, text: str) -> Any:
-    """Read one recorded item."""
+    """Read one item to record."""
     parts: tuple[Any, ...] = (*system.shafts, *system.gears, *system.disks)
     parts += (*system.supports, *system.housings)
-    if text in {part.name for part in parts}:
+    return named_item({part.name for part in parts}, text)
+
+
+def named_item(names: Container[Any], text: str) -> Any:
+    """Read one recorded item; a name may contain any sign."""
+    if text in names:
         return text
     kind = ("bearing",) if text.startswith("bearing:") else ()
     name, sign, position = text.removeprefix("bearing:").rpartition("@")

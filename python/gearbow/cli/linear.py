@@ -3,14 +3,28 @@
 import argparse
 import warnings
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from gearbow.cli.answer import Answer, Drawing
-from gearbow.cli.arguments import Commands, add_command, add_scene, figure, quantity
+from gearbow.cli.arguments import (
+    Commands,
+    add_command,
+    add_kind,
+    add_scene,
+    figure,
+    is_run,
+    named_item,
+    read_run,
+    speed,
+    speed_line,
+)
 from gearbow.errors import SceneError
+from gearbow.results.steady import SteadyState
 from gearbow.system.rotor_system import RotorSystem
+from gearbow.units.speed import RevolutionsPerMinuteArray, given_unit
 
 __all__ = ["add"]
 
@@ -30,12 +44,18 @@ def add(commands: Commands) -> None:
         commands,
         "plot",
         plot,
-        "draw the train to scale, from the side and from the end",
-        "  gearbow plot scene.toml\n  gearbow plot scene.toml --out train.svg",
+        "draw the train to scale, or the signals of a run",
+        "  gearbow plot scene.toml\n  gearbow plot scene.toml --out train.svg\n"
+        "  gearbow plot run.npz --kind spectrum --out spectrum.png",
     )
-    add_scene(parser)
+    parser.add_argument("scene", type=Path, help="TOML file of a system, or file of a run")
+    parser.add_argument("--json", action="store_true", help="print JSON in place of text")
+    add_kind(parser, default=None)
     parser.add_argument(
-        "--out", type=figure, default="train.png", help="file of the figure; default: train.png"
+        "--at", nargs="+", metavar="ITEM", help="places or meshes of a run; default: all"
+    )
+    parser.add_argument(
+        "--out", type=figure, help="file of the figure; default: train.png, or the kind of a run"
     )
 
     parser = add_command(
@@ -47,7 +67,7 @@ def add(commands: Commands) -> None:
     )
     add_scene(parser)
     parser.add_argument(
-        "--speed", type=quantity("speed"), default=0.0, help='for example "1500 rpm"; default: 0'
+        "--speed", type=speed, default=0.0, help='for example "1500 rpm"; default: 0'
     )
     parser.add_argument("--count", type=int, default=10, help="number of modes; default: 10")
 
@@ -60,11 +80,9 @@ def add(commands: Commands) -> None:
         '  gearbow campbell scene.toml --to "6000 rpm" --harmonics 0 --out campbell.png',
     )
     add_scene(parser)
+    parser.add_argument("--from", type=speed, default=0.0, dest="first", help="default: 0")
     parser.add_argument(
-        "--from", type=quantity("speed"), default=0.0, dest="first", help="default: 0"
-    )
-    parser.add_argument(
-        "--to", type=quantity("speed"), required=True, dest="last", help='for example "6000 rpm"'
+        "--to", type=speed, required=True, dest="last", help='for example "6000 rpm"'
     )
     parser.add_argument("--points", type=int, default=50, help="number of speeds; default: 50")
     parser.add_argument("--count", type=int, default=10, help="number of modes; default: 10")
@@ -105,9 +123,20 @@ _LISTS = (
 
 
 def plot(given: argparse.Namespace) -> Answer:
-    """Draw the train."""
+    """Draw the train, or the signals of a run."""
+    if is_run(given.scene):
+        run = read_run(given.scene)
+        recorded = (run.response if isinstance(run, SteadyState) else run).recorded
+        at = None if given.at is None else [named_item(recorded, text) for text in given.at]
+        kind = given.kind or "orbits"
+        out = given.out or figure(f"{kind}.png")
+        return Answer("", {"file": str(out)}, Drawing(lambda: run.plot(kind, at), out))
+    for option in ("kind", "at"):
+        if getattr(given, option) is not None:
+            raise SceneError(f"--{option}: is for the file of a run (.npz or .nc); leave it out")
     system: Any = RotorSystem.load(given.scene)
-    return Answer("", {"file": str(given.out)}, Drawing(system.plot, given.out))
+    out = given.out or figure("train.png")
+    return Answer("", {"file": str(out)}, Drawing(system.plot, out))
 
 
 def modes(given: argparse.Namespace) -> Answer:
@@ -116,7 +145,8 @@ def modes(given: argparse.Namespace) -> Answer:
     rows = zip(found.frequencies_hz, found.damping_ratios, found.whirl, found.names(), strict=True)
     keys = ("frequency_hz", "damping_ratio", "whirl", "name")
     data = {"speed": given.speed, "modes": [dict(zip(keys, row, strict=True)) for row in rows]}
-    return Answer(found.table(), data)
+    head = [speed_line(given.speed)] if given.speed else []
+    return Answer("\n".join([*head, found.table()]), data)
 
 
 def campbell(given: argparse.Namespace) -> Answer:
@@ -128,6 +158,8 @@ def campbell(given: argparse.Namespace) -> Answer:
         )
     system = RotorSystem.load(given.scene)
     speeds = np.linspace(given.first, given.last, given.points)
+    if given_unit((given.first, given.last)) == "rpm":
+        speeds = speeds.view(RevolutionsPerMinuteArray)
     found = system.campbell(speeds, count=given.count, harmonics=given.harmonics)
     keys = ("speed", "frequency_hz", "damping_ratio", "whirl", "mode")
     data = {
@@ -142,4 +174,4 @@ def campbell(given: argparse.Namespace) -> Answer:
         "file": None if given.out is None else str(given.out),
     }
     drawing = None if given.out is None else Drawing(found.plot, given.out)
-    return Answer(found.table(), data, drawing)
+    return Answer(f"{speed_line(given.first, given.last)}\n{found.table()}", data, drawing)

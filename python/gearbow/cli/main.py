@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from gearbow._core import __version__
-from gearbow.cli import linear, new, runs
+from gearbow.cli import files, foreign, linear, new, response, runs
 from gearbow.cli.answer import Answer
 from gearbow.errors import GearbowError, SceneError
 
@@ -41,7 +41,11 @@ class _PrintError(Exception):
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command, and exit with its code: 0 is fine."""
     _prepare_output()
-    given = _parser().parse_args(arguments)
+    parser = _parser()
+    given = parser.parse_args(arguments)
+    if given.command is None:
+        parser.print_help()
+        sys.exit(0)
     with warnings.catch_warnings(), _stopped_by_signals():
         warnings.showwarning = _show  # type: ignore[assignment]  # it ignores the place
         sys.exit(_code(given))
@@ -92,8 +96,8 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"gearbow {__version__}")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in (new, linear, runs):
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+    for module in (new, foreign, linear, response, runs, files):
         module.add(commands)
     return parser
 

@@ -10,17 +10,20 @@ import numpy as np
 
 from gearbow._types import Array
 from gearbow.accuracy.levels import LEVELS
-from gearbow.cli.answer import Answer
+from gearbow.cli.answer import Answer, Drawing
 from gearbow.cli.arguments import (
     Commands,
     add_command,
     add_duration,
+    add_kind,
     add_scene,
     add_speed,
+    figure,
     item,
     output,
     quantity,
-    shows,
+    speed,
+    speed_line,
 )
 from gearbow.description.places import is_pair, is_place, place_label
 from gearbow.description.speed import SpeedProfile
@@ -28,6 +31,7 @@ from gearbow.errors import SceneWarning
 from gearbow.results.response import Response
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.tradeoff.result import Tradeoff
+from gearbow.units.speed import given_unit
 
 __all__ = ["add"]
 
@@ -45,15 +49,17 @@ def add(commands: Commands) -> None:
     )
     add_scene(parser)
     add_duration(parser)
-    parser.add_argument(
-        "--end-speed", type=quantity("speed"), help="change the speed linearly to this one"
-    )
+    parser.add_argument("--end-speed", type=speed, help="change the speed linearly to this one")
     add_signals(parser)
     parser.add_argument(
         "--checkpoint",
         type=output,
         help="save during the run; the same command continues after an interruption",
     )
+    parser.add_argument(
+        "--figure", type=figure, help="draw the signals to this file, for example .png"
+    )
+    add_kind(parser, default="orbits")
 
     parser = add_command(
         commands,
@@ -117,16 +123,16 @@ def _loaded(given: argparse.Namespace) -> RotorSystem:
 def run(given: argparse.Namespace) -> Answer:
     """Simulate."""
     system = _loaded(given)
-    speed: float | SpeedProfile = given.speed
+    wanted: float | SpeedProfile = given.speed
     if given.end_speed is not None:
-        speed = SpeedProfile.ramp(given.speed, given.end_speed, given.duration)
+        wanted = SpeedProfile.ramp(given.speed, given.end_speed, given.duration)
     try:
         response = system.simulate(
             given.duration,
-            speed,
+            wanted,
             record=[item(system, text) for text in given.record],
             checkpoint=given.checkpoint,
-            progress=shows(given),
+            progress=given.progress,
         )
     except KeyboardInterrupt as stop:
         found: Response | None = getattr(stop, "response", None)
@@ -138,6 +144,8 @@ def run(given: argparse.Namespace) -> Answer:
 
 def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> Answer:
     """Save a response, and describe it."""
+    ends = [given.speed] + ([] if given.end_speed is None else [given.end_speed])
+    response.speed_unit = given_unit(ends) or response.speed_unit
     if given.out is not None:
         response.save(given.out)
     data = {
@@ -150,9 +158,12 @@ def _saved(response: Response, given: argparse.Namespace, *, complete: bool) -> 
         "statistics": asdict(response.statistics),
         "file": None if given.out is None else str(given.out),
     }
-    lines = [str(response), *_lines(data)]
+    lines = [speed_line(*ends), response.table()]
     lines.append(f"{data['statistics']['steps']} steps, {data['events']} events")
-    return Answer("\n".join([*lines, *_file_line(data)]), data)
+    drawing = None
+    if given.figure is not None:
+        drawing = Drawing(lambda: response.plot(given.kind), given.figure)
+    return Answer("\n".join([*lines, *_file_line(data)]), data, drawing)
 
 
 def steady(given: argparse.Namespace) -> Answer:
@@ -161,7 +172,7 @@ def steady(given: argparse.Namespace) -> Answer:
     found = system.steady_state(
         given.speed,
         record=[item(system, text) for text in given.record],
-        progress=shows(given),
+        progress=given.progress,
     )
     multipliers = found.multipliers()
     largest = float(abs(multipliers[0])) if multipliers.size else None
@@ -180,8 +191,9 @@ def steady(given: argparse.Namespace) -> Answer:
     }
     state = "stable" if found.is_stable() else f"unstable: {found.instability()}"
     size = "below 0.9" if largest is None else f"{largest:.6g}"
-    lines = [str(found), f"{state}; magnitude of the largest multiplier {size}"]
-    return Answer("\n".join([*lines, *_lines(data), *_file_line(data)]), data)
+    lines = [speed_line(given.speed), found.table()]
+    lines.append(f"{state}; magnitude of the largest multiplier {size}")
+    return Answer("\n".join([*lines, *_file_line(data)]), data)
 
 
 def _signals(response: Response) -> dict[str, Any]:
@@ -206,24 +218,6 @@ def _signals(response: Response) -> dict[str, Any]:
     return {"points": points, "meshes": meshes, "bearings": bearings}
 
 
-def _lines(data: dict[str, Any]) -> list[str]:
-    """Print the size of each signal."""
-    lines = []
-    for name, point in data["points"].items():
-        y, z = 1e6 * point["peak_to_peak"]
-        lines.append(f"{name}: peak-to-peak {y:.4g} µm along y, {z:.4g} µm along z")
-    for name, mesh in data["meshes"].items():
-        force, ratio = mesh["force"], mesh["contact_ratio"]
-        lines.append(
-            f"{name}: force {force['min']:.4g} to {force['max']:.4g} N, contact ratio "
-            f"{ratio['min']:.3g} to {ratio['max']:.3g}"
-        )
-    for name, bearing in data["bearings"].items():
-        force = bearing["force"]
-        lines.append(f"bearing {name}: force {force['min']:.4g} to {force['max']:.4g} N")
-    return lines
-
-
 def _file_line(data: dict[str, Any]) -> list[str]:
     return [f"signals: {data['file']}"] if data["file"] else []
 
@@ -242,7 +236,7 @@ def tradeoff(given: argparse.Namespace) -> Answer:
     signals = None if given.signals is None else [item(system, text) for text in given.signals]
     try:
         found = system.tradeoff(
-            given.duration, given.speed, signals, budget=given.budget, progress=shows(given)
+            given.duration, given.speed, signals, budget=given.budget, progress=given.progress
         )
     except KeyboardInterrupt as stop:
         partial: Tradeoff[RotorSystem] | None = getattr(stop, "tradeoff", None)
@@ -267,4 +261,4 @@ def _answer(found: Tradeoff[RotorSystem]) -> Answer:
         "trials": trials,
         "skipped": [str(skipped) for skipped in found.skipped],
     }
-    return Answer(str(found), data)
+    return Answer(f"{speed_line(found.speed)}\n{found.table()}", data)

@@ -128,7 +128,7 @@ class Bow(Part):
         """Make a bow from a measured curve, e.g. run-out readings along the shaft.
 
         An amplitude is the distance of the centre line from the straight axis. A dial gauge shows
-        twice as much in one turn: divide its total indicator reading by 2, as `read_csv` does for
+        twice as much in one turn: divide its total indicator reading by 2, as `read_table` does for
         "total_run_out".
 
         Parameters
@@ -161,17 +161,18 @@ class Bow(Part):
         )
 
     @classmethod
-    def read_csv(cls, path: str | os.PathLike[str]) -> "Bow":
-        r"""Read measured run-out or bow along a shaft from a CSV file.
+    def read_table(cls, path: str | os.PathLike[str]) -> "Bow":
+        r"""Read measured run-out or bow along a shaft from a table.
 
         Parameters
         ----------
         path : str or path-like
-            A file with the columns "position", "amplitude" or "total_run_out", and optionally
-            "phase". The total run-out of a dial gauge, from its smallest to its largest reading in
-            one turn, is twice the amplitude. A heading has the unit in brackets, for example
-            "position [mm]", "total_run_out [um]" or "phase [deg]"; without one it is the SI unit.
-            Separators are commas, semicolons or tabs; lines that begin with "#" are comments.
+            A file ``.csv``, ``.xlsx`` (extra ``excel``) or ``.mat`` (extra ``matlab``) with the
+            columns "position", "amplitude" or "total_run_out", and optionally "phase". The total
+            run-out of a dial gauge, from its smallest to its largest reading in one turn, is twice
+            the amplitude. A heading has the unit in brackets, for example "position [mm]",
+            "total_run_out [um]" or "phase [deg]"; without one it is the SI unit. Separators of CSV
+            are commas, semicolons or tabs; lines that begin with "#" are comments.
 
         Returns
         -------
@@ -182,6 +183,8 @@ class Bow(Part):
         ------
         SceneError
             If a heading, a unit or a number is invalid, or a column is missing.
+        MissingExtraError
+            If the format needs a library that is not installed.
         OSError
             If the file cannot be opened.
 
@@ -191,7 +194,7 @@ class Bow(Part):
         >>> import gearbow as gb
         >>> lines = ["position [mm]; total_run_out [um]; phase [deg]", "0; 0; 0", "250; 300; 90"]
         >>> written = Path("runout.csv").write_text("\n".join([*lines, "500; 0; 0"]))
-        >>> bow = gb.Bow.read_csv("runout.csv")
+        >>> bow = gb.Bow.read_table("runout.csv")
         >>> bow.positions, bow.amplitudes
         ((0.0, 0.25, 0.5), (0.0, 0.00015, 0.0))
         >>> Path("runout.csv").unlink()

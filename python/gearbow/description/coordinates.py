@@ -3,16 +3,20 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from gearbow._lookup import nearest, nodal
 from gearbow._shown import Shown
-from gearbow._types import At, Dof
+from gearbow._types import Array, At, Dof
 from gearbow.description.gears import Disk, Gear
-from gearbow.description.places import Places, place
+from gearbow.description.layout import ShearLengths, shear_lengths
+from gearbow.description.places import Places, is_place, place
+from gearbow.description.shafts import Shaft
 from gearbow.description.supports import Housing
+from gearbow.description.within_elements import Entries, motion_within
 from gearbow.errors import GearbowError, SceneError
 
 __all__ = ["Coordinates"]
@@ -25,6 +29,7 @@ class Coordinates(Shown):
     dofs: tuple[Dof, ...]
     bodies: Mapping[str, tuple[str, float]]
     points: Mapping[str, tuple[str, tuple[float, ...]]] = field(default_factory=dict)
+    shear_lengths: Mapping[str, ShearLengths] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(
@@ -32,8 +37,10 @@ class Coordinates(Shown):
         dofs: Sequence[Dof],
         gears: Sequence[Gear],
         disks: Sequence[Disk],
+        *,
         bases: Sequence[str] = (),
         housings: Sequence[Housing] = (),
+        shafts: Sequence[Shaft] = (),
     ) -> "Coordinates":
         """Collect the coordinates of a system."""
         given: list[Gear | Disk] = [*gears, *disks]
@@ -44,11 +51,17 @@ class Coordinates(Shown):
             for housing in housings
             for name, point in housing.points.items()
         }
-        return cls(tuple(dofs), bodies, points)
+        return cls(
+            tuple(dofs), bodies, points, {shaft.name: shear_lengths(shaft) for shaft in shafts}
+        )
 
     def displacement(self, values: Any, at: At) -> Any:
         """Give the lateral displacement of a place."""
         at = place(at)
+        within = self._within(at)
+        if within is not None:
+            planes = [self._combined(values, within, at, kind, "lateral motion") for kind in "vw"]
+            return np.stack(planes, axis=-1)
         if not isinstance(at, str) or at not in self.points:
             return values[..., self.lateral(at)]
         housing, (x, y, z) = self.points[at]
@@ -65,6 +78,9 @@ class Coordinates(Shown):
     def axial_displacement(self, values: Any, at: At) -> Any:
         """Give the axial displacement of a place."""
         at = place(at)
+        within = self._within(at)
+        if within is not None:
+            return self._combined(values, within, at, "u", "axial motion")
         if not isinstance(at, str) or at not in self.points:
             return values[..., self.axial(at)]
         housing, (_, y, z) = self.points[at]
@@ -79,9 +95,17 @@ class Coordinates(Shown):
             moved = moved + b * z - g * y
         return moved
 
+    def twisted(self, values: Any, at: At) -> Any:
+        """Give the twist of a place."""
+        within = self._within(place(at))
+        if within is not None:
+            return self._combined(values, within, at, "twist", "twist")
+        return values[..., self.twist(at)]
+
     def shaft(self, at: At) -> str:
         """Find the shaft of a place."""
-        return self._node(at)[0]
+        at = place(at)
+        return at[0] if self._within(at) is not None else self._node(at)[0]
 
     def lateral(self, at: At) -> list[int]:
         """Find the lateral displacements of a place."""
@@ -95,10 +119,42 @@ class Coordinates(Shown):
         """Find the axial displacement of a place."""
         return self._index(at, "u", "axial motion")
 
+    def _within(self, at: Any) -> "_Within | None":
+        """Find the element of a place between two nodes; None for another place."""
+        if not is_place(at) or at[0] not in self.shear_lengths or self._nodes.find(at) is not None:
+            return None
+        shaft, position = at
+        nodes = self._nodes.positions(shaft)
+        ends = next((ends for ends in pairwise(nodes) if ends[0] < position < ends[1]), None)
+        if ends is None:
+            raise SceneError(
+                f'at: shaft "{shaft}" reaches from {nodes[0]:g} to {nodes[-1]:g} m; give a '
+                f"position on it in metres, got {position:g} m"
+            )
+        own = [(n, x, kind) for n, (name, x, kind) in enumerate(self.dofs) if name == shaft]
+        sites = (*ends, ends)
+        local = [(n, x, kind) for n, x, kind in own if x in sites]
+        entries: Entries = {x: {} for x in sites}
+        for row, (_, x, kind) in zip(np.eye(len(local)), local, strict=True):
+            entries[x][kind] = row
+        length, middle = ends[1] - ends[0], sum(ends) / 2.0
+        lengths = self.shear_lengths[shaft]
+        shear = next((own for end, own in lengths if middle <= end), lengths[-1][1])
+        xi = np.array([(position - ends[0]) / length])
+        rows = motion_within(entries, ends, xi, (shear / length) ** 2)
+        return _Within([n for n, _, _ in local], {kind: row[0] for kind, row in rows})
+
+    @staticmethod
+    def _combined(values: Any, within: "_Within", at: At, kind: str, motion: str) -> Any:
+        """Give a direction of a place between two nodes."""
+        if kind not in within.factors:
+            raise _missing(at, motion)
+        return values[..., within.indices] @ within.factors[kind]
+
     def _index(self, at: At, direction: str, motion: str) -> int:
         index = self._indices.get((*self._node(at), direction))
         if index is None:
-            raise GearbowError(f"{at!r} has no {motion}: the system does not model this motion")
+            raise _missing(at, motion)
         return index
 
     @cached_property
@@ -146,6 +202,18 @@ class Coordinates(Shown):
         raise SceneError(
             f'at: shaft "{shaft}" has no node at {position} m; the nearest is at {near} m'
         )
+
+
+@dataclass(frozen=True)
+class _Within:
+    """A place between two nodes: degrees of freedom, and their factors in each direction."""
+
+    indices: list[int]
+    factors: Mapping[str, Array]
+
+
+def _missing(at: At, motion: str) -> GearbowError:
+    return GearbowError(f"{at!r} has no {motion}: the system does not model this motion")
 
 
 def _similar(name: str, known: Iterable[str]) -> str:

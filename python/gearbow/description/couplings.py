@@ -133,14 +133,16 @@ class Force(Part):
     ----------
     at : str or tuple of (str, float)
         A gear or disk by name, or (shaft, position [m]).
-    value : complex, TimeSeries or callable
+    value : complex, tuple of (complex, complex), TimeSeries or callable
         Force y + iz [N]: constant, over time, or a function of the time [s]. `simulate` samples a
-        function over the run; static, modal and synchronous analyses do not contain it.
+        function over the run; static, modal and synchronous analyses do not contain it. As a source
+        of `frequency_response` also two phasors, along y and z.
     order : float, optional
         The force turns with this multiple of the angle of its shaft, value·e^{i·order·ϑ}; None is
         fixed in space. A force of order 1 belongs to the synchronous response, with its bow.
-    axial : float
-        Constant force along the axis of the shaft, towards +x [N].
+    axial : complex
+        Constant force along the axis of the shaft, towards +x [N]; a phasor as a source of
+        `frequency_response`.
 
     Examples
     --------
@@ -150,9 +152,9 @@ class Force(Part):
     """
 
     at: At
-    value: complex | TimeSeries | Callable[[Any], Any] = 0.0
+    value: complex | tuple[complex, complex] | TimeSeries | Callable[[Any], Any] = 0.0
     order: float | None = None
-    axial: float = 0.0
+    axial: complex = 0.0
 
     def _describe(self, path: str) -> dict[str, Plain]:
         given: dict[str, Plain] = {"at": place(self.at, f"{path}.at")}

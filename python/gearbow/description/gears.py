@@ -153,6 +153,9 @@ class Mesh(Part):
         Whether the damping acts while the flanks are separated as well, as that of an oil film. The
         mesh force can then be tensile. False: only flanks in contact are damped. Without backlash
         or without damping, both values give the same motion.
+    loss_factor : float
+        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of `frequency_response`
+        and `synchronous`. Modes do not contain it, and runs refuse it.
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     centre_distance : float, optional
@@ -181,6 +184,7 @@ class Mesh(Part):
     damping_ratio: float = 0.0
     damping: float | None = None
     damping_in_separation: bool = False
+    loss_factor: float = 0.0
     centre_line_angle: float = 0.0
     centre_distance: float | None = None
     backlash: float | None = None

@@ -30,6 +30,9 @@ MOST_HARMONICS = 1000
 #: Orders with a smaller relative difference are equal: speed ratios are rounded.
 SAME = 1e-9
 
+#: Largest number of names that the text of an order contains.
+_SHOWN_NAMES = 4
+
 
 class Train(Protocol):
     """A system with shafts, gears and meshes."""
@@ -55,7 +58,8 @@ class Order(Shown):
     value : float
         Frequency over that of the reference shaft.
     names : tuple of str
-        Its excitations, the simplest first, e.g. "1× input" and "2× middle".
+        Its excitations, the simplest first, e.g. "1× input" and "2× middle". Orders that a record
+        does not separate are one order with the names of all of them.
 
     Examples
     --------
@@ -69,7 +73,9 @@ class Order(Shown):
     names: tuple[str, ...]
 
     def __str__(self) -> str:
-        return " = ".join(self.names)
+        more = len(self.names) - _SHOWN_NAMES
+        shown = " = ".join(self.names[:_SHOWN_NAMES])
+        return shown if more <= 0 else f"{shown} and {more} more"
 
 
 @dataclass(frozen=True)
@@ -156,6 +162,11 @@ class Kinematics(Shown):
         keys = ("shafts", "meshes", "bearings", "forces")
         return cls(*(tuple(tuple(row) for row in plain[key]) for key in keys))
 
+    @property
+    def reference(self) -> str:
+        """Name of the reference shaft, whose speed ratio is 1."""
+        return next(name for name, ratio in self.shafts if ratio == 1.0)
+
     def orders(
         self,
         shaft_harmonics: int = 4,
@@ -164,6 +175,13 @@ class Kinematics(Shown):
         bearing_harmonics: int = 3,
     ) -> tuple[Order, ...]:
         """List the orders. Equal orders are merged. The orders of forces are always among them."""
+        found = self.ranked(shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics)
+        return tuple(sorted(found, key=lambda order: order.value))
+
+    def ranked(
+        self, shaft_harmonics: int, mesh_harmonics: int, sidebands: int, bearing_harmonics: int
+    ) -> list[Order]:
+        """List the same orders, the simplest first: shafts, teeth, sidebands, bearings, forces."""
         shaft_harmonics = whole(shaft_harmonics, "shaft_harmonics", 0, MOST_HARMONICS)
         mesh_harmonics = whole(mesh_harmonics, "mesh_harmonics", 0, MOST_HARMONICS)
         sidebands = whole(sidebands, "sidebands", 0, MOST_HARMONICS)
@@ -183,9 +201,10 @@ class Kinematics(Shown):
             else:
                 merged.append((value, [name]))
         rank = {name: place for place, (_, name) in enumerate(named)}
-        return tuple(
+        found = [
             Order(value, tuple(sorted(names, key=rank.__getitem__))) for value, names in merged
-        )
+        ]
+        return sorted(found, key=lambda order: rank[order.names[0]])
 
     def _shafts(self, harmonics: int) -> Iterator[tuple[float, str]]:
         for n in range(1, harmonics + 1):

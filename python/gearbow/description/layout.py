@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,8 +16,21 @@ from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Segment, Shaft
+from gearbow.description.supports import Housing
 
-__all__ = ["BodyOutline", "Layout", "ShaftOutline", "layout", "reference_radius"]
+__all__ = [
+    "BaseOutline",
+    "BodyOutline",
+    "Layout",
+    "ShaftOutline",
+    "ShearLengths",
+    "layout",
+    "reference_radius",
+    "shear_lengths",
+]
+
+#: End and shear length √(12EI/(κGA)) of each segment of a shaft [m].
+ShearLengths: TypeAlias = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +73,22 @@ class BodyOutline(Shown):
 
 
 @dataclass(frozen=True, eq=False)
+class BaseOutline(ReadOnly):
+    """What bearings stand on: its centre [m], and (shaft, position [m]) of these bearings."""
+
+    name: str
+    centre: Array
+    feet: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, eq=False)
 class Layout(Shown):
     """Geometry of a train at rest."""
 
     shafts: tuple[ShaftOutline, ...]
     bodies: tuple[BodyOutline, ...]
     bearings: tuple[tuple[str, float], ...]
+    bases: tuple[BaseOutline, ...] = ()
 
     def shaft(self, name: str) -> ShaftOutline:
         """Look up a shaft."""
@@ -80,6 +104,7 @@ def layout(
     *,
     centre_distances: Sequence[float],
     couplings: Sequence[Coupling] = (),
+    housings: Sequence[Housing] = (),
 ) -> Layout:
     """Find the geometry of a train at rest."""
     by_name = {gear.name: gear for gear in gears}
@@ -109,7 +134,29 @@ def layout(
         for body in given
     )
     bearing_places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
-    return Layout(outlines, bodies, bearing_places)
+    return Layout(outlines, bodies, bearing_places, tuple(_bases(outlines, bearings, housings)))
+
+
+def _bases(
+    shafts: Sequence[ShaftOutline],
+    bearings: Sequence[Bearing | JournalBearing | RollingBearing],
+    housings: Sequence[Housing],
+) -> Iterator[BaseOutline]:
+    """Give the supports and housings; a support is at the middle of its bearings."""
+    origins = {shaft.name: shaft.origin for shaft in shafts}
+    feet: dict[str, list[tuple[str, float]]] = {}
+    for bearing in bearings:
+        base = bearing.support
+        name = base if isinstance(base, str) else getattr(base, "name", None)
+        if name is not None:
+            feet.setdefault(name, []).append((bearing.shaft, float(bearing.position)))
+    centres: dict[str, Array] = {
+        housing.name: np.array(housing.position, dtype=np.float64) for housing in housings
+    }
+    for name, own in feet.items():
+        at = [origins[shaft] + np.array([x, 0.0, 0.0]) for shaft, x in own]
+        middle: Array = np.mean(at, axis=0)
+        yield BaseOutline(name, centres.get(name, middle), tuple(own))
 
 
 def reference_radius(body: Gear | Disk) -> float:
@@ -171,6 +218,13 @@ def _steps(shaft: Shaft) -> tuple[tuple[float, float], ...]:
         (float(end), segment.outer_diameter / 2.0)
         for end, segment in zip(ends, segments, strict=True)
     )
+
+
+def shear_lengths(shaft: Shaft) -> ShearLengths:
+    """Give the end [m] and the shear length of each segment of a shaft."""
+    ends = (end for end, _ in _steps(shaft))
+    lengths = (_shear_length(shaft, segment) for segment in _segments(shaft))
+    return tuple(zip(ends, lengths, strict=True))
 
 
 def _shear_length(shaft: Shaft, segment: Segment) -> float:

@@ -44,6 +44,9 @@ class Bearing(Part):
         Stiffness against rotations of the shaft about y and z [N m/rad].
     tilting_damping : float
         Damping of these rotations [N m s/rad].
+    loss_factor : float
+        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of `frequency_response`
+        and `synchronous`. Modes do not contain it, and runs refuse it.
     support : str or Support, optional
         What it stands on: the name of a support or housing of the system, or a support of its own.
         None is the ground.
@@ -63,6 +66,7 @@ class Bearing(Part):
     axial_damping: float = 0.0
     tilting_stiffness: float = 0.0
     tilting_damping: float = 0.0
+    loss_factor: float = 0.0
     support: str | Support | None = None
 
     @classmethod
@@ -88,11 +92,12 @@ class Torque(Part):
     ----------
     at : str or tuple of (str, float)
         A gear or disk by name, or (shaft, position [m]).
-    value : float, TimeSeries, SpeedTable, callable or "balance"
+    value : complex, TimeSeries, SpeedTable, callable or "balance"
         The torque [N m]: constant; over time; over the magnitude of the actual speed Ω_s + θ̇ of the
         shaft [rad/s], with the end values beyond the table; or a function of the time [s], which
         `simulate` samples over the run. Static, modal and synchronous analyses do not contain a
-        torque over time. "balance" is explained in `Torque.balance`.
+        torque over time. A phasor as a source of `frequency_response`. "balance" is explained in
+        `Torque.balance`.
 
     Examples
     --------
@@ -101,7 +106,7 @@ class Torque(Part):
     """
 
     at: At
-    value: float | str | SpeedTable | TimeSeries | Callable[[Any], Any]
+    value: complex | str | SpeedTable | TimeSeries | Callable[[Any], Any]
 
     @classmethod
     def balance(cls, at: At) -> "Torque":

@@ -1,11 +1,13 @@
 """Coefficients of a bearing that depend on the speed of its shaft."""
 
 import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearbow._convert import shown
 from gearbow._lookup import one_of
 from gearbow.description.part import Part, freeze
 from gearbow.errors import SceneError
@@ -14,16 +16,6 @@ __all__ = ["SpeedTable"]
 
 #: Letter of the columns of each quantity.
 _LETTERS = {"stiffness": "k", "damping": "c"}
-#: Columns of tables with the shaft along z, and what a message says of them.
-_OTHER_AXES = {
-    f"{letter}{axes}": (
-        f"; here x is the axis of the shaft: a table with x and y across the shaft (ROSS, API) has "
-        f"{letter}xx, {letter}xy, {letter}yx, {letter}yy for {letter}yy, {letter}yz, {letter}zy, "
-        f"{letter}zz"
-    )
-    for letter in _LETTERS.values()
-    for axes in ("xx", "xy", "yx", "xz", "zx")
-}
 
 
 @dataclass(frozen=True)
@@ -58,8 +50,8 @@ class SpeedTable(Part):
     across the shaft x and y: their kxx, kxy, kyx, kyy are yy, yz, zy, zz here. The first index is
     the direction of the force, the second that of the displacement, F_y = k_yy v + k_yz w. The
     senses agree if the shaft turns from x to y there, as it turns from y to z here; if it turns
-    from y to x, change the sign of both cross coefficients. Cross coefficients of opposite signs,
-    yz > 0 > zy, drive the forward whirl.
+    from y to x, their kyy, kyx, kxy, kxx are yy, yz, zy, zz. `read_table` reads both. Cross
+    coefficients of opposite signs, yz > 0 > zy, drive the forward whirl.
 
     Examples
     --------
@@ -83,21 +75,36 @@ class SpeedTable(Part):
         freeze(self, "speeds", "values")
 
     @classmethod
-    def read_csv(
-        cls, path: str | os.PathLike[str], quantity: str = "stiffness", *, outside: str = "error"
+    def read_table(
+        cls,
+        path: str | os.PathLike[str],
+        quantity: str = "stiffness",
+        *,
+        axes: str = "yz",
+        units: Mapping[str, str] | None = None,
+        outside: str = "error",
     ) -> "SpeedTable":
-        r"""Read the coefficients of a bearing from a CSV file.
+        r"""Read the coefficients of a bearing from a table of another program.
 
         Parameters
         ----------
         path : str or path-like
-            A file with the columns "speed" and "k", or "kyy", "kzz", "kyz", "kzy", for stiffness,
-            and the same with "c" for damping. A heading has the unit in brackets, for example
-            "speed [rpm]" or "kyy [N/um]"; without one it is the SI unit. A cross coefficient that
-            has no column is zero. Separators are commas, semicolons or tabs; lines that begin with
-            "#" are comments.
+            A CSV file, an Excel file ``.xlsx`` (its first sheet; extra ``excel``) or a MATLAB file
+            ``.mat`` with a vector for each column (extra ``matlab``). The columns are "speed" or
+            "rpm", and for stiffness "k", or "kyy", "kzz", "kyz", "kzy", in capital or small
+            letters; for damping the same with "c". A heading has the unit in brackets, for example
+            "speed [rpm]" or "Kyy [N/um]". A cross coefficient that has no column is zero.
+            Separators of CSV are commas, semicolons or tabs; lines that begin with "#" are
+            comments.
         quantity : {"stiffness", "damping"}
             Which of both to read; one file can have both.
+        axes : str
+            The two axes across the shaft in the headings: the first is y here, the second z. The
+            shaft turns from the first to the second. "xy" reads Kxx, Kxy, Kyx and Kyy, "yx" is for
+            a table of the same names whose shaft turns from y to x.
+        units : mapping of str to str, optional
+            Units of headings without one, by "speed", "stiffness" and "damping", for example
+            {"speed": "rpm", "stiffness": "N/um"}. Without them the numbers are in SI units.
         outside : str
             What holds outside the speeds, see the class.
 
@@ -110,6 +117,8 @@ class SpeedTable(Part):
         ------
         SceneError
             If a heading, a unit or a number is invalid, or a column is missing.
+        MissingExtraError
+            If the format needs a library that is not installed.
         OSError
             If the file cannot be opened.
 
@@ -117,33 +126,71 @@ class SpeedTable(Part):
         --------
         >>> from pathlib import Path
         >>> import gearbow as gb
-        >>> text = "speed [rpm], kyy [N/um], kzz [N/um], c [N s/m]\n0,20,30,500\n3000,25,35,400"
+        >>> text = "speed [rpm], Kxx [N/um], Kyy [N/um], c [N s/m]\n0,20,30,500\n3000,25,35,400"
         >>> written = Path("bearing.csv").write_text(text)
-        >>> gb.SpeedTable.read_csv("bearing.csv").values[1]
+        >>> gb.SpeedTable.read_table("bearing.csv", axes="xy").values[1]
         ((25000000.0, 0.0), (0.0, 35000000.0))
-        >>> gb.SpeedTable.read_csv("bearing.csv", "damping").values
+        >>> gb.SpeedTable.read_table("bearing.csv", "damping", axes="xy").values
         (500.0, 400.0)
         >>> Path("bearing.csv").unlink()
         """
         from gearbow.exchange.columns import read_columns  # noqa: PLC0415  # few scenes need it
 
         one_of(quantity, _LETTERS, "quantity")
-        axes = ("", "yy", "zz", "yz", "zy")
-        known = {f"{_LETTERS[q]}{each}": f"bearings.{q}" for q in _LETTERS for each in axes}
-        found = read_columns(path, {"speed": "speed", **known}, _OTHER_AXES)
+        names = _names(axes)
+        fields = {f"{_LETTERS[q]}{name}": q for q in _LETTERS for name in ("", *names)}
+        found = read_columns(
+            path,
+            {"speed": "speed", "rpm": "speed"} | {key: f"bearings.{fields[key]}" for key in fields},
+            _other_axes(names),
+            {"rpm": "rpm"} | _units(units, {"speed": "speed", **fields}),
+        )
         k = _LETTERS[quantity]
-        if "speed" not in found:
-            raise SceneError(f'{path}: needs the column "speed"')
+        speeds = [found[name] for name in ("speed", "rpm") if name in found]
+        if len(speeds) != 1:
+            raise SceneError(f'{path}: needs the column "speed" or "rpm", and only one of them')
         if k in found:
             others = [name for name in found if name.startswith(k) and name != k]
             if others:
                 raise SceneError(
                     f'{path}: has the column "{k}", which is isotropic, and "{others[0]}"; give '
-                    f'either "{k}", or "{k}yy" and "{k}zz"'
+                    f'either "{k}", or "{k}{names[0]}" and "{k}{names[1]}"'
                 )
-            return cls(found["speed"], found[k], outside)
-        if f"{k}yy" not in found or f"{k}zz" not in found:
-            raise SceneError(f'{path}: needs the column "{k}", or "{k}yy" and "{k}zz"')
-        zero = 0.0 * found["speed"]
-        yy, zz, yz, zy = (found.get(f"{k}{each}", zero) for each in axes[1:])
-        return cls(found["speed"], np.moveaxis(np.array([[yy, yz], [zy, zz]]), -1, 0), outside)
+            return cls(speeds[0], found[k], outside)
+        if not {f"{k}{name}" for name in names[:2]} <= found.keys():
+            raise SceneError(
+                f'{path}: needs the column "{k}", or "{k}{names[0]}" and "{k}{names[1]}"'
+            )
+        zero = 0.0 * speeds[0]
+        yy, zz, yz, zy = (found.get(f"{k}{name}", zero) for name in names)
+        return cls(speeds[0], np.moveaxis(np.array([[yy, yz], [zy, zz]]), -1, 0), outside)
+
+
+def _names(axes: str) -> tuple[str, str, str, str]:
+    """Give the ends of the headings that are yy, zz, yz, zy here."""
+    one_of(axes, ("yz", "zy", "xy", "yx", "xz", "zx"), "axes")
+    first, second = axes[0], axes[1]
+    return 2 * first, 2 * second, first + second, second + first
+
+
+def _other_axes(names: Sequence[str]) -> dict[str, str]:
+    """Give the ends of messages for headings with other axes."""
+    hint = '; name the axes of the table, for example axes="xy": y here is its x, z its y'
+    return {
+        f"{letter}{first}{second}": hint
+        for letter in _LETTERS.values()
+        for first in "xyz"
+        for second in "xyz"
+        if f"{first}{second}" not in names
+    }
+
+
+def _units(units: Mapping[str, str] | None, quantities: Mapping[str, str]) -> dict[str, str]:
+    """Give the unit of each column that the call names."""
+    given = {} if units is None else units
+    is_mapping = isinstance(given, Mapping)
+    if not is_mapping or not all(isinstance(each, str) for each in given.values()):
+        raise SceneError(f"units: must be a mapping of names to units, got {shown(units)}")
+    for name in given:
+        one_of(name, ("speed", *_LETTERS), "units")
+    return {column: given[name] for column, name in quantities.items() if name in given}

@@ -39,6 +39,9 @@ class Support(Part):
         the support does not move along the axis.
     axial_damping : float
         Damping to the ground along the axis [N s/m].
+    loss_factor : float
+        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of `frequency_response`
+        and `synchronous`. Modes do not contain it, and runs refuse it.
 
     Examples
     --------
@@ -54,6 +57,7 @@ class Support(Part):
     damping: ArrayLike = 0.0
     axial_stiffness: float | None = None
     axial_damping: float = 0.0
+    loss_factor: float = 0.0
 
 
 def with_support(bearing: Mapping[str, Plain]) -> dict[str, Any]:
@@ -90,6 +94,9 @@ class Housing(Part):
         axial motion. None: the centre of mass does not move along the axis.
     axial_damping : float
         Damping to the ground along the axis at the centre of mass [N s/m].
+    loss_factor : float
+        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of `frequency_response`
+        and `synchronous`. Modes do not contain it, and runs refuse it.
     inertia : (float, float, float), optional
         Moments of inertia about the axes through the centre of mass parallel to x, y and z
         [kg m²]; products of inertia are neglected. None: the housing does not rotate.
@@ -125,6 +132,7 @@ class Housing(Part):
     damping: ArrayLike = 0.0
     axial_stiffness: float | None = None
     axial_damping: float = 0.0
+    loss_factor: float = 0.0
     inertia: Sequence[float] | None = None
     position: Sequence[float] = (0.0, 0.0, 0.0)
     rotational_stiffness: Sequence[float] | None = None

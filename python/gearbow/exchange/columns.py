@@ -1,15 +1,23 @@
-"""Tables in CSV files, with the unit of each column in its heading."""
+"""Tables in files, with the unit of each column in its heading: CSV, Excel and MATLAB."""
 
 import csv
 import math
 import os
 import re
+import struct
+import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from gearbow._convert import shown
-from gearbow._files import reading
+from gearbow._extras import extra
+from gearbow._files import as_path, reading
 from gearbow._lookup import nearest
 from gearbow._types import Array
 from gearbow.errors import SceneError
@@ -23,34 +31,103 @@ _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 #: Heading with a unit: "speed [rpm]" or "speed (rpm)".
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
 
+#: What libraries raise for a damaged file.
+_DAMAGE = (ValueError, TypeError, LookupError, OSError, EOFError, zlib.error, struct.error)
+
+
+@dataclass(frozen=True)
+class _Line:
+    """The texts of a line of a table, and where it is: "line 3"."""
+
+    where: str
+    cells: Sequence[str]
+
 
 def read_columns(
     path: str | os.PathLike[str],
     known: Mapping[str, str],
     hints: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> dict[str, Array]:
-    """Read the columns of a CSV file in SI units."""
+    """Read the columns of a table in SI units.
+
+    `known` gives the field of each column, `hints` the end of a message for other headings, and
+    `units` the unit of columns without one.
+    """
+    readers = {".xlsx": _from_excel, ".mat": _from_matlab}
+    path = as_path(path, "path")
+    lines = readers.get(path.suffix.lower(), _from_text)(path)
+    if len(lines) < 2:
+        raise SceneError(f"{path}: needs a line of headings and lines of numbers")
+    head, *body = lines
+    found_units = _headings(head.cells, known, hints or {}, units or {}, f"{path}: {head.where}")
+    found: dict[str, list[float]] = {name: [] for name in found_units}
+    for line in body:
+        if len(line.cells) != len(found_units):
+            raise SceneError(
+                f"{path}: {line.where}: must have {len(found_units)} numbers, as the headings, got "
+                f"{len(line.cells)}"
+            )
+        for (name, unit), cell in zip(found_units.items(), line.cells, strict=True):
+            where = f'{path}: {line.where}, column "{name}"'
+            found[name].append(_number(cell, unit, known[name], where))
+    return {name: np.array(values) for name, values in found.items()}
+
+
+def _from_text(path: Path) -> list[_Line]:
+    """Read the lines of a text file, without comments."""
     with reading(path) as text:
         lines = text.splitlines()
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip()]
     rows = [(i, line) for i, line in rows if not line.lstrip().startswith("#")]
-    if len(rows) < 2:
-        raise SceneError(f"{path}: needs a line of headings and lines of numbers")
-    separator = next((each for each in ";\t" if each in rows[0][1]), ",")
-    head, *body = ((i, _cells(line, separator, f"{path}: line {i}")) for i, line in rows)
-    units = _headings(head[1], known, hints or {}, f"{path}: line {head[0]}")
-    found: dict[str, list[float]] = {name: [] for name in units}
-    for i, cells in body:
-        if len(cells) != len(units):
+    separator = next((each for each in ";\t" if rows and each in rows[0][1]), ",")
+    return [_Line(f"line {i}", _cells(line, separator, f"{path}: line {i}")) for i, line in rows]
+
+
+def _from_excel(path: Path) -> list[_Line]:
+    """Read the rows of the first sheet, without comments."""
+    with extra("dataframe"):
+        import pandas as pd  # noqa: PLC0415
+
+        import_module("openpyxl")  # pandas would report it in its own words
+    with path.open("rb") as file:
+        try:
+            sheet = pd.read_excel(file, header=None, dtype=object)
+        except (*_DAMAGE, ET.ParseError, zipfile.BadZipFile) as error:
+            raise SceneError(f"{path}: is not an Excel file (.xlsx): {error}") from None
+    lines = []
+    for i, row in enumerate(sheet.itertuples(index=False), start=1):
+        cells = ["" if pd.isna(cell) else str(cell) for cell in row]
+        if any(cells) and not cells[0].startswith("#"):
+            lines.append(_Line(f"row {i}", cells))
+    return lines
+
+
+def _from_matlab(path: Path) -> list[_Line]:
+    """Read the vectors of a MATLAB file, whose names are the headings."""
+    with extra("matlab"):
+        from scipy.io.matlab import MatReadError, loadmat  # noqa: PLC0415
+    with path.open("rb") as file:
+        try:
+            content = loadmat(file)
+        except (*_DAMAGE, MatReadError, NotImplementedError) as error:
             raise SceneError(
-                f"{path}: line {i}: must have {len(units)} numbers, as the headings, got "
-                f"{len(cells)}"
-            )
-        for (name, unit), cell in zip(units.items(), cells, strict=True):
-            found[name].append(
-                _number(cell, unit, known[name], f'{path}: line {i}, column "{name}"')
-            )
-    return {name: np.array(values) for name, values in found.items()}
+                f"{path}: is not a MATLAB file of a version before 7.3: {error}; save it with -v7"
+            ) from None
+    vectors = {name: value for name, value in content.items() if not name.startswith("__")}
+    for name, value in vectors.items():
+        if not (isinstance(value, np.ndarray) and value.dtype.kind in "iuf" and value.ndim <= 2):
+            raise SceneError(f"{path}: {name}: must be a vector of numbers, got {shown(value)}")
+        if min(value.shape, default=1) != 1:
+            raise SceneError(f"{path}: {name}: must be a vector, has the shape {value.shape}")
+    sizes = {value.size for value in vectors.values()}
+    if len(sizes) > 1:
+        raise SceneError(f"{path}: its vectors must have one length, got {sorted(sizes)}")
+    rows = zip(*(value.ravel().tolist() for value in vectors.values()), strict=True)
+    lines = [
+        _Line(f"value {i}", [repr(each) for each in row]) for i, row in enumerate(rows, start=1)
+    ]
+    return [_Line("names", list(vectors)), *lines]
 
 
 def _cells(line: str, separator: str, where: str) -> list[str]:
@@ -62,13 +139,18 @@ def _cells(line: str, separator: str, where: str) -> list[str]:
 
 
 def _headings(
-    cells: Sequence[str], known: Mapping[str, str], hints: Mapping[str, str], where: str
+    cells: Sequence[str],
+    known: Mapping[str, str],
+    hints: Mapping[str, str],
+    given: Mapping[str, str],
+    where: str,
 ) -> dict[str, str]:
     """Give the names of the columns, and the unit of each one."""
     units: dict[str, str] = {}
     for cell in cells:
         heading = _HEADING.fullmatch(cell)
         name = "" if heading is None else heading[1].lower().replace(" ", "_")
+        name = next((n for n in known if n.replace("_", "") == name.replace("_", "")), name)
         if heading is None or name not in known:
             hint = hints.get(name) or _of_unit(cell.strip(), known) or _behind(cell, known)
             hint = hint or nearest(name, known)
@@ -78,7 +160,7 @@ def _headings(
         if name in units:
             raise SceneError(f"{where}: the column {name!r} occurs twice")
         try:
-            units[name] = heading[2] or heading[3] or ""
+            units[name] = heading[2] or heading[3] or given.get(name, "")
             parsed(f"1 {units[name] or unit_of(known[name])}", known[name])
         except SceneError as error:
             raise SceneError(f'{where}, column "{name}": {str(error).partition(": ")[2]}') from None

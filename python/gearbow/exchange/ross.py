@@ -1,21 +1,25 @@
 """Rotors of ROSS: the plain description of a rotor that ``rotor.save`` wrote.
 
 The axes x, y and z of ROSS, with z along the shaft, are y, z and x here. A shaft element becomes a
-segment with one element. https://ross.readthedocs.io
+segment with one element. Tables of bearings are over the speed in ROSS 3, and over the frequency,
+which means the same, in ROSS 2. https://ross.readthedocs.io
 """
 
 import json
 import os
-import re
 import sys
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from gearbow._files import reading
 from gearbow._types import Plain
-from gearbow.errors import SceneError
+from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.exchange.names import cleaned
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -39,11 +43,17 @@ _SHARED = ("material", "shear_effects", "alpha", "beta")
 _KINDS = ("ShaftElement", "DiskElement", "PointMass")
 
 
+#: Version of ROSS from which `speed` is the axis of a table over the speed of the rotor.
+_WITH_SPEED = 3
+
+
 @dataclass
 class _File:
     """The elements of a file, by kind."""
 
     path: str
+    #: Major version of ROSS.
+    version: int
     elements: dict[str, list[tuple[str, dict[str, Any]]]] = field(default_factory=dict)
 
     def all(self, kind: str) -> list[tuple[str, dict[str, Any]]]:
@@ -56,6 +66,17 @@ class _File:
 def read_ross(path: str | os.PathLike[str]) -> dict[str, Plain]:
     """Read a rotor that ROSS saved."""
     file = _read(path)
+    try:
+        return _description(file)
+    except SceneError:
+        raise
+    except KeyError as error:
+        raise SceneError(f"{path}: an element has no {error}") from None
+    except (ValueError, TypeError) as error:
+        raise SceneError(f"{path}: an element has a wrong value: {error}") from None
+
+
+def _description(file: _File) -> dict[str, Plain]:
     shaft, positions = _shaft(file)
     masses = {mass["n"]: (name, mass) for name, mass in file.all("PointMass")}
     description: dict[str, Plain] = {"shafts": [shaft], "disks": [], "bearings": []}
@@ -99,7 +120,8 @@ def _read(path: str | os.PathLike[str]) -> _File:
         raise SceneError(f"{path}: not a rotor of ROSS: {error}") from None
     if not isinstance(plain, dict) or "ross_version" not in plain:
         raise SceneError(f"{path}: not a rotor of ROSS: it has no ross_version")
-    file = _File(str(path))
+    major = str(plain["ross_version"]).partition(".")[0]
+    file = _File(str(path), int(major) if major.isdecimal() else 2)
     for key, element in plain.items():
         if not isinstance(element, dict) or key == "parameters":
             continue
@@ -155,8 +177,7 @@ def _position(file: _File, name: str, n: int, positions: list[float]) -> dict[st
 
 
 def _named(name: str, element: Mapping[str, Any]) -> dict[str, Plain]:
-    # Names of gearbow contain neither "/" nor ":".
-    return {"name": re.sub("[/:]", "-", str(element.get("tag") or name))}
+    return {"name": cleaned(str(element.get("tag") or name))}
 
 
 def _mass(file: _File, name: str, mass: Mapping[str, Any]) -> float:
@@ -171,17 +192,28 @@ def _coefficients(file: _File, name: str, bearing: Mapping[str, Any]) -> dict[st
     for key in ("mxx", "mxy", "myx", "myy", "mzz"):
         if any(_values(bearing.get(key))):
             raise file.error(name, f"gearbow cannot represent {key}, the added mass of a bearing")
+    speeds = _speeds(file, name, bearing)
     found: dict[str, Plain] = {}
     for letter, key in (("k", "stiffness"), ("c", "damping")):
         rows = zip(
-            *(_values(bearing[f"{letter}{axes}"]) for axes in ("xx", "xy", "yx", "yy")), strict=True
+            *(
+                _over_speed(file, name, bearing, f"{letter}{axes}", speeds)
+                for axes in ("xx", "xy", "yx", "yy")
+            ),
+            strict=True,
         )
         values = [[[xx, xy], [yx, yy]] for xx, xy, yx, yy in rows]
         if all(value == values[0] for value in values):
             found[key] = values[0]
+        elif speeds is None:
+            raise file.error(
+                name,
+                f"{key}: its table is over the excitation frequency, one of gearbow is over "
+                "the speed of the shaft; save it with speed=",
+            )
         else:
-            found[key] = {"speeds": bearing["frequency"], "values": values}
-        axial = set(_values(bearing.get(f"{letter}zz")))
+            found[key] = {"speeds": speeds, "values": values}
+        axial = set(_over_speed(file, name, bearing, f"{letter}zz", speeds))
         if len(axial) > 1:
             raise file.error(name, f"{letter}zz must be constant")
         if any(axial):
@@ -189,10 +221,52 @@ def _coefficients(file: _File, name: str, bearing: Mapping[str, Any]) -> dict[st
     return found
 
 
+def _speeds(file: _File, name: str, bearing: Mapping[str, Any]) -> list[float] | None:
+    """Give the speeds of a table. ROSS 2 calls them frequency, which is that of whirl in ROSS 3."""
+    given = bearing.get("speed")
+    if given is None and file.version < _WITH_SPEED:
+        given = bearing.get("frequency")
+    elif given is not None and bearing.get("frequency") is not None:
+        table = np.array(bearing["kxx"], dtype=float)
+        if np.ndim(table) != 2:
+            raise file.error(name, "with speed and frequency, its coefficients must have two axes")
+        if np.ptp(table, axis=1).any():
+            warnings.warn(
+                f"{file.path}: {name}: its coefficients over speed and frequency are read at the "
+                "frequency of the speed; gearbow has coefficients over the speed",
+                SceneWarning,
+                stacklevel=outside(),
+            )
+    return None if given is None else [float(each) for each in given]
+
+
+def _over_speed(
+    file: _File, name: str, bearing: Mapping[str, Any], key: str, speeds: list[float] | None
+) -> list[float]:
+    """Give a coefficient at each speed; of a table over the frequency too, at that of the speed."""
+    given = bearing.get(key)
+    values = np.array(0.0 if given is None else given, dtype=float)
+    if values.ndim < 2 or speeds is None:
+        return [float(value) for value in np.ravel(values)]
+    frequencies = np.array(bearing["frequency"], dtype=float)
+    if values.shape != (len(speeds), len(frequencies)):
+        raise file.error(
+            name,
+            f"{key}: must have the shape {(len(speeds), len(frequencies))}, got {values.shape}",
+        )
+    found = []
+    for speed, row in zip(speeds, values, strict=True):
+        if np.ptp(row) > 0.0 and not frequencies[0] <= speed <= frequencies[-1]:
+            raise file.error(
+                name, f"{key}: its frequencies do not contain the speed {speed:g} rad/s"
+            )
+        found.append(float(np.interp(speed, frequencies, row)))
+    return found
+
+
 def _values(given: object) -> list[float]:
-    if given is None:
-        return [0.0]
-    return [float(value) for value in given] if isinstance(given, Iterable) else [float(given)]  # type: ignore[arg-type]
+    """Give all values of a coefficient."""
+    return [float(value) for value in np.ravel(np.array(0.0 if given is None else given, float))]
 
 
 def _support(

@@ -1,14 +1,16 @@
 """Amplitudes at known orders, by least squares.
 
-The excitation frequencies of a train are known exactly. A simultaneous least-squares fit of the
-sines and cosines of all orders therefore replaces a spectrum. If the signal contains no other
-frequencies, the amplitudes are exact for a record of any length. The RMS of the remainder is
-reported.
+The orders that a train excites are known exactly, and so is the angle of its shafts. A simultaneous
+least-squares fit of the sines and cosines of all orders over this angle therefore replaces a
+spectrum. If the signal contains no other orders, the amplitudes are exact for a record of any
+length. At a changing speed, the fit of short segments gives amplitudes over the speed. The RMS of
+the remainder is reported.
 """
 
 import math
 import warnings
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,15 +18,26 @@ import numpy as np
 from gearbow._convert import number, text, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._shown import Table
+from gearbow._result import Column, Result, in_degrees, in_micrometres, written_unit
 from gearbow._types import Array, ComplexArray, Record
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
 from gearbow.orders.channel import channel
-from gearbow.orders.harmonics import ALWAYS, MOST_HARMONICS, SEPARATION, significant
+from gearbow.orders.harmonics import ALWAYS, MOST_HARMONICS, significant
+from gearbow.orders.segments import Fit, Segment, cut, fit
+from gearbow.orders.separation import (
+    SEGMENT_SEPARATION,
+    SEPARATION,
+    Sampling,
+    Separated,
+    separated,
+    shortcomings,
+)
+from gearbow.recording import access
 from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,24 +50,32 @@ _LARGE_REST = 0.3
 #: Smallest RMS about the mean of a signal that is more than round-off, relative to its largest
 #: value.
 _ROUND_OFF = 1e-9
+#: Largest length of the segments by default, relative to the record of a run-up.
+_MOST_PART = 0.2
+#: Largest difference of an order from a multiple of the order of the period, in periods: both are
+#: rounded.
+_HARMONIC = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Orders(ReadOnly):
+class Orders(Result, ReadOnly):
     """Amplitude of a signal at each order of a train.
 
-    The signal is mean + Re Σ A_j exp(i ω_j t) plus a remainder, which contains everything that
-    these orders do not: higher harmonics, natural frequencies, transients. Look at `rest_share`
-    before you rank the orders.
+    The signal is mean + Re Σ A_j exp(i n_j ϑ(t)) plus a remainder, which contains everything that
+    these orders do not: higher harmonics, natural frequencies, transients. ϑ is the angle of the
+    reference shaft in the sense of its rotation. Look at `rest_share` before you rank the orders.
+
+    At a constant speed, A_j is constant. At a changing speed, `tracks` contains A_j in the middle
+    of each of m segments, and `amplitudes` those of the segment where the order is largest.
 
     Parameters
     ----------
     orders : tuple of Order
-        The orders.
+        The orders. Orders that the record does not separate are one order with all their names.
     frequencies_hz : ndarray, shape (n,)
-        Frequencies of the orders [Hz].
+        Frequencies of the orders where they are largest [Hz].
     amplitudes : ndarray, shape (n,)
-        Complex amplitudes A_j in the unit of the signal.
+        Complex amplitudes A_j in the unit of the signal where they are largest.
     mean : float
         Mean of the signal.
     rest : float
@@ -63,6 +84,16 @@ class Orders(ReadOnly):
         Name of the signal, e.g. "g1 v".
     unit : str
         Unit of the signal.
+    times : ndarray, shape (m,)
+        Times in the middle of the segments [s]; m is 1 for a complete record.
+    speeds : ndarray, shape (m,)
+        Magnitude of the speed of the reference shaft at these times [rad/s].
+    tracks : ndarray, shape (m, n)
+        Complex amplitudes A_j at these times in the unit of the signal.
+    speed : float, optional
+        Speed of the reference shaft [rad/s].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -84,6 +115,12 @@ class Orders(ReadOnly):
     rest: float
     label: str
     unit: str
+    times: Array
+    speeds: Array
+    tracks: ComplexArray
+    _separated: Separated = field(repr=False)
+    speed: float | None = None
+    speed_unit: SpeedUnit = "rad/s"
 
     @property
     def rest_share(self) -> float:
@@ -95,7 +132,8 @@ class Orders(ReadOnly):
             RMS of the remainder divided by the RMS of the signal about its mean: 0 if the orders
             contain the complete motion; 0 for a constant signal.
         """
-        total = math.hypot(self.rest, float(np.linalg.norm(self.amplitudes)) / math.sqrt(2.0))
+        power = float(np.linalg.norm(self.tracks)) / math.sqrt(2.0 * self.times.size)
+        total = math.hypot(self.rest, power)
         return self.rest / total if total > 0.0 else 0.0
 
     def amplitude(self, name: str) -> float:
@@ -109,108 +147,128 @@ class Orders(ReadOnly):
         Returns
         -------
         float
-            Amplitude in the unit of the signal.
+            Amplitude in the unit of the signal; at a changing speed, the largest one.
 
         Raises
         ------
         GearbowError
             If there is no such order.
         """
-        text(name, "name")
-        for order, value in zip(self.orders, self.amplitudes, strict=True):
-            if name in order.names:
-                return float(abs(value))
-        raise GearbowError(
-            f"no order is called {name!r}; there are {', '.join(o.names[0] for o in self.orders)}"
-        )
+        return float(abs(self.amplitudes[self._index(name)]))
 
-    def table(self, count: int | None = None) -> str:
-        """Format the orders as a text table, the largest amplitude first.
+    def track(self, name: str) -> Array:
+        """Find the amplitudes of an order over the segments by one of its names.
+
+        Parameters
+        ----------
+        name : str
+            A name, as for `amplitude`.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            Amplitudes at `times` and `speeds` in the unit of the signal.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such order.
+        """
+        found: Array = np.abs(self.tracks[:, self._index(name)])
+        return found
+
+    def _index(self, name: str) -> int:
+        """Find an order by one of its names."""
+        text(name, "name")
+        for j, order in enumerate(self.orders):
+            if name in order.names:
+                return j
+        names = ", ".join(order.names[0] for order in self.orders)
+        why = self._separated.absent(name) or f"no order is called {name!r}"
+        raise GearbowError(f"{why}; there are {names or 'no orders'}")
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
+        factor, unit = written_unit(self.unit)
+        mean = f"mean {factor * self.mean:.6g} {unit}"
+        return [f"orders of {self.label}{at}: {mean}, {self._remainder()}"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each order, the largest amplitude first."""
+        order = np.argsort(-np.abs(self.amplitudes), kind="stable")
+        amplitudes, written = self.amplitudes[order], in_micrometres(self.unit)
+        return [
+            Column("order", np.array([self.orders[j].value for j in order]), "", ".6g"),
+            Column("frequency", self.frequencies_hz[order], "Hz"),
+            Column("amplitude", np.abs(amplitudes), self.unit, ".4g", written),
+            Column("phase", np.angle(amplitudes), "rad", ".1f", in_degrees()),
+            Column("excited by", [str(self.orders[j]) for j in order]),
+        ]
+
+    def plot(
+        self, count: int | None = None, *, ax: Any = None, speed_unit: SpeedUnit | None = None
+    ) -> "Figure":
+        """Draw the largest orders: bars with their names, or lines over the speed of a run-up.
 
         Parameters
         ----------
         count : int, optional
-            Number of rows; None is all.
-
-        Returns
-        -------
-        str
-            Mean and remainder; then order, frequency, amplitude and names.
-        """
-        rows = [f"{self.label}: mean {self.mean:.6g} {self.unit}, {self._remainder()}"]
-        rows.append(f"{'order':>9}  {'[Hz]':>9}  {f'[{self.unit}]':>10}  excited by")
-        most = None if count is None else whole(count, "count")
-        largest = np.argsort(-np.abs(self.amplitudes), kind="stable")[:most]
-        rows += [
-            f"{self.orders[j].value:>9.6g}  {self.frequencies_hz[j]:>9.4g}"
-            f"  {abs(self.amplitudes[j]):>10.4g}  {self.orders[j]}"
-            for j in largest
-        ]
-        return "\n".join(rows)
-
-    def plot(self, count: int = 12, *, ax: Any = None) -> "Figure":
-        """Draw the largest orders as bars with their names.
-
-        Parameters
-        ----------
-        count : int
-            Number of orders.
+            Number of orders; None is 12 bars or 6 lines.
         ax : Axes, optional
-            Panel for the bars; None makes a new figure.
+            Panel for the figure; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is `speed_unit` of the result.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Amplitude of each order, on a logarithmic scale if the amplitudes differ by more than a
-            factor of 30. The colour shows whether a shaft, a mesh, a sideband or a bearing excites
-            the order. The title gives the mean, the number of orders and the remainder.
+            Amplitude of each order. Bars are on a logarithmic scale if the amplitudes differ by
+            more than a factor of 30. Their colour shows whether a shaft, a mesh, a sideband or a
+            bearing excites the order. The title gives the mean, the number of orders and the
+            remainder. Where the speed is constant over several segments, lines are over time.
         """
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
 
+        axis = self._speed_unit(speed_unit)
         amplitudes = np.abs(self.amplitudes)
-        largest = np.argsort(-amplitudes, kind="stable")[: whole(count, "count")]
-        chosen = np.sort(largest)
-        names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
-        label = f"amplitude of {self.label} [{self.unit}]"
+        largest = np.argsort(-amplitudes, kind="stable")
+        most = (12 if self.times.size == 1 else 6) if count is None else whole(count, "count")
+        chosen = np.sort(largest[:most])
+        factor, unit = written_unit(self.unit)
+        label = f"amplitude of {self.label} [{unit}]"
         drawn = f"{chosen.size} largest of " if chosen.size < amplitudes.size else ""
         title = (
-            f"mean {self.mean:.4g} {self.unit}; {drawn}{amplitudes.size} orders; "
+            f"mean {factor * self.mean:.4g} {unit}; {drawn}{amplitudes.size} orders; "
             f"{self._remainder()}"
         )
-        return figures.orders(names, amplitudes[chosen], label, title=title, ax=ax)
+        if self.times.size > 1:
+            names = [self.orders[j].names[0] for j in chosen]
+            tracks = factor * np.abs(self.tracks[:, chosen])
+            over_time = bool(np.ptp(self.speeds) <= _ROUND_OFF * self.speeds.max())
+            return figures.tracks(
+                self.times if over_time else self.speeds,
+                dict(zip(names, tracks.T, strict=True)),
+                label,
+                title=title,
+                speed_unit=None if over_time else axis,
+                ax=ax,
+            )
+        names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
+        return figures.orders(names, factor * amplitudes[chosen], label, title=title, ax=ax)
 
     def _remainder(self) -> str:
         """Describe what the orders do not contain."""
         share = f"{100.0 * self.rest_share:.3g} %"
-        return f"rest {self.rest:.2g} {self.unit} RMS ({share} of the motion)"
-
-    def _rows(self) -> Table:
-        largest = np.argsort(-np.abs(self.amplitudes), kind="stable")
-        head = ("order", "frequency [Hz]", f"amplitude [{self.unit}]", "excitation")
-        return (
-            head,
-            *(
-                (
-                    f"{self.orders[i].value:g}",
-                    f"{self.frequencies_hz[i]:.3f}",
-                    f"{abs(self.amplitudes[i]):.4g}",
-                    str(self.orders[i]),
-                )
-                for i in largest
-            ),
-            ("rest", "RMS", f"{self.rest:.4g}", f"{100.0 * self.rest_share:.3g} % of the motion"),
-        )
+        factor, unit = written_unit(self.unit)
+        return f"rest {factor * self.rest:.2g} {unit} RMS ({share} of the motion)"
 
     def __repr__(self) -> str:
-        largest = int(np.argmax(np.abs(self.amplitudes)))
-        return (
-            f"Orders({self.label} [{self.unit}]; {len(self.orders)} orders, largest "
-            f"{abs(self.amplitudes[largest]):.4g} at {self.orders[largest]})"
-        )
-
-    def __str__(self) -> str:
-        return self.table()
+        largest = ""
+        if self.orders:
+            j = int(np.argmax(np.abs(self.amplitudes)))
+            largest = f", largest {abs(self.amplitudes[j]):.4g} at {self.orders[j]}"
+        return f"Orders({self.label} [{self.unit}]; {len(self.orders)} orders{largest})"
 
 
 def orders(
@@ -223,62 +281,140 @@ def orders(
     sidebands: int = 1,
     bearing_harmonics: int = 3,
     skip_time: float = 0.0,
+    revolutions: float | None = None,
 ) -> Orders:
     """Fit the orders of a train to a recorded signal."""
     if run.kinematics is None:
         raise GearbowError("the orders are unknown, because the response has no kinematics")
-    if isinstance(run.speed, SpeedProfile):
-        raise GearbowError("orders need a constant speed; the speed of this run changes")
     signal = channel(run, at, quantity)
+    meshes = ALWAYS if mesh_harmonics is None else mesh_harmonics
+    ranked = run.kinematics.ranked(shaft_harmonics, meshes, sidebands, bearing_harmonics)
     begin = run.time[0] if run.time.size else 0.0
     kept = run.time >= begin + number(skip_time, "skip_time")
-    time, values = run.time[kept], signal.values[kept]
-    hertz = abs(run.speed) / (2.0 * np.pi)
-    meshes = ALWAYS if mesh_harmonics is None else mesh_harmonics
-    found = run.kinematics.orders(shaft_harmonics, meshes, sidebands, bearing_harmonics)
-    _check(time, hertz * np.array([order.value for order in found]), found)
-    fitted = _fit(time, values, found, hertz)
-    if mesh_harmonics is None:
-        more = _more(run.kinematics, sidebands, found)
-        fitted = _extended(time, values, fitted, more, hertz)
+    time, values, turns = run.time[kept], signal.values[kept], _turns(run)[kept]
+    if not ranked or not turns.size or not np.ptp(turns) > 0.0:
+        raise GearbowError("orders need a rotating train and at least one harmonic")
+    order_of_period = _order_of_period(run)
+    silent = [order for order in ranked if not _is_multiple(order.value, order_of_period)]
+    excited = [order for order in ranked if _is_multiple(order.value, order_of_period)]
+    length = _length(run, turns, excited, revolutions)
+    segments = cut(turns, values, length)
+    sampling = _sampling(segments, time, turns)
+    chosen = separated(excited, sampling)
+    fitted = fit(segments, chosen.orders)
+    if mesh_harmonics is None and _moves(fitted, values):
+        more = [
+            order
+            for order in _more(run.kinematics, sidebands, ranked)
+            if _is_multiple(order.value, order_of_period)
+        ]
+        added = significant(segments, fitted, more, sampling)
+        if added:
+            every = sorted((*fitted.orders, *added), key=lambda order: order.value)
+            fitted = fit(segments, tuple(every))
+    fitted = _with_silent(fitted, silent)
+    times = np.interp([segment.centre for segment in segments], turns, time)
+    speeds = np.abs(access.speeds(run, times))
+    largest = np.argmax(np.abs(fitted.amplitudes), axis=0)
     result = Orders(
-        fitted.orders,
-        fitted.frequencies,
-        fitted.amplitudes,
-        fitted.mean,
-        float(np.sqrt(np.mean(fitted.remainder**2))),
-        signal.label,
-        signal.unit,
+        orders=fitted.orders,
+        frequencies_hz=speeds[largest] / (2.0 * np.pi) * fitted.values,
+        amplitudes=np.take_along_axis(fitted.amplitudes, largest[np.newaxis], axis=0)[0],
+        mean=float(fitted.means.mean()),
+        rest=_rest(segments, fitted),
+        label=signal.label,
+        unit=signal.unit,
+        times=times,
+        speeds=speeds,
+        tracks=fitted.amplitudes,
+        _separated=chosen,
+        speed=None if isinstance(run.speed, SpeedProfile) else abs(run.speed),
+        speed_unit=run.speed_unit,
     )
-    _warn(result, values)
+    _warn(result, values, shortcomings(chosen, excited, sampling))
     return result
 
 
-@dataclass(frozen=True, eq=False)
-class _Fit:
-    """A fit: orders, frequencies [Hz], amplitudes, mean and remainder over time."""
-
-    orders: tuple[Order, ...]
-    frequencies: Array
-    amplitudes: ComplexArray
-    mean: float
-    remainder: Array
+def _turns(run: RunRecord) -> Array:
+    """Give the revolutions of the reference shaft, which ascend."""
+    turns = access.reference_angle(run) / (2.0 * np.pi)
+    return -turns if access.speeds(run).sum() < 0.0 else turns
 
 
-def _fit(time: Array, values: Array, found: tuple[Order, ...], hertz: float) -> _Fit:
-    """Fit sines and cosines of all orders by least squares."""
-    frequencies = hertz * np.array([order.value for order in found])
-    angles = 2.0 * np.pi * np.outer(time - time[0], frequencies)
-    columns = np.hstack([np.ones((time.size, 1)), np.cos(angles), np.sin(angles)])
-    fitted, *_ = np.linalg.lstsq(columns, values, rcond=None)
-    count = frequencies.size
-    # Phases refer to the time 0, like the angles of the shafts.
-    turned = np.exp(-2j * np.pi * frequencies * time[0])
-    amplitudes = (fitted[1 : count + 1] - 1j * fitted[count + 1 :]) * turned
-    return _Fit(found, frequencies, amplitudes, float(fitted[0]), values - columns @ fitted)
+def _order_of_period(run: RunRecord) -> float | None:
+    """Give the order whose multiples a periodic motion contains; None for any other motion."""
+    if run.period is None or isinstance(run.speed, SpeedProfile) or not run.speed:
+        return None
+    return 2.0 * math.pi / (run.period * abs(run.speed))
 
 
-def _more(kinematics: Kinematics, sidebands: int, found: tuple[Order, ...]) -> list[Order]:
+def _is_multiple(value: float, order_of_period: float | None) -> bool:
+    """Return whether a motion with this period can contain an order."""
+    if order_of_period is None:
+        return True
+    periods = value / order_of_period
+    return abs(periods - round(periods)) < _HARMONIC * max(1.0, periods)
+
+
+def _length(
+    run: RunRecord, turns: Array, found: Sequence[Order], revolutions: float | None
+) -> float | None:
+    """Give the length of the segments; None is the complete record."""
+    span = float(np.ptp(turns))
+    if revolutions is not None:
+        length = number(revolutions, "revolutions")
+        if not 0.0 < length <= span:
+            raise GearbowError(
+                f"revolutions: must be positive and at most the {span:.6g} revolutions of the "
+                f"record, got {length:g}"
+            )
+        return length
+    if not isinstance(run.speed, SpeedProfile):
+        return None
+    gaps = np.diff([0.0, *sorted(order.value for order in found)])
+    return min(SEGMENT_SEPARATION / float(gaps.min()), _MOST_PART * span)
+
+
+def _sampling(segments: Sequence[Segment], time: Array, turns: Array) -> Sampling:
+    """Describe what the samples of a record determine."""
+    first = segments[0]
+    steps = np.diff(turns)
+    return Sampling(
+        length=float(np.ptp(turns)) if first.half is None else 2.0 * first.half,
+        periods=SEPARATION if first.half is None else SEGMENT_SEPARATION,
+        samples=min(segment.turns.size for segment in segments),
+        coefficients=first.degree + 1,
+        step=float(steps.max(initial=0.0)),
+        output_step=float(np.diff(time).max(initial=0.0)),
+        speed=float(np.ptp(turns) / np.ptp(time)),
+        is_segment=first.half is not None,
+    )
+
+
+def _with_silent(fitted: Fit, silent: Sequence[Order]) -> Fit:
+    """Add orders with the amplitude zero, which the period of the motion excludes."""
+    if not silent:
+        return fitted
+    every = (*fitted.orders, *silent)
+    none = np.zeros((len(fitted.amplitudes), len(silent)))
+    ascending = np.argsort([order.value for order in every], kind="stable")
+    return replace(
+        fitted,
+        orders=tuple(every[j] for j in ascending),
+        amplitudes=np.hstack([fitted.amplitudes, none])[:, ascending],
+    )
+
+
+def _rest(segments: Sequence[Segment], fitted: Fit) -> float:
+    """Give the RMS of the remainder."""
+    powers = [
+        float(segment.weights @ remainder**2)
+        for segment, remainder in zip(segments, fitted.remainders, strict=True)
+    ]
+    return math.sqrt(float(np.mean(powers)))
+
+
+def _more(kinematics: Kinematics, sidebands: int, found: Sequence[Order]) -> list[Order]:
     """List the higher harmonics of the tooth frequencies that are not among the orders."""
     known = np.array([order.value for order in found])
     return [
@@ -288,56 +424,21 @@ def _more(kinematics: Kinematics, sidebands: int, found: tuple[Order, ...]) -> l
     ]
 
 
-def _extended(
-    time: Array, values: Array, fitted: _Fit, candidates: list[Order], hertz: float
-) -> _Fit:
-    """Add the significant candidates to a fit."""
-    lines = np.column_stack([fitted.frequencies, np.abs(fitted.amplitudes)])
-    if not fitted.remainder.std() > _ROUND_OFF * float(np.abs(values).max()):
-        return fitted
-    chosen = significant(time, fitted.remainder, candidates, hertz, lines)
-    if not chosen:
-        return fitted
-    found = sorted((*fitted.orders, *(candidates[j] for j in chosen)), key=lambda each: each.value)
-    return _fit(time, values, tuple(found), hertz)
+def _moves(fitted: Fit, values: Array) -> bool:
+    """Return whether a fit leaves more than round-off."""
+    left = max(float(np.std(remainder)) for remainder in fitted.remainders)
+    return left > _ROUND_OFF * float(np.abs(values).max())
 
 
-def _warn(found: Orders, values: Array) -> None:
-    """Warn if the orders do not contain a large part of the motion."""
+def _warn(found: Orders, values: Array, shortcoming: str | None) -> None:
+    """Warn if the record is too short or too coarse, or the orders leave out much of the motion."""
+    reasons = [] if shortcoming is None else [shortcoming]
     moves = float(values.std()) > _ROUND_OFF * float(np.abs(values).max())
     if moves and found.rest_share > _LARGE_REST:
-        warnings.warn(
-            f"orders: {100.0 * found.rest_share:.0f} % of the RMS of {found.label} is not at these "
+        reasons.append(
+            f"{100.0 * found.rest_share:.0f} % of the RMS of {found.label} is not at these "
             "orders: look at its spectrum; omit a transient with skip_time, or give more "
-            "shaft_harmonics, mesh_harmonics or sidebands",
-            AccuracyWarning,
-            stacklevel=outside(),
+            "shaft_harmonics, mesh_harmonics or sidebands"
         )
-
-
-def _check(time: Array, frequencies: Array, found: tuple[Order, ...]) -> None:
-    """Refuse a record that is too short to separate the orders, or has too long an output step."""
-    if frequencies.size == 0 or not frequencies[0] > 0.0:
-        raise GearbowError("orders need a rotating train and at least one harmonic")
-    if time.size <= 2 * frequencies.size + 1:
-        raise GearbowError(
-            f"{frequencies.size} orders need more than {2 * frequencies.size + 1} times, "
-            f"got {time.size}"
-        )
-    span = float(time[-1] - time[0])
-    gaps = np.diff(frequencies, prepend=0.0)
-    closest = int(gaps.argmin())
-    gap = float(gaps[closest])
-    if span * gap < SEPARATION:
-        below = repr(found[closest - 1].names[0]) if closest > 0 else "the mean"
-        raise GearbowError(
-            f"{below} and {found[closest].names[0]!r} with a distance of {gap:.3g} Hz need a "
-            f"record of {SEPARATION / gap:.3g} s, got {span:.3g} s: simulate for longer, or ask "
-            "for fewer orders (shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics)"
-        )
-    step = float(np.diff(time).max())
-    if not math.isfinite(step) or step * frequencies[-1] >= 0.5:
-        raise GearbowError(
-            f"an order of {frequencies[-1]:.4g} Hz needs an output_step below "
-            f"{0.5 / frequencies[-1]:.2g} s, got {step:.2g} s: reduce it, or ask for fewer orders"
-        )
+    if reasons:
+        warnings.warn(f"orders: {'. '.join(reasons)}", AccuracyWarning, stacklevel=outside())

@@ -8,12 +8,14 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, in_micrometres, written_unit
 from gearbow._types import Array, Record
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
 from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,12 +32,14 @@ WINDOWS = {
 }
 
 
+#: Smallest peak of a table of a spectrum, relative to the largest amplitude.
+_SMALLEST_PEAK = 1e-3
 #: Number of harmonics of the tooth frequencies with a name in a spectrum.
 _NAMED_HARMONICS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum(ReadOnly):
+class Spectrum(Result, ReadOnly):
     """Amplitudes against frequency. A sine of amplitude 1 on a spectral line gives 1.
 
     Parameters
@@ -50,6 +54,10 @@ class Spectrum(ReadOnly):
         Unit of the signal.
     orders : tuple of (str, float)
         Names and frequencies [Hz] of the orders of the train at a constant speed.
+    speed : float, optional
+        Speed of the reference shaft [rad/s], if it is constant.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -69,6 +77,8 @@ class Spectrum(ReadOnly):
     label: str
     unit: str
     orders: tuple[tuple[str, float], ...] = field(default=(), repr=False)
+    speed: float | None = None
+    speed_unit: SpeedUnit = "rad/s"
 
     def plot(self, *, ax: Any = None) -> "Figure":
         """Draw the spectrum on a logarithmic scale, up to the highest frequency with a signal.
@@ -92,10 +102,46 @@ class Spectrum(ReadOnly):
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
 
-        label = f"{self.label} [{self.unit}]"
+        factor, unit = written_unit(self.unit)
         return figures.spectrum(
-            self.frequencies_hz, self.amplitudes, label, orders=self.orders, ax=ax
+            self.frequencies_hz,
+            factor * self.amplitudes,
+            f"{self.label} [{unit}]",
+            orders=self.orders,
+            ax=ax,
         )
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
+        size = self.frequencies_hz.size
+        end = f" up to {self.frequencies_hz[-1]:.4g} Hz" if size else ""
+        peaks = f"peaks above {100.0 * _SMALLEST_PEAK:g} % of the largest"
+        return [f"spectrum of {self.label}{at}: {size} frequencies{end}; {peaks}"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each peak, the largest first, with the order that is nearest to it."""
+        size, padded = self.amplitudes, np.pad(self.amplitudes, 1)
+        is_peak = (size >= padded[:-2]) & (size > padded[2:])
+        peaks = np.flatnonzero(is_peak & (size > _SMALLEST_PEAK * size.max(initial=0.0)))
+        peaks = peaks[np.argsort(-size[peaks], kind="stable")]
+        return [
+            Column("frequency", self.frequencies_hz[peaks], "Hz"),
+            Column("amplitude", size[peaks], self.unit, ".4g", in_micrometres(self.unit)),
+            Column("order", [self._order(self.frequencies_hz[peak]) for peak in peaks]),
+        ]
+
+    def _series(self) -> list[Column]:
+        return [
+            Column("frequency", self.frequencies_hz, "Hz"),
+            Column("amplitude", self.amplitudes, self.unit),
+        ]
+
+    def _order(self, frequency: float) -> str:
+        """Name the order within a line of the spectrum; "" without one."""
+        line = float(self.frequencies_hz[0])
+        near = [(abs(hertz - frequency), name) for name, hertz in self.orders]
+        distance, name = min(near, default=(np.inf, ""))
+        return name if distance <= line else ""
 
     def __repr__(self) -> str:
         return f"Spectrum({self.label} [{self.unit}]; {self.frequencies_hz.size} frequencies)"
@@ -130,7 +176,8 @@ def spectrum(
     signal = channel(run, at, quantity)
     frequencies, amplitude = amplitudes(run.time, signal.values, window)
     named = order_frequencies(run)
-    return Spectrum(frequencies, amplitude, signal.label, signal.unit, named)
+    speed = None if isinstance(run.speed, SpeedProfile) else abs(run.speed)
+    return Spectrum(frequencies, amplitude, signal.label, signal.unit, named, speed, run.speed_unit)
 
 
 def order_frequencies(run: RunRecord) -> tuple[tuple[str, float], ...]:

@@ -1,4 +1,9 @@
-"""Waterfall diagram: spectra of one signal at several speeds."""
+"""Waterfall diagram: spectra of one signal at several speeds, or over the speed of a run-up.
+
+The signal of a run-up is sampled at equal angles of the reference shaft, so that each order is a
+sine with a slowly varying amplitude (Fyfe and Munck, *Analysis of computed order tracking*, Mech.
+Syst. Signal Process. 11, 1997). A spectrum of a segment has lines at multiples of the speed.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -10,31 +15,41 @@ from gearbow._convert import number, shown
 from gearbow._extras import extra
 from gearbow._keywords import checked
 from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, in_micrometres, written_unit
+from gearbow._shown import span
 from gearbow._types import Array, Record
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
-from gearbow.orders.spectrum import spectrum
+from gearbow.orders.channel import channel
+from gearbow.orders.spectrum import amplitudes, spectrum
+from gearbow.recording import access
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
+from gearbow.recording.resample import PASS, LowPass
 from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.speed import SpeedUnit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Waterfall", "waterfall"]
 
+#: Length of the segments of a run-up by default, relative to the run, and distance of neighbouring
+#: segments, relative to their length.
+_PART, _DISTANCE = 1 / 16, 0.25
+
 
 @dataclass(frozen=True, eq=False)
-class Waterfall(ReadOnly):
+class Waterfall(Result, ReadOnly):
     """Spectra of one signal at several speeds.
 
     Parameters
     ----------
-    speeds : ndarray, shape (runs,)
-        Speeds of the reference shaft, ascending [rad/s].
-    frequencies_hz : ndarray, shape (n,)
-        Frequencies above zero [Hz].
-    amplitudes : ndarray, shape (runs, n)
+    speeds : ndarray, shape (rows,)
+        Speeds of the reference shaft, ascending [rad/s]: of the runs, or of segments of a run-up.
+    frequencies_hz : ndarray, shape (n,) or (rows, n)
+        Frequencies above zero [Hz]. In a run-up, each segment has its own: multiples of its speed.
+    amplitudes : ndarray, shape (rows, n)
         Amplitudes in the unit of the signal.
     label : str
         Name of the signal, e.g. "g1 v".
@@ -42,6 +57,8 @@ class Waterfall(ReadOnly):
         Unit of the signal.
     kinematics : Kinematics or None
         Speed ratios and tooth frequencies, which determine the order lines.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -62,9 +79,10 @@ class Waterfall(ReadOnly):
     label: str
     unit: str
     kinematics: Kinematics | None = field(repr=False)
+    speed_unit: SpeedUnit = "rad/s"
 
     def plot(
-        self, highest: float | None = None, *, ax: Any = None, speed_unit: str = "rad/s"
+        self, highest: float | None = None, *, ax: Any = None, speed_unit: SpeedUnit | None = None
     ) -> "Figure":
         """Draw amplitudes against speed and frequency, with the order lines of shafts and meshes.
 
@@ -74,8 +92,8 @@ class Waterfall(ReadOnly):
             Largest frequency of the figure [Hz]; None includes all visible amplitudes.
         ax : Axes, optional
             Panel for the diagram; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which the speeds were given.
 
         Returns
         -------
@@ -85,33 +103,66 @@ class Waterfall(ReadOnly):
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
 
+        factor, unit = written_unit(self.unit)
         lines = () if self.kinematics is None else self.kinematics.orders(1, 4, 0)
         return figures.waterfall(
             self.speeds,
             self.frequencies_hz,
-            self.amplitudes,
-            f"{self.label} [{self.unit}]",
+            factor * self.amplitudes,
+            f"{self.label} [{unit}]",
             lines=[(line.names[0], line.value) for line in lines],
             highest=None if highest is None else number(highest, "highest"),
-            speed_unit=speed_unit,
+            speed_unit=self._speed_unit(speed_unit),
             ax=ax,
         )
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        speeds = span(speed_factor(speed_unit) * self.speeds)
+        return [f"spectra of {self.label}, {self.speeds.size} speeds, {speeds} {speed_unit}"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each speed, with its largest amplitude."""
+        largest = self.amplitudes.argmax(axis=1)
+        frequencies = self.frequencies_hz[largest]
+        amplitudes, written = self.amplitudes.max(axis=1), in_micrometres(self.unit)
+        orders = np.divide(
+            2.0 * np.pi * frequencies,
+            self.speeds,
+            out=np.full(self.speeds.shape, np.nan),
+            where=self.speeds > 0.0,
+        )
+        return [
+            Column("speed", self.speeds, "rad/s", ".2f"),
+            Column("largest amplitude", amplitudes, self.unit, ".4g", written),
+            Column("frequency", frequencies, "Hz"),
+            Column("order", orders),
+        ]
+
+    def _series(self) -> list[Column]:
+        count = self.frequencies_hz.size
+        return [
+            Column("speed", np.repeat(self.speeds, count), "rad/s"),
+            Column("frequency", np.tile(self.frequencies_hz, self.speeds.size), "Hz"),
+            Column("amplitude", self.amplitudes.ravel(), self.unit),
+        ]
 
 
 @checked
 def waterfall(
-    responses: Sequence[Recorded],
+    responses: Recorded | Sequence[Recorded],
     at: Record | SignalSensor,
     quantity: str | None = None,
     *,
     window: str = "hann",
+    revolutions: float | None = None,
 ) -> Waterfall:
-    """Collect the spectra of runs at several speeds.
+    """Collect the spectra of runs at several speeds, or of segments of one run-up.
 
     Parameters
     ----------
-    responses : sequence of Response
-        Runs at constant speeds, in any order, with equal output steps and numbers of times.
+    responses : Response or sequence of Response
+        One run at a changing speed; or runs at constant speeds, in any order, with equal output
+        steps and numbers of times.
     at : str, tuple or SignalSensor
         A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
         or "energy".
@@ -119,19 +170,25 @@ def waterfall(
         Quantity, as for `Response.spectrum`.
     window : {"hann", "flat top", "none"}
         Window function.
+    revolutions : float, optional
+        Length of the segments of a run-up in revolutions of the reference shaft. Orders with a
+        distance of 2/`revolutions` have separate lines. None is a sixteenth of the run. Two
+        neighbouring segments have three quarters in common.
 
     Returns
     -------
     Waterfall
-        The spectra, by ascending speed.
+        The spectra, by ascending speed. Those of a run-up end at 0.4 times the samples in a
+        revolution at the highest speed.
 
     Raises
     ------
     SceneError
         If there is no run.
     GearbowError
-        If the speed of a run changes, or the output steps or numbers of times
-        differ.
+        If the speed of one of several runs changes, or their output steps or numbers of times
+        differ. If the times of a run-up are not equally spaced, or `revolutions` is longer than the
+        run or given for several runs.
     ChannelError
         If the signal was not recorded.
 
@@ -151,11 +208,23 @@ def waterfall(
     >>> result.amplitudes.shape
     (2, 500)
     """
-    runs = _runs(responses)
+    if isinstance(responses, Sequence) or not hasattr(responses, "to_record"):
+        if revolutions is not None:
+            raise GearbowError("revolutions: only one run-up has segments, not several runs")
+        return _of_runs(_runs(responses), at, quantity, window)
+    return _of_segments(recorded_run(responses, "responses"), at, quantity, window, revolutions)
+
+
+def _of_runs(
+    runs: list[RunRecord], at: Record | SignalSensor, quantity: str | None, window: str
+) -> Waterfall:
+    """Collect the spectra of runs at constant speeds."""
     speeds = []
     for run in runs:
         if isinstance(run.speed, SpeedProfile):
-            raise GearbowError("a waterfall needs constant speeds; the speed of one run changes")
+            raise GearbowError(
+                "a waterfall of several runs needs constant speeds; the speed of one run changes"
+            )
         speeds.append(abs(run.speed))
     spectra = [spectrum(run, at, quantity, window=window) for run in runs]
     first = spectra[0]
@@ -175,6 +244,49 @@ def waterfall(
         first.label,
         first.unit,
         runs[0].kinematics,
+        runs[0].speed_unit,
+    )
+
+
+def _of_segments(
+    run: RunRecord,
+    at: Record | SignalSensor,
+    quantity: str | None,
+    window: str,
+    revolutions: float | None,
+) -> Waterfall:
+    """Find the spectra of segments of a run with equal angles of the reference shaft."""
+    signal = channel(run, at, quantity)
+    span = float(np.ptp(access.reference_angle(run))) / (2.0 * np.pi) if run.time.size else 0.0
+    length = _PART * span if revolutions is None else number(revolutions, "revolutions")
+    if not 0.0 < length <= span:
+        raise GearbowError(
+            f"revolutions: must be positive and at most the {span:.6g} revolutions of the run, "
+            f"got {length:g}; the train must rotate"
+        )
+    reference = None if run.kinematics is None else run.kinematics.reference
+    if reference is None:
+        raise GearbowError("the angles of the shafts are unknown: the response has no kinematics")
+    low_pass = LowPass.of(run, None, reference)
+    (values,) = low_pass.apply([signal.values])
+    rate = low_pass.rate
+    turns = np.arange(values.size) / rate
+    size = min(values.size, max(3, round(length * rate)))
+    count = max(1, round((values.size - size) / (_DISTANCE * size)) + 1)
+    begins = np.rint(np.linspace(0.0, values.size - size, count)).astype(np.intp)
+    spectra = [amplitudes(turns[:size], values[i : i + size], window) for i in begins]
+    lines = spectra[0][0]
+    kept = lines <= PASS * rate
+    middles = low_pass.times[begins + size // 2]
+    speeds = np.abs(access.speeds(run, middles))
+    order = np.argsort(speeds, kind="stable")
+    return Waterfall(
+        speeds[order],
+        np.outer(speeds[order] / (2.0 * np.pi), lines[kept]),
+        np.array([found[kept] for _, found in spectra])[order],
+        signal.label,
+        signal.unit,
+        run.kinematics,
     )
 
 

@@ -23,9 +23,10 @@ def branch(
     kinds: Sequence[str],
     *,
     labels: tuple[str, str],
+    is_open: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw a branch: stable parts solid, unstable ones dashed, special points with markers."""
+    """Draw a branch: stable parts solid, unstable ones dashed; markers for points and open ends."""
     with panels(1, 4.5, columns=1, width=7.0, ax=ax) as (drawing, (axes,)):
         named = set()
         for is_stable, group in groupby(
@@ -48,6 +49,17 @@ def branch(
                 axes.plot(
                     values[chosen], amplitudes[chosen], mark, color="0.2", markersize=5, label=kind
                 )
+        if is_open:
+            axes.plot(
+                values[-1:],
+                amplitudes[-1:],
+                marker="o",
+                linestyle="none",
+                color=PALETTE[0] if stable[-1] else PALETTE[1],
+                markerfacecolor="white",
+                markersize=9,
+                label="open end",
+            )
         axes.set(xlabel=labels[0], ylabel=labels[1])
         axes.legend()
     return drawing

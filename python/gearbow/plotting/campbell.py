@@ -17,11 +17,13 @@ from gearbow._types import Array
 from gearbow.plotting.curve import smooth
 from gearbow.plotting.style import (
     MARKS,
+    OPERATING,
     GivenAxes,
     label_x,
     panels,
     place_legend,
     remark,
+    shade_operating,
     speed_axis,
     text_extent,
     text_size,
@@ -37,8 +39,7 @@ _SIGNED_DECADES = 3
 #: Damping ratio [%] above which modes do not determine the scale. Their amplification factor is
 #: below 1/(2·0.2) = 2.5: API 684 (2005) counts them as critically damped.
 _CRITICALLY_DAMPED = 20.0
-#: Colour of the operating speeds, and of the speeds at which the motion is unstable.
-_OPERATING = "0.88"
+#: Colour of the speeds at which the motion is unstable.
 _UNSTABLE: dict[str, Any] = {"color": "#F09090", "alpha": 0.5, "linewidth": 0.0}
 #: Marks of intersections and stability thresholds.
 _CROSSED: dict[str, Any] = {
@@ -86,7 +87,7 @@ def campbell(
             for span in unstable:
                 panel.axvspan(*(factor * np.array(span)), **_UNSTABLE, zorder=0.6)
             if operating is not None:
-                _operating(panel, factor * np.array(operating))
+                shade_operating(panel, factor * np.array(operating))
         for mode in range(frequencies_hz.shape[1]):
             known = np.array([row[1:] for row in percent if row[0] == mode]).reshape(-1, 3)
             x = factor * known[:, 0]
@@ -114,7 +115,7 @@ def campbell(
         if len(unstable) > 0:
             entries["unstable"] = Patch(**_UNSTABLE)
         if operating is not None:
-            entries["operating speed"] = Patch(color=_OPERATING)
+            entries["operating speed"] = Patch(color=OPERATING)
         place_legend(figure, upper, (list(entries.values()), list(entries)), ax=ax)
     return figure
 
@@ -131,14 +132,6 @@ def _legend(whirl: NDArray[np.str_], crossed: bool, limited: bool) -> dict[str, 
     if limited:
         entries["stability threshold"] = Line2D([], [], **_THRESHOLD)
     return entries
-
-
-def _operating(panel: Axes, speeds: Array) -> None:
-    """Shade the operating speeds; a single one is a line."""
-    if speeds[0] == speeds[1]:
-        panel.axvline(speeds[0], color=_OPERATING, linewidth=6.0, zorder=0.5)
-    else:
-        panel.axvspan(*speeds, color=_OPERATING, linewidth=0.0, zorder=0.5)
 
 
 def _scale(panel: Axes, damping: Array, *, signed: bool) -> None:

@@ -13,7 +13,7 @@ from gearbow.description.layout import BodyOutline
 from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.development import Box
-from gearbow.plotting.labels import Labels, Place
+from gearbow.plotting.labels import Labels, Place, series
 
 __all__ = ["circles", "draw", "extent", "line_of_action"]
 
@@ -77,11 +77,17 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
     for name, radius in _turning(train).items():
         centre = train.layout.shaft(name).origin[1:]
         _sense(panel, centre, radius, train.ratios[name], shades[name])
+    # Shafts on one axis have one list of names: their circles lie within each other.
+    axes: dict[tuple[float, float], list[BodyOutline]] = {}
     for body in reversed(circles(train)):
-        centre = train.layout.shaft(body.shaft).origin[1:]
-        teeth = f", z = {gears[body.name].teeth}" if body.name in gears else ""
-        places = _around_circle(centre, body.radius)
-        labels.add(f"{body.name}{teeth}", places)
+        y, z = train.layout.shaft(body.shaft).origin[1:]
+        axes.setdefault((round(float(y), 9), round(float(z), 9)), []).append(body)
+    for axis, bodies in axes.items():
+        radii = {body.name: body.radius for body in bodies}
+        for text, names in series(list(radii)):
+            teeth = f", z = {gears[text].teeth}" if text in gears else ""
+            places = _around_circle(np.array(axis), max(radii[name] for name in names))
+            labels.add(f"{text}{teeth}", places)
     labels.place()
 
 

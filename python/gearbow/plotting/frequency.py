@@ -16,11 +16,18 @@ from gearbow.plotting.style import (
     label_x,
     legend,
     panels,
+    place_legend,
+    quantity,
     remark,
+    shade_operating,
     speed_axis,
+    text_size,
 )
 
 __all__ = ["bode", "critical_speed_map", "synchronous"]
+
+#: Smallest orbit of a figure, relative to the largest one of all panels.
+_VISIBLE = 1e-5
 
 
 def critical_speed_map(
@@ -48,7 +55,9 @@ def critical_speed_map(
         if actual:
             _span(panel, min(actual), max(actual), "stiffness of the system")
         panel.set(xlabel="stiffness of every bearing [N/m]")
-        panel.set(ylabel=f"critical speed [{speed_unit}]", title=f"ω = {order:g} Ω")
+        panel.set(ylabel=f"critical speed of the reference shaft [{speed_unit}]")
+        if order != 1.0:
+            panel.set(title=f"excitation of the order {order:g}")
         legend(figure, panel, ax=ax)
     return figure
 
@@ -57,13 +66,19 @@ def bode(
     speeds: Array,
     lines: Mapping[str, tuple[Array, Array]],
     *,
+    unit: str = "m",
+    peaks: Mapping[str, Sequence[tuple[float, float, str]]] | None = None,
+    operating: tuple[float, float] | None = None,
     speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw phase and amplitude against the speed."""
     factor, label = speed_axis(speed_unit)
+    size, shown = (MICRO, "µm") if unit == "m" else (1.0, unit)
     with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         upper, lower = axes
+        for panel in axes if operating is not None else ():
+            shade_operating(panel, factor * np.array(operating))
         still: list[str] = []
         for number, (name, (phase, amplitude)) in enumerate(lines.items()):
             style: dict[str, Any] = {
@@ -78,13 +93,23 @@ def bode(
             upper.plot(
                 factor * speeds[known], np.degrees(np.unwrap(phase[known])), label=name, **style
             )
-            lower.plot(factor * speeds, MICRO * amplitude, **style)
+            lower.plot(factor * speeds, size * amplitude, **style)
+            for x, y, text in (peaks or {}).get(name, ()):
+                lower.plot(factor * x, size * y, "v", color=style["color"], markersize=8.0)
+                # Two places often have a peak at one speed: their factors stand on its two sides.
+                side = 1 if number % 2 == 0 else -1
+                place: dict[str, Any] = {"xytext": (8 * side, 4), "textcoords": "offset points"}
+                place |= {"ha": "left" if side > 0 else "right", "color": style["color"]}
+                lower.annotate(text, (factor * x, size * y), fontsize=text_size(0.79), **place)
         if still:
             remark(upper, f"not excited: {', '.join(still)}")
         upper.set(ylabel="phase [°]")
-        lower.set(ylabel="amplitude [µm]")
+        lower.set(ylabel=f"amplitude [{shown}]")
         label_x(axes, label)
         lower.set_ylim(bottom=0.0)
+        if peaks and any(peaks.values()):
+            # The factors of the peaks stay within the panel.
+            lower.set_ylim(top=1.08 * lower.get_ylim()[1])
         legend(figure, upper, ax=ax)
     return figure
 
@@ -100,14 +125,26 @@ def synchronous(
     """Draw the major semi-axis of the orbits against the speed."""
     factor, label = speed_axis(speed_unit)
     with panels(len(orbits), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
+        least = _VISIBLE * max(float(orbit.max(initial=0.0)) for orbit in orbits.values())
         for panel, (name, orbit) in zip(axes, orbits.items(), strict=True):
             for source, shaft in enumerate(shafts):
-                if np.any(orbit[:, source] > 0.0):
+                if np.any(orbit[:, source] > least):
                     values = MICRO * orbit[:, source]
                     panel.semilogy(factor * speeds, values, label=shaft, color=colour(source))
             panel.set(ylabel=f"{name} [µm]")
+            if not panel.lines:
+                remark(panel, f"below {quantity(least, 'm', 2)}")
+                panel.set_yticks([])
+            elif panel.get_ylim()[0] < MICRO * least:
+                panel.set_ylim(bottom=MICRO * least)
         label_x(axes, label)
-        legend(figure, axes[0], title="excited by the shaft", ax=ax)
+        # A shaft may have a line in some of the panels only.
+        entries: dict[str, Any] = {}
+        for panel in axes:
+            handles, labels = panel.get_legend_handles_labels()
+            entries |= dict(zip(labels, handles, strict=True))
+        title = "excited by the shaft"
+        place_legend(figure, axes[0], (list(entries.values()), list(entries)), title=title, ax=ax)
     return figure
 
 

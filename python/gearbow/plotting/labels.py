@@ -4,6 +4,7 @@ Each label in turn takes its best place, given the places of the others, until n
 descent over one label at a time.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -14,7 +15,10 @@ from matplotlib.axes import Axes
 from gearbow._types import Array
 from gearbow.plotting.style import figure_of, text_extent, text_size
 
-__all__ = ["Box", "Labels", "around"]
+__all__ = ["Box", "Labels", "around", "series"]
+
+#: Smallest number of bodies on a shaft with numbered names that share one label.
+_SERIES = 4
 
 #: Left, bottom, right and top of a box.
 Box: TypeAlias = tuple[float, float, float, float]
@@ -141,6 +145,21 @@ class Labels:
             costs += _areas(label.boxes, np.array(self._boxes)) @ np.array(self._weights)
         costs += _DISTANCE * label.gaps
         return costs
+
+
+def series(names: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """Unite names that differ in a number only: "stage 1" to "stage 9" are "stage 1–9"."""
+    stems: dict[str, list[tuple[int, str]]] = {}
+    for name in names:
+        found = re.fullmatch(r"(.*?)(\d+)", name)
+        if found is not None:
+            stems.setdefault(found[1], []).append((int(found[2]), name))
+    many = {stem: sorted(own) for stem, own in stems.items() if len(own) >= _SERIES}
+    united = [
+        (f"{stem}{own[0][0]}–{own[-1][0]}", [name for _, name in own]) for stem, own in many.items()
+    ]
+    inside = {name for _, own in united for name in own}
+    return [*((name, [name]) for name in names if name not in inside), *united]
 
 
 def around(

@@ -15,7 +15,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from gearbow._types import Array, ComplexArray, NodalDof
-from gearbow.description.layout import BodyOutline, Layout, ShaftOutline
+from gearbow.description.layout import BaseOutline, BodyOutline, Layout, ShaftOutline
 from gearbow.errors import GearbowError
 from gearbow.plotting.style import STYLE, GivenAxes, colour, figure_of, given_axes
 
@@ -56,7 +56,10 @@ def draw(
     """Draw one mode of the train."""
     extent = _extent(layout)
     moving = shape * np.array([_lever(layout, dof) for dof in dofs])
-    twists = [abs(x) for x, dof in zip(shape, dofs, strict=True) if dof[2] == "twist"]
+    shafts = {shaft.name for shaft in layout.shafts}
+    twists = [
+        abs(x) for x, d in zip(shape, dofs, strict=True) if d[2] == "twist" and d[0] in shafts
+    ]
     factor = LARGEST_MOTION * float(np.linalg.norm(extent)) / float(np.abs(moving).max())
     factor = min(factor, LARGEST_TWIST / max([*twists, LARGEST_TWIST / factor]))
     scaled = _at_maximum(shape, moving) * factor
@@ -72,6 +75,9 @@ def draw(
                 _draw_disc(axes, shaft.origin, body, motion, colour(index))
                 orbit = _orbit(dofs, body, scaled)
                 axes.plot(*(shaft.origin + orbit).T, color=colour(index), linewidth=1.2)
+        for index, base in enumerate(layout.bases):
+            shade = colour(len(layout.shafts) + index)
+            _draw_base(axes, layout, base, _motion(dofs, base.name, np.real(scaled)), shade)
         for name, position in layout.bearings:
             shaft = layout.shaft(name)
             foot = shaft.origin + np.array([position, 0.0, -shaft.outer_radius(position)])
@@ -133,7 +139,7 @@ def _lever(layout: Layout, dof: NodalDof) -> float:
     name, position, direction = dof
     if direction in ("u", "v", "w"):
         return 1.0
-    if direction in ("B", "G"):
+    if direction in ("B", "G") or any(base.name == name for base in layout.bases):
         return 0.0
     rims = [
         body.radius
@@ -195,6 +201,28 @@ def _draw_disc(axes: Any, origin: Array, body: BodyOutline, motion: _Motion, sha
     spoke = origin + _ring(body.position, body.radius, moved, np.array([np.pi / 2.0]))
     centre = origin + np.array([body.position + moved[5], *moved[:2]])
     axes.plot(*np.vstack([centre, spoke]).T, color="black", linewidth=1.4)
+
+
+def _draw_base(axes: Any, layout: Layout, base: BaseOutline, motion: _Motion, shade: str) -> None:
+    """Draw lines from the centre of a support or housing to its bearings, at rest and moved."""
+    if not motion.x.size:
+        return
+    feet = []
+    for name, position in base.feet:
+        shaft = layout.shaft(name)
+        below = np.array([position, 0.0, -shaft.outer_radius(position)])
+        feet.append(shaft.origin + below - base.centre)
+    v, w, gamma, beta, twist, along = (float(values[0]) for values in motion[1:])
+    for number, foot in enumerate(feet):
+        x, y, z = foot
+        moved = np.array([along, v, w])
+        moved += [beta * z - gamma * y, gamma * x - twist * z, twist * y - beta * x]
+        centre = base.centre + np.array([along, v, w])
+        rest = np.array([base.centre, base.centre + foot])
+        axes.plot(*rest.T, color="0.6", linewidth=0.8)
+        path = np.array([centre, base.centre + foot + moved])
+        label = base.name if number == 0 else None
+        axes.plot(*path.T, "s-", color=shade, linewidth=3.0, markersize=6.0, label=label)
 
 
 def _orbit(dofs: Sequence[NodalDof], body: BodyOutline, scaled: Any) -> Array:

@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from itertools import product
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from gearbow._types import Array, ComplexArray, NodalDof
+from gearbow.description.layout import Layout
 from gearbow.plotting.style import GivenAxes, colour, legend, panels, text_size
 
 __all__ = ["overview"]
@@ -17,11 +19,13 @@ def overview(
     shapes: ComplexArray,
     dofs: Sequence[NodalDof],
     drawn: Sequence[str],
+    layout: Layout,
     *,
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw mode shapes along the shafts."""
-    shafts = list(dict.fromkeys(shaft for shaft, _, _ in dofs))
+    shafts = [shaft.name for shaft in layout.shafts]
+    places = {base.name: float(np.mean([x for _, x in base.feet])) for base in layout.bases}
     with panels(len(titles), 3.5, columns=2, width=13.0, ax=ax) as (figure, axes):
         for mode, (panel, title) in enumerate(zip(axes, titles, strict=True)):
             lines = {"v": "-", "w": "--"} if drawn[mode] == "lateral" else {drawn[mode]: "-"}
@@ -31,9 +35,17 @@ def overview(
                 x = [dofs[n][1] for n in at]
                 name = None if direction == "w" else shaft
                 panel.plot(x, shape[at], line, color=colour(i), label=name)
+            for (direction, line), (i, name) in product(lines.items(), enumerate(places)):
+                at = [n for n, (s, _, d) in enumerate(dofs) if (s, d) == (name, direction)]
+                face = colour(len(shafts) + i) if line == "-" else "white"
+                style: dict[str, Any] = {"color": colour(len(shafts) + i), "markerfacecolor": face}
+                if at:
+                    own = name if line == "-" else None
+                    panel.plot(places[name], shape[at[0]], "s", markersize=8.0, label=own, **style)
             panel.set_title(title, fontsize=text_size(1.0))
             panel.set(xlabel="position [m]")
-            label = "v (w dashed)" if drawn[mode] == "lateral" else drawn[mode]
+            label = "v (w dashed, open)" if places else "v (w dashed)"
+            label = label if drawn[mode] == "lateral" else drawn[mode]
             panel.set(ylabel=label, ylim=(-1.15, 1.15))
         legend(figure, axes[0], ax=ax)
     return figure

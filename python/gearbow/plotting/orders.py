@@ -1,18 +1,22 @@
 """Figures of spectra, orders and waterfalls."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from gearbow._types import Array
 from gearbow.plotting.style import (
     PALETTE,
     GivenAxes,
+    colour,
     figure_of,
     legend,
     panels,
@@ -22,11 +26,22 @@ from gearbow.plotting.style import (
     text_size,
 )
 
-__all__ = ["name_orders", "orders", "say_resolution", "spectrum", "spectrum_limits", "waterfall"]
+__all__ = [
+    "name_orders",
+    "orders",
+    "say_resolution",
+    "spectrum",
+    "spectrum_limits",
+    "tracks",
+    "waterfall",
+]
 
 #: Smallest amplitudes of a spectrum, of its highest frequency and of a waterfall, relative to the
 #: largest amplitude.
 _LINES, _SIGNAL, _COLOURS = 1e-6, 1e-4, 1e-3
+#: Smallest amplitude of a waterfall that the order lines do not cover, relative to the largest, and
+#: number of points of such a line.
+_STRONG, _POINTS = 1e-2, 600
 #: A peak is larger than this multiple of the median of the spectrum around it.
 _PEAK = 3.0
 #: Smallest ratio of the largest to the smallest bar of a logarithmic scale, and smallest bar of it
@@ -146,13 +161,22 @@ def _resolution(frequencies_hz: Array) -> float:
 def _distinct(
     frequencies_hz: Array, orders: Sequence[tuple[str, float]]
 ) -> list[tuple[str, float]]:
-    """Give the orders that the spectrum separates from all other orders."""
+    """Give the orders that the spectrum separates from all others, or all but their sidebands."""
     # Round-off of a distance of exactly the resolution must not hide an order.
     nearest = (1.0 - 1e-6) * _resolution(frequencies_hz)
     ascending = sorted(orders, key=lambda order: order[1])
-    gaps = np.diff([-np.inf, *(frequency for _, frequency in ascending), np.inf])
-    apart = np.minimum(gaps[:-1], gaps[1:]) >= nearest
-    return [order for order, alone in zip(ascending, apart, strict=True) if alone]
+    gaps = np.diff([frequency for _, frequency in ascending])
+    ends = [0, *(np.flatnonzero(gaps >= nearest) + 1).tolist(), len(ascending)]
+    found = []
+    for first, last in pairwise(ends):
+        group = ascending[first:last]
+        main = [order for order in group if family(order[0]) != "sideband"]
+        if len(group) == 1:
+            found += group
+        elif len(main) == 1:
+            name, frequency = main[0]
+            found.append((f"{name} ± sidebands", frequency))
+    return found
 
 
 def say_resolution(panel: Axes, frequencies_hz: Array, orders: Sequence[tuple[str, float]]) -> None:
@@ -160,14 +184,14 @@ def say_resolution(panel: Axes, frequencies_hz: Array, orders: Sequence[tuple[st
     visible = [order for order in orders if order[1] <= panel.get_xlim()[1]]
     if len(_distinct(frequencies_hz, visible)) < len(visible):
         distance = quantity(_resolution(frequencies_hz), "Hz", 3)
-        remark(panel, f"orders closer than {distance} have no name")
+        remark(panel, f"orders closer than {distance} have no name of their own")
 
 
 def _short(names: Sequence[str]) -> list[str]:
     """Leave out the gears in the names of orders if there is one mesh only."""
     # The name of a mesh ends before that of a sideband or before the frequency.
     meshes = {
-        re.split(r" [+−(]", name.split("× mesh ")[1])[0] for name in names if "× mesh " in name
+        re.split(r" [+−±(]", name.split("× mesh ")[1])[0] for name in names if "× mesh " in name
     }
     if len(meshes) != 1:
         return list(names)
@@ -241,7 +265,7 @@ def orders(
         # The value of a bar that is too short to be seen stands at the edge of the panel.
         lengths = np.maximum(amplitudes, begin)
         bars = panel.barh(np.arange(len(names)), lengths, color=shades, log=logarithmic)
-        panel.bar_label(bars, [f"{value:.3g}" for value in amplitudes], padding=4)
+        panel.bar_label(bars, [_three_digits(value) for value in amplitudes], padding=4)
         panel.set_yticks(np.arange(len(names)), names)
         panel.invert_yaxis()
         panel.grid(visible=False, axis="y")
@@ -252,6 +276,33 @@ def orders(
         elif top > 0.0:
             panel.set_xlim(0.0, 1.15 * top)
     return figure
+
+
+def tracks(
+    x: Array,
+    amplitudes: Mapping[str, Array],
+    label: str,
+    *,
+    title: str,
+    speed_unit: str | None,
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw the amplitude of each order against the speed, or against time without a unit of it."""
+    factor, name = (1.0, "time [s]") if speed_unit is None else speed_axis(speed_unit)
+    with panels(1, 5.2, columns=1, ax=ax) as (figure, (panel,)):
+        shown = _short(list(amplitudes))
+        for i, (order, values) in enumerate(zip(shown, amplitudes.values(), strict=True)):
+            panel.plot(factor * x, values, color=colour(i), label=order)
+        panel.set_ylim(bottom=0.0)
+        panel.set(xlabel=name, ylabel=label)
+        panel.set_title(title, loc="right", fontsize=text_size(0.86))
+        legend(figure, panel, ax=ax)
+    return figure
+
+
+def _three_digits(value: float) -> str:
+    """Write a value with three digits; 1260 has no exponent."""
+    return f"{value:.0f}" if 1e3 <= value < 1e6 else f"{value:.3g}"
 
 
 def waterfall(
@@ -269,11 +320,13 @@ def waterfall(
     factor, speed = speed_axis(speed_unit)
     top = float(amplitudes.max())
     if highest is None:
-        highest = _highest(frequencies_hz, amplitudes.max(axis=0), _COLOURS)
+        highest = _highest(np.broadcast_to(frequencies_hz, amplitudes.shape), amplitudes, _COLOURS)
     with panels(1, 6.0, columns=1, ax=ax) as (figure, (panel,)):
+        # The segments of a run-up have frequencies of their own.
+        rows = np.broadcast_to(factor * speeds[:, np.newaxis], amplitudes.shape)
         drawn = panel.pcolormesh(
-            frequencies_hz,
-            factor * speeds,
+            np.broadcast_to(frequencies_hz, amplitudes.shape),
+            rows,
             np.maximum(amplitudes, _COLOURS * top),
             norm=LogNorm(_COLOURS * top, top) if top > 0.0 else None,
             cmap="cividis",
@@ -284,20 +337,47 @@ def waterfall(
         panel.grid(visible=False)
         panel.set(xlabel="frequency [Hz]", ylabel=speed)
         panel.set_xlim(0.0, highest)
-        _order_lines(panel, np.array(panel.get_ylim()), lines, factor)
+        background = _Background(frequencies_hz, factor * speeds, amplitudes < _STRONG * top)
+        _order_lines(panel, background, lines, factor)
     return figure
 
 
+@dataclass(frozen=True, eq=False)
+class _Background:
+    """Cells of a waterfall without signal, shape (speeds, frequencies)."""
+
+    frequencies_hz: Array
+    speeds: Array
+    is_free: NDArray[np.bool_]
+
+    def free(self, frequencies: Array, speeds: Array) -> NDArray[np.bool_]:
+        """Tell which points lie on the background."""
+        column = _nearest(self.frequencies_hz, frequencies)
+        found: NDArray[np.bool_] = self.is_free[_nearest(self.speeds, speeds), column]
+        return found
+
+
+def _nearest(ascending: Array, values: Array) -> NDArray[np.intp]:
+    """Give the index of the nearest of ascending numbers."""
+    middles = (ascending[1:] + ascending[:-1]) / 2.0
+    return np.searchsorted(middles, values)
+
+
 def _order_lines(
-    panel: Axes, speeds: Array, lines: Sequence[tuple[str, float]], factor: float
+    panel: Axes, background: _Background, lines: Sequence[tuple[str, float]], factor: float
 ) -> None:
-    """Draw the orders between the limits of the speeds, with their names above and inside."""
+    """Draw the orders over the background, with their names above and inside."""
     highest = panel.get_xlim()[1]
+    speeds = np.array(panel.get_ylim())
+    along = np.linspace(speeds[0], speeds[1], _POINTS)
     free, taken = highest, -np.inf
     # Names from the highest order down; a name without space is omitted.
     for name, order in reversed(lines):
         at = order * speeds / (2.0 * np.pi * factor)
-        panel.plot(at, speeds, "--", color="white", linewidth=0.8)
+        path = order * along / (2.0 * np.pi * factor)
+        # A line does not cover the signal that it explains.
+        path = np.where(background.free(path, along), path, np.nan)
+        panel.plot(path, along, color="white", linewidth=0.7, alpha=0.7)
         if at[-1] <= free:
             free = at[-1] - 0.035 * highest
             where, shift, turned = (at[-1], speeds[-1]), (0, 6), 45.0
@@ -325,6 +405,6 @@ def _order_lines(
 
 def _highest(frequencies: Array, amplitudes: Array, fraction: float) -> float:
     """Give 1.1 times the largest frequency with an amplitude above a fraction of the maximum."""
-    visible = np.flatnonzero(amplitudes > fraction * amplitudes.max(initial=0.0))
-    end = float(frequencies[-1])
-    return min(1.1 * float(frequencies[visible[-1]]), end) if visible.size else end
+    visible = frequencies[amplitudes > fraction * amplitudes.max(initial=0.0)]
+    end = float(frequencies.max())
+    return min(1.1 * float(visible.max()), end) if visible.size else end

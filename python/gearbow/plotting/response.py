@@ -73,6 +73,7 @@ def history(
     *,
     skipped: int = 0,
     transient: bool = False,
+    against: str = "time [s]",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the displacement of each centre about its mean against time."""
@@ -84,7 +85,7 @@ def history(
             panel.set(ylabel=f"{label} [µm]")
             remark(panel, f"mean v {v}, w {w}")
             _settle(panel, MICRO * (values - mean), skipped)
-        _finish(figure, axes, time, skipped if transient else 0, ax)
+        _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
     return figure
 
 
@@ -94,6 +95,7 @@ def twist(
     *,
     skipped: int = 0,
     transient: bool = False,
+    against: str = "time [s]",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the twist of each place against time."""
@@ -102,7 +104,7 @@ def twist(
             panel.plot(time, 1e3 * values, color=PALETTE[0], linewidth=1.1)
             panel.set(ylabel=f"{label} [mrad]")
             _settle(panel, 1e3 * values, skipped)
-        _finish(figure, axes, time, skipped if transient else 0, ax)
+        _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
     return figure
 
 
@@ -112,6 +114,7 @@ def bearings(
     *,
     skipped: int = 0,
     transient: bool = False,
+    against: str = "time [s]",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the force of the shaft on each bearing against time."""
@@ -123,7 +126,7 @@ def bearings(
                 panel.set(ylabel=f"force along {along} [N]")
                 _settle(panel, values[:, column], skipped)
             axes[2 * row].set_title(label, loc="left", fontsize=text_size(1.0))
-        _finish(figure, axes, time, skipped if transient else 0, ax)
+        _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
     return figure
 
 
@@ -133,6 +136,7 @@ def mesh(
     *,
     skipped: int = 0,
     transient: bool = False,
+    against: str = "time [s]",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw force, deflection and stiffness of the meshes."""
@@ -144,7 +148,7 @@ def mesh(
         }
         for pair, (force, deflection, stiffness) in meshes.items()
     }
-    return _columns(time, rows, skipped, ax, transient=transient)
+    return _columns(time, rows, skipped, against, ax=ax, transient=transient)
 
 
 def geometry(
@@ -153,6 +157,7 @@ def geometry(
     *,
     skipped: int = 0,
     transient: bool = False,
+    against: str = "time [s]",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the geometry of the meshes at the moving centres."""
@@ -165,7 +170,7 @@ def geometry(
         }
         for pair, (contact_ratio, pressure_angle, centre_line_angle, distance) in meshes.items()
     }
-    return _columns(time, rows, skipped, ax, transient=transient)
+    return _columns(time, rows, skipped, against, ax=ax, transient=transient)
 
 
 def spectrum(
@@ -219,8 +224,9 @@ def _columns(
     time: Array,
     meshes: Mapping[tuple[str, str], Mapping[str, Array]],
     skipped: int,
-    ax: GivenAxes,
+    against: str,
     *,
+    ax: GivenAxes,
     transient: bool,
 ) -> Figure:
     """Draw a column for each mesh, with a panel for each of its quantities."""
@@ -240,7 +246,10 @@ def _columns(
                 _settle(panel, values, skipped)
             name = f"{driver} – {driven}"
             axes[column].set_title(name, loc="left", fontsize=text_size(1.0))
-        _finish(figure, axes, time, skipped if transient else 0, ax)
+        for panel in axes:
+            # A short time at the end of a long run has numbers of many digits.
+            panel.locator_params(axis="x", nbins=4)
+        _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
     return figure
 
 
@@ -269,10 +278,18 @@ def _settle(panel: Axes, values: Array, skipped: int) -> None:
     remark(panel, f"earlier {' to '.join(ends)} {unit}".rstrip().replace("-", "−"))
 
 
-def _finish(figure: Figure, axes: Sequence[Axes], time: Array, skipped: int, ax: GivenAxes) -> None:
-    """Label the axis of time, shade the time of the transient, and place the legend."""
+def _finish(
+    figure: Figure,
+    axes: Sequence[Axes],
+    time: Array,
+    skipped: int,
+    against: str,
+    *,
+    ax: GivenAxes,
+) -> None:
+    """Label the axis, shade the time of the transient, and place the legend."""
     for panel in axes if skipped else ():
         shade: dict[str, Any] = {"color": TRANSIENT, "alpha": 0.5, "linewidth": 0.0}
         panel.axvspan(float(time[0]), float(time[skipped]), label="transient", **shade)
-    label_x(axes, "time [s]")
+    label_x(axes, against)
     legend(figure, axes[0], ax=ax)

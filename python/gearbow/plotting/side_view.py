@@ -13,7 +13,7 @@ from gearbow.description.layout import ShaftOutline
 from gearbow.description.train import Train
 from gearbow.plotting import loads, symbols
 from gearbow.plotting.development import Box, Development, body_box, developed
-from gearbow.plotting.labels import Labels, around
+from gearbow.plotting.labels import Labels, around, series
 from gearbow.plotting.style import colour, quantity
 from gearbow.plotting.within_elements import refined
 
@@ -152,9 +152,17 @@ class SideView:
             yield symbols.coupling(labels.panel, x, y, radius, labels.point)
 
     def _gear_names(self, labels: Labels) -> None:
-        for body in self.train.layout.bodies:
-            box = body_box(self.train, body, self._height(body.shaft))
-            labels.add(body.name, around(*box, _WAYS))
+        boxes = {
+            body.name: body_box(self.train, body, self._height(body.shaft))
+            for body in self.train.layout.bodies
+        }
+        for shaft in self.train.layout.shafts:
+            own = [body.name for body in self.train.layout.bodies if body.shaft == shaft.name]
+            for text, names in series(own):
+                edges = np.array([boxes[name] for name in names])
+                left, bottom = edges[:, :2].min(axis=0).tolist()
+                right, top = edges[:, 2:].max(axis=0).tolist()
+                labels.add(text, around(left, bottom, right, top, _WAYS))
 
     def _shaft_names(self, labels: Labels) -> None:
         """Write the name of each shaft at its ends, or along it."""

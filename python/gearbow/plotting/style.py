@@ -14,12 +14,14 @@ from matplotlib.transforms import BboxBase
 
 from gearbow._convert import shown
 from gearbow._core import whirl_classes
-from gearbow._lookup import one_of
+from gearbow._types import Array
 from gearbow.errors import GearbowError
+from gearbow.units.speed import speed_factor
 
 __all__ = [
     "MARKS",
     "MICRO",
+    "OPERATING",
     "PALETTE",
     "ROUND_OFF",
     "STYLE",
@@ -35,6 +37,7 @@ __all__ = [
     "quantity",
     "remark",
     "round_factor",
+    "shade_operating",
     "speed_axis",
     "text_extent",
     "text_size",
@@ -58,6 +61,8 @@ _STYLES: dict[str, tuple[str, Any, str]] = {
 }
 #: The same for every whirl that the core knows; a class without style is an error of the import.
 MARKS = {name: _STYLES[name] for name in whirl_classes()}
+#: Colour of the operating speeds.
+OPERATING = "0.88"
 #: Size of an orbit with its own scale, and of one that is round-off, relative to the largest.
 _OWN_SCALE, ROUND_OFF = 0.1, 1e-6
 
@@ -82,9 +87,6 @@ STYLE: dict[Any, Any] = {
 
 #: Prefixes of units by their exponent of ten.
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
-
-#: Factor and label of each unit of a speed.
-_SPEED_UNITS = {"rad/s": 1.0, "rpm": 30.0 / np.pi}
 
 
 @contextmanager
@@ -202,8 +204,15 @@ def place_legend(
 
 def speed_axis(unit: str) -> tuple[float, str]:
     """Give the factor and the label of an axis of speeds."""
-    one_of(unit, _SPEED_UNITS, "speed_unit")
-    return _SPEED_UNITS[unit], f"speed of the reference shaft [{unit}]"
+    return speed_factor(unit), f"speed of the reference shaft [{unit}]"
+
+
+def shade_operating(panel: Axes, speeds: Sequence[float] | Array) -> None:
+    """Shade the operating speeds; a single one is a line."""
+    if speeds[0] == speeds[1]:
+        panel.axvline(speeds[0], color=OPERATING, linewidth=6.0, zorder=0.5)
+    else:
+        panel.axvspan(*speeds, color=OPERATING, linewidth=0.0, zorder=0.5)
 
 
 def quantity(value: float, unit: str, digits: int = 4) -> str:

@@ -36,6 +36,7 @@ __all__ = [
     "mesh",
     "mesh_names",
     "motion",
+    "reference_angle",
     "rolling",
     "speeds",
     "spin",
@@ -193,15 +194,22 @@ def energy_balance(run: RunRecord) -> EnergyBalance:
     return EnergyBalance(time=run.time, **terms)
 
 
-def speeds(run: RunRecord) -> Array:
-    """Give the speed of the reference shaft at the recorded times [rad/s]."""
+def speeds(run: RunRecord, times: ArrayLike | None = None) -> Array:
+    """Give the speed of the reference shaft [rad/s]."""
+    t = run.time if times is None else array(times, "times", least=0)
     if isinstance(run.speed, SpeedProfile):
-        return run.speed(run.time)
-    return np.full(run.time.shape, run.speed)
+        return run.speed(t)
+    return np.full(t.shape, run.speed)
 
 
 def angle(run: RunRecord, shaft: str, times: ArrayLike | None = None) -> Array:
     """Give the prescribed angle of a shaft [rad]."""
+    found: Array = _ratio(run, shaft) * reference_angle(run, times)
+    return found
+
+
+def reference_angle(run: RunRecord, times: ArrayLike | None = None) -> Array:
+    """Give the prescribed angle of the reference shaft [rad]."""
     known, high, low = run.data["final"]["anchor"]
     t = run.time if times is None else array(times, "times", least=0)
     turned: Array
@@ -209,16 +217,14 @@ def angle(run: RunRecord, shaft: str, times: ArrayLike | None = None) -> Array:
         turned = run.speed.angle(t) - run.speed.angle(known)
     else:
         turned = run.speed * (t - known)
-    found: Array = _ratio(run, shaft) * (high + (low + turned))
-    return found
+    angles: Array = high + (low + turned)
+    return angles
 
 
 def spin(run: RunRecord, shaft: str, times: ArrayLike | None = None) -> Array:
     """Give the prescribed angular velocity of a shaft [rad/s]."""
-    t = run.time if times is None else array(times, "times", least=0)
-    if isinstance(run.speed, SpeedProfile):
-        return _ratio(run, shaft) * run.speed(t)
-    return np.full(t.shape, _ratio(run, shaft) * run.speed)
+    found: Array = _ratio(run, shaft) * speeds(run, times)
+    return found
 
 
 def _ratio(run: RunRecord, shaft: str) -> float:

@@ -1,14 +1,16 @@
 """Energies of a system during a run, and the work done on it."""
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result
 from gearbow._types import Array
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 __all__ = ["EnergyBalance"]
@@ -19,7 +21,7 @@ WORKS = ("torque", "gravity", "drive", "unbalance", "teeth", "damping")
 
 
 @dataclass(frozen=True, eq=False)
-class EnergyBalance(ReadOnly):
+class EnergyBalance(Result, ReadOnly):
     """Energies of a system and the work done on it, at the k times of a response.
 
     Parameters
@@ -69,6 +71,8 @@ class EnergyBalance(ReadOnly):
     >>> bool(abs(balance.residual).max() < 1e-6 * balance.total.max())
     True
     """
+
+    _indexed: ClassVar[bool] = True
 
     time: Array
     kinetic: Array
@@ -142,19 +146,23 @@ class EnergyBalance(ReadOnly):
         }
         return figures.energy_balance(self.time, rows, ax=ax)
 
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Convert all terms to a table.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Rows by time [s]; a column for each term, "total", "work" and "residual", with the unit,
-            e.g. "kinetic [J]".
-        """
-        with extra("dataframe"):
-            import pandas as pd  # noqa: PLC0415
-
+    def _terms(self) -> dict[str, Array]:
         names = [*[field.name for field in fields(self)][1:], "total", "work", "residual"]
-        columns = {f"{name} [J]": getattr(self, name) for name in names}
-        table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(self.time, name="time [s]"))
-        return table
+        return {name: getattr(self, name) for name in names}
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each term."""
+        terms = self._terms()
+        values = np.array(list(terms.values())).reshape(len(terms), -1)
+        if not values.size:
+            values = np.full((len(terms), 1), np.nan)
+        return [
+            Column("term", list(terms)),
+            Column("smallest", values.min(axis=1), "J"),
+            Column("largest", values.max(axis=1), "J"),
+            Column("at the end", values[:, -1], "J"),
+        ]
+
+    def _series(self) -> list[Column]:
+        terms = self._terms().items()
+        return [Column("time", self.time, "s"), *(Column(name, own, "J") for name, own in terms)]

@@ -37,6 +37,7 @@ from gearbow.recording.schema import (
     whole,
 )
 from gearbow.recording.tables import FORMAT, arrays_of, metadata_of, to_xarray
+from gearbow.units.speed import speed_factor
 
 __all__ = ["load", "read", "save"]
 
@@ -111,7 +112,8 @@ def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
             raise GearbowError(
                 f"it has the format {about['format']}, this version of gearbow reads {FORMAT}"
             )
-        # A file may leave out rolling bearings.
+        # A file may leave out rolling bearings, and the unit of the speed.
+        about.setdefault("speed_unit", "rad/s")
         about.setdefault("rolling_bearings", [])
         if isinstance(about.get("kinematics"), dict):
             about["kinematics"].setdefault("bearings", [])
@@ -121,6 +123,7 @@ def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
             # A file may leave out the reduction of a run with all modes.
             checked["statistics"] = {"modes": None, "modes_error": None, **about["statistics"]}
         _METADATA(checked, "")
+        speed_factor(about["speed_unit"])
         (_PROFILE if isinstance(about.get("speed"), dict) else number)(about.get("speed"), "speed")
         arrays = _read_arrays(file, about)
         return _run(about, arrays), about
@@ -207,4 +210,5 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
         accuracy=about["accuracy"],
         request=RunRequest.from_plain(about["request"]),
         errors=Errors.from_plain(about["errors"]),
+        speed_unit=about["speed_unit"],
     )

@@ -16,6 +16,7 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import ChannelError, SceneError
 from gearbow.recording.errors import Errors
 from gearbow.recording.request import RunRequest
+from gearbow.units.speed import SpeedUnit
 
 __all__ = ["Event", "MeshResponse", "Recorded", "RunRecord", "Statistics", "recorded_run"]
 
@@ -30,6 +31,9 @@ class RunRecord(Shown):
     accuracy: str | None = None
     request: RunRequest | None = None
     errors: Errors | None = None
+    #: Period of a steady motion, of which this is one period [s].
+    period: float | None = None
+    speed_unit: SpeedUnit = "rad/s"
 
     @property
     def time(self) -> Array:

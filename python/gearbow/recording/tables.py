@@ -8,16 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
+from gearbow._result import Column, written_unit
 from gearbow._types import Array, RunData
+from gearbow.description.places import place_label
 from gearbow.description.speed import plain_speed
 from gearbow.recording.channels import CHANNELS, OWNERS, signals
 from gearbow.recording.record import RunRecord
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
-__all__ = ["FORMAT", "arrays_of", "metadata_of", "to_dataframe", "to_xarray"]
+__all__ = ["FORMAT", "arrays_of", "metadata_of", "series", "summary", "to_xarray"]
 
 #: Number of the file format. It increases if older readers cannot read a newer file.
 FORMAT = 1
@@ -51,12 +52,9 @@ def to_xarray(run: RunRecord) -> "xr.Dataset":
     return dataset
 
 
-def to_dataframe(run: RunRecord) -> "pd.DataFrame":
-    """Convert a recorded run to a table."""
-    with extra("dataframe"):
-        import pandas as pd  # noqa: PLC0415
-
-    columns: dict[str, Array] = {}
+def series(run: RunRecord) -> list[Column]:
+    """Give the times and all recorded signals as columns."""
+    columns = [Column("time", run.time, "s")]
     recorded = signals(run.data)
     for owner in (*OWNERS, None):
         own = {name: values for name, values in recorded.items() if CHANNELS[name].owner == owner}
@@ -67,9 +65,47 @@ def to_dataframe(run: RunRecord) -> "pd.DataFrame":
                 series = values if owner is None else values[:, i]
                 parts = series.reshape(-1, len(channel.quantities)).T
                 for quantity, part in zip(channel.quantities, parts, strict=True):
-                    columns[f"{label} {quantity} [{channel.unit}]".lstrip()] = part
-    table: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(run.time, name="time [s]"))
-    return table
+                    columns.append(Column(f"{label} {quantity}".lstrip(), part, channel.unit))
+    return columns
+
+
+def summary(run: RunRecord) -> list[Column]:
+    """Give a row for each recorded signal: mean, extremes and peak-to-peak value."""
+    names: list[str] = []
+    units: list[str] = []
+    values: list[Array] = []
+
+    def add(name: str, signal: Array, unit: str) -> None:
+        factor, own = written_unit(unit)
+        names.append(name)
+        units.append(own)
+        values.append(factor * signal)
+
+    data = run.data
+    for i, (shaft, x, labels) in enumerate(data["points"]):
+        label = ", ".join(labels) or place_label((shaft, x))
+        for along, moved in zip("yz", data["displacement"][:, i].T, strict=True):
+            add(f"{label} {along}", moved, "m")
+    for i, pair in enumerate(data["meshes"]):
+        add(f"{'/'.join(pair)} force", data["mesh"]["force"][:, i], "N")
+        add(f"{'/'.join(pair)} contact ratio", data["mesh"]["contact_ratio"][:, i], "")
+    for i, bearing in enumerate(data["bearings"]):
+        force = np.hypot(*data["bearing_force"][:, i].T)
+        add(f"bearing {place_label(bearing)} force", force, "N")
+    if data["energy"] is not None:
+        add("energy", data["energy"], "J")
+    known = np.array(values).reshape(len(values), -1)
+    if not known.size:
+        known = np.full((len(values), 1), np.nan)
+    low, high = known.min(axis=1), known.max(axis=1)
+    return [
+        Column("signal", names),
+        Column("mean", known.mean(axis=1)),
+        Column("smallest", low),
+        Column("largest", high),
+        Column("peak-to-peak", high - low),
+        Column("unit", units),
+    ]
 
 
 def _labels(data: RunData, owner: str) -> list[tuple[str, ...]]:
@@ -100,6 +136,7 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
     about = {
         "format": FORMAT,
         "speed": plain_speed(run.speed),
+        "speed_unit": run.speed_unit,
         "accuracy": run.accuracy,
         "request": None if run.request is None else run.request.plain(),
         "errors": None if run.errors is None else run.errors.plain(),

@@ -20,6 +20,10 @@ _MODULES = {
     "FilmCoefficients": "gearbow.description.journal",
     "Order": "gearbow.description.kinematics",
     "RollingCoefficients": "gearbow.description.rolling",
+    "MeasuredCurve": "gearbow.exchange.harmonic",
+    "LoadCase": "gearbow.exchange.rexs",
+    "RexsContents": "gearbow.exchange.rexs",
+    "MissingValue": "gearbow.exchange.rexs_joints",
     "Orders": "gearbow.orders.fit",
     "Spectrum": "gearbow.orders.spectrum",
     "Waterfall": "gearbow.orders.waterfall",
@@ -35,9 +39,12 @@ _MODULES = {
     "Continuation": "gearbow.results.continuation",
     "CriticalSpeedMap": "gearbow.results.critical_speeds",
     "Discretisation": "gearbow.results.discretisation",
+    "FrequencyComparison": "gearbow.results.frequency_comparison",
+    "FrequencyResponse": "gearbow.results.frequency_response",
     "Matrices": "gearbow.results.matrices",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
+    "Peaks": "gearbow.results.peak",
     "Response": "gearbow.results.response",
     "Static": "gearbow.results.static",
     "SteadyState": "gearbow.results.steady",
@@ -55,6 +62,9 @@ if _typing.TYPE_CHECKING:
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
     from gearbow.description.kinematics import Order as Order
     from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.exchange.harmonic import MeasuredCurve as MeasuredCurve
+    from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
+    from gearbow.exchange.rexs_joints import MissingValue as MissingValue
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
@@ -76,9 +86,16 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.continuation import Continuation as Continuation
     from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
     from gearbow.results.discretisation import Discretisation as Discretisation
+    from gearbow.results.frequency_comparison import (
+        FrequencyComparison as FrequencyComparison,
+    )
+    from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
     from gearbow.results.matrices import Matrices as Matrices
     from gearbow.results.modes import Modes as Modes
-    from gearbow.results.peak import Peak as Peak
+    from gearbow.results.peak import (
+        Peak as Peak,
+        Peaks as Peaks,
+    )
     from gearbow.results.response import Response as Response
     from gearbow.results.static import Static as Static
     from gearbow.results.steady import SteadyState as SteadyState

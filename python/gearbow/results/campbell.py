@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._shown import Shown, Table, listed, span
+from gearbow._result import Column, Result, in_percent
+from gearbow._shown import Shown, listed, span
 from gearbow._types import Array, CampbellData, ComplexArray
 from gearbow.results.peak import operating_range
 from gearbow.results.threshold import StabilityThreshold, unstable_ranges
+from gearbow.units.speed import SpeedUnit, speed_factor
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 __all__ = ["Campbell", "ExcitationLine", "Intersection"]
@@ -108,7 +109,7 @@ class Intersection(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Campbell(ReadOnly):
+class Campbell(Result, ReadOnly):
     """Modes against the speed, and their intersections with excitation lines.
 
     Parameters
@@ -126,6 +127,8 @@ class Campbell(ReadOnly):
     thresholds : tuple of StabilityThreshold
         Speeds at which the damping of a mode changes its sign, by ascending speed. A negative
         damping ratio means that the mode is unstable.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Notes
     -----
@@ -157,9 +160,12 @@ class Campbell(ReadOnly):
     lines: tuple[ExcitationLine, ...]
     intersections: tuple[Intersection, ...]
     thresholds: tuple[StabilityThreshold, ...] = ()
+    speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
-    def from_data(cls, speeds: Array, data: CampbellData) -> "Campbell":
+    def from_data(
+        cls, speeds: Array, data: CampbellData, *, speed_unit: SpeedUnit = "rad/s"
+    ) -> "Campbell":
         """Make a diagram of the plain data of the core.
 
         Parameters
@@ -168,6 +174,8 @@ class Campbell(ReadOnly):
             Speeds of the reference shaft [rad/s].
         data : mapping
             Eigenvalues, lines, intersections and thresholds.
+        speed_unit : {"rad/s", "rpm"}
+            Unit in which the speeds were given.
 
         Returns
         -------
@@ -211,7 +219,15 @@ class Campbell(ReadOnly):
             )
             for mode, speed, rate, whirl, above, residual in data["thresholds"]
         )
-        return cls(speeds, data["eigenvalues"], whirls, tuple(lines), intersections, thresholds)
+        return cls(
+            speeds,
+            data["eigenvalues"],
+            whirls,
+            tuple(lines),
+            intersections,
+            thresholds,
+            speed_unit,
+        )
 
     @property
     def frequencies_hz(self) -> Array:
@@ -263,90 +279,57 @@ class Campbell(ReadOnly):
         """
         return unstable_ranges(self.speeds, self.eigenvalues, self.thresholds)
 
-    def table(self) -> str:
-        """Format the intersections and stability thresholds as a text table.
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        speeds = span(speed_factor(speed_unit) * self.speeds)
+        return [f"intersections and stability thresholds, {speeds} {speed_unit}"]
 
-        Returns
-        -------
-        str
-            One line for each intersection: speed, frequency, damping, whirl, mode and excitation;
-            a threshold says in place of the excitation whether the mode is unstable above it.
-        """
-        form = "{:>13}  {:>14}  {:>11}  {:<9}  {:>4}  {}"
-        return "\n".join(form.format(*row) for row in self._rows())
-
-    def _rows(self) -> Table:
-        found = [
-            (one.speed, one.frequency_hz, one.damping_ratio, one.whirl, one.mode, one.line.name)
-            for one in self.intersections
+    def _columns(self) -> list[Column]:
+        """Give a row for each intersection and threshold, by ascending speed."""
+        rows: list[tuple[Intersection | StabilityThreshold, float, str]] = [
+            (one, one.damping_ratio, one.line.name) for one in self.intersections
         ]
-        found += [
-            (one.speed, one.frequency_hz, 0.0, one.whirl, one.mode, f"itself: {one.above} above")
-            for one in self.thresholds
-        ]
-        head = ("speed [rad/s]", "frequency [Hz]", "damping [%]", "whirl", "mode", "excited by")
-        return (
-            head,
-            *(
-                (
-                    f"{speed:.2f}",
-                    f"{frequency:.3f}",
-                    f"{100.0 * damping:.3f}",
-                    whirl,
-                    f"{mode + 1}",
-                    source,
-                )
-                for speed, frequency, damping, whirl, mode, source in sorted(
-                    found, key=lambda row: row[0]
-                )
+        rows += [(one, 0.0, f"itself: {one.above} above") for one in self.thresholds]
+        rows.sort(key=lambda row: row[0].speed)
+        found = [row[0] for row in rows]
+        return [
+            Column("speed", np.array([one.speed for one in found]), "rad/s", ".2f"),
+            Column("frequency", np.array([one.frequency_hz for one in found]), "Hz", ".3f"),
+            Column(
+                "damping ratio",
+                np.array([damping for _, damping, _ in rows]),
+                "",
+                ".3f",
+                in_percent("damping"),
             ),
-        )
+            Column("whirl", [one.whirl for one in found]),
+            Column("mode", np.array([one.mode + 1 for one in found], dtype=np.int64)),
+            Column("excited by", [source for *_, source in rows]),
+        ]
+
+    def _series(self) -> list[Column]:
+        orders = {line.name: line.order for line in self.lines}
+        found = self._columns()
+        names = found[-1].values
+        return [*found, Column("order", np.array([orders.get(name, np.nan) for name in names]))]
 
     def __repr__(self) -> str:
-        speeds = [one.speed for one in self.criticals]
-        criticals = f"critical speeds {listed(speeds)} rad/s" if speeds else "no critical speeds"
+        unit, factor = self.speed_unit, speed_factor(self.speed_unit)
+        speeds = [factor * one.speed for one in self.criticals]
+        criticals = f"critical speeds {listed(speeds)} {unit}" if speeds else "no critical speeds"
         if self.thresholds:
-            limits = listed([one.speed for one in self.thresholds])
-            criticals += f"; stability thresholds {limits} rad/s"
+            limits = listed([factor * one.speed for one in self.thresholds])
+            criticals += f"; stability thresholds {limits} {unit}"
         return (
             f"Campbell({self.eigenvalues.shape[1]} modes at {self.speeds.size} speeds, "
-            f"{span(self.speeds)} rad/s; {len(self.intersections)} intersections; {criticals})"
+            f"{span(factor * self.speeds)} {unit}; {len(self.intersections)} intersections; "
+            f"{criticals})"
         )
-
-    def __str__(self) -> str:
-        return self.table()
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Convert the intersections to a data frame.
-
-        Returns
-        -------
-        pandas.DataFrame
-            One row for each intersection. `thresholds` has the stability thresholds.
-        """
-        with extra("dataframe"):
-            import pandas as pd  # noqa: PLC0415
-
-        rows = [
-            {
-                "speed [rad/s]": intersection.speed,
-                "frequency [Hz]": intersection.frequency_hz,
-                "damping ratio": intersection.damping_ratio,
-                "whirl": intersection.whirl,
-                "mode": intersection.mode,
-                "excited by": intersection.line.name,
-                "order": intersection.line.order,
-            }
-            for intersection in self.intersections
-        ]
-        table: pd.DataFrame = pd.DataFrame(rows)
-        return table
 
     def plot(
         self,
         *,
         ax: Any = None,
-        speed_unit: str = "rad/s",
+        speed_unit: SpeedUnit | None = None,
         operating: float | tuple[float, float] | None = None,
     ) -> "Figure":
         """Draw frequencies and damping ratios against the speed.
@@ -355,8 +338,8 @@ class Campbell(ReadOnly):
         ----------
         ax : sequence of two Axes, optional
             Panels for frequencies and damping ratios; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which the speeds were given.
         operating : float or tuple of (float, float), optional
             Operating speed of the reference shaft, or the lowest and the highest [rad/s], which
             the figure shades. The excitation lines reach at least to it.
@@ -395,7 +378,7 @@ class Campbell(ReadOnly):
             thresholds=[(one.mode, one.speed, one.frequency_hz) for one in self.thresholds],
             unstable=self.unstable_ranges,
             operating=None if span is None else (abs(span[0]), abs(span[1])),
-            speed_unit=speed_unit,
+            speed_unit=self._speed_unit(speed_unit),
             ax=ax,
         )
 

@@ -10,7 +10,8 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import read_only
-from gearbow._shown import Shown, Table
+from gearbow._result import Column, Result, data_frame, in_micrometres, written_unit
+from gearbow._shown import short
 from gearbow._types import Array, ComplexArray, Record, RunData
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
@@ -19,6 +20,7 @@ from gearbow.recording.channels import CHANNELS, signals, with_signals
 from gearbow.recording.schema import each, number, record, row, text, whole
 from gearbow.results.response import Response
 from gearbow.results.steady import instability
+from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,7 +59,7 @@ class BranchData:
     message: str = ""
 
 
-class Continuation(Shown):
+class Continuation(Result):
     """A branch of steady states, made by `gearbow.RotorSystem.continuation`.
 
     Parameters
@@ -84,6 +86,8 @@ class Continuation(Shown):
         Values at the located points of each kind.
     message : str
         Why the branch ended before the end of the interval; "" if it did not.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -98,8 +102,11 @@ class Continuation(Shown):
     2.000 True
     """
 
+    _own_endings = (".npz", ".nc")
+
     def __init__(self, signals: Response, data: BranchData) -> None:
         self._signals, self._data = signals, data
+        self.speed_unit: SpeedUnit = signals.speed_unit
         self.parameter = data.parameter
         self.message = data.message
         self.values: Array = np.array(data.values)
@@ -175,10 +182,12 @@ class Continuation(Shown):
         quantity: str | None = None,
         *,
         statistic: str | None = None,
-        speed_unit: str = "rad/s",
+        speed_unit: SpeedUnit | None = None,
         ax: Any = None,
     ) -> "Figure":
         """Draw a signal over the parameter: stable motions solid, unstable ones dashed.
+
+        A branch that ends before the end of its interval has an open circle at its last point.
 
         Parameters
         ----------
@@ -189,8 +198,8 @@ class Continuation(Shown):
             Quantity, as for `Response.spectrum`.
         statistic : {"min", "max", "mean", "rms"}, optional
             Number that describes the signal; None is the amplitude.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of a branch over the speed.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of a branch over the speed; None is that in which it was given.
         ax : Axes, optional
             Panel for the branch; None makes a new figure.
 
@@ -208,13 +217,11 @@ class Continuation(Shown):
             from gearbow.plotting import branch as figures  # noqa: PLC0415
             from gearbow.plotting.style import speed_axis  # noqa: PLC0415
 
-        factor, label = speed_axis(speed_unit)
+        factor, label = speed_axis(self._speed_unit(speed_unit))
         if self.parameter != "speed":
             unit = UNITS[self.parameter]
-            factor, label = (
-                1.0,
-                f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor",
-            )
+            factor, unit = written_unit(unit)
+            label = f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor"
         at = self._first() if at is None else at
         name = channel(self._signals.to_record(), at, quantity)
         values = (
@@ -222,12 +229,14 @@ class Continuation(Shown):
             if statistic is None
             else self._statistic(one_of(statistic, STATISTICS, "statistic"), at, quantity)
         )
+        size, unit = written_unit(name.unit)
         return figures.branch(
             factor * self.values,
-            values,
+            size * values,
             self.stable,
             self.kinds,
-            labels=(label, f"{statistic or 'amplitude'} of {name.label} [{name.unit}]"),
+            is_open=bool(self.message),
+            labels=(label, f"{statistic or 'amplitude'} of {name.label} [{unit}]"),
             ax=ax,
         )
 
@@ -254,22 +263,38 @@ class Continuation(Shown):
         MissingExtraError
             If pandas is not installed.
         """
-        with extra("dataframe"):
-            import pandas as pd  # noqa: PLC0415
+        return data_frame(self._of(self._first() if at is None else at, quantity))
 
-        at = self._first() if at is None else at
+    def _of(self, at: Record, quantity: str | None = None) -> list[Column]:
+        """Give a row for each point, with the statistics and the amplitude of a signal."""
         name = channel(self._signals.to_record(), at, quantity)
-        unit = UNITS[self.parameter]
-        columns: dict[str, Any] = {
-            f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor": self.values,
-            "stable": self.stable,
-            "kind": self.kinds,
-        }
         found = {each: self.statistic(each, at, quantity) for each in STATISTICS}
         found["amplitude"] = self.amplitude(at, quantity)
-        columns |= {f"{each} of {name.label} [{name.unit}]": found[each] for each in found}
-        table: pd.DataFrame = pd.DataFrame(columns)
-        return table
+        written = in_micrometres(name.unit)
+        return [
+            *self._points(),
+            *(
+                Column(f"{each} of {name.label}", values, name.unit, ".4g", written)
+                for each, values in found.items()
+            ),
+        ]
+
+    def _points(self) -> list[Column]:
+        unit = UNITS[self.parameter]
+        name = self.parameter if unit else f"{self.parameter} factor"
+        return [
+            Column(name, self.values, unit, ".6g"),
+            Column("stable", self.stable),
+            Column("kind", self.kinds),
+        ]
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        at = "" if self.parameter == "speed" else f" at {speed_text(self._data.speed, speed_unit)}"
+        lines = [f"branch of steady states over the {self.parameter}{at}"]
+        return [*lines, f"open end: {self.message}"] if self.message else lines
+
+    def _columns(self) -> list[Column]:
+        return self._of(self._first()) if self._signals.recorded else self._points()
 
     def _first(self) -> Record:
         """Give the first recorded mesh, or the first recorded place."""
@@ -278,14 +303,7 @@ class Continuation(Shown):
             raise GearbowError("nothing was recorded; give record=['meshes'] to continuation")
         return recorded[0]
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything to a file without rounding.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".npz" (NumPy) or ".nc" (netCDF, needs the extra "netcdf").
-        """
+    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
         from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
 
         file.save(self._signals.to_record(), path, branch=vars(self._data))
@@ -321,14 +339,9 @@ class Continuation(Shown):
         span = f"{self.values[0]:g} to {self.values[-1]:g}" if self.values.size else "empty"
         return (
             f"Continuation({self.parameter} {span}, {self.values.size} points, "
-            f"{self.folds.size} folds, {self.flips.size} flips)"
+            f"{self.folds.size} folds, {self.flips.size} flips"
+            f"{f', open end: {short(self.message)}' if self.message else ''})"
         )
-
-    def _rows(self) -> Table:
-        """Give a row for each located point."""
-        points = zip(self.values, self.kinds, strict=True)
-        located = [(kind, f"{value:.6g}") for value, kind in points if kind]
-        return (("point", self.parameter), *located)
 
 
 def summary(periods: Sequence[RunData]) -> RunData:

@@ -11,9 +11,11 @@ from gearbow._convert import text, whole
 from gearbow._extras import extra
 from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
-from gearbow._shown import Table, listed, span
+from gearbow._result import Column, Result
+from gearbow._shown import span
 from gearbow._types import Array
 from gearbow.errors import GearbowError
+from gearbow.units.speed import SpeedUnit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,7 +24,7 @@ __all__ = ["CriticalSpeedMap"]
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalSpeedMap(ReadOnly):
+class CriticalSpeedMap(Result, ReadOnly):
     """Undamped critical speeds against the bearing stiffness.
 
     Parameters
@@ -43,6 +45,8 @@ class CriticalSpeedMap(ReadOnly):
     actual : tuple of float
         Stiffnesses along y and z of the bearings of the system that have constant coefficients
         [N/m].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -66,6 +70,7 @@ class CriticalSpeedMap(ReadOnly):
     line: tuple[NDArray[np.int64], ...]
     residuals: tuple[Array, ...]
     actual: tuple[float, ...] = ()
+    speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
     def from_rows(
@@ -74,6 +79,8 @@ class CriticalSpeedMap(ReadOnly):
         order: float,
         found: Sequence[Sequence[tuple[float, str, float, int]]],
         actual: tuple[float, ...],
+        *,
+        speed_unit: SpeedUnit = "rad/s",
     ) -> "CriticalSpeedMap":
         """Make a map of the plain data of the core.
 
@@ -87,6 +94,8 @@ class CriticalSpeedMap(ReadOnly):
             Critical speeds [rad/s] with whirl, residual and number of the line, for each stiffness.
         actual : tuple of float
             Stiffnesses of the bearings of the system [N/m].
+        speed_unit : {"rad/s", "rpm"}
+            Unit of speeds of the system.
 
         Returns
         -------
@@ -101,22 +110,29 @@ class CriticalSpeedMap(ReadOnly):
             line=tuple(np.array([line for *_, line in row], dtype=np.int64) for row in found),
             residuals=tuple(np.array([residual for *_, residual, _ in row]) for row in found),
             actual=actual,
+            speed_unit=speed_unit,
         )
 
-    def _rows(self) -> Table:
-        return (
-            ("stiffness [N/m]", "critical speeds [rad/s]"),
-            *(
-                (f"{stiffness:.4g}", listed(speeds))
-                for stiffness, speeds in zip(self.stiffnesses, self.speeds, strict=True)
-            ),
-        )
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002
+        return [f"undamped critical speeds of the order {self.order:g}"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each critical speed at each stiffness."""
+        counts = [speeds.size for speeds in self.speeds]
+        return [
+            Column("stiffness", np.repeat(self.stiffnesses, counts), "N/m"),
+            Column("critical speed", np.concatenate([[], *self.speeds]), "rad/s", ".2f"),
+            Column("whirl", [whirl for row in self.whirl for whirl in row]),
+            Column("line", np.concatenate([np.empty(0, np.int64), *self.line]) + 1),
+            Column("residual", np.concatenate([[], *self.residuals]), "", ".1e"),
+        ]
 
     def __repr__(self) -> str:
+        factor = speed_factor(self.speed_unit)
         lowest = np.array([speeds[0] for speeds in self.speeds if speeds.size])
         return (
             f"CriticalSpeedMap({self.stiffnesses.size} stiffnesses, {span(self.stiffnesses)} N/m; "
-            f"lowest critical speed {span(lowest)} rad/s)"
+            f"lowest critical speed {span(factor * lowest)} {self.speed_unit})"
         )
 
     def lines(self, whirl: str) -> Array:
@@ -160,7 +176,9 @@ class CriticalSpeedMap(ReadOnly):
             table[i, column[int(line)]] = speed
         return table
 
-    def plot(self, count: int = 4, *, ax: Any = None, speed_unit: str = "rad/s") -> "Figure":
+    def plot(
+        self, count: int = 4, *, ax: Any = None, speed_unit: SpeedUnit | None = None
+    ) -> "Figure":
         """Draw the map on logarithmic axes.
 
         Parameters
@@ -169,8 +187,8 @@ class CriticalSpeedMap(ReadOnly):
             Number of lines for each whirl.
         ax : Axes, optional
             Panel for the map; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which the speeds were given.
 
         Returns
         -------
@@ -194,6 +212,6 @@ class CriticalSpeedMap(ReadOnly):
             lines,
             self.order,
             actual=self.actual,
-            speed_unit=speed_unit,
+            speed_unit=self._speed_unit(speed_unit),
             ax=ax,
         )

@@ -5,17 +5,20 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearbow._convert import whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._shown import Table, listed, short
-from gearbow._types import Array, ComplexArray, Dof, ModesData
+from gearbow._result import Column, Result, in_percent, plain_text
+from gearbow._shown import listed
+from gearbow._types import Array, At, ComplexArray, Dof, ModesData
+from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.errors import GearbowError
+from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 __all__ = ["Modes"]
@@ -25,7 +28,7 @@ _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"
 
 
 @dataclass(frozen=True, eq=False)
-class Modes(ReadOnly):
+class Modes(Result, ReadOnly):
     """Natural modes at one speed, in ascending order of frequency.
 
     Parameters
@@ -50,6 +53,10 @@ class Modes(ReadOnly):
         Shaft, position [m] and direction of each degree of freedom, as `RotorSystem.dofs`.
     layout : Layout
         Geometry of the train at rest.
+    coordinates : Coordinates
+        Degrees of freedom of the system.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -70,11 +77,19 @@ class Modes(ReadOnly):
     speed: float
     dofs: tuple[Dof, ...]
     layout: Layout = field(repr=False)
+    coordinates: Coordinates = field(repr=False)
     _shares: Mapping[tuple[str, str], Array] = field(repr=False)
+    speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
     def from_data(
-        cls, data: ModesData, speed: float, dofs: tuple[Dof, ...], layout: Layout
+        cls,
+        data: ModesData,
+        speed: float,
+        coordinates: Coordinates,
+        layout: Layout,
+        *,
+        speed_unit: SpeedUnit = "rad/s",
     ) -> "Modes":
         """Make modes of the plain data of the core.
 
@@ -84,16 +99,19 @@ class Modes(ReadOnly):
             Eigenvalues, shapes, and share of each degree of freedom in the kinetic energy.
         speed : float
             Speed of the reference shaft [rad/s].
-        dofs : tuple of (str, float, str)
-            Shaft, position [m] and direction of each degree of freedom.
+        coordinates : Coordinates
+            Degrees of freedom of the system.
         layout : Layout
             Geometry of the train at rest.
+        speed_unit : {"rad/s", "rpm"}
+            Unit in which the speed was given.
 
         Returns
         -------
         Modes
             The modes.
         """
+        dofs = coordinates.dofs
         groups = [
             (shaft, _DIRECTION[direction.rstrip("0123456789")]) for shaft, _, direction in dofs
         ]
@@ -108,11 +126,56 @@ class Modes(ReadOnly):
             speed=speed,
             dofs=dofs,
             layout=layout,
+            coordinates=coordinates,
             _shares={
                 group: shares[:, [other == group for other in groups]].sum(axis=1)
                 for group in dict.fromkeys(groups)
             },
+            speed_unit=speed_unit,
         )
+
+    def displacement(self, at: At) -> ComplexArray:
+        """Lateral displacement of a place in the shape of each mode.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]),
+            also between nodes.
+
+        Returns
+        -------
+        ndarray, shape (m, 2)
+            Displacements along y and z, in the unit of `shapes`.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        displacement: ComplexArray = self.coordinates.displacement(self.shapes, at)
+        return displacement
+
+    def twist(self, at: At) -> ComplexArray:
+        """Twist of a place in the shape of each mode.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            As for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            Twists, in the unit of `shapes`.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no torsion.
+        """
+        twist: ComplexArray = self.coordinates.twisted(self.shapes, at)
+        return twist
 
     def energy_shares(self) -> dict[tuple[str, str], Array]:
         """Share of each shaft and direction in the kinetic energy of each mode.
@@ -149,29 +212,25 @@ class Modes(ReadOnly):
             names.append(name)
         return names
 
-    def table(self, count: int | None = None) -> str:
-        """Format the modes as a text table.
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        return [f"modes at {speed_text(self.speed, speed_unit)}"]
 
-        Parameters
-        ----------
-        count : int, optional
-            Number of modes; None is all.
+    def _order(self) -> NDArray[np.intp]:
+        """Give the numbers of the modes from 0, the overdamped ones last."""
+        overdamped = (self.frequencies_hz == 0.0) & (self.eigenvalues.real < 0.0)
+        overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
+        return np.argsort(overdamped, kind="stable")
 
-        Returns
-        -------
-        str
-            One line for each mode: number, frequency, damping, whirl and name.
-        """
-        lines = [
-            f"{'mode':>4}  {'frequency [Hz]':>14}  {'damping [%]':>11}  {'whirl':<9} largest motion"
+    def _columns(self) -> list[Column]:
+        """Give a row for each mode, the overdamped ones last."""
+        order, names = self._order(), self.names()
+        return [
+            Column("mode", order + 1),
+            Column("frequency", self.frequencies_hz[order], "Hz", ".3f"),
+            Column("damping ratio", self.damping_ratios[order], "", ".3f", in_percent("damping")),
+            Column("whirl", [self.whirl[mode] for mode in order]),
+            Column("largest motion", [names[mode] for mode in order]),
         ]
-        most = None if count is None else whole(count, "count")
-        rows = zip(self.frequencies_hz, self.damping_ratios, self.whirl, self.names(), strict=True)
-        for number, (frequency, ratio, whirl, name) in enumerate(list(rows)[:most], start=1):
-            lines.append(
-                f"{number:>4}  {frequency:>14.3f}  {100.0 * ratio:>11.3f}  {whirl:<9} {name}"
-            )
-        return "\n".join(lines)
 
     def _titles(self) -> list[str]:
         """Describe each mode in two lines: number, frequency, whirl and damping; its motion."""
@@ -186,50 +245,15 @@ class Modes(ReadOnly):
                 kind = "overdamped" if value.real < 0.0 else "growth without oscillation"
                 kind = f": {kind}, time constant {quantity(1.0 / abs(value.real), 's', 3)}"
             elif whirl != "rigid":
-                ratio = f"{100.0 * self.damping_ratios[mode]:.3g}".replace("-", "−")
+                ratio = plain_text(100.0 * self.damping_ratios[mode], ".3g").replace("-", "−")
                 frequency = quantity(self.frequencies_hz[mode], "Hz")
                 kind = f": {frequency}, {whirl}, damping {ratio} %"
             titles.append(f"mode {mode + 1}{kind}\n{name}")
         return titles
 
-    def _rows(self) -> Table:
-        rows = zip(self.frequencies_hz, self.damping_ratios, self.whirl, self.names(), strict=True)
-        head = ("mode", "frequency [Hz]", "damping [%]", "whirl", "largest motion")
-        return (
-            head,
-            *(
-                (f"{i}", f"{frequency:.3f}", f"{100.0 * ratio:.3f}", whirl, name)
-                for i, (frequency, ratio, whirl, name) in enumerate(rows, start=1)
-            ),
-        )
-
     def __repr__(self) -> str:
-        count, speed = self.frequencies_hz.size, short(self.speed)
-        return f"Modes({count} at {speed} rad/s: {listed(self.frequencies_hz)} Hz)"
-
-    def __str__(self) -> str:
-        return self.table()
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Convert the table to a data frame.
-
-        Returns
-        -------
-        pandas.DataFrame
-            One row for each mode.
-        """
-        with extra("dataframe"):
-            import pandas as pd  # noqa: PLC0415
-
-        table: pd.DataFrame = pd.DataFrame(
-            {
-                "frequency [Hz]": self.frequencies_hz,
-                "damping ratio": self.damping_ratios,
-                "whirl": list(self.whirl),
-                "largest motion": self.names(),
-            }
-        )
-        return table
+        count, speed = self.frequencies_hz.size, speed_text(self.speed, self.speed_unit)
+        return f"Modes({count} at {speed}: {listed(self.frequencies_hz)} Hz)"
 
     def plot(self, number: int | None = None, *, count: int = 6, ax: Any = None) -> "Figure":
         """Draw one mode of the train in three dimensions, or an overview of the first shapes.
@@ -239,7 +263,7 @@ class Modes(ReadOnly):
         number : int, optional
             Number of the mode to draw in three dimensions, from 1; None is the overview.
         count : int
-            Number of modes in the overview.
+            Number of modes in the overview, in which overdamped ones come last.
         ax : Axes or sequence of Axes, optional
             Panel in three dimensions for one mode, or one panel for each mode of the overview; None
             makes a new figure.
@@ -265,9 +289,16 @@ class Modes(ReadOnly):
             for rod in ("twist", "u"):
                 share = sum(share for (_, direction), share in shares.items() if direction == rod)
                 drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
-            most = whole(count, "count")
-            shapes, dofs = within_elements.refined(self.shapes[:most], self.dofs, self.layout)
-            return modes.overview(titles[:most], shapes, dofs, list(drawn[:most]), ax=ax)
+            chosen = self._order()[: whole(count, "count")]
+            shapes, dofs = within_elements.refined(self.shapes[chosen], self.dofs, self.layout)
+            return modes.overview(
+                [titles[mode] for mode in chosen],
+                shapes,
+                dofs,
+                list(drawn[chosen]),
+                self.layout,
+                ax=ax,
+            )
         number = whole(number, "number")
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")

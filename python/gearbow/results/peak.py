@@ -2,15 +2,25 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from gearbow._convert import BYTES, number
-from gearbow._shown import Shown
+from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, in_micrometres
+from gearbow._shown import Shown, listed
+from gearbow._types import Array, At
+from gearbow.description.places import place_label
 from gearbow.errors import SceneError
+from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
-__all__ = ["Peak"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Peak", "Peaks"]
 
 #: A response with a smaller amplification factor is critically damped and needs no separation.
 CRITICALLY_DAMPED = 2.5
@@ -135,6 +145,154 @@ class Peak(Shown):
         """
         sufficient = self.required_margin == 0.0 or self.separation_margin >= self.required_margin
         return self.stable and sufficient
+
+    @property
+    def verdict(self) -> str:
+        """Say whether the peak is acceptable, and if not, why.
+
+        Returns
+        -------
+        str
+            "acceptable", "critically damped", "too close", "unstable", "no operating speed", or
+            "unknown" if the range of speeds does not contain N₁ or N₂.
+        """
+        if not self.stable:
+            return "unstable"
+        if self.amplification_factor < CRITICALLY_DAMPED:
+            return "critically damped"
+        if self.operating is None:
+            return "no operating speed"
+        if math.isnan(self.required_margin):
+            return "unknown"
+        return "acceptable" if self.acceptable else "too close"
+
+
+@dataclass(frozen=True, eq=False)
+class Peaks(Result, ReadOnly, Sequence[Peak]):
+    """The peaks of the synchronous response at a place: a sequence of `Peak` with a table.
+
+    Parameters
+    ----------
+    peaks : tuple of Peak
+        The peaks, by ascending speed.
+    at : str or tuple of (str, float)
+        The place.
+    source : str
+        The shaft that excites.
+    speeds : ndarray, shape (speeds,)
+        Speeds of the response [rad/s].
+    phase : ndarray, shape (speeds,)
+        Phase of the orbit [rad].
+    amplitude : ndarray, shape (speeds,)
+        Major semi-axis of the orbit [m].
+    operating : tuple of (float, float), optional
+        Lowest and highest operating speed [rad/s].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> disk = gb.Disk("disk", "rotor", 0.5, mass=50.0, diametral_inertia=0.5, polar_inertia=1.0)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e5) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings, disks=[disk])
+    >>> response = system.synchronous(np.linspace(10.0, 400.0, 60))
+    >>> print(response.peaks("disk", operating=300.0))
+    peaks of disk, excited by rotor; operating speed 300 rad/s
+    speed [rad/s]  amplitude [µm]  amplification factor  margin [%]  required margin [%]  verdict
+           212.88            2416                 24.12       29.04                16.25  acceptable
+    """
+
+    peaks: tuple[Peak, ...]
+    at: At
+    source: str
+    speeds: Array = field(repr=False)
+    phase: Array = field(repr=False)
+    amplitude: Array = field(repr=False)
+    operating: tuple[float, float] | None = None
+    speed_unit: SpeedUnit = "rad/s"
+
+    @overload
+    def __getitem__(self, index: int) -> Peak: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Peak]: ...
+    def __getitem__(self, index: int | slice) -> Peak | Sequence[Peak]:
+        return self.peaks[index]
+
+    def __len__(self) -> int:
+        return len(self.peaks)
+
+    def __eq__(self, other: object) -> bool:
+        # As a list of peaks.
+        return isinstance(other, list | tuple | Peaks) and list(self) == list(other)
+
+    def __hash__(self) -> int:
+        return hash(self.peaks)
+
+    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
+        """Draw amplitude and phase against the speed, with the peaks and the operating speeds.
+
+        Parameters
+        ----------
+        ax : sequence of two Axes, optional
+            Panels for phase and amplitude; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which the speeds were given.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A Bode diagram, in which each peak has its amplification factor.
+        """
+        with extra("plot"):
+            from gearbow.plotting import frequency  # noqa: PLC0415
+
+        label = place_label(self.at)
+        return frequency.bode(
+            self.speeds,
+            {label: (self.phase, self.amplitude)},
+            peaks={label: marks(self.peaks)},
+            operating=self.operating,
+            speed_unit=self._speed_unit(speed_unit),
+            ax=ax,
+        )
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        text = f"peaks of {place_label(self.at)}, excited by {self.source}"
+        if self.operating is not None:
+            ends = dict.fromkeys(speed_text(speed, speed_unit) for speed in self.operating)
+            text += f"; operating speed {' to '.join(ends)}"
+        return [text]
+
+    def _columns(self) -> list[Column]:
+        def values(name: str) -> Array:
+            return np.array([getattr(peak, name) for peak in self.peaks], dtype=np.float64)
+
+        return [
+            Column("speed", values("speed"), "rad/s", ".2f"),
+            Column("amplitude", values("amplitude"), "m", ".4g", in_micrometres()),
+            Column("amplification factor", values("amplification_factor")),
+            Column("margin", values("separation_margin"), "%"),
+            Column("required margin", values("required_margin"), "%"),
+            Column("verdict", [peak.verdict for peak in self.peaks]),
+        ]
+
+    def __repr__(self) -> str:
+        factor = speed_factor(self.speed_unit)
+        speeds = listed([factor * peak.speed for peak in self.peaks])
+        where = f"{place_label(self.at)}, excited by {self.source}"
+        return f"Peaks({len(self)} of {where}: {speeds} {self.speed_unit})"
+
+
+def marks(peaks: Sequence[Peak]) -> list[tuple[float, float, str]]:
+    """Give speed, amplitude and amplification factor of peaks for a figure."""
+    known = [(peak, peak.amplification_factor) for peak in peaks]
+    return [
+        (peak.speed, peak.amplitude, "" if math.isnan(factor) else f"AF {factor:.3g}")
+        for peak, factor in known
+    ]
 
 
 def operating_range(given: object) -> tuple[float, float] | None:

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import items, number, shown
+from gearbow._progress import working
 from gearbow._read_only import ReadOnly, read_only
-from gearbow._shown import Table, span
+from gearbow._result import Column, Result
+from gearbow._shown import span
 from gearbow._types import Array, At, Record, RunData
 from gearbow.accuracy.estimate import estimate_errors
-from gearbow.description.places import place_label
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.channel import channel
@@ -28,6 +29,7 @@ from gearbow.recording.resample import resampled
 from gearbow.results.motion import animate
 from gearbow.results.run_figures import plot
 from gearbow.sensors.sensor import Sensor, SignalSensor
+from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,7 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["Response"]
 
 
-class Response(ReadOnly):
+class Response(Result, ReadOnly):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
 
     Parameters
@@ -62,6 +64,11 @@ class Response(ReadOnly):
         Speed ratios and tooth frequencies, which determine the orders.
     request : RunRequest or None
         Scene and options of the run; None if unknown.
+    period : float or None
+        Period of the motion [s], if this is one period of a `SteadyState`; its orders are then
+        exact. None for other runs.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -80,6 +87,9 @@ class Response(ReadOnly):
     0.1 s to 0.2 s
     """
 
+    _own_endings = (".npz", ".nc")
+    _indexed = True
+
     def __init__(self, data: RunData, speed: float | SpeedProfile) -> None:
         if not isinstance(data, Mapping):
             raise SceneError(
@@ -94,7 +104,9 @@ class Response(ReadOnly):
         self.accuracy: str | None = None
         self.kinematics: Kinematics | None = None
         self.request: RunRequest | None = None
+        self.period: float | None = None
         self._errors: Errors | None = None
+        self.speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
     def from_record(cls, record: RunRecord) -> "Response":
@@ -120,6 +132,8 @@ class Response(ReadOnly):
         response = cls(record.data, record.speed)
         response.kinematics, response.accuracy = record.kinematics, record.accuracy
         response.request, response._errors = record.request, record.errors
+        response.period = record.period
+        response.speed_unit = record.speed_unit
         return response
 
     def to_record(self) -> RunRecord:
@@ -131,7 +145,14 @@ class Response(ReadOnly):
             All data that a file contains.
         """
         return RunRecord(
-            self._data, self.speed, self.kinematics, self.accuracy, self.request, self._errors
+            self._data,
+            self.speed,
+            self.kinematics,
+            self.accuracy,
+            self.request,
+            self._errors,
+            self.period,
+            self.speed_unit,
         )
 
     @property
@@ -540,7 +561,8 @@ class Response(ReadOnly):
                     "errors: this response does not know its system; take the errors of a response "
                     "that simulate returned or that save wrote"
                 )
-            self._errors = estimate_errors(self.request, self.statistics.modes)
+            with working(None, "errors, by more accurate runs"):
+                self._errors = estimate_errors(self.request, self.statistics.modes)
         return self._errors
 
     def measure(self, sensor: Sensor) -> Array:
@@ -616,10 +638,15 @@ class Response(ReadOnly):
         sidebands: int = 1,
         bearing_harmonics: int = 3,
         skip_time: float = 0.0,
+        revolutions: float | None = None,
     ) -> Orders:
         """Find the amplitudes of one recorded signal at the orders of shafts and meshes.
 
-        What these orders do not contain is the rest, of which the result states the RMS.
+        What these orders do not contain is the rest, of which the result states the RMS. At a
+        changing speed, the amplitudes of segments of the run show each order over the speed.
+
+        Orders that are too close to each other for the record have one common amplitude. Those of a
+        `SteadyState` are always separate, because its motion repeats after the record.
 
         Parameters
         ----------
@@ -640,6 +667,12 @@ class Response(ReadOnly):
             more, also the order of the cage.
         skip_time : float
             Time at the beginning that is ignored [s].
+        revolutions : float, optional
+            Length of the segments in revolutions of the reference shaft. Long segments separate
+            close orders, short ones follow fast changes: a segment must be shorter than the
+            passage of a resonance. Orders with a distance of 4/`revolutions` are separate. None
+            is the complete record at a constant speed. At a changing speed, it is the shortest
+            length that separates all orders, up to a fifth of the record.
 
         Returns
         -------
@@ -651,13 +684,15 @@ class Response(ReadOnly):
         ChannelError
             If it was not recorded.
         GearbowError
-            If the speed changes, the record is too short to separate the orders, or the output
-            step is too long for the highest order.
+            If the train does not rotate, no harmonic is asked for, or `revolutions` is longer than
+            the record.
 
         Warns
         -----
         AccuracyWarning
-            If the rest is more than 30 % of the RMS of the signal about its mean.
+            If the record does not separate some orders, or its output step is too long for the
+            highest of them, which are then left out: the message gives all remedies. If the rest
+            is more than 30 % of the RMS of the signal about its mean.
         """
         return orders(
             self.to_record(),
@@ -668,9 +703,10 @@ class Response(ReadOnly):
             sidebands=sidebands,
             bearing_harmonics=bearing_harmonics,
             skip_time=skip_time,
+            revolutions=revolutions,
         )
 
-    def resample(self, rate: float) -> "Response":
+    def resample(self, rate: float, *, shaft: str | None = None) -> "Response":
         """Sample all signals at a lower rate, as a data-acquisition chain with an analogue filter.
 
         A low-pass filter precedes the sampling, so that no frequency appears as another one
@@ -678,25 +714,33 @@ class Response(ReadOnly):
         above 0.5 `rate` by 80 dB, and shifts no phase. The filter sees what was recorded: the
         `output_step` of the run must be short enough for all frequencies of the motion.
 
+        With a shaft, the samples have equal distances in its angle, and the filter acts over this
+        angle. At a changing speed, the orders of the shaft are then sines.
+
         Parameters
         ----------
         rate : float
-            Sampling rate [Hz].
+            Sampling rate [Hz]; with a shaft, the number of samples in a revolution.
+        shaft : str, optional
+            Name of the shaft whose prescribed angle replaces the time.
 
         Returns
         -------
         Response
-            The response at multiples of 1/rate. The first and the last 25 samples are missing,
+            The response at multiples of 1/rate, or at the times at which the angle of the shaft is
+            a multiple of 2π/rate. The first and the last 25 samples are missing,
             because the filter needs the signal on both sides. Events, final state and statistics
             are those of the run.
 
         Raises
         ------
+        ChannelError
+            If there is no such shaft.
         GearbowError
             If the times are not equally spaced, the rate exceeds that of the recording, or the
             recording is shorter than the filter.
         """
-        return Response.from_record(resampled(self.to_record(), rate))
+        return Response.from_record(resampled(self.to_record(), rate, shaft))
 
     def plot(
         self,
@@ -705,7 +749,9 @@ class Response(ReadOnly):
         *,
         times: tuple[float, float] | None = None,
         skip_time: float | None = None,
+        against: str = "time",
         ax: Any = None,
+        speed_unit: SpeedUnit | None = None,
     ) -> "Figure":
         """Draw recorded signals.
 
@@ -733,9 +779,14 @@ class Response(ReadOnly):
             spectra omit it. The values after it set the scale and the mean; a title gives the range
             of earlier values beyond this scale. None takes the last turn of the slowest shaft for
             the scale, without shading, if the speed is constant; 0 shows all values.
+        against : {"time", "speed", "angle"}
+            Horizontal axis of figures against time: time [s], speed of the reference shaft in a
+            run at a changing speed, or revolutions of the reference shaft.
         ax : Axes or sequence of Axes, optional
             One panel for each place, for a bearing two, for a mesh three and for its geometry four;
             None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is `speed_unit` of the response.
 
         Returns
         -------
@@ -745,11 +796,20 @@ class Response(ReadOnly):
         Raises
         ------
         GearbowError
-            If the kind or `ax` is invalid, or no suitable signal was recorded.
+            If the kind, `against` or `ax` is invalid, or no suitable signal was recorded.
         SceneError
             If `skip_time` is negative or longer than the record, or `times` are not in it.
         """
-        return plot(self.to_record(), kind, at, times=times, skip_time=skip_time, ax=ax)
+        return plot(
+            self.to_record(),
+            kind,
+            at,
+            times=times,
+            skip_time=skip_time,
+            against=against,
+            speed_unit=self._speed_unit(speed_unit),
+            ax=ax,
+        )
 
     def animate(
         self,
@@ -806,7 +866,7 @@ class Response(ReadOnly):
         ChannelError
             If a sensor needs a motion that was not recorded.
         """
-        table = tables.to_dataframe(self.to_record())
+        table = super().to_dataframe()
         for i, sensor in enumerate(items(sensors, "sensors", "sensors")):
             if not isinstance(sensor, SignalSensor):
                 raise SceneError(
@@ -826,24 +886,7 @@ class Response(ReadOnly):
         """
         return tables.to_xarray(self.to_record())
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything to a file without rounding.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".npz" (NumPy) or ".nc" (netCDF, needs the extra "netcdf").
-
-        Raises
-        ------
-        GearbowError
-            If the name has another ending.
-        MissingExtraError
-            If the extra that the format needs is not installed.
-        OSError
-            If the file cannot be written, for example on a full disk. An existing file is
-            unchanged.
-        """
+    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
         from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
 
         file.save(self.to_record(), path)
@@ -878,7 +921,8 @@ class Response(ReadOnly):
         data = self._data
         times = "empty"
         if self.time.size:
-            times = f"{self.time[0]:g} s to {self.time[-1]:g} s at {span(self.speeds)} rad/s"
+            speeds = span(speed_factor(self.speed_unit) * self.speeds)
+            times = f"{self.time[0]:g} s to {self.time[-1]:g} s at {speeds} {self.speed_unit}"
         return (
             f"Response({self.time.size} times, {times}; {len(data['points'])} points, "
             f"{len(data['meshes'])} meshes, {len(data['bearings'])} bearings"
@@ -890,18 +934,25 @@ class Response(ReadOnly):
         """Name of the accuracy level with which `accuracy` begins; None without a level."""
         return None if self.accuracy is None else self.accuracy.partition(":")[0]
 
-    def _rows(self) -> Table:
-        """Give a row for each recorded point and mesh."""
-        rows = []
-        for i, (shaft, x, names) in enumerate(self._data["points"]):
-            size = np.ptp(self._data["displacement"][:, i], axis=0) if self.time.size else (0, 0)
-            text = f"peak-to-peak {1e6 * size[0]:.4g} µm along y, {1e6 * size[1]:.4g} µm along z"
-            rows.append((", ".join(names) or place_label((shaft, x)), text))
-        orders = {} if self.kinematics is None else {m[:2]: m[4] for m in self.kinematics.meshes}
-        for i, (driver, driven) in enumerate(self._data["meshes"]):
-            text = f"force {span(self._data['mesh']['force'][:, i])} N"
-            order = orders.get((driver, driven))
-            if order is not None and self.time.size:
-                text += f", tooth frequency {span(np.abs(order * self.speeds) / (2 * np.pi))} Hz"
-            rows.append((f"{driver}–{driven}", text))
-        return (("recorded", "motion"), *rows)
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        time, factor = self.time, speed_factor(speed_unit)
+        if not time.size:
+            return ["run without recorded times"]
+        if isinstance(self.speed, SpeedProfile):
+            speed = f"{span(factor * self.speeds)} {speed_unit}"
+        else:
+            speed = speed_text(self.speed, speed_unit)
+        level = "" if self._level is None else f", accuracy {self._level!r}"
+        lines = [f"run at {speed}, {time[0]:g} s to {time[-1]:g} s, {time.size} times{level}"]
+        meshes = () if self.kinematics is None else self.kinematics.meshes
+        recorded = {tuple(pair) for pair in self._data["meshes"]}
+        for driver, driven, *_, order in (m for m in meshes if m[:2] in recorded):
+            hertz = span(np.abs(order * self.speeds) / (2.0 * np.pi))
+            lines.append(f"tooth frequency {driver}/{driven}: {hertz} Hz")
+        return lines
+
+    def _columns(self) -> list[Column]:
+        return tables.summary(self.to_record())
+
+    def _series(self) -> list[Column]:
+        return tables.series(self.to_record())

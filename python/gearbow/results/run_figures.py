@@ -8,7 +8,7 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._times import begin_after, window
-from gearbow._types import At
+from gearbow._types import Array, At
 from gearbow.description.places import place_label, places
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
@@ -28,6 +28,8 @@ _MESH_FIELDS = {
 }
 #: Kinds of figures of `Response.plot`.
 PLOT_KINDS = ("orbits", "history", "twist", "mesh", "geometry", "bearings", "spectrum")
+#: Those without an axis of time.
+_WITHOUT_TIME = ("orbits", "spectrum")
 
 
 def plot(
@@ -37,6 +39,8 @@ def plot(
     *,
     times: tuple[float, float] | None,
     skip_time: float | None,
+    against: str,
+    speed_unit: str,
     ax: Any,
 ) -> "Figure":
     """Draw recorded signals."""
@@ -46,8 +50,11 @@ def plot(
     one_of(kind, PLOT_KINDS, "kind")
     cut = window(run.time, times)
     skipped = _skipped(run, skip_time, cut)
-    time = run.time[cut]
+    x, label = _abscissa(run, kind, against, speed_unit)
+    time = x[cut]
     settled: Any = {"skipped": skipped, "transient": skip_time is not None, "ax": ax}
+    if kind not in _WITHOUT_TIME:
+        settled["against"] = label
     if kind in _MESH_FIELDS:
         chosen = {}
         for pair in _connections("mesh", "meshes", run.data["meshes"], at):
@@ -72,6 +79,24 @@ def plot(
     begin = 0 if skip_time is None else skipped
     spectra = {label: amplitudes(time[begin:], values[begin:]) for label, values in motion.items()}
     return figures.spectrum(spectra, orders=order_frequencies(run), ax=ax)
+
+
+def _abscissa(run: RunRecord, kind: str, against: str, speed_unit: str) -> tuple[Array, str]:
+    """Give the values and the label of the horizontal axis."""
+    from gearbow.plotting.style import speed_axis  # noqa: PLC0415  # with the extra "plot"
+
+    one_of(against, ("time", "speed", "angle"), "against")
+    factor, speed = speed_axis(speed_unit)
+    if against == "time":
+        return run.time, "time [s]"
+    if kind in _WITHOUT_TIME:
+        raise GearbowError(f"against: the figure {kind!r} has no axis of time, got {against!r}")
+    if against == "angle":
+        turns = np.abs(access.reference_angle(run)) / (2.0 * np.pi)
+        return turns, "angle of the reference shaft [revolutions]"
+    if not isinstance(run.speed, SpeedProfile):
+        raise GearbowError('against: the speed of this run is constant; give "time" or "angle"')
+    return factor * np.abs(access.speeds(run)), speed
 
 
 def _skipped(run: RunRecord, skip_time: float | None, cut: slice) -> int:

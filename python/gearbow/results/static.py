@@ -2,16 +2,24 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gearbow._extras import extra
 from gearbow._read_only import ReadOnly, read_only
-from gearbow._shown import MOST_ROWS, Shown, Table
+from gearbow._result import Column, Result, in_micrometres
+from gearbow._shown import MOST_ROWS, Shown
 from gearbow._types import Array, At, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.places import Places, place
+from gearbow.description.layout import Layout
+from gearbow.description.places import Places, place, place_label
 from gearbow.errors import ChannelError
 from gearbow.recording.bearing_motion import BearingMotion, journal_motion
+from gearbow.units.speed import SpeedUnit, speed_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["MeshState", "Static"]
 
@@ -31,7 +39,7 @@ class MeshState(Shown):
     thrust: float
 
 
-class Static(ReadOnly):
+class Static(Result, ReadOnly):
     """Equilibrium under torque, gravity and mesh forces. The rotating bow does not contribute.
 
     Parameters
@@ -42,6 +50,12 @@ class Static(ReadOnly):
         Degrees of freedom of the system.
     bearings : sequence of mapping
         Plain descriptions of the bearings.
+    layout : Layout
+        Geometry of the train at rest.
+    speed : float
+        Speed of the reference shaft [rad/s].
+    speed_unit : {"rad/s", "rpm"}
+        Unit in which it was given.
 
     Attributes
     ----------
@@ -49,6 +63,10 @@ class Static(ReadOnly):
         Displacements of all degrees of freedom [m, rad].
     coordinates : Coordinates
         Degrees of freedom of the system.
+    speed : float
+        Speed of the reference shaft [rad/s].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -68,7 +86,13 @@ class Static(ReadOnly):
         data: StaticData,
         coordinates: Coordinates,
         bearings: Sequence[Mapping[str, Plain]] = (),
+        *,
+        layout: Layout,
+        speed: float = 0.0,
+        speed_unit: SpeedUnit = "rad/s",
     ) -> None:
+        self.speed, self.speed_unit = speed, speed_unit
+        self._layout = layout
         self._bearings = tuple(bearings)
         self._data = read_only(data)
         self.state = data["state"]
@@ -143,7 +167,7 @@ class Static(ReadOnly):
         GearbowError
             If there is no such place, or the system has no twist.
         """
-        return float(self.state[self.coordinates.twist(at)])
+        return float(self.coordinates.twisted(self.state, at))
 
     def axial(self, at: At) -> float:
         """Axial displacement of a place.
@@ -269,12 +293,48 @@ class Static(ReadOnly):
         text = f"{self.state.size} degrees of freedom, {len(self._data['meshes'])} meshes"
         return f"Static({text}{': ' * bool(forces)}{', '.join(forces)})"
 
-    def _rows(self) -> Table:
-        mesh, bearings = self._data["mesh"], self._data["bearings"]
-        rows = [
-            (f"mesh {driver}–{driven}", f"{mesh['force'][i]:.4g}", f"{mesh['deflection'][i]:.4g}")
-            for i, (driver, driven) in enumerate(self._data["meshes"])
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        at = f" at {speed_text(self.speed, speed_unit)}" if self.speed else ""
+        return [f"static equilibrium{at}; unbalanced part of the load {self.residual:.1e}"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each mesh, bearing, gear and disk."""
+        mesh, none = self._data["mesh"], np.array([np.nan, np.nan])
+        rows: list[tuple[str, float, Array, float]] = []
+        for i, (driver, driven) in enumerate(self._data["meshes"]):
+            label = f"mesh {driver}–{driven}"
+            rows.append((label, float(mesh["force"][i]), none, float(mesh["deflection"][i])))
+        moved = self._data["bearing_displacement"]
+        for i, (shaft, x) in enumerate(self._data["bearings"]):
+            force = float(np.hypot(*self._data["bearing_force"][i]))
+            rows.append((f"bearing {place_label((shaft, x))}", force, moved[i], np.nan))
+        if any(direction == "v" for *_, direction in self.coordinates.dofs):
+            rows += [(n, np.nan, self.displacement(n), np.nan) for n in self.coordinates.bodies]
+        displacements = np.array([row[2] for row in rows]).reshape(-1, 2)
+        um = in_micrometres()
+        return [
+            Column("place", [row[0] for row in rows]),
+            Column("force", np.array([row[1] for row in rows]), "N"),
+            Column("displacement y", displacements[:, 0], "m", ".4g", um),
+            Column("displacement z", displacements[:, 1], "m", ".4g", um),
+            Column("mesh deflection", np.array([row[3] for row in rows]), "m", ".4g", um),
         ]
-        for (shaft, x), force in zip(bearings, self._data["bearing_force"], strict=True):
-            rows.append((f"bearing {shaft} at {x:g} m", f"{np.hypot(*force):.4g}", ""))
-        return (("place", "force [N]", "mesh deflection [m]"), *rows)
+
+    def plot(self, *, ax: Any = None) -> "Figure":
+        """Draw the deflection of the shafts.
+
+        Parameters
+        ----------
+        ax : sequence of two Axes, optional
+            Panels for the displacements along y and z, or one panel for the twist of a system
+            without lateral motion; None makes a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Displacements along the shafts, with marks at gears and disks.
+        """
+        with extra("plot"):
+            from gearbow.plotting import deflection  # noqa: PLC0415
+
+        return deflection.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)

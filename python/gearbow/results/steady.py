@@ -8,11 +8,13 @@ import numpy as np
 
 from gearbow._convert import number as number_of
 from gearbow._core import Model, multipliers
-from gearbow._shown import Shown, Table
+from gearbow._progress import working
+from gearbow._result import Column, Result
 from gearbow._types import ComplexArray
 from gearbow.errors import GearbowError
 from gearbow.recording.schema import any_number, each, number, optional, record, row, text, whole
 from gearbow.results.response import Response
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,7 +55,7 @@ def instability(values: ComplexArray) -> str | None:
     return "flip" if np.pi - angle < _REAL else "Neimark-Sacker"
 
 
-class SteadyState(Shown):
+class SteadyState(Result):
     """The motion that repeats after each period, made by `gearbow.RotorSystem.steady_state`.
 
     Parameters
@@ -83,6 +85,8 @@ class SteadyState(Shown):
         Whether the state after a period is an affine function of the state before; or how a motion
         without a common period was found: as a sum of motions, or from the harmonics of its
         sections.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -96,6 +100,9 @@ class SteadyState(Shown):
     0.0628 s, stable: True
     """
 
+    _own_endings = (".npz", ".nc")
+    _indexed = True
+
     def __init__(
         self, response: Response, data: dict[str, Any], model: Model | None = None
     ) -> None:
@@ -104,6 +111,9 @@ class SteadyState(Shown):
         self.residual: float = data["residual"]
         self.periods: int = data["periods"]
         self.method: str = data["method"]
+        # The orders of the response follow from the period.
+        response.period = self.period if math.isfinite(self.period) else None
+        self.speed_unit: SpeedUnit = response.speed_unit
         self._model = model
         found = data.get("multipliers")
         self._multipliers = None if found is None else np.array([complex(*z) for z in found])
@@ -153,7 +163,8 @@ class SteadyState(Shown):
         options = dict(request.options)
         if math.isinf(self.period):
             options["duration"] *= _PART
-        return multipliers(model, **options, smallest=smallest, progress=None)
+        with working(None, "multipliers"):
+            return multipliers(model, **options, smallest=smallest, progress=None)
 
     def is_stable(self) -> bool:
         """Return whether small disturbances decay.
@@ -194,14 +205,7 @@ class SteadyState(Shown):
         """
         return self.response.plot(kind, at, ax=ax)
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything to a file without rounding, with the multipliers if they are known.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".npz" (NumPy) or ".nc" (netCDF, needs the extra "netcdf").
-        """
+    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
         found = self._multipliers
         steady = {
             "period": self.period,
@@ -251,13 +255,19 @@ class SteadyState(Shown):
             f"{self.response.time.size} times)"
         )
 
-    def _rows(self) -> Table:
-        """Give period, residual and method, then the recorded signals."""
-        found = [
-            ("period", f"{self.period:.6g} s"),
-            ("residual", f"{self.residual:.1e}"),
-            ("method", self.method),
-        ]
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        """Give period, method and residual, and the stability if it is known."""
+        state = ""
         if self._multipliers is not None:
-            found.append(("stable", str(self.is_stable())))
-        return (*self.response._rows(), *found)
+            state = "; stable" if self.is_stable() else f"; unstable: {self.instability()}"
+        period = "without a common period" if math.isinf(self.period) else f"{self.period:.6g} s"
+        return [
+            f"steady state: period {period}, {self.method}, residual {self.residual:.1e}{state}",
+            *self.response._heading(speed_unit),
+        ]
+
+    def _columns(self) -> list[Column]:
+        return self.response._columns()
+
+    def _series(self) -> list[Column]:
+        return self.response._series()

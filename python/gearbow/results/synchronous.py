@@ -9,22 +9,30 @@ import numpy as np
 from gearbow._convert import number, text
 from gearbow._core import Model
 from gearbow._extras import extra
+from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, in_degrees, in_micrometres
 from gearbow._shown import short, span
 from gearbow._types import Array, At, ComplexArray, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import Places, place, place_label, places
 from gearbow.errors import ChannelError, GearbowError
-from gearbow.results.peak import Peak, operating_range
+from gearbow.results.harmonic_signal import harmonic_signals
+from gearbow.results.peak import Peak, Peaks, marks, operating_range
+from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Synchronous"]
 
+#: Largest number of places in a printed table, and in a Bode diagram without names.
+_PRINTED_PLACES = 3
+
 
 @dataclass(frozen=True, eq=False)
-class Synchronous(ReadOnly):
+class Synchronous(Result, ReadOnly):
     """Linear response to bow and unbalance, without time stepping.
 
     Each shaft s excites the train at its own speed r_s Ω. The motion is Σ_s Re(a_s exp(i r_s Ω t)).
@@ -50,6 +58,8 @@ class Synchronous(ReadOnly):
         Degrees of freedom of the system.
     description : mapping
         The plain system, for slow roll and peaks.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -76,15 +86,18 @@ class Synchronous(ReadOnly):
     _bearings: tuple[tuple[str, float], ...] = field(repr=False)
     _bearing_force: ComplexArray = field(repr=False)
     _bow: ComplexArray = field(repr=False)
+    speed_unit: SpeedUnit = "rad/s"
 
     def _model(self) -> Model:
         """Compile the system again: a result is plain data, without the compiled model."""
         return Model(dict(self.description))
 
     def _facts(self) -> dict[str, str]:
-        slow = None if self.slow_roll is None else f"{short(self.slow_roll)} rad/s"
+        unit = self.speed_unit
+        slow = None if self.slow_roll is None else speed_text(self.slow_roll, unit)
+        speeds = span(speed_factor(unit) * self.speeds)
         found = {
-            "speeds": f"{self.speeds.size}, {span(self.speeds)} rad/s" if self.speeds.size else "0",
+            "speeds": f"{self.speeds.size}, {speeds} {unit}" if self.speeds.size else "0",
             "shafts": short(self.shafts),
             "excitation": short(self.excitation),
             "slow_roll": slow,
@@ -131,7 +144,8 @@ class Synchronous(ReadOnly):
         GearbowError
             If there is no such place, or the system has no twist.
         """
-        return self.amplitudes[:, :, self.coordinates.twist(at)]
+        twist: ComplexArray = self.coordinates.twisted(self.amplitudes, at)
+        return twist
 
     def orbit(self, at: At) -> Array:
         """Major semi-axis of the orbit that each shaft causes at a place.
@@ -251,7 +265,7 @@ class Synchronous(ReadOnly):
         source: str | None = None,
         *,
         operating: float | tuple[float, float] | None = None,
-    ) -> list[Peak]:
+    ) -> Peaks:
         """Find the peaks of the orbit at a place, with the criteria of API RP 684.
 
         Parameters
@@ -266,10 +280,10 @@ class Synchronous(ReadOnly):
 
         Returns
         -------
-        list of Peak
-            The peaks on the grid `speeds`, refined by further solutions. Each sense of rotation is
-            searched from standstill on. The lowest modes at the speed of a peak decide whether it
-            is `stable`.
+        Peaks
+            A sequence of `Peak` with a table: the peaks on the grid `speeds`, refined by further
+            solutions. Each sense of rotation is searched from standstill on. The lowest modes at
+            the speed of a peak decide whether it is `stable`.
 
         Raises
         ------
@@ -278,20 +292,35 @@ class Synchronous(ReadOnly):
         SceneError
             If the operating speeds are invalid.
         """
+        return self._peaks(self._model(), at, source, operating_range(operating))
+
+    def _peaks(
+        self, model: Model, at: At, source: str | None, span: tuple[float, float] | None
+    ) -> Peaks:
+        """Find the peaks with a compiled model."""
         indices = self.coordinates.lateral(at)
         shaft = self._source(at, source)
-        span = operating_range(operating)
-        found = self._model().peaks(
+        found = model.peaks(
             np.unique(self.speeds),
             indices[0],
             shaft,
             self.excitation,
             self.slow_roll,
         )
-        return [
+        peaks = tuple(
             Peak(speed, amplitude, lower, upper, span, stable)
             for speed, amplitude, lower, upper, stable in found
-        ]
+        )
+        return Peaks(
+            peaks,
+            at,
+            self.shafts[shaft],
+            self.speeds,
+            self.phase(at)[:, shaft],
+            self.orbit(at)[:, shaft],
+            span,
+            self.speed_unit,
+        )
 
     def _source(self, at: At, source: str | None) -> int:
         """Find the number of the shaft that excites; None is the shaft of the place."""
@@ -303,52 +332,114 @@ class Synchronous(ReadOnly):
             )
         return self.shafts.index(shaft)
 
+    def _sources(self, at: At, source: str | None) -> list[str]:
+        """Give the shafts whose excitation a Bode diagram shows; all for a place on no shaft."""
+        on_shaft = source is not None or (
+            at not in self.coordinates.points and self.coordinates.shaft(at) in self.shafts
+        )
+        return [self.shafts[self._source(at, source)]] if on_shaft else list(self.shafts)
+
+    def _places(self) -> list[At]:
+        """Give the gears and disks, or the place of each shaft with the largest orbit."""
+        nodes = [(name, x) for name, x, kind in nodal(self.coordinates.dofs) if kind == "v"]
+        bodies = self.coordinates.bodies.items()
+        named: list[At] = [name for name, (shaft, _) in bodies if shaft in self.shafts and nodes]
+        if named:
+            return named
+        largest: dict[str, At] = {}
+        sizes: dict[str, float] = {}
+        for shaft, x in nodes:
+            if shaft in self.shafts:
+                size = float(self.orbit((shaft, x)).max(initial=0.0))
+                if size > sizes.get(shaft, -1.0):
+                    sizes[shaft], largest[shaft] = size, (shaft, x)
+        return list(largest.values())
+
     def bode(
         self,
-        at: At | Sequence[At],
+        at: At | SignalSensor | Sequence[At | SignalSensor] | None = None,
         source: str | None = None,
         *,
+        operating: float | tuple[float, float] | None = None,
         ax: Any = None,
-        speed_unit: str = "rad/s",
+        speed_unit: SpeedUnit | None = None,
     ) -> "Figure":
         """Draw amplitude and phase against the speed.
 
         Parameters
         ----------
-        at : str, tuple of (str, float), or sequence of them
-            A gear or disk by name, (shaft, position [m]), or several.
+        at : str, tuple of (str, float), Probe, Accelerometer, or sequence of them, optional
+            A gear or disk by name, (shaft, position [m]), a support, a housing or its point, or a
+            sensor; None is the three gears or disks with the largest orbits.
         source : str, optional
-            The shaft that excites; None is the shaft of each place.
+            The shaft that excites; None is the shaft of each place, and every shaft for a place on
+            none.
+        operating : float or tuple of (float, float), optional
+            Operating speed of the reference shaft, or the lowest and the highest [rad/s], which
+            the figure shades.
         ax : sequence of two Axes, optional
             Panels for phase and amplitude; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which the speeds were given.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Phase above, major semi-axis of the orbits below.
+            Phase above, major semi-axis of the orbits or amplitude of the sensors below. The peaks
+            of places have marks with their amplification factor, see `peaks`.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place or shaft, or the signals have different units.
         """
         with extra("plot"):
             from gearbow.plotting import frequency  # noqa: PLC0415
 
-        lines = {}
-        for one in places(at):
-            shaft = self._source(one, source)
-            lines[place_label(one)] = (self.phase(one)[:, shaft], self.orbit(one)[:, shaft])
-        return frequency.bode(self.speeds, lines, speed_unit=speed_unit, ax=ax)
+        chosen = self._largest(self._chosen()) if at is None else at
+        signals = harmonic_signals(self, chosen, source)
+        span = operating_range(operating)
+        model = self._model()
+        peaks = {
+            signal.label: marks(self._peaks(model, signal.at, signal.source, span))
+            for signal in signals
+            if signal.at is not None and np.any(signal.amplitude)
+        }
+        return frequency.bode(
+            self.speeds,
+            {signal.label: (signal.phase, signal.amplitude) for signal in signals},
+            unit=signals[0].unit if signals else "m",
+            peaks=peaks,
+            operating=span,
+            speed_unit=self._speed_unit(speed_unit),
+            ax=ax,
+        )
 
-    def plot(self, at: At | Sequence[At], *, ax: Any = None, speed_unit: str = "rad/s") -> "Figure":
+    def _chosen(self) -> list[At]:
+        """Give the places of a figure without names."""
+        found = self._places()
+        if not found:
+            raise GearbowError("at: this system has no lateral motion, which the figure shows")
+        return found
+
+    def plot(
+        self,
+        at: At | Sequence[At] | None = None,
+        *,
+        ax: Any = None,
+        speed_unit: SpeedUnit | None = None,
+    ) -> "Figure":
         """Draw the major semi-axis of the orbits against the speed.
 
         Parameters
         ----------
-        at : str, tuple of (str, float), or sequence of them
-            A gear or disk by name, (shaft, position [m]), or several.
+        at : str, tuple of (str, float), or sequence of them, optional
+            A gear or disk by name, (shaft, position [m]), or several; None is all gears and disks,
+            or the place with the largest orbit on each shaft.
         ax : Axes or sequence of Axes, optional
             One panel for each place; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}
-            Unit of the axis of speeds.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which the speeds were given.
 
         Returns
         -------
@@ -358,5 +449,47 @@ class Synchronous(ReadOnly):
         with extra("plot"):
             from gearbow.plotting import frequency  # noqa: PLC0415
 
-        orbits = {place_label(one): self.orbit(one) for one in places(at)}
-        return frequency.synchronous(self.speeds, orbits, self.shafts, speed_unit=speed_unit, ax=ax)
+        chosen = self._chosen() if at is None else places(at)
+        return frequency.synchronous(
+            self.speeds,
+            {place_label(one): self.orbit(one) for one in chosen},
+            self.shafts,
+            speed_unit=self._speed_unit(speed_unit),
+            ax=ax,
+        )
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        factor = speed_factor(speed_unit)
+        excitation = "bow and unbalance" if self.excitation == "both" else self.excitation
+        lines = [f"synchronous response to {excitation}, {span(factor * self.speeds)} {speed_unit}"]
+        count = len(self._places())
+        if count > _PRINTED_PLACES:
+            lines.append(f"{_PRINTED_PLACES} of {count} places; to_dataframe gives all")
+        return [*lines, "major semi-axis and phase of the orbit that the own shaft excites"]
+
+    def _columns(self) -> list[Column]:
+        return self._of(self._largest(self._places()))
+
+    def _largest(self, chosen: Sequence[At]) -> list[At]:
+        """Give the places with the largest orbits, in their order."""
+        sizes = {at: float(self._own(self.orbit(at), at).max(initial=0.0)) for at in chosen}
+        largest = sorted(sizes, key=lambda at: -sizes[at])[:_PRINTED_PLACES]
+        return [at for at in sizes if at in largest]
+
+    def _series(self) -> list[Column]:
+        return self._of(self._places())
+
+    def _of(self, chosen: Sequence[At]) -> list[Column]:
+        """Give a row for each speed, with amplitude and phase of the orbit of each place."""
+        columns = [Column("speed", self.speeds, "rad/s", ".2f")]
+        for at in chosen:
+            label, orbit, phase = place_label(at), self.orbit(at), self.phase(at)
+            columns += [
+                Column(f"{label} orbit", self._own(orbit, at), "m", ".4g", in_micrometres()),
+                Column(f"{label} phase", self._own(phase, at), "rad", ".1f", in_degrees()),
+            ]
+        return columns
+
+    def _own(self, values: Array, at: At) -> Array:
+        """Give the values with the shaft of the place as the source."""
+        return values[:, self._source(at, None)]

@@ -1,7 +1,7 @@
 """Accelerometers on supports, housings and shafts."""
 
 from dataclasses import KW_ONLY, dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from gearbow.description.places import place, place_label
 from gearbow.errors import SceneError
 from gearbow.recording.access import motion
 from gearbow.recording.record import Recorded, recorded_run
-from gearbow.sensors.sensor import SignalSensor, degrees_text
+from gearbow.sensors.sensor import Motion, SignalSensor, degrees_text
 
 __all__ = ["Accelerometer"]
 
@@ -91,8 +91,11 @@ class Accelerometer(SignalSensor):
             sensor measures a system without axial motion.
         """
         run = recorded_run(recording, "recording")
+        measured: Array = self._sensed(lambda quantity, at: motion(run, quantity, at))
+        return measured
+
+    def _sensed(self, motion: Motion) -> Any:
         if self.axial:
-            return motion(run, "axial_acceleration", self.at)
+            return motion("axial_acceleration", self.at)
         direction = np.array([np.cos(self.angle), np.sin(self.angle)])
-        along: Array = motion(run, "acceleration", self.at) @ direction
-        return along
+        return motion("acceleration", self.at) @ direction

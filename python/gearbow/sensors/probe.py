@@ -12,7 +12,7 @@ from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.recording.access import Quantity, angle, motion
 from gearbow.recording.record import Recorded, recorded_run
-from gearbow.sensors.sensor import SignalSensor, degrees_text
+from gearbow.sensors.sensor import Motion, SignalSensor, degrees_text
 from gearbow.units.convert import is_quantity, magnitude
 
 __all__ = ["Probe", "RunOut"]
@@ -115,18 +115,19 @@ class Probe(SignalSensor):
             If the function of the run-out gives no finite numbers.
         """
         run = recorded_run(recording, "recording")
-        place = (self.shaft, self.position)
-        quantity: Quantity = "axial" if self.axial else "displacement"
-        moved = motion(run, quantity, place)
-        if self.support is not None:
-            moved = moved - motion(run, quantity, self.support)
-        direction = np.array([np.cos(self.angle), np.sin(self.angle)])
-        towards: Array = moved if self.axial else moved @ direction
+        towards: Array = self._sensed(lambda quantity, at: motion(run, quantity, at))
         if self.runout is None:
             return towards
-        return towards + self._runout(
-            self.angle - angle(run, self.shaft) - motion(run, "twist", place)
-        )
+        twist = motion(run, "twist", (self.shaft, self.position))
+        return towards + self._runout(self.angle - angle(run, self.shaft) - twist)
+
+    def _sensed(self, motion: Motion) -> Any:
+        quantity: Quantity = "axial" if self.axial else "displacement"
+        moved = motion(quantity, (self.shaft, self.position))
+        if self.support is not None:
+            moved = moved - motion(quantity, self.support)
+        direction = np.array([np.cos(self.angle), np.sin(self.angle)])
+        return moved if self.axial else moved @ direction
 
     def _runout(self, angles: Array) -> Array:
         """Give the run-out at angles in the shaft."""

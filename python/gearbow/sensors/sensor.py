@@ -2,13 +2,18 @@
 
 import math
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from collections.abc import Callable
+from typing import Any, ClassVar, TypeAlias
 
 from gearbow._shown import Shown
-from gearbow._types import Array
+from gearbow._types import Array, At
 from gearbow.recording.record import Recorded
 
-__all__ = ["Sensor", "SignalSensor", "degrees_text"]
+__all__ = ["Motion", "Sensor", "SignalSensor", "degrees_text"]
+
+#: A quantity ("displacement", "axial_acceleration", …) of the motion of a place: over time, or its
+#: phasors.
+Motion: TypeAlias = Callable[[Any, At], Any]
 
 
 class Sensor(Shown, ABC):
@@ -29,6 +34,10 @@ class SignalSensor(Sensor):
     @abstractmethod
     def label(self) -> str:
         """Name of the signal in tables and figures."""
+
+    @abstractmethod
+    def _sensed(self, motion: Motion) -> Any:
+        """Give the part of the signal that is linear in the motion."""
 
 
 def degrees_text(angle: float) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._convert import number, text, whole
+from gearbow._times import crossings
 from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.recording import access
@@ -14,9 +15,6 @@ from gearbow.recording.record import Recorded, RunRecord, recorded_run
 from gearbow.sensors.sensor import Sensor
 
 __all__ = ["Tacho"]
-
-#: Steps of the safeguarded Newton iteration; bisection alone reaches round-off in as many.
-_STEPS = 64
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,7 @@ class Tacho(Sensor):
             return np.empty(0)
         nodes, angle, rate = self._rotation(run)
         spacing = 2.0 * np.pi / self.pulses
-        return _crossings(
+        return crossings(
             nodes, lambda t: (angle(t) - self.angle) / spacing, lambda t: rate(t) / spacing
         )
 
@@ -123,39 +121,6 @@ class Tacho(Sensor):
             lambda t: angle(t) + _cubic(time, twist, twist_rate, t),
             lambda t: rate(t) + _cubic_rate(time, twist, twist_rate, t),
         )
-
-
-def _crossings(
-    nodes: Array, turned: Callable[[Array], Array], rate: Callable[[Array], Array]
-) -> Array:
-    """Find the times at which a function, monotone between the nodes, is a whole number."""
-    values = turned(nodes)
-    low, high, levels = [], [], []
-    for begin, end, first, last in zip(nodes, nodes[1:], values, values[1:], strict=False):
-        if last > first:
-            whole_numbers = np.arange(np.ceil(first), np.ceil(last))
-        else:
-            whole_numbers = np.arange(np.floor(first), np.floor(last), -1.0)
-        levels.append(whole_numbers)
-        low.append(np.full(whole_numbers.size, begin))
-        high.append(np.full(whole_numbers.size, end))
-    if not levels:
-        return np.empty(0)
-    level, left, right = (np.concatenate(parts) for parts in (levels, low, high))
-    rising = turned(right) > turned(left)
-    t = (left + right) / 2.0
-    for _ in range(_STEPS):
-        excess = turned(t) - level
-        passed = (excess >= 0.0) == rising
-        left, right = np.where(passed, left, t), np.where(passed, t, right)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            newton = t - excess / rate(t)
-        # Newton's step, or the middle of the bracket where the step leaves it.
-        following = np.where((newton >= left) & (newton <= right), newton, (left + right) / 2.0)
-        if np.array_equal(following, t):
-            break
-        t = following
-    return np.sort(t)
 
 
 def _cubic(time: Array, values: Array, rates: Array, t: Array) -> Array:

@@ -47,7 +47,8 @@ def simulate_many(
     executor : concurrent.futures.Executor, optional
         Runs the variations; None is one thread for each core. Processes share no modes.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction of the variations.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction of the variations.
     **options
         Further arguments of `simulate`, except `checkpoint`.
 
@@ -96,7 +97,9 @@ def simulate_many(
     arguments = ((system, changes, duration, speed, options) for changes in wanted)
     calls = ParallelCalls(_simulate, arguments, executor)
     try:
-        with reported(progress, total, "runs", estimate=False, numbers=".0f") as report:
+        with reported(
+            progress, total, "runs", what="simulate_many", estimate=False, numbers=".0f"
+        ) as report:
             calls.collect(keep, lambda: report and report(len(responses) / total))
     except BaseException as error:
         error.responses = list(map(responses.get, range(total)))  # type: ignore[attr-defined]

@@ -7,22 +7,24 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, overload
 
+import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import text
+from gearbow._convert import shown, text
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._lookup import nearest
-from gearbow._shown import Shown
+from gearbow._result import Column, Result
+from gearbow._shown import Shown, short
 from gearbow._types import Plain
-from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, outside
+from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording.container import suffix, write_netcdf
 from gearbow.sweeps import store, tables
 from gearbow.sweeps.outcome import Outcome, Values
 from gearbow.sweeps.points import Points
+from gearbow.units.fields import DIMENSIONLESS, unit_of
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
 
@@ -61,7 +63,7 @@ class SweepPoint(Shown):
     details: str = field(default="", repr=False)
 
 
-class Sweep(Shown, Sequence[SweepPoint]):
+class Sweep(Result, Sequence[SweepPoint]):
     """Measured values of many systems, made by `gearbow.sweep`.
 
     A sweep is the sequence of its points, in the order of the parameters: the last parameter of a
@@ -94,6 +96,8 @@ class Sweep(Shown, Sequence[SweepPoint]):
     [[1074.  314.]
      [1100.  379.]]
     """
+
+    _own_endings = (store.SUFFIX, ".nc")
 
     def __init__(
         self,
@@ -200,26 +204,36 @@ class Sweep(Shown, Sequence[SweepPoint]):
         named = {name: self.values(name) for name in self._names()}
         return tables.to_xarray(self._points, named)
 
-    def plot(self, name: str, *, ax: Any = None) -> "Figure":
-        """Draw a value over one or two parameters of a grid.
+    def plot(
+        self,
+        name: str | None = None,
+        *,
+        units: Mapping[str, str] | None = None,
+        ax: Any = None,
+    ) -> "Figure":
+        """Draw a value over one, two or three parameters of a grid.
 
         Parameters
         ----------
-        name : str
-            Name of the value, a number at each point.
-        ax : Axes, optional
-            Panel for the value; None makes a new figure.
+        name : str, optional
+            Name of the value, a number at each point; None if there is only one.
+        units : mapping of {str: str}, optional
+            Units of parameters and values for the labels, e.g. ``{"bow": "m"}``. A parameter with
+            the name of a field of a part, such as ``outer_diameter``, has the unit of this field.
+        ax : Axes or sequence of Axes, optional
+            Panel for the value, for three parameters one for each value of the first; None makes a
+            new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
-            A line over one parameter; a map with colours over two. Points that failed are empty.
-            The figure is neither shown nor saved.
+            A line over one parameter; a map with colours over two; such a map for each value of the
+            first one of three. Points that failed are empty. The figure is neither shown nor saved.
 
         Raises
         ------
         GearbowError
-            If the sweep is no grid, not one or two of its parameters vary, one of them is not
+            If the sweep is no grid, not one to three of its parameters vary, one of them is not
             numeric, the value is no number, or `ax` is not one panel.
         """
         with extra("plot"):
@@ -228,73 +242,52 @@ class Sweep(Shown, Sequence[SweepPoint]):
         if self._points.axes is None:
             raise GearbowError("plot: needs a sweep over a grid; read values and draw them")
         axes = {key: axis for key, axis in self.parameters.items() if len(axis) > 1}
-        if len(axes) not in (1, 2):
+        if len(axes) not in (1, 2, 3):
             raise GearbowError(
-                f"plot: draws one or two parameters, but {len(axes)} vary: "
+                f"plot: draws one to three parameters, but {len(axes)} vary: "
                 f"{', '.join(axes) or 'none'}"
             )
         for key, axis in axes.items():
             if not all(isinstance(value, int | float) for value in axis):
                 raise GearbowError(f"plot: the parameter {key} is not numeric")
         values = self.values(name)
+        name = name or self._names()[0]
         if values.ndim != len(self._points.shape) or values.dtype.kind not in "biuf":
             raise GearbowError(f"plot: {name} is not one number at each point")
-        return figures.sweep(axes, values.squeeze(), name, ax=ax)
+        known = {key: unit for key in axes if (unit := unit_of(key)) not in (None, DIMENSIONLESS)}
+        if units is not None and not isinstance(units, Mapping):
+            raise SceneError(f"units: must be a mapping of names to units, got {shown(units)}")
+        named = {**known, **{key: text(unit, "units") for key, unit in (units or {}).items()}}
+        labels = {key: f"{key} [{named[key]}]" if key in named else key for key in (*axes, name)}
+        return figures.sweep(axes, values.squeeze(), name, labels=labels, ax=ax)
 
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the sweep as a table with one row for each point.
+    def _heading(self, speed_unit: Any) -> list[str]:  # noqa: ARG002  # a sweep has no speeds
+        return [repr(self)]
 
-        Returns
-        -------
-        pandas.DataFrame
-            One column for each parameter and each value, ``name[0]``, ``name[1]``... for the
-            entries of an array, and "error", which is empty for a point that did not fail. For
-            points without values, see `values`.
+    def _columns(self) -> list[Column]:
+        """Give a row for each point; a value that is no number is a short text."""
+        given = [point.parameters for point in self]
+        names = self._points.names
+        columns = [Column(name, _plain([one[name] for one in given])) for name in names]
+        found = [point.values or {} for point in self]
+        for name in self._names():
+            values = [one.get(name, np.nan) for one in found]
+            columns.append(Column(name, _plain([np.asarray(value)[()] for value in values])))
+        errors = [point.error for point in self]
+        return [*columns, Column("error", errors)] if any(errors) else columns
 
-        Raises
-        ------
-        GearbowError
-            If the shape of a value differs between points, or a value has the name of a parameter.
-        MissingExtraError
-            If pandas is not installed.
-        """
+    def _series(self) -> list[Column]:
         named = {name: self.values(name) for name in self._names()}
-        return tables.to_dataframe(self._points, named, [point.error for point in self])
+        return tables.columns(self._points, named, [point.error for point in self])
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the sweep to a file, whose suffix means the format.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. ".sweep" is the format of the argument `store` of `gearbow.sweep`, which
-            `load` reads; it has everything. ".nc" (netCDF) has the data set of `to_xarray`, with
-            the real and the imaginary part of complex values as two variables. ".csv" has the table
-            of `to_dataframe`.
-
-        Raises
-        ------
-        SceneError
-            If the name has another ending, or a parameter in a ".sweep" file is neither a number, a
-            text, None nor a list of them.
-        GearbowError
-            If the values have no data set or no table, see `to_xarray`.
-        MissingExtraError
-            If a library for the format is missing.
-        OSError
-            If the file cannot be written. An existing file is unchanged.
-        """
-        path, ending = suffix(path, endings=(store.SUFFIX, ".nc", ".csv"))
+    def _save_own(self, path: Any, ending: str) -> None:
         if ending == store.SUFFIX:
             store.write(path, self._head(), self._outcomes)
-        elif ending == ".csv":
-            content = self.to_dataframe().to_csv(index=False).encode()
-            with replacing(path) as file:
-                file.write(content)
-        else:
-            dataset = tables.for_netcdf(self.to_xarray())
-            with replacing(path) as file:
-                write_netcdf(dataset, file)
+            return
+        suffix(path)
+        dataset = tables.for_netcdf(self.to_xarray())
+        with replacing(path) as file:
+            write_netcdf(dataset, file)
 
     def _head(self) -> dict[str, Plain]:
         return store.head_of(*self._functions, self._points.plain())
@@ -368,3 +361,9 @@ class Sweep(Shown, Sequence[SweepPoint]):
         counts = [f"{len(self)} points"]
         counts += [f"{failed} failed"] * bool(failed) + [f"{missing} not computed"] * bool(missing)
         return f"{type(self).__name__}({text}: {', '.join(counts)})"
+
+
+def _plain(values: Sequence[Any]) -> Sequence[Any]:
+    """Give numbers and texts as they are, and other values as short texts."""
+    plain = all(isinstance(value, bool | int | float | str | np.generic) for value in values)
+    return values if plain else [short(value) for value in values]

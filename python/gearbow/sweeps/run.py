@@ -57,7 +57,8 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
         refused: other parameters, functions, or versions of gearbow or Python. What `make` and
         `measure` call in other modules is not compared.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction.
 
     Returns
     -------
@@ -111,7 +112,9 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
 
             calls = ParallelCalls(compute, ((make, measure, points[i]) for i in missing), executor)
             total = len(points)
-            with reported(progress, total, "points", estimate=False, numbers=".0f") as report:
+            with reported(
+                progress, total, "points", what="sweep", estimate=False, numbers=".0f"
+            ) as report:
                 if report is not None:  # a resumed sweep begins with a completed fraction
                     report(len(outcomes) / total)
                 calls.collect(keep, lambda: report and report(len(outcomes) / total))

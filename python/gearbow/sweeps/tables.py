@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 
 from gearbow._core import require_memory
 from gearbow._extras import extra
+from gearbow._result import Column
 from gearbow.errors import GearbowError
 from gearbow.sweeps.outcome import Outcome
 from gearbow.sweeps.points import Points
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
-__all__ = ["column", "for_netcdf", "shape_of", "to_dataframe", "to_xarray"]
+__all__ = ["column", "columns", "for_netcdf", "shape_of", "to_xarray"]
 
 
 def shape_of(name: str, outcomes: Mapping[int, Outcome]) -> tuple[int, ...]:
@@ -87,12 +87,10 @@ def for_netcdf(data: "xr.Dataset") -> "xr.Dataset":
     return plain
 
 
-def to_dataframe(
+def columns(
     points: Points, values: Mapping[str, NDArray[Any]], errors: Sequence[str]
-) -> "pd.DataFrame":
-    """Return values as a table; see `Sweep.to_dataframe`."""
-    with extra("sweep"):
-        import pandas as pd  # noqa: PLC0415
+) -> list[Column]:
+    """Return values as columns, with one for each entry of an array."""
     _check_names(points, values)
     rows = [points[number] for number in range(len(points))]
     table: dict[str, Any] = {name: [row[name] for row in rows] for name in points.names}
@@ -104,8 +102,8 @@ def to_dataframe(
             label = f"{name}[{', '.join(map(str, entry))}]" if entry else name
             index = (slice(None), *entry)
             table[label] = flat[index]
-    frame: pd.DataFrame = pd.DataFrame(table | {"error": list(errors)})
-    return frame
+    table |= {"error": list(errors)}
+    return [Column(name, found) for name, found in table.items()]
 
 
 def _check_names(points: Points, values: Mapping[str, NDArray[Any]]) -> None:

@@ -1,6 +1,7 @@
 """Branches of steady states of a system over a parameter."""
 
 import math
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -9,8 +10,10 @@ import numpy as np
 
 from gearbow._convert import number, text, whole
 from gearbow._core import (
+    KeptModes,
     common_period,
     corrected_states,
+    kept_modes,
     multipliers,
     recorded_period,
     user_order,
@@ -18,18 +21,21 @@ from gearbow._core import (
 from gearbow._lookup import one_of
 from gearbow._progress import reported
 from gearbow._types import Array, ComplexArray, Progress, Record, RunData
+from gearbow.accuracy.levels import LEVELS, check_reduction
 from gearbow.analysis.arclength import Settings, branch
 from gearbow.analysis.branch_point import BranchPoint
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import Bow
 from gearbow.description.kinematics import Kinematics
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
 from gearbow.results.continuation import UNITS, BranchData, Continuation, summary
 from gearbow.results.response import Response
 from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
 from gearbow.system.linear import matrices
 from gearbow.system.run import requests
+from gearbow.system.simulation import accuracy_level
 from gearbow.system.steady import period_samples, steady_state
+from gearbow.units.speed import SpeedUnit, given_unit
 
 __all__ = ["continuation"]
 
@@ -50,7 +56,8 @@ def continuation(
     speed: float | None = None,
     periods: int = 1,
     max_period: float = 10.0,
-    rtol: float = 1e-9,
+    accuracy: str | None = None,
+    rtol: float | None = None,
     first_step: float = 0.02,
     max_points: int = 400,
     initial: str | SteadyState = "static",
@@ -74,8 +81,11 @@ def continuation(
         Period of the motion in common periods of the excitation.
     max_period : float
         Longest accepted common period [s].
-    rtol : float
-        Tolerance of the integration.
+    accuracy : {"draft", "engineering", "reference"}, optional
+        Accuracy of the motion, as for `simulate`. All points keep the same modes: those that
+        the motion at `begin` needs, at the faster end of a branch over the speed.
+    rtol : float, optional
+        Tolerance of the integration in place of the accuracy; all modes are kept.
     first_step : float
         First step along the branch, over the interval.
     max_points : int
@@ -88,12 +98,14 @@ def continuation(
     geometry : {"live", "frozen"}
         As for `simulate`.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction of the points.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction of the points.
 
     Returns
     -------
     Continuation
-        The branch. Where it cannot be followed further, `Continuation.message` says why.
+        The branch. Where it ends before `end`, `Continuation.message` and an `AccuracyWarning`
+        say why.
 
     Raises
     ------
@@ -104,35 +116,50 @@ def continuation(
     KeyboardInterrupt
         At Ctrl-C. The exception has the attribute `.branch`: the branch so far.
     """
+    given = (begin, end) if speed is None else speed
+    unit = given_unit(given) or self._speed_unit
     _check(parameter, begin, end, speed)
     begin, end = number(begin, "begin"), number(end, "end")
     length, most = number(first_step, "first_step"), whole(max_points, "max_points")
     if not length > 0.0:
         raise SceneError(f"first_step: must be positive, got {length}")
     at = begin if speed is None else number(speed, "speed")
-    geometry, rtol = text(geometry, "geometry"), number(rtol, "rtol")
-    periods = whole(periods, "periods")
+    geometry, periods = text(geometry, "geometry"), whole(periods, "periods")
+    fastest = max(begin, end, key=abs) if speed is None else at
+    level, _ = accuracy_level(self, accuracy, {"rtol": rtol}, fastest)
+    if rtol is not None:
+        rtol = number(rtol, "rtol")
     family = _Family(self, parameter, at)
+    family.speed_unit = unit
     first = family.system(begin)
     longest = number(max_period, "max_period")
     common = periods * common_period(first._model, at, None, longest)
     wanted = requests(record)
     found = steady_state(
-        first, at, period=common, rtol=rtol, initial=initial, geometry=geometry, record=wanted
+        first,
+        at,
+        period=common,
+        accuracy=accuracy,
+        rtol=rtol,
+        initial=initial,
+        geometry=geometry,
+        record=wanted,
     )
     motion = _Motion(
         family,
         wanted,
-        (rtol, geometry),
+        _Run(None if level is None else level.name, rtol, geometry),
         (periods, longest),
         _samples(self, common, at),
     )
+    if level is not None:
+        motion.keep_modes(begin, fastest)
     settings = Settings(
         begin,
         end,
         length,
         most,
-        tolerance=_RESIDUAL * rtol,
+        tolerance=_RESIDUAL * motion.run.tolerance,
     )
     return _followed(motion, motion.unknowns(found), settings, progress)
 
@@ -154,7 +181,9 @@ def _followed(
     points: list[BranchPoint] = []
     message = ""
     try:
-        with reported(progress, settings.max_points, "points", estimate=False) as report:
+        with reported(
+            progress, settings.max_points, "points", what="continuation", estimate=False
+        ) as report:
             for point in branch(motion, first, settings):
                 points.append(point)
                 if report is not None:
@@ -169,6 +198,10 @@ def _followed(
     ended = len(points) > 1 and points[-1].value in (settings.begin, settings.end)
     if not message and not ended:
         message = f"max_points: {settings.max_points} points reach {points[-1].value:.6g}"
+    if message:
+        parameter = motion.family.parameter
+        text = f"continuation: the branch ends before {parameter} {settings.end:.6g}: {message}"
+        warnings.warn(text, AccuracyWarning, stacklevel=outside())
     return motion.result(points, message)
 
 
@@ -186,6 +219,7 @@ class _Family:
             base = type(base)._from_description(base._model.resolved())
         self.base, self.parameter, self.fixed = base, parameter, speed
         self._last: tuple[float, System] = (math.nan, base)
+        self.speed_unit: SpeedUnit = "rad/s"
 
     def speed(self, value: float) -> float:
         """Speed of the reference shaft [rad/s]."""
@@ -269,6 +303,20 @@ class _Modes:
         return np.hstack([q @ self.shapes.T, unknowns[:, n - rigid :] @ self.shapes.T])
 
 
+@dataclass(frozen=True)
+class _Run:
+    """Accuracy and geometry of the runs."""
+
+    accuracy: str | None
+    rtol: float | None
+    geometry: str
+
+    @property
+    def tolerance(self) -> float:
+        """Relative tolerance of the integration."""
+        return LEVELS[self.accuracy].rtol if self.accuracy is not None else self.rtol or 0.0
+
+
 class _Motion:
     """Steady states over the unknowns of the first system: a `gearbow.analysis.arclength.Map`."""
 
@@ -276,15 +324,25 @@ class _Motion:
         self,
         family: _Family,
         record: list[Any],
-        run: tuple[float, str],
+        run: _Run,
         period: tuple[int, float],
         samples: int,
     ) -> None:
         self.family, self.record, self.samples = family, record, samples
-        self.rtol, self.geometry = run
+        self.run = run
         self.periods, self.longest = period
         self.modes = _Modes.of(family.base, family.fixed)
         self._levels: bytes | None = None
+        self._kept: KeptModes | None = None
+
+    def keep_modes(self, value: float, fastest: float) -> None:
+        """Keep the modes that the system of one value needs at the fastest speed."""
+        system, options = self._options(value)
+        options |= {"speed": fastest, "initial": "synchronous"}
+        options["duration"] = self._period(system, fastest)
+        self._kept = kept_modes(system._model, record=self.record, **options)
+        if self._kept is not None and self.run.accuracy is not None:
+            check_reduction(self._kept, LEVELS[self.run.accuracy], given=False)
 
     def unknowns(self, found: SteadyState) -> Array:
         """Give the unknowns of the first steady state."""
@@ -300,6 +358,7 @@ class _Motion:
             system._model,
             states=np.ascontiguousarray(self.modes.states(states)),
             levels=None if adapt else self._levels,
+            kept=self._kept,
             **options,
         )
         return self.modes.unknowns(corrected)
@@ -312,6 +371,7 @@ class _Motion:
             state=self.modes.states(state[None])[0],
             samples=self.samples,
             record=self.record,
+            kept=self._kept,
             **options,
         )
         meshes = {(mesh.driver, mesh.driven): mesh for mesh in self.family.base.meshes}
@@ -327,32 +387,41 @@ class _Motion:
         last = kept["final"]
         options |= {"initial": last, "start": last["time"]}
         return multipliers(
-            system._model, **options, smallest=SMALLEST_MULTIPLIER, record=[], progress=None
+            system._model,
+            **options,
+            smallest=SMALLEST_MULTIPLIER,
+            record=[],
+            progress=None,
+            kept=self._kept,
         )
 
     def _options(self, value: float) -> tuple[System, dict[str, Any]]:
         """Give the system at a value, and the options of its runs."""
         system, speed = self.family.system(value), self.family.speed(value)
-        period = self.periods * common_period(system._model, speed, None, self.longest)
         return system, {
             "initial": "static",
-            "duration": period,
+            "duration": self._period(system, speed),
             "speed": speed,
             "method": "exponential",
             "step": None,
-            "rtol": self.rtol,
+            "rtol": self.run.rtol,
             "stages": None,
             "modes": None,
-            "accuracy": None,
-            "geometry": self.geometry,
+            "accuracy": self.run.accuracy,
+            "geometry": self.run.geometry,
             "start": 0.0,
         }
+
+    def _period(self, system: System, speed: float) -> float:
+        """Give the period of the motion [s]."""
+        return self.periods * common_period(system._model, speed, None, self.longest)
 
     def result(self, points: list[BranchPoint], message: str) -> Continuation:
         """Give the points as a result."""
         speed = self.family.fixed
         signals = Response(summary([point.kept for point in points]), speed)
         signals.kinematics = Kinematics.of(self.family.base)
+        signals.speed_unit = self.family.speed_unit
         multipliers = [
             [(float(z.real), float(z.imag)) for z in point.multipliers] for point in points
         ]

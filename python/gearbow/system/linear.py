@@ -6,8 +6,9 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, number, text, truth, whole
 from gearbow._core import mesh_geometry, require_memory
 from gearbow._lookup import one_of
+from gearbow._progress import working
 from gearbow.analysis.protocol import System
-from gearbow.description.layout import layout
+from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
 from gearbow.description.speed_table import SpeedTable
@@ -17,6 +18,7 @@ from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
+from gearbow.units.speed import given_unit
 
 __all__ = ["campbell", "critical_speed_map", "matrices", "modes", "static", "synchronous"]
 
@@ -53,7 +55,9 @@ def matrices(self: System, speed: float = 0.0, sparse: bool = False) -> Matrices
     return Matrices(**self._model.matrices(number(speed, "speed")), dofs=self.dofs)
 
 
-def modes(self: System, speed: float = 0.0, *, count: int | None = None) -> Modes:
+def modes(
+    self: System, speed: float = 0.0, *, count: int | None = None, progress: bool | None = None
+) -> Modes:
     """Find natural frequencies, damping, whirl and shapes at one speed.
 
     Parameters
@@ -62,6 +66,8 @@ def modes(self: System, speed: float = 0.0, *, count: int | None = None) -> Mode
         Speed of the reference shaft [rad/s].
     count : int, optional
         Number of modes; None is all.
+    progress : bool, optional
+        Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
@@ -76,9 +82,17 @@ def modes(self: System, speed: float = 0.0, *, count: int | None = None) -> Mode
         If the residual of a mode exceeds 1e-4 and the round-off of its shape,
         ``100 ε ω_max/|λ|``.
     """
+    unit = given_unit(speed) or self._speed_unit
     speed = number(speed, "speed")
-    data = self._model.modes(speed, None if count is None else whole(count, "count"))
-    parts = layout(
+    most = None if count is None else whole(count, "count")
+    with working(progress, "modes"):
+        data = self._model.modes(speed, most)
+    return Modes.from_data(data, speed, self.coordinates, _layout(self), speed_unit=unit)
+
+
+def _layout(self: System) -> Layout:
+    """Find the geometry of the train at rest."""
+    return layout(
         self.shafts,
         self.gears,
         self.disks,
@@ -86,11 +100,13 @@ def modes(self: System, speed: float = 0.0, *, count: int | None = None) -> Mode
         self.bearings,
         centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
         couplings=self.couplings,
+        housings=self.housings,
     )
-    return Modes.from_data(data, speed, self.dofs, parts)
 
 
-def static(self: System, speed: float = 0.0, *, geometry: str = "live") -> Static:
+def static(
+    self: System, speed: float = 0.0, *, geometry: str = "live", progress: bool | None = None
+) -> Static:
     """Find the equilibrium under torque, gravity and the non-linear meshes.
 
     Parameters
@@ -103,6 +119,8 @@ def static(self: System, speed: float = 0.0, *, geometry: str = "live") -> Stati
         included.
     geometry : {"live", "frozen"}
         Whether the line of action follows the moving centres or is that at rest.
+    progress : bool, optional
+        Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
@@ -120,11 +138,28 @@ def static(self: System, speed: float = 0.0, *, geometry: str = "live") -> Stati
         If the iteration does not converge: more than 1e-6 of the load of a shaft, support or
         housing remains unbalanced. The error names it.
     """
-    data = self._model.static(text(geometry, "geometry"), number(speed, "speed"))
-    return Static(data, self.coordinates, self.description.get("bearings", ()))
+    unit = given_unit(speed) or self._speed_unit
+    geometry, speed = text(geometry, "geometry"), number(speed, "speed")
+    with working(progress, "equilibrium"):
+        data = self._model.static(geometry, speed)
+    return Static(
+        data,
+        self.coordinates,
+        self.description.get("bearings", ()),
+        layout=_layout(self),
+        speed=speed,
+        speed_unit=unit,
+    )
 
 
-def campbell(self: System, speeds: ArrayLike, *, count: int = 10, harmonics: int = 1) -> Campbell:
+def campbell(
+    self: System,
+    speeds: ArrayLike,
+    *,
+    count: int = 10,
+    harmonics: int = 1,
+    progress: bool | None = None,
+) -> Campbell:
     """Follow the modes over the speed, and find their intersections with excitation lines.
 
     Parameters
@@ -136,6 +171,8 @@ def campbell(self: System, speeds: ArrayLike, *, count: int = 10, harmonics: int
         does not count.
     harmonics : int
         Number of harmonics of every tooth frequency; 0 omits the teeth.
+    progress : bool, optional
+        Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
@@ -154,11 +191,19 @@ def campbell(self: System, speeds: ArrayLike, *, count: int = 10, harmonics: int
     wanted = array(speeds, "speeds")
     count = whole(count, "count")
     harmonics = whole(harmonics, "harmonics", least=0)
-    return Campbell.from_data(wanted, self._model.campbell(wanted, count, harmonics))
+    unit = given_unit(speeds) or self._speed_unit
+    with working(progress, f"Campbell diagram of {wanted.size} speeds"):
+        data = self._model.campbell(wanted, count, harmonics)
+    return Campbell.from_data(wanted, data, speed_unit=unit)
 
 
 def critical_speed_map(
-    self: System, stiffnesses: ArrayLike, *, order: float = 1.0, count: int | None = None
+    self: System,
+    stiffnesses: ArrayLike,
+    *,
+    order: float = 1.0,
+    count: int | None = None,
+    progress: bool | None = None,
 ) -> CriticalSpeedMap:
     """Find the undamped critical speeds against the bearing stiffness.
 
@@ -172,6 +217,8 @@ def critical_speed_map(
     count : int, optional
         Number of the lowest critical speeds at each stiffness; None is all. Time and memory
         then grow linearly with the number of elements.
+    progress : bool, optional
+        Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
@@ -199,12 +246,19 @@ def critical_speed_map(
     size = 500.0 * wanted.size * (1 + min(count or 2 * len(self.dofs), 2 * len(self.dofs)))
     what = f"the critical speeds at {wanted.size} stiffnesses"
     require_memory("stiffnesses", what, size, "give fewer stiffnesses, or a smaller count")
-    found = self._model.critical_speed_map(wanted, order, count)
+    with working(progress, f"critical speeds at {wanted.size} stiffnesses"):
+        found = self._model.critical_speed_map(wanted, order, count)
     actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
-    return CriticalSpeedMap.from_rows(wanted, order, found, actual)
+    return CriticalSpeedMap.from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
 
 
-def synchronous(self: System, speeds: ArrayLike, *, excitation: str = "both") -> Synchronous:
+def synchronous(
+    self: System,
+    speeds: ArrayLike,
+    *,
+    excitation: str = "both",
+    progress: bool | None = None,
+) -> Synchronous:
     """Find the linear response to bow and unbalance, without time stepping.
 
     Parameters
@@ -213,6 +267,8 @@ def synchronous(self: System, speeds: ArrayLike, *, excitation: str = "both") ->
         Speeds of the reference shaft [rad/s].
     excitation : {"both", "bow", "unbalance"}
         The excitation.
+    progress : bool, optional
+        Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
@@ -239,7 +295,8 @@ def synchronous(self: System, speeds: ArrayLike, *, excitation: str = "both") ->
     """
     wanted = array(speeds, "speeds")
     one_of(excitation, ("both", "bow", "unbalance"), "excitation")
-    data = self._model.synchronous(wanted, excitation)
+    with working(progress, f"synchronous response at {wanted.size} speeds"):
+        data = self._model.synchronous(wanted, excitation)
     return Synchronous(
         speeds=wanted,
         shafts=tuple(self._model.shafts),
@@ -252,6 +309,7 @@ def synchronous(self: System, speeds: ArrayLike, *, excitation: str = "both") ->
         _bearings=tuple(data["bearings"]),
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
+        speed_unit=given_unit(speeds) or self._speed_unit,
     )
 
 

@@ -32,6 +32,7 @@ from gearbow.results.discretisation import Discretisation
 from gearbow.sweeps.many import simulate_many
 from gearbow.system.continuation import continuation
 from gearbow.system.drawing import plot
+from gearbow.system.frequency import frequency_response, mesh_response
 from gearbow.system.linear import (
     campbell,
     critical_speed_map,
@@ -44,6 +45,7 @@ from gearbow.system.simulation import default_output_step, require_memory_of_run
 from gearbow.system.steady import steady_state
 from gearbow.tradeoff.ask import tradeoff
 from gearbow.units.convert import without_texts
+from gearbow.units.speed import SpeedUnit, unit_in_texts
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -176,6 +178,8 @@ class RotorSystem(CheckedKeywords, Shown):
     gravity: float | tuple[float, float] | None
     motion: str | None
     accuracy: str
+    #: Unit of speeds in tables and figures: rpm if the texts of the scene have it.
+    _speed_unit: SpeedUnit = "rad/s"
 
     def __init__(
         self,
@@ -248,7 +252,9 @@ class RotorSystem(CheckedKeywords, Shown):
         """Make a system that was checked before, without warnings."""
         plain = copied(without_texts(description), "")
         with showing(plain):
-            return cls._from_model(Model(plain))
+            system = cls._from_model(Model(plain))
+        system._speed_unit = unit_in_texts(description)
+        return system
 
     @classmethod
     def from_dict(cls, description: Mapping[str, Plain]) -> "Self":
@@ -312,9 +318,11 @@ class RotorSystem(CheckedKeywords, Shown):
         """
         from gearbow.system.scene_file import read_scene  # noqa: PLC0415  # with a TOML parser
 
-        model = read_scene(path)
-        _warn(model)
-        return cls._from_model(model)
+        scene = read_scene(path)
+        _warn(scene.model)
+        system = cls._from_model(scene.model)
+        system._speed_unit = scene.speed_unit
+        return system
 
     @classmethod
     def from_ross(cls, path: str | os.PathLike[str]) -> "Self":
@@ -323,7 +331,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Parameters
         ----------
         path : str or path-like
-            A file of ``rotor.save`` of ROSS 2, ``.toml`` or ``.json``.
+            A file of ``rotor.save`` of ROSS 2 or 3, ``.toml`` or ``.json``.
 
         Returns
         -------
@@ -339,6 +347,12 @@ class RotorSystem(CheckedKeywords, Shown):
         OSError
             If the file cannot be opened.
 
+        Warns
+        -----
+        SceneWarning
+            If a table of ROSS 3 over speed and frequency is read at the frequency of the speed, or
+            the rotor is implausible.
+
         Notes
         -----
         The axes x, y, z of ROSS are y, z, x here. https://ross.readthedocs.io
@@ -346,6 +360,71 @@ class RotorSystem(CheckedKeywords, Shown):
         from gearbow.exchange.ross import read_ross  # noqa: PLC0415  # with a TOML parser
 
         return cls.from_dict(read_ross(path))
+
+    @classmethod
+    def read_rexs(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        load_case: int | None = None,
+        bearings: Mapping[str, object] | None = None,
+        couplings: Mapping[str, object] | None = None,
+    ) -> "Self":
+        """Read a gear unit from a REXS file.
+
+        REXS is the exchange format of FVA for gear units. It contains shafts, gears, stages and
+        load cases, but seldom the stiffness of bearings, which is given by name.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive) of version 1.0 to
+            2.0.
+        load_case : int, optional
+            Number of the load case in the order of the file, from 1, whose torques and forces act.
+            None is the only one. `gearbow.rexs_contents` lists them, with their speeds.
+        bearings : mapping of str to float, mapping or None, optional
+            What the file does not contain, by the name of the bearing: a stiffness for the
+            directions in which the file says that it carries [N/m]; or parameters of
+            `gearbow.Bearing`, `gearbow.RollingBearing` or `gearbow.JournalBearing` without shaft
+            and position; or None to leave the bearing out. "other" is for all bearings without an
+            entry, except those between two shafts.
+        couplings : mapping of str to float, mapping or None, optional
+            The same for couplings: a torsional stiffness [N m/rad], or parameters of
+            `gearbow.Coupling`.
+
+        Returns
+        -------
+        RotorSystem
+            The train, with the names of the file. The axes u, v, w of its reference shaft are x, y,
+            z. Its reference shaft is the one whose speed the file defines.
+
+        Raises
+        ------
+        SceneError
+            If the file is damaged, has a component that gearbow cannot represent, for example a
+            ring gear, or does not contain a value that is not given either; the message names it.
+        OSError
+            If the file cannot be opened.
+
+        Warns
+        -----
+        SceneWarning
+            What gearbow assumes or leaves out, and what is implausible.
+
+        Notes
+        -----
+        https://www.rexs.info
+        """
+        from gearbow.exchange.rexs import read_system  # noqa: PLC0415  # with a parser of XML
+
+        description, contents = read_system(path, load_case, bearings, couplings)
+        for note in contents.notes:
+            warnings.warn(f"{os.fspath(path)}: {note}", SceneWarning, stacklevel=outside())
+        try:
+            return cls.from_dict(description)
+        except SceneError as error:
+            raise SceneError(f"{os.fspath(path)}: {error}") from None
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the description to a TOML file.
@@ -410,6 +489,7 @@ class RotorSystem(CheckedKeywords, Shown):
         """
         system = type(self)(**self._changed(changes))
         system._model.share(self._model)
+        system._speed_unit = self._speed_unit
         return system
 
     def _variation(self, **changes: Any) -> "Self":
@@ -420,6 +500,7 @@ class RotorSystem(CheckedKeywords, Shown):
         description = system._read(lists, {key: given[key] for key in _OPTIONS})
         with showing(description):
             system._model = self._model.variation(description)
+        system._speed_unit = self._speed_unit
         _warn(system._model)
         return system
 
@@ -523,7 +604,14 @@ class RotorSystem(CheckedKeywords, Shown):
         """
         own = (bearing.support for bearing in self.bearings)
         bases = names_of_bases(own, *self.supports, *self.housings)
-        return Coordinates.of(self.dofs, self.gears, self.disks, bases, self.housings)
+        return Coordinates.of(
+            self.dofs,
+            self.gears,
+            self.disks,
+            bases=bases,
+            housings=self.housings,
+            shafts=self.shafts,
+        )
 
     plot = plot
     matrices = matrices
@@ -532,6 +620,8 @@ class RotorSystem(CheckedKeywords, Shown):
     campbell = campbell
     critical_speed_map = critical_speed_map
     synchronous = synchronous
+    frequency_response = frequency_response
+    mesh_response = mesh_response
     balance = balance
     simulate = simulate
     simulate_many = simulate_many

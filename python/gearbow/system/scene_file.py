@@ -3,13 +3,14 @@
 import os
 import re
 import sys
-from typing import Any
+from typing import Any, NamedTuple
 
 from gearbow._convert import copied, showing
 from gearbow._core import Model
 from gearbow._files import reading
 from gearbow.errors import SceneError
 from gearbow.units.convert import without_texts
+from gearbow.units.speed import SpeedUnit, unit_in_texts
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -21,19 +22,26 @@ __all__ = ["read_scene"]
 _NUL = re.compile(r"\\(u0000|U00000000)")
 
 
-def read_scene(path: str | os.PathLike[str]) -> Model:
+class Scene(NamedTuple):
+    """A scene file: its model, and the unit of speeds in its texts."""
+
+    model: Model
+    speed_unit: SpeedUnit
+
+
+def read_scene(path: str | os.PathLike[str]) -> Scene:
     """Read a scene file."""
     with reading(path) as document:
         try:
             plain = tomllib.loads(document)
         except tomllib.TOMLDecodeError:
             try:
-                return Model.from_toml(document)  # which describes the error
+                return Scene(Model.from_toml(document), "rad/s")  # which describes the error
             except SceneError as error:
                 raise _with_remedy(error, document) from None
         converted = without_texts(plain)
         with showing(plain):
-            return _model(document, plain, converted)
+            return Scene(_model(document, plain, converted), unit_in_texts(plain))
 
 
 def _model(document: str, plain: Any, converted: Any) -> Model:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import number, text, whole
 from gearbow._core import require_memory
-from gearbow._progress import reported
+from gearbow._progress import reported, working
 from gearbow._times import distinct, grid
 from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
 from gearbow.accuracy.levels import DEFAULT, LEVELS, Level, check_reduction, find_level, tolerance
@@ -30,6 +30,7 @@ from gearbow.system.run import (
     requests,
     warn_of_early_end,
 )
+from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
     from gearbow.system.checkpoint import Checkpoint
@@ -120,7 +121,8 @@ def simulate(
     start : float, optional
         Time at the start [s]; 0 by default.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction.
     checkpoint : str or path-like, optional
         A ``.npz`` or ``.nc`` file for the state and the recorded data during the run. After an
         interruption, the same call continues the run, with the same result as without
@@ -180,11 +182,12 @@ def simulate(
     state, begin = beginning(initial, start)
     profile = given_speed(speed, begin, duration)
     warn_of_early_end(speed, profile, begin + duration)
-    system = self._over_time(begin, duration)
     given = {"method": method, "step": step, "rtol": rtol}
     if accuracy is not None:
         given |= {"stages": stages}
-    level, coarse = accuracy_level(system, accuracy, given, profile)
+    with working(None if progress is None else progress is True, "simulate: elements"):
+        system = self._over_time(begin, duration)
+        level, coarse = accuracy_level(system, accuracy, given, profile)
     if method is None:
         method = "exponential"
     arguments: dict[str, Any] = {
@@ -212,6 +215,7 @@ def simulate(
         if modes is not None or level is not None:
             level = level or LEVELS[system.accuracy]
             check_reduction(response.statistics, level, given=modes is not None)
+        response.speed_unit = given_unit(speed) or self._speed_unit
         if file is not None:
             file.finish(response.to_record())
     return response
@@ -327,7 +331,9 @@ def _run(
         )
 
     try:
-        with reported(progress, arguments["duration"]) as report:
+        with reported(
+            progress, arguments["duration"], what="simulate", setup="modes, pilot runs"
+        ) as report:
             if file is None:
                 data = core(wanted, None, report)
             else:
@@ -352,5 +358,6 @@ def _response(
     speed, arguments = run
     response = Response(in_order(data, rows), speed)
     response.kinematics = Kinematics.of(system)
+    response.speed_unit = system._speed_unit
     response.request = RunRequest(system.description, arguments)
     return response

@@ -24,6 +24,7 @@ from gearbow.results.steady import SteadyState
 from gearbow.system.run import beginning, given_speed, in_order, requests
 from gearbow.system.simulation import accuracy_level
 from gearbow.system.superposition import Superposition, recorded_duration
+from gearbow.units.speed import given_unit
 
 __all__ = ["period_samples", "steady_state"]
 
@@ -89,12 +90,14 @@ def steady_state(
     start : float, optional
         Time at the start [s]; 0 by default.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction.
 
     Returns
     -------
     SteadyState
-        One period of the motion; without a common period, ten turns of the slowest shaft.
+        One period of the motion. Without a common period, ten turns of the slowest shaft, or the
+        longer time up to `max_period` that separates the default orders of `Response.orders`.
 
     Raises
     ------
@@ -119,6 +122,7 @@ def steady_state(
     True
     """
     state, begin = beginning(initial, start)
+    unit = given_unit(speed) or self._speed_unit
     speed = number(speed, "speed")
     longest = number(max_period, "max_period", infinite=True)
     geometry = text(geometry, "geometry")
@@ -150,6 +154,7 @@ def steady_state(
     if modes is not None or level is not None:
         level = level or LEVELS[system.accuracy]
         check_reduction(response.statistics, level, given=modes is not None)
+    response.speed_unit = unit
     return SteadyState(response, about, system._model)
 
 
@@ -166,11 +171,11 @@ def _period(
     except SceneError:
         sources = Superposition.of(system, speed, geometry)
         if sources is not None:
-            return min(sources.duration, longest), sources
+            return recorded_duration(system, speed, longest), sources
         section = section_length(system._model, speed, longest)
         if section is None:
             raise
-        count = math.ceil(min(recorded_duration(system, speed), longest) / section)
+        count = math.ceil(recorded_duration(system, speed, longest) / section)
         return count * section, longest
 
 
@@ -178,6 +183,7 @@ def _response(system: System, data: RunData, speed: float, arguments: dict[str, 
     """Give the recorded period; its request continues from its end, with the same motion."""
     response = Response(in_order(data, None), speed)
     response.kinematics = Kinematics.of(system)
+    response.speed_unit = system._speed_unit
     again = {**arguments, "initial": response.final, "start": response.final["time"]}
     response.request = RunRequest(system.description, again)
     return response
@@ -208,7 +214,7 @@ def _solved(
 ) -> tuple[RunData, dict[str, Any]]:
     """Record a periodic motion, or one without a period."""
     arguments, samples = run
-    with reported(progress, 1.0) as report:
+    with reported(progress, 1.0, "", what="steady state", setup="modes, pilot runs") as report:
         if not isinstance(without, Superposition):
             return steady_period(
                 system._model,

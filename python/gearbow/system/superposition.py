@@ -9,20 +9,26 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from gearbow._core import has_constant_coefficients, initial_state, steady_state, user_order
 from gearbow._types import Array
 from gearbow.accuracy.levels import tolerance
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.couplings import Force
 from gearbow.description.gears import Mesh
+from gearbow.description.kinematics import Kinematics
 from gearbow.description.shafts import Shaft
 from gearbow.description.teeth import TransmissionError
 from gearbow.description.time_series import TimeSeries
+from gearbow.orders.separation import SEPARATION
 
 __all__ = ["Superposition", "recorded_duration"]
 
 #: Length of the record in periods of the slowest source.
 _RECORDED = 10.0
+#: Part by which the record is longer than its orders need, because it leaves out its last instant.
+_MARGIN = 0.02
 #: Options of the run that are those of a steady state, whose start does not depend on them.
 _FIXED = {"initial": "static", "modes": None, "accuracy": None}
 
@@ -43,11 +49,6 @@ class Superposition:
         if over_time or speed == 0.0 or not has_constant_coefficients(system._model, geometry):
             return None
         return cls(system, speed)
-
-    @property
-    def duration(self) -> float:
-        """Ten turns of the slowest shaft."""
-        return recorded_duration(self.system, self.speed)
 
     def solve(self, arguments: dict[str, Any]) -> tuple[Array, float, int]:
         """Find the state at the start, and describe the solutions that it consists of."""
@@ -123,9 +124,12 @@ class Superposition:
         return _turn(order, self.speed)
 
 
-def recorded_duration(system: System, speed: float) -> float:
-    """Give the duration of the record without a period: ten turns of the slowest shaft."""
-    return _RECORDED * _turn(float(min(abs(system.speed_ratios))), speed)
+def recorded_duration(system: System, speed: float, longest: float) -> float:
+    """Give the duration of the record without a period [s]: ten turns, or what orders need."""
+    turns = _RECORDED * _turn(float(min(abs(system.speed_ratios))), speed)
+    gaps = np.diff([0.0, *(order.value for order in Kinematics.of(system).orders())])
+    separate = (1.0 + _MARGIN) * SEPARATION * _turn(float(gaps.min()), speed)
+    return min(max(turns, separate if separate <= longest else 0.0), longest)
 
 
 def _turn(order: float, speed: float) -> float:

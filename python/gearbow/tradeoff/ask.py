@@ -81,8 +81,8 @@ def tradeoff(  # numpydoc ignore=PR01
     budget : float
         Limit of the wall-clock time of the study [s]; settings that would exceed it are skipped.
     progress : bool or callable, optional
-        True shows a progress bar; a callable receives the completed fraction of the settings, which
-        run after the reference and its check.
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
+        the completed fraction of the settings, which run after the reference and its check.
 
     Returns
     -------

@@ -6,18 +6,22 @@ from typing import TYPE_CHECKING, Any, Generic
 
 from gearbow._convert import positive, truth
 from gearbow._extras import extra
+from gearbow._result import Column, Result
 from gearbow._shown import Shown
 from gearbow.accuracy.scale import UNIT
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError
 from gearbow.tradeoff.models import GIVEN
-from gearbow.tradeoff.trial import Skipped, Trial, table
+from gearbow.tradeoff.trial import Skipped, Trial, columns
+from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 __all__ = ["Recommendation", "Tradeoff"]
+
+#: Error of the setting that a printed study recommends; that of mesh forces at "engineering".
+_RECOMMENDED_ERROR = 1e-2
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,7 @@ class Recommendation(Shown, Generic[S]):
 
 
 @dataclass(frozen=True, eq=False)
-class Tradeoff(Shown, Generic[S]):
+class Tradeoff(Result, Generic[S]):
     """Error and CPU time of many settings; made by `gearbow.RotorSystem.tradeoff`.
 
     Parameters
@@ -96,6 +100,8 @@ class Tradeoff(Shown, Generic[S]):
         Speed of the reference shaft [rad/s].
     signals : tuple of str
         Names of the compared signals.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -120,6 +126,7 @@ class Tradeoff(Shown, Generic[S]):
     duration: float
     speed: float
     signals: tuple[str, ...]
+    speed_unit: SpeedUnit = "rad/s"
 
     def front(
         self, *, duration: float | None = None, simplified: bool = True
@@ -230,54 +237,39 @@ class Tradeoff(Shown, Generic[S]):
             ax=ax,
         )
 
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the rows as a data frame.
+    def _series(self) -> list[Column]:
+        """Give all errors and CPU times of each setting; "seconds" is the whole run."""
+        trials, front = self.trials, self.front()
+        found: dict[str, list[Any]] = {
+            "setting": [trial.setting for trial in trials],
+            "model": [trial.model for trial in trials],
+            "error": [trial.error for trial in trials],
+            "integration error": [trial.integration_error for trial in trials],
+            "model error": [trial.model_error for trial in trials],
+        }
+        names = [name for trial in trials[:1] for name in trial.errors if len(trial.errors) > 1]
+        found |= {name: [trial.errors[name] for trial in trials] for name in names}
+        found |= {
+            "below floor": [trial.error <= trial.floor for trial in trials],
+            "seconds": [trial.seconds for trial in trials],
+            "set-up seconds": [trial.setup for trial in trials],
+            "seconds per simulated second": [trial.rate for trial in trials],
+            "steps": [trial.steps for trial in trials],
+            "evaluations": [trial.evaluations for trial in trials],
+            "limited by": [trial.limited_by for trial in trials],
+            "front": [trial in front for trial in trials],
+        }
+        return [Column(name, values) for name, values in found.items()]
 
-        Returns
-        -------
-        pandas.DataFrame
-            One row for each setting. All times are CPU times; "seconds" is the whole run.
-        """
-        with extra("dataframe"):
-            import pandas as pd  # noqa: PLC0415
+    def _columns(self) -> list[Column]:
+        """Give a row for each setting; a star marks the Pareto front."""
+        return columns(self.trials, self.front())
 
-        front = self.front()
-        rows = [
-            {
-                "setting": trial.setting,
-                "model": trial.model,
-                "error": trial.error,
-                "integration error": trial.integration_error,
-                "model error": trial.model_error,
-                **(trial.errors if len(trial.errors) > 1 else {}),
-                "below floor": trial.error <= trial.floor,
-                "seconds": trial.seconds,
-                "set-up seconds": trial.setup,
-                "seconds per simulated second": trial.rate,
-                "steps": trial.steps,
-                "evaluations": trial.evaluations,
-                "limited by": trial.limited_by,
-                "front": trial in front,
-            }
-            for trial in self.trials
-        ]
-        table: pd.DataFrame = pd.DataFrame(rows)
-        return table
-
-    def table(self) -> str:
-        """Return the rows as a text table.
-
-        Returns
-        -------
-        str
-            One line for each setting; a star marks the Pareto front.
-        """
-        return table(self.trials, self.front())
-
-    def __str__(self) -> str:
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
         worst = ", worst signal" if len(self.signals) > 1 else ""
+        speed = speed_text(self.speed, speed_unit)
         lines = [
-            f"{self.duration:g} s at {self.speed:g} rad/s; signals: {', '.join(self.signals)}",
+            f"{self.duration:g} s at {speed}; signals: {', '.join(self.signals)}",
             f"error: RMS of the difference / {UNIT}{worst}",
             f"reference: {self.reference}; uncertainty {self.floor:.1e} (check: {self.check})",
         ]
@@ -288,10 +280,20 @@ class Tradeoff(Shown, Generic[S]):
         lines.append(
             "CPU times (medians): whole run, set-up before first step, steps per simulated second"
         )
-        lines += ["", self.table()]
+        return [*lines, ""]
+
+    def _remarks(self) -> list[str]:
+        """Explain the star, list what was not run, and recommend a setting."""
+        lines = ["", "* Pareto front: no other setting is faster and at least as accurate"]
         if self.skipped:
-            lines += ["", "not run:", *(f"  {skipped}" for skipped in self.skipped)]
-        return "\n".join(lines)
+            lines += ["not run:", *(f"  {skipped}" for skipped in self.skipped)]
+        try:
+            found = self.recommend(_RECOMMENDED_ERROR)
+            wanted = f"for an error of {_RECOMMENDED_ERROR:g}"
+        except GearbowError:
+            best = self.front()[-1]
+            found, wanted = Recommendation(dict(best.options), best.system, best), "most accurate"
+        return [*lines, f"recommended {wanted}: {found}"]
 
     def __repr__(self) -> str:
         return (

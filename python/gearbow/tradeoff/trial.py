@@ -1,15 +1,16 @@
 """One setting of a study as a row of a table."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
 from gearbow._convert import positive
+from gearbow._result import Column
 from gearbow._shown import Shown
 from gearbow.analysis.protocol import S
 from gearbow.tradeoff.models import GIVEN
 
-__all__ = ["Skipped", "Trial", "table"]
+__all__ = ["Skipped", "Trial", "columns"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,35 +173,27 @@ class Skipped(Shown):
         return f"{_together(self.setting, self.model)}: {self.reason}"
 
 
-#: Texts of a trial by the title of their column.
-_COLUMNS: dict[str, Callable[[Trial[Any]], str]] = {
-    "setting": lambda trial: trial.setting,
-    "model": lambda trial: trial.model,
-    "error": lambda trial: trial.error_text,
-    "integration error": lambda trial: _below(trial.integration_error, trial.floor),
-    "model error": lambda trial: (
-        "–" if trial.model == GIVEN else _below(trial.model_error, trial.floor)
-    ),
-    "CPU [s]": lambda trial: f"{trial.seconds:.3g}",
-    "set-up [s]": lambda trial: f"{trial.setup:.2g}",
-    "CPU per s [s/s]": lambda trial: f"{trial.rate:.3g}",
-    "steps": lambda trial: f"{trial.steps}",
-    "evaluations": lambda trial: f"{trial.evaluations}",
-    "limited by": lambda trial: trial.limited_by,
-}
-_WORDS = {"setting", "model", "limited by"}
+def columns(trials: Sequence[Trial[S]], front: Sequence[Trial[S]]) -> list[Column]:
+    """Give the columns of a table of settings, with a star for those of the Pareto front."""
 
+    def bounded(name: str) -> list[str]:
+        return [_below(getattr(trial, name), trial.floor) for trial in trials]
 
-def table(trials: Sequence[Trial[S]], front: Sequence[Trial[S]]) -> str:
-    """Return rows as a text table."""
-    columns = [["", *("*" if trial in front else "" for trial in trials)]]
-    columns += [[title, *map(text, trials)] for title, text in _COLUMNS.items()]
-    aligned = []
-    for column in columns:
-        width = max(map(len, column))
-        align = str.ljust if column[0] in _WORDS else str.rjust
-        aligned.append([align(cell, width) for cell in column])
-    return "\n".join("  ".join(row).rstrip() for row in zip(*aligned, strict=True))
+    model_errors = zip(trials, bounded("model_error"), strict=True)
+    return [
+        Column("", ["*" if trial in front else "" for trial in trials]),
+        Column("setting", [trial.setting for trial in trials]),
+        Column("model", [trial.model for trial in trials]),
+        Column("error", [trial.error_text for trial in trials]),
+        Column("integration error", bounded("integration_error")),
+        Column("model error", ["–" if t.model == GIVEN else text for t, text in model_errors]),
+        Column("CPU", [trial.seconds for trial in trials], "s", ".3g"),
+        Column("set-up", [trial.setup for trial in trials], "s", ".2g"),
+        Column("CPU per s", [trial.rate for trial in trials], "s/s", ".3g"),
+        Column("steps", [trial.steps for trial in trials]),
+        Column("evaluations", [trial.evaluations for trial in trials]),
+        Column("limited by", [trial.limited_by for trial in trials]),
+    ]
 
 
 def _together(setting: str, model: str) -> str:

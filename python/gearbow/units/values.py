@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import matrix
 from gearbow._types import Array
+from gearbow.units.speed import RevolutionsPerMinute, RevolutionsPerMinuteArray
 
 __all__ = ["degrees", "mm", "rpm"]
 
@@ -30,7 +31,7 @@ def rpm(value: ArrayLike) -> float | Array:
     Returns
     -------
     float or ndarray
-        Speed [rad/s].
+        Speed [rad/s]. Tables and figures of its results write speeds in rpm.
 
     Examples
     --------
@@ -40,7 +41,10 @@ def rpm(value: ArrayLike) -> float | Array:
     >>> gb.rpm([0, 60]) / (2 * 3.141592653589793)
     array([0., 1.])
     """
-    return _given(matrix(value, "rpm") * np.pi / 30.0)
+    found = _given(matrix(value, "rpm") * np.pi / 30.0)
+    if isinstance(found, float):
+        return RevolutionsPerMinute(found)
+    return found.view(RevolutionsPerMinuteArray)
 
 
 @overload

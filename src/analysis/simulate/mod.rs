@@ -34,6 +34,7 @@ pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
 pub use known_reduction::Reduction;
 pub use options::{Final, Initial, Method, Options, StepSetting};
+pub use period_map::kept_modes;
 pub(in crate::analysis) use period_map::{PeriodMap, with_period_map, with_section_map};
 pub use record::{AxialRecord, Record};
 pub use record_plan::{Point, RecordPlan, Request};
@@ -46,7 +47,7 @@ use crate::integrate::{
     Adaptive, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl, StepLimit,
     Trajectory, run,
 };
-use crate::modal::{AtSpeed, CachedModel, EquilibriumError, MAX_CONDITION};
+use crate::modal::{AtSpeed, CachedModel, MAX_CONDITION};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use initial::Start;
@@ -151,11 +152,12 @@ pub fn simulate(
 }
 
 /// The model of a run. At a constant speed, bearings that depend on it belong to the matrices.
-fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, EquilibriumError> {
-    match options.speed {
-        Speed::Constant(_) => cached.at_speed(options.fastest()),
-        Speed::Changing(_) => cached.with_operating_points_of(options.fastest()),
-    }
+fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, AnalysisError> {
+    cached.model.scene.refuse_loss_factors()?;
+    Ok(match options.speed {
+        Speed::Constant(_) => cached.at_speed(options.fastest())?,
+        Speed::Changing(_) => cached.with_operating_points_of(options.fastest())?,
+    })
 }
 
 /// The equation of motion of a run.

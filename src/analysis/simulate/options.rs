@@ -1,10 +1,13 @@
 //! Options of a run, and the final state that it leaves.
 
+use std::sync::Arc;
+
 use super::Checkpoint;
 use crate::analysis::Dense;
 use crate::exponential::MAX_STAGES;
 use crate::integrate::State;
 use crate::mesh::Geometry;
+use crate::modal::RealModes;
 use crate::model::Model;
 use crate::motion::{Anchor, ShaftRotation, Speed};
 use crate::scene::{EntryPath, SceneError};
@@ -146,6 +149,9 @@ pub struct Options {
     /// Largest errors of displacements and of mesh forces that a reduction to fewer modes may cause, as RMS of the
     /// difference over RMS of the variation, at least 2 % of the mean; the run keeps all modes if none.
     pub reduction: Option<[f64; 2]>,
+    /// Modes that the run keeps, found by another run of a system with the same coordinates; none where `modes` or `reduction`
+    /// decide.
+    pub kept_modes: Option<Arc<RealModes>>,
     /// Largest error of mesh forces that a step may cause, in the same unit; none where only `rtol` counts.
     pub force_error: Option<f64>,
     /// Initial state.

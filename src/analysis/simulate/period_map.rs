@@ -24,7 +24,7 @@ use crate::analysis::instability::growing_modes;
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::exponential::{LevelControl, Stepper, TimeGrid, run as integrate};
 use crate::integrate::{Halt, Halted, Observer, State, Statistics, Trajectory};
-use crate::modal::{CachedModel, ModalStateSpace};
+use crate::modal::{CachedModel, ModalStateSpace, RealModes};
 
 /// Duration of the run that a reduction to fewer modes is chosen for, in periods: about as many as a solution takes.
 const EXPECTED_PERIODS: f64 = 10.0;
@@ -68,9 +68,38 @@ pub fn with_period_map<T>(
     watch: &mut dyn FnMut(f64) -> bool,
     solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
 ) -> Result<T, AnalysisError> {
-    let several = Options { duration: EXPECTED_PERIODS * options.duration, ..options.clone() };
+    let several = several_periods(options);
     let run = MapRun { options: &several, period: options.duration };
     with_map_of(cached, options, plan, run, watch, solve)
+}
+
+/// The modes that the runs of a period map keep, for runs at other speeds and of other systems with the same coordinates, and
+/// the reduction to them; none if they keep all modes.
+///
+/// # Errors
+/// [`AnalysisError`] of the set-up.
+pub fn kept_modes(
+    cached: &CachedModel,
+    options: &Options,
+    plan: &RecordPlan,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Option<(Arc<RealModes>, Reduction)>, AnalysisError> {
+    let several = several_periods(options);
+    options.check()?;
+    cached.model.check_speed(options.fastest())?;
+    let cached = &*of_run(cached, options)?;
+    let spectrum = Spectrum::new(cached, options.fastest())?;
+    let start = start(cached, &several, &spectrum, watch)?;
+    let end = start.state.elapsed + several.duration;
+    let run = Run { cached, base: None, options: &several, spectrum: &spectrum, floor: start.floor, end };
+    let mut heartbeat = PeriodHeartbeat { watch, last_check: Instant::now(), done: 0.0 };
+    let known = reduced_setup::kept_modes(&run, &start, plan, &mut heartbeat)?;
+    Ok(known.map(|known| (Arc::new(known.projected.modes.clone()), known.reduction)))
+}
+
+/// The options of the run that a reduction to fewer modes is chosen for.
+fn several_periods(options: &Options) -> Options {
+    Options { duration: EXPECTED_PERIODS * options.duration, ..options.clone() }
 }
 
 /// Calls `solve` with the map over sections of the length `section`, s, that follow each other for `options.duration`, s.
@@ -300,14 +329,16 @@ impl PeriodMap<'_> {
         &self.levels
     }
 
-    /// Sets the step levels of [`Self::apply`], one for each longest step. Returns whether their number is right; otherwise
-    /// they stay as they are.
-    pub fn plan(&mut self, levels: &[u8]) -> bool {
-        let fits = levels.len() == self.levels.len();
-        if fits {
-            self.levels = levels.into();
+    /// Sets the step levels of [`Self::apply`]. The period is divided into one longest step for each.
+    pub fn plan(&mut self, levels: &[u8]) {
+        if levels.len() != self.levels.len() {
+            self.steps = levels.len() as u64;
+            self.time_grid.longest = self.period / self.steps as f64;
+            let (linear, maps, loads) = (&self.setup.linear, self.setup.maps.clone(), &self.setup.loads);
+            let cache = propagators(self.cached, self.options, linear, maps, self.time_grid, loads.spins());
+            self.stepper = Stepper::new(loads.clone(), cache);
         }
-        fits
+        self.levels = levels.into();
     }
 
     /// Makes the step levels of [`Self::apply`] fine enough for the motion from another state too.

@@ -15,10 +15,10 @@ use crate::scene::SHARE_OF_MEAN;
 
 /// Longest duration of a pilot run, s: the time over which errors are compared.
 pub(super) const PILOT_DURATION: f64 = 0.1;
-/// Part of a run that a pilot run takes, and its shortest duration, s, where it decides on the number of modes.
-const DECIDING: (f64, f64) = (1.0 / 3.0, 0.03);
-/// The same where it only measures the error.
-const MEASURING: (f64, f64) = (0.1, 0.01);
+/// Part of a run that a pilot run takes, within `MIN_PILOT_DURATION` and `PILOT_DURATION`.
+const PILOT_PART: f64 = 1.0 / 3.0;
+/// Shortest duration of a pilot run, s: less contains little but the transient at the beginning.
+const MIN_PILOT_DURATION: f64 = 0.03;
 /// Duration, s, where it compares a run with its system: several periods of the teeth.
 const CHECK_DURATION: f64 = 0.02;
 /// Smallest and largest number of samples of a pilot run.
@@ -37,10 +37,9 @@ pub(super) struct Pilot {
 }
 
 impl Pilot {
-    /// Chooses the part of a run; `decides` says whether the number of modes follows from the pilot runs.
-    pub fn new(run: &Run<'_>, start: &Start, decides: bool) -> Self {
-        let (part, shortest) = if decides { DECIDING } else { MEASURING };
-        Self::lasting(run, start, (part * run.options.duration).clamp(shortest, PILOT_DURATION))
+    /// Chooses the part of a run that decides on the number of modes.
+    pub fn new(run: &Run<'_>, start: &Start) -> Self {
+        Self::lasting(run, start, (PILOT_PART * run.options.duration).clamp(MIN_PILOT_DURATION, PILOT_DURATION))
     }
 
     /// Chooses the part of a run that checks whether a known number of modes keeps the accuracy.

@@ -2,10 +2,10 @@
 
 use super::audit::Audit;
 use super::events::{Event, EventRecorder};
-use super::{Point, RecordPlan, RecorderState};
+use super::{RecordPlan, RecorderState};
 use crate::connection::{MESH_CHANNELS, Row, mesh_values};
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
-use crate::model::Model;
+use crate::model::PlaceRows;
 use crate::motion::{Energies, EquationOfMotion};
 
 /// The recorded motion. Each vector holds one row of values after another, one row for each time.
@@ -228,15 +228,17 @@ impl<'a, 'm> Recorder<'a, 'm> {
             }
         }
         for point in &self.plan.points {
-            let twist = |of: &[f64]| model.numbering.twist(point.node).map_or(0.0, |index| of[index]);
-            self.record.displacement.extend(lateral(model, point, q));
+            let PlaceRows { displacement, twist, .. } = &point.rows;
+            let lateral = |of: &[f64]| displacement.as_ref().map_or([0.0; 2], |rows| along_rows(rows, of));
+            let twist = |of: &[f64]| twist.as_ref().map_or(0.0, |row| along_row(row, of));
+            self.record.displacement.extend(lateral(q));
             self.record.twist.push(twist(q));
             if self.plan.velocity {
-                self.record.velocity.extend(lateral(model, point, v));
+                self.record.velocity.extend(lateral(v));
                 self.record.twist_rate.push(twist(v));
             }
             if self.plan.acceleration {
-                self.record.acceleration.extend(lateral(model, point, &self.scratch.acceleration[own.clone()]));
+                self.record.acceleration.extend(lateral(&self.scratch.acceleration[own.clone()]));
             }
         }
         for (node, rows) in self.plan.bearings.iter().zip(&self.bearing_rows) {
@@ -248,14 +250,17 @@ impl<'a, 'm> Recorder<'a, 'm> {
             }
         }
         if model.scene.axial {
-            let points = || self.plan.points.iter();
-            self.record.axial.displacement.extend(points().map(|point| along_row(&point.axial, q)));
+            let axial = |of: &[f64]| {
+                let rows = self.plan.points.iter().map(|point| &point.rows.axial);
+                rows.map(|row| row.as_ref().map_or(0.0, |row| along_row(row, of))).collect::<Vec<_>>()
+            };
+            self.record.axial.displacement.extend(axial(q));
             if self.plan.velocity {
-                self.record.axial.velocity.extend(points().map(|point| along_row(&point.axial, v)));
+                self.record.axial.velocity.extend(axial(v));
             }
             if self.plan.acceleration {
                 let a = &self.scratch.acceleration[own];
-                self.record.axial.acceleration.extend(points().map(|point| along_row(&point.axial, a)));
+                self.record.axial.acceleration.extend(axial(a));
             }
             let forces = self.plan.bearings.iter().map(|node| model.axial_bearing_force(*node, q, v));
             self.record.axial.bearing_force.extend(forces);
@@ -300,13 +305,6 @@ fn energies(
         None => (motion.shaft_energies(elapsed, q, v, unbent), audit.works_at(elapsed, &audit.loads.times(q))),
     };
     Ok((Energies { kinetic, shafts, bearings, meshes }, works))
-}
-
-/// Components along y and z at a point, of the displacements of all coordinates or of a derivative of them.
-fn lateral(model: &Model, point: &Point, values: &[f64]) -> [f64; 2] {
-    let translation = model.numbering.translation(point.node);
-    let own = translation.map_or([0.0; 2], |v| [values[v], values[v + 1]]);
-    point.rows.as_ref().map_or(own, |rows| along_rows(rows, values))
 }
 
 /// Sums of values with the coefficients of each row.

@@ -1,10 +1,11 @@
 //! Quantities to record, with names resolved to nodes and meshes. A run computes only the coordinates that they need.
 
 use crate::analysis::{Kept, product};
-use crate::connection::{MESH_CHANNELS, ROLLING_CHANNELS, Row};
+use crate::connection::{MESH_CHANNELS, ROLLING_CHANNELS};
 use crate::exponential::Selection;
-use crate::model::Model;
+use crate::model::{Model, PlaceRows};
 use crate::motion::{Energies, PowerCoordinates, connected_coordinates};
+use crate::scene::description::Place;
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
 /// Names of everything of one kind.
@@ -20,8 +21,8 @@ pub enum Request {
     /// A gear, disk, shaft, housing or point of a housing, or a group: gears, disks, meshes, bearings, nodes, housings,
     /// energy, velocity or acceleration of the recorded nodes.
     Name(String),
-    /// A node of a shaft.
-    Node(String, f64),
+    /// A place on a shaft.
+    OnShaft(String, f64),
     /// The mesh of two gears.
     Mesh(String, String),
     /// The bearings at a node of a shaft.
@@ -35,23 +36,23 @@ impl Request {
     }
 }
 
-/// A node to record.
+/// A place to record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// The node.
-    pub node: Node,
-    /// Names of the gears and disks at the node, or of the point of the housing.
+    /// Name of the shaft or housing.
+    pub part: String,
+    /// Position x, m: on the shaft, or of the centre of mass of the housing.
+    pub position: f64,
+    /// Names of the gears and disks there, or of the point of the housing.
     pub names: Vec<String>,
-    /// Displacements along y and z of a point of a housing over the coordinates; `None` for a node of a shaft.
-    pub rows: Option<[Row; 2]>,
-    /// Displacement along the axis over the coordinates; empty if the point does not move along the axis.
-    pub axial: Row,
+    /// Displacements over the coordinates.
+    pub rows: PlaceRows,
 }
 
 /// The quantities to record.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordPlan {
-    /// Nodes whose displacement, twist and axial displacement are recorded.
+    /// Places whose displacement, twist and axial displacement are recorded.
     pub points: Vec<Point>,
     /// Nodes whose bearing force is recorded.
     pub bearings: Vec<Node>,
@@ -63,6 +64,13 @@ pub struct RecordPlan {
     pub velocity: bool,
     /// Whether accelerations of the points are recorded.
     pub acceleration: bool,
+}
+
+impl Point {
+    /// Whether it is at a position, m, of the shaft or housing called `part`.
+    fn is_at(&self, part: &str, position: f64) -> bool {
+        self.part == part && self.position == position
+    }
 }
 
 impl RecordPlan {
@@ -152,7 +160,13 @@ impl RecordPlan {
                     }
                 },
             },
-            Request::Node(shaft, position) => self.add_point(model, node(model, shaft, *position, at)?),
+            Request::OnShaft(shaft, position) => {
+                let index = scene.known_shaft(shaft, at)?;
+                match scene.shafts[index].node_at(*position) {
+                    Some(node) => self.add_point(model, Node { shaft: index, node }),
+                    None => self.add_place(model, &Place::Shaft(shaft.clone(), *position), at)?,
+                }
+            }
             Request::Bearing(shaft, position) => {
                 let node = node(model, shaft, *position, at)?;
                 if scene.bearings.iter().all(|bearing| bearing.node != node) {
@@ -181,18 +195,32 @@ impl RecordPlan {
     }
 
     fn add_point(&mut self, model: &Model, node: Node) {
-        if self.points.iter().all(|point| point.node != node) {
+        let (part, position) = model.scene.place(node);
+        if self.points.iter().all(|point| !point.is_at(part, position)) {
             let bodies = model.scene.bodies().filter(|body| body.node == node);
             let names = bodies.map(|body| body.name.clone()).collect();
-            self.points.push(Point { node, names, rows: None, axial: model.axial_row(node, [0.0; 3]) });
+            let rows = model.node_rows(node);
+            self.points.push(Point { part: part.to_owned(), position, names, rows });
         }
+    }
+
+    /// Adds a place between the nodes of a shaft.
+    fn add_place(&mut self, model: &Model, place: &Place, at: &EntryPath) -> Result<(), SceneError> {
+        let rows = model.place_rows(place, at)?;
+        if let Place::Shaft(part, position) = place
+            && self.points.iter().all(|point| !point.is_at(part, *position))
+        {
+            self.points.push(Point { part: part.clone(), position: *position, names: Vec::new(), rows });
+        }
+        Ok(())
     }
 
     fn add_housing_point(&mut self, model: &Model, name: &str) {
         let known = self.points.iter().any(|point| point.names.iter().any(|known| known == name));
         if let Some((node, arm)) = model.scene.housing_point(name).filter(|_| !known) {
-            let (rows, axial) = (model.point_rows(node, arm), model.axial_row(node, arm));
-            self.points.push(Point { node, names: vec![name.to_owned()], rows, axial });
+            let (part, position) = model.scene.place(node);
+            let (names, rows) = (vec![name.to_owned()], model.housing_rows(node, arm));
+            self.points.push(Point { part: part.to_owned(), position, names, rows });
         }
     }
 
@@ -223,10 +251,8 @@ impl RecordPlan {
             coordinates.extend(model.numbering.twist(node));
             coordinates.extend(model.numbering.displacement_along(node));
         };
-        self.points.iter().for_each(|point| add_node(point.node));
         self.bearings.iter().for_each(|node| add_node(*node));
-        let rows = self.points.iter().flat_map(|point| point.rows.iter().flatten().chain([&point.axial])).flatten();
-        let points: Vec<usize> = rows.map(|(index, _)| *index).collect();
+        let points: Vec<usize> = self.points.iter().flat_map(|point| point.rows.coordinates()).collect();
         let bases: Vec<usize> = self.bearings.iter().flat_map(|node| model.bearing_coordinates(*node)).collect();
         let of_meshes: Vec<usize> = self.meshes.iter().flat_map(|mesh| model.meshes[*mesh].indices()).collect();
         for mesh in &self.meshes {

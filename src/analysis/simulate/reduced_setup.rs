@@ -20,6 +20,11 @@ pub(super) fn set_up<'m>(
     plan: &RecordPlan,
     observer: &mut impl Observer,
 ) -> Result<(ModalSetup<'m>, Option<Reduction>), AnalysisError> {
+    if let Some(modes) = &run.options.kept_modes {
+        let fastest = run.options.fastest();
+        let projected = run.cached.at_speed(fastest)?.in_modes(modes, fastest)?;
+        return Ok((run.complete(motion, start, plan, Some(&projected))?, None));
+    }
     if keeps_all(run, plan, start) {
         return Ok((run.complete(motion, start, plan, None)?, None));
     }
@@ -33,6 +38,19 @@ pub(super) fn set_up<'m>(
     let known = reduction_of(run, key, observer)?;
     let subspace = known.as_ref().map(|known| &*known.projected);
     Ok((run.complete(motion, start, plan, subspace)?, known.map(|known| known.reduction)))
+}
+
+/// The modes that the options of a run ask for, with their errors; none if it keeps all modes.
+pub(super) fn kept_modes(
+    run: &Run<'_>,
+    start: &Start,
+    plan: &RecordPlan,
+    observer: &mut impl Observer,
+) -> Result<Option<KnownReduction>, AnalysisError> {
+    match ReductionKey::new(run, plan) {
+        Some(key) if !keeps_all(run, plan, start) => reduction_of(run, key, observer),
+        _ => Ok(None),
+    }
 }
 
 /// The reduction of a key: a known one, or one that is found; none if the run keeps all modes.

@@ -40,9 +40,6 @@ const DISPLACEMENT_PART: f64 = 0.1;
 /// Runs shorter than this, s, take the expected error: comparisons would take longer than the run, and so few tooth periods
 /// say little about the error.
 const SHORTEST_COMPARED: f64 = 0.01;
-/// Multiple of the target that the larger L of a run without a deciding pilot run may leave: its pilot run contains little but the transient at the
-/// beginning, and its estimate is 1.8 to 8 times the error of the run on the scenes of `benches/accuracy`.
-const SHORT_EXCESS: f64 = 2.0;
 /// Smallest L.
 const SMALLEST_LIMIT: f64 = 2.0;
 /// Ratio of successive L, and their number, until the error is below the target.
@@ -119,7 +116,7 @@ impl<'m> Reducer<'_, 'm> {
     /// A given number of modes, compared with all modes, or those of twice the frequencies that the default accuracy needs.
     fn of_count(&self, count: usize, observer: &mut impl Observer) -> Result<Option<Reduced<'m>>, AnalysisError> {
         let limit = 2.0 * first_limit(DEFAULT_TARGET);
-        let pilot = Pilot::new(self.run, self.start, true);
+        let pilot = Pilot::new(self.run, self.start);
         let Some(reference) = self.candidate(None, limit, &pilot, observer)? else {
             return Ok(None);
         };
@@ -144,9 +141,8 @@ impl<'m> Reducer<'_, 'm> {
         let target = self.run.options.reduction.unwrap_or(DEFAULT_TARGET);
         let pilot = match base {
             Some(_) => Pilot::check(self.run, self.start),
-            None => Pilot::new(self.run, self.start, !is_short(self.run)),
+            None => Pilot::new(self.run, self.start),
         };
-        let allowed = if is_short(self.run) { SHORT_EXCESS } else { 1.0 };
         let first = base.and_then(|base| base.limit).unwrap_or_else(|| first_limit(target));
         let limits = || std::iter::successors(Some(first), |limit| Some(limit * NEXT_LIMIT)).take(MAX_LIMITS);
         // A continued run keeps the modes of the run before it, so that it continues bit by bit.
@@ -213,7 +209,7 @@ impl<'m> Reducer<'_, 'm> {
             if continued.is_some() || excess(errors, target) <= 1.0 {
                 return Ok(Some(current.with_errors(Some(limit), errors)));
             }
-            if excess(errors.map(|error| error * decrease), target) <= allowed {
+            if excess(errors.map(|error| error * decrease), target) <= 1.0 {
                 return Ok(if self.saves_little(&fine.setup) {
                     None
                 } else {

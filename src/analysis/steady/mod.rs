@@ -21,6 +21,7 @@ mod turning;
 use nalgebra::Complex;
 
 use super::AnalysisError;
+pub use super::simulate::kept_modes;
 use super::simulate::{Initial, Options, RecordPlan, Response, with_period_map, with_section_map};
 use crate::modal::CachedModel;
 pub use period::{Sections, common_period, has_constant_coefficients, sections};
@@ -136,8 +137,8 @@ pub struct Corrected {
 }
 
 /// Corrects given states at the beginning of a period, displacements then velocities, by one step of the fixed-point
-/// iteration. All periods have the same steps: those of `levels`, or, without them or if the period has another number of
-/// longest steps, such that they meet the tolerance for the first state.
+/// iteration. All periods have the same steps: those of `levels`, or, without them, such that they meet the tolerance for the
+/// first state.
 ///
 /// # Errors
 /// [`AnalysisError`] if a run ends early.
@@ -150,14 +151,17 @@ pub fn corrected_states(
 ) -> Result<Corrected, AnalysisError> {
     with_period_map(cached, options, &RecordPlan::default(), watch, |map| {
         let preconditioner = Preconditioner::new(map.linear(), map.period());
-        let mut has_levels = levels.is_some_and(|levels| map.plan(levels));
+        match (levels, states.first()) {
+            (Some(levels), _) => map.plan(levels),
+            (None, Some(first)) => {
+                let z = map.modal(first);
+                map.adapt(&z)?;
+            }
+            (None, None) => {}
+        }
         let mut corrected = Vec::with_capacity(states.len());
         for state in states {
             let mut z = map.modal(state);
-            if !has_levels {
-                map.adapt(&z)?;
-                has_levels = true;
-            }
             let image = map.apply(&z)?;
             let defect: Vec<f64> = image.iter().zip(&z).map(|(image, z)| image - z).collect();
             z.iter_mut().zip(preconditioner.correct(&defect)).for_each(|(z, correction)| *z += correction);

@@ -9,7 +9,7 @@ use crate::bearing_force::{BearingForce, Matrix, Vector};
 use crate::connection::{Connection, NonlinearBearing, Row};
 use crate::linalg::ChainMatrix;
 use crate::mesh::{Flank, Geometry};
-use crate::modal::clearance::Entry;
+use crate::modal::equilibrium::Entry;
 use crate::model::{Dof, DofKind, Model};
 
 /// Unbalanced force of a coordinate, relative to the sum of absolute terms |K||q| of its elastic and mesh forces, that the round-off of

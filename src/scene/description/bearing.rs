@@ -31,6 +31,9 @@ pub struct Bearing {
     /// Damping of rotations about y and z, N m s/rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tilting_damping: Option<f64>,
+    /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loss_factor: Option<f64>,
     /// Diameter of a journal, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diameter: Option<f64>,

@@ -29,6 +29,9 @@ pub struct Support {
     /// Damping to the ground along the axis, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_damping: Option<f64>,
+    /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loss_factor: Option<f64>,
 }
 
 /// A rigid body on springs and dampers that carries several bearings.
@@ -50,6 +53,9 @@ pub struct Housing {
     /// Damping to the ground along the axis, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_damping: Option<f64>,
+    /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loss_factor: Option<f64>,
     /// Moments of inertia about the axes through the centre of mass parallel to x, y and z, kg m²; without them the
     /// housing does not rotate.
     #[serde(skip_serializing_if = "Option::is_none")]

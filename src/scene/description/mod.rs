@@ -8,6 +8,7 @@ mod housing;
 mod loads;
 mod reading;
 mod shaft;
+mod sources;
 mod speed_table;
 mod teeth;
 
@@ -18,6 +19,7 @@ pub use bearing::{Bearing, ContactKind, FilmModel};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{Bow, BowShape, Material, STEEL, Segment, Shaft};
+pub use sources::{GroundQuantity, Source};
 pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable};
 pub use teeth::{
     Engagement, Foundation, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError,
@@ -228,6 +230,9 @@ pub struct Mesh {
     /// Damping along the line of action, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
+    /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loss_factor: Option<f64>,
     /// Whether the damping acts while the flanks are separated as well; only in contact by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_in_separation: Option<bool>,

@@ -16,6 +16,7 @@ import pytest
 from scipy.optimize import brentq
 
 import gearbow as gb
+from reference.machines import rotor_on_films
 
 Array = np.ndarray
 pytestmark = pytest.mark.implausible
@@ -27,22 +28,11 @@ STEEL = gb.Material(2.07e11, 7850.0, poisson_ratio=0.3)
 TOLERANCE = 1e-6
 
 
-def rotor(**changes: Any) -> gb.RotorSystem:
-    """Build a disk of 40 kg amid a shaft on two oil films."""
-    parts: dict[str, Any] = {
-        "shafts": [gb.Shaft("r", length=0.5, outer_diameter=0.05, elements=4)],
-        "disks": [gb.Disk("d", "r", 0.25, 40.0, 0.5, 0.3, unbalance=4e-4)],
-        "bearings": [gb.JournalBearing("r", x, **OIL) for x in (0.0, 0.5)],
-        "gravity": 9.81,
-    }
-    return gb.RotorSystem(**(parts | changes))
-
-
 # --- a rotor on oil films -----------------------------------------------------------------------
 
 
 def test_each_bearing_carries_half_the_weight_at_every_speed():
-    system = rotor()
+    system = rotor_on_films()
     weight = 9.81 * (40.0 + STEEL.density * math.pi / 4 * 0.05**2 * 0.5)
     for speed in np.linspace(50.0, 1340.0, 130):
         for static in (system.static(speed=speed), system.static(geometry="frozen", speed=-speed)):
@@ -55,7 +45,7 @@ def test_each_bearing_carries_half_the_weight_at_every_speed():
 def test_the_matrices_belong_to_the_static_equilibrium():
     # The first call on a system may be any analysis: all stand on the same displacements.
     for speed in (300.0, 340.0, 350.0, 400.0):
-        first, second = rotor(), rotor()
+        first, second = rotor_on_films(), rotor_on_films()
         matrices, static = first.matrices(speed), second.static(speed=speed)
         assert np.array_equal(first.static(speed=speed).state, static.state)
         assert np.array_equal(second.matrices(speed).stiffness, matrices.stiffness)
@@ -67,7 +57,7 @@ def test_the_result_has_a_residual_of_each_shaft_and_support():
         gb.Bearing("r", 0.0, stiffness=1e7, support=support),
         gb.Bearing("r", 0.5, stiffness=1e7),
     ]
-    system = rotor(bearings=bearings)
+    system = rotor_on_films(bearings=bearings)
     static = system.static()
     assert set(static.residuals) == {"r", "pedestal"}
     assert static.residual == max(static.residuals.values()) <= 1e-12
@@ -347,7 +337,7 @@ def test_the_stiffness_matrix_is_the_derivative_of_the_static_forces(kind: str):
         roller = {"contact": "roller", "roller_length": 0.012} if kind == "roller" else {}
         return gb.RollingBearing("r", place, **ROLLING, **roller, phase=0.1)
 
-    system = rotor(bearings=[bearing_at(x) for x in (0.0, 0.5)], motion="lateral")
+    system = rotor_on_films(bearings=[bearing_at(x) for x in (0.0, 0.5)], motion="lateral")
     for speed in (120.0, -400.0):
         stiffness = system.matrices(speed).stiffness
         place = {"v": 0, "w": 1}

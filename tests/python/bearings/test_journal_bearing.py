@@ -13,6 +13,7 @@ import pytest
 
 import gearbow as gb
 from reference import elements, film, independent_solution
+from reference.cases import each_case
 from reference.film import Bearing
 from reference.scenes import PAIR
 
@@ -522,7 +523,7 @@ def test_descriptions_survive_files(tmp_path: Any):
 # --- errors ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("ask", "message"),
     [
         (lambda: pair().static(), "bearings[0]: the film of a journal bearing carries no load at speed 0; give a speed"),

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference import elements, independent_solution
+from reference import elements, independent_solution, machines
+from reference.cases import each_case
 from reference.rolling import Elements, hertz
 from reference.scenes import PAIR
 
@@ -217,13 +218,11 @@ def test_the_stiffness_grows_with_the_load():
 
 
 def rotor(balls: Elements = BALLS, **options: Any) -> gb.RotorSystem:
-    shaft = gb.Shaft("s", length=0.3, outer_diameter=0.04, elements=2)
-    given: dict[str, Any] = {"gravity": 9.81, "motion": "lateral", **options}
-    return gb.RotorSystem(
-        [shaft],
-        disks=[gb.Disk("d", "s", 0.15, 10.0, 0.02, 0.04)],
+    return machines.rotor(
+        {"name": "s", "length": 0.3, "outer_diameter": 0.04, "elements": 2},
+        machines.inertia(10.0, 0.02, 0.04, name="d"),
         bearings=[bearing("s", x, balls) for x in (0.0, 0.3)],
-        **given,
+        **{"gravity": 9.81, "motion": "lateral", **options},
     )
 
 
@@ -428,7 +427,7 @@ def test_files_keep_rolling_bearings(tmp_path: Any):
 # --- errors -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("change", "message"),
     [
         ({"elements": 0}, "bearings[0].elements: must be between 3 and 1000, got 0"),

@@ -14,8 +14,10 @@ import gearbow as gb
 from gearbow._core import Model
 from reference import elements, independent_solution
 from reference.bows import HalfSine
+from reference.cases import each_case
 from reference.elements import Section
 from reference.independent_solution import Array
+from reference.machines import pair_with_two_ranges
 from reference.scenes import DENSITY, E, G, single_shaft
 from reference.train import RigidSpec, ShaftPart, ShaftSpec, Train
 
@@ -296,7 +298,7 @@ def test_speeds_outside_the_table_name_bearing_speed_and_range():
     np.testing.assert_array_equal(held.modes(200.0).eigenvalues, end.modes(200.0).eigenvalues)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("table", "message"),
     [
         (gb.SpeedTable([0.0], [1e8]), "bearings[0].stiffness.speeds: needs at least 2 speeds, got 1"),
@@ -334,25 +336,7 @@ LAST_COMMON = 60.0 * 32 / 25
 
 
 def two_ranges(outside: str = "error") -> gb.RotorSystem:
-    """Build a train whose shafts run in bearings with tables of different ranges."""
-    gear = {"module": 3e-3, "mass": 2.0, "diametral_inertia": 2e-3, "polar_inertia": 4e-3}
-    bow = gb.Bow.half_sine(1e-5)
-    return gb.RotorSystem(
-        [gb.Shaft(name, length=0.5, outer_diameter=0.03, elements=2, bow=bow) for name in RANGES],
-        [gb.Gear(f"g{n}", n, 0.25, teeth=z, **gear) for n, z in zip(RANGES, (25, 32), strict=True)],
-        [gb.Mesh("ga", "gb", stiffness=1e8, damping_ratio=0.03)],
-        [
-            gb.Bearing(
-                name,
-                x,
-                stiffness=gb.SpeedTable(list(speeds), [5e6, 2e7], outside=outside),
-                damping=1e3,
-            )
-            for name, speeds in RANGES.items()
-            for x in (0.0, 0.5)
-        ],
-        [gb.Torque("ga", 10.0), gb.Torque.balance("gb")],
-    )
+    return pair_with_two_ranges(RANGES, outside)
 
 
 #: Analyses at a speed of the reference shaft; 60 rad/s is in all tables.

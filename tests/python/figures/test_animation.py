@@ -14,7 +14,10 @@ from PIL import Image
 
 import gearbow as gb
 from gearbow.results import motion
-from test_response import recorded, train
+from reference import machines
+from reference.cases import each_case
+from reference.machines import bowed_pair
+from test_response import recorded
 
 SPEED = 100.0
 RECORD = ["gears", "meshes"]
@@ -29,17 +32,14 @@ def unchanged_settings():
 
 @pytest.fixture(scope="module")
 def run() -> gb.Response:
-    return train().simulate(0.2, SPEED, output_step=1e-3, record=RECORD, rtol=1e-4)
+    return bowed_pair().simulate(0.2, SPEED, output_step=1e-3, record=RECORD, rtol=1e-4)
 
 
 @pytest.fixture(scope="module")
 def rotor() -> gb.Response:
     """Return a run-up of a rotor with a disk, without any mesh."""
-    system = gb.RotorSystem(
-        [gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)],
-        disks=[gb.Disk("disk", "rotor", 0.5, 10.0, 0.05, 0.1, unbalance=1e-3)],
-        bearings=[gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)],
-    )
+    disk = machines.inertia(10.0, 0.05, 0.1, unbalance=1e-3)
+    system = machines.rotor({"elements": 2}, disk, {"stiffness": 1e8, "damping": 1e3})
     ramp = gb.SpeedProfile.ramp(10.0, 30.0, duration=1.0)
     return system.simulate(1.0, ramp, output_step=2e-3, record=["disk"], rtol=1e-4)
 
@@ -111,7 +111,7 @@ def test_a_rotor_without_mesh_shows_its_displacement(rotor, tmp_path):
     assert (tmp_path / "rotor.gif").is_file()
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("options", "message"),
     [
         (
@@ -140,7 +140,7 @@ def test_the_error_names_the_invalid_argument(run, tmp_path, options, message):
 def test_the_error_says_what_is_missing(tmp_path):
     with pytest.raises(gb.GearbowError, match=r"^animate: this response does not know its system"):
         recorded().animate(tmp_path / "run.gif")
-    system = train()
+    system = bowed_pair()
     run = system.simulate(0.01, SPEED, output_step=1e-3, record=[("input", 0.0)])
     with pytest.raises(
         gb.GearbowError, match=r"no gear or disk was recorded; give record=\['gears'"

@@ -13,8 +13,8 @@ from gearbow.plotting.style import quantity
 from reference import scenes
 from reference.bows import HalfSine
 from reference.figure_texts import check_texts
+from reference.machines import jeffcott
 from reference.records import MESH_UNITS, of_series, response
-from test_synchronous import jeffcott
 
 TIME = 1e-3 * np.arange(64)
 
@@ -217,8 +217,8 @@ class TestOrders:
         made = of_series(time, sum(a * np.cos(100 * r * time) for r, a in content.items()))
         figure = made.orders("g1", "z", shaft_harmonics=2, mesh_harmonics=0).plot(2)
         (panel,) = figure.axes
-        assert panel.get_xlabel() == "amplitude of g1 z [m]"
-        assert [bar.get_width() for bar in panel.patches] == pytest.approx([5e-6, 3e-6])
+        assert panel.get_xlabel() == "amplitude of g1 z [µm]"
+        assert [bar.get_width() for bar in panel.patches] == pytest.approx([5.0, 3.0])
         hertz = 100.0 / (2 * np.pi)
         assert [text.get_text() for text in panel.get_yticklabels()] == [
             f"1× output ({0.16 * hertz:.4g} Hz)",
@@ -232,7 +232,7 @@ class TestOrders:
         figure = gb.waterfall(runs, "g1", "z").plot(60.0)
         panel, bar = figure.axes
         assert labels(figure)[0] == ("frequency [Hz]", "speed of the reference shaft [rad/s]")
-        assert bar.get_ylabel() == "g1 z [m]"
+        assert bar.get_ylabel() == "g1 z [µm]"
         assert panel.get_xlim() == (0.0, 60.0)
         # a cell reaches half of the distance of the speeds beyond its own, and the lines cross it;
         # at 10 and 50 revolutions per second the input shaft is at 10 Hz and 50 Hz, the middle one
@@ -240,8 +240,17 @@ class TestOrders:
         turns = np.array([10.0, 50.0])
         lines = [line.get_xydata() for line in panel.get_lines()]
         for ratio in (1.0, 0.4, 0.16):
-            expected = np.column_stack([ratio * turns, 2 * np.pi * turns])
-            assert any(np.allclose(line, expected) for line in lines), ratio
+            slope = 2 * np.pi / ratio
+            own = [
+                line for line in lines if np.allclose(*(line[~np.isnan(line[:, 0])] * [slope, 1]).T)
+            ]
+            assert len(own) == 1, ratio
+            assert own[0][[0, -1], 1] == pytest.approx(2 * np.pi * turns)
+            # only the input shaft is excited: its line does not cover its peaks at 20 Hz and 40 Hz
+            hidden = np.isnan(own[0][:, 0])
+            at = own[0][:, 1] / (2 * np.pi)
+            assert hidden[np.abs(at - 20.0) < 0.5].all() == (ratio == 1.0)
+            assert hidden.any() == (ratio == 1.0)
 
 
 class TestSpeed:
@@ -270,8 +279,10 @@ class TestSpeed:
     def test_critical_speed_map(self, count: int):
         found = scenes.v2().critical_speed_map([1e6, 1e7], order=2.0)
         figure = found.plot(count)
-        assert labels(figure) == [("stiffness of every bearing [N/m]", "critical speed [rad/s]")]
-        assert figure.axes[0].get_title() == "ω = 2 Ω"
+        assert labels(figure) == [
+            ("stiffness of every bearing [N/m]", "critical speed of the reference shaft [rad/s]")
+        ]
+        assert figure.axes[0].get_title() == "excitation of the order 2"
         # forward and backward, and the stiffness of the system
         assert len(figure.axes[0].get_lines()) == 2 * count + 1
         for label in ("forward", "backward"):
@@ -368,9 +379,10 @@ def test_titles_of_modes_say_what_does_not_oscillate():
     first = [panel.get_title().split("\n")[0] for panel in figure.axes]
     assert first == [
         "mode 1",
-        "mode 2: overdamped, time constant 20 ms",
         "mode 3: growth without oscillation, time constant 50 ms",
         "mode 4: 3.183 kHz, forward, damping 0.05 %",
+        # overdamped modes come last
+        "mode 2: overdamped, time constant 20 ms",
     ]
     check_texts(figure)
 
@@ -422,11 +434,13 @@ def test_a_spectrum_names_only_orders_that_it_resolves():
         ("1× input", 20.0),
         ("2× output", 21.5),
         ("1× mesh a–b", 100.0),
+        # a sideband that is too close belongs to its tooth frequency
+        ("1× mesh a–b + 1× output", 101.0),
         ("1× mesh c–d", 150.0),
         ("1× mesh c–d − 1× output", 148.0),
     )
     figure = orders.spectrum(frequencies, amplitudes, "g1 y [m]", orders=found)
     (panel,) = figure.axes
-    assert {text.get_text() for text in panel.texts} == {"1× mesh\na–b", "1× mesh\nc–d"}
-    assert panel.get_title(loc="right") == "orders closer than 2 Hz have no name"
+    assert {text.get_text() for text in panel.texts} == {"1× mesh\na–b ± sidebands", "1× mesh\nc–d"}
+    assert panel.get_title(loc="right") == "orders closer than 2 Hz have no name of their own"
     check_texts(figure)

@@ -11,9 +11,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import gearbow as gb
+from reference.cases import each_case
+from reference.machines import bowed_pair, jeffcott
 from reference.records import of_series, response
-from test_response import train
-from test_synchronous import jeffcott
 from test_tradeoff_numbers import STUDY
 
 TIME = 1e-3 * np.arange(64)
@@ -30,7 +30,7 @@ def unchanged_settings():
 @pytest.fixture(scope="module")
 def results() -> dict:
     """Return one result of each kind."""
-    system, run = train(), response(TIME)
+    system, run = bowed_pair(), response(TIME)
     time = 1e-3 * np.arange(6000)
     series = of_series(time, 1e-6 * np.cos(100.0 * time))
     runs = [of_series(1e-3 * np.arange(500), np.zeros(500), speed) for speed in (90.0, 120.0)]
@@ -41,6 +41,9 @@ def results() -> dict:
         "campbell": jeffcott(damping=4e3).campbell([0.0, 100.0, 200.0], count=4),
         "map": jeffcott().critical_speed_map([1e6, 1e7]),
         "synchronous": system.synchronous([10.0, 20.0]),
+        "response": system.frequency_response(
+            [10.0, 20.0], source=gb.Force("g1", 1.0), speed=[5.0, 9.0]
+        ),
         "spectrum": run.spectrum("g1"),
         "orders": series.orders("g1", "z", shaft_harmonics=1, mesh_harmonics=0),
         "waterfall": gb.waterfall(runs, "g1", "z"),
@@ -48,7 +51,7 @@ def results() -> dict:
         "tradeoff": STUDY,
         "steady": system.steady_state(100.0, geometry="frozen"),
         "branch": jeffcott(damping=4e3).continuation(
-            "speed", 50.0, 55.0, record=["disk"], max_points=4
+            "speed", 50.0, 55.0, record=["disk"], first_step=1.0
         ),
     }
 
@@ -69,6 +72,9 @@ FIGURES = {
     "map": (1, lambda r, ax: r["map"].plot(ax=ax)),
     "synchronous": (2, lambda r, ax: r["synchronous"].plot(["g1", "g2"], ax=ax)),
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
+    "frequency response": (2, lambda r, ax: r["response"].plot("g1", ax=ax)),
+    "nyquist": (1, lambda r, ax: r["response"].plot("g1", kind="nyquist", ax=ax)),
+    "map of a response": (1, lambda r, ax: r["response"].plot("g1", kind="waterfall", ax=ax)),
     "spectrum": (1, lambda r, ax: r["spectrum"].plot(ax=ax)),
     "orders": (1, lambda r, ax: r["orders"].plot(ax=ax)),
     "waterfall": (1, lambda r, ax: r["waterfall"].plot(ax=ax)),
@@ -102,7 +108,7 @@ def test_a_figure_goes_into_given_panels(name, results):
     figure.draw_without_rendering()
 
 
-@pytest.mark.parametrize("name", list(FIGURES))
+@each_case("name", list(FIGURES))
 def test_other_things_than_the_panels_are_an_error(name, results):
     count, draw = FIGURES[name]
     wanted = "1 or 2" if name.startswith("system") else str(count)

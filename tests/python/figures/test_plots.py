@@ -8,7 +8,8 @@ import pytest
 
 import gearbow as gb
 from gearbow.results.run_figures import PLOT_KINDS
-from test_response import recorded, train
+from reference.machines import bowed_pair
+from test_response import recorded
 
 
 def drawn(panel) -> list[np.ndarray]:
@@ -103,7 +104,7 @@ def test_a_figure_without_data_is_an_error():
 
 
 def test_modes_and_synchronous_response_are_drawn(tmp_path):
-    system = train()
+    system = bowed_pair()
     modes = system.modes(count=5)
     figure = modes.plot(count=4)
     assert len(figure.axes) == 4

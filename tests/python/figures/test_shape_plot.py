@@ -11,24 +11,7 @@ from gearbow.description.layout import layout, reference_radius
 from gearbow.description.train import Train
 from gearbow.plotting.mode_shape import _at_maximum, _lever, _ring
 from gearbow.plotting.within_elements import refined
-
-
-def rotor() -> gb.RotorSystem:
-    """Return a stepped shaft with a disk on bearings that are softer along y."""
-    return gb.RotorSystem(
-        [
-            gb.Shaft(
-                "s",
-                segments=[
-                    gb.Segment(length=0.3, outer_diameter=0.04, elements=2),
-                    gb.Segment(length=0.5, outer_diameter=0.06, elements=2),
-                ],
-            )
-        ],
-        disks=[gb.Disk("disk", "s", 0.3, 10.0, 0.05, 0.1)],
-        bearings=[gb.Bearing("s", x, stiffness=(1e6, 2e6), damping=3e2) for x in (0.0, 0.8)],
-        motion="lateral",
-    )
+from reference.machines import stepped_rotor
 
 
 def test_a_circle_moves_like_a_cross_section():
@@ -53,7 +36,7 @@ def test_radii():
     assert reference_radius(gear) == pytest.approx(0.0375)
     # I_p = m r² / 2 of a thin disk
     assert reference_radius(gb.Disk("d", "s", 0.1, 8.0, 0.02, 0.04)) == pytest.approx(0.1)
-    system = rotor()
+    system = stepped_rotor()
     (shaft,) = layout(
         system.shafts, (), system.disks, (), system.bearings, centre_distances=()
     ).shafts
@@ -63,7 +46,7 @@ def test_radii():
 
 
 def test_a_twist_moves_the_rim_of_the_body_at_its_place():
-    system = Train.of(rotor().description, rotor().speed_ratios).layout
+    system = Train.of(stepped_rotor().description, stepped_rotor().speed_ratios).layout
     (disk,) = system.bodies
     assert disk.radius > 0.03
     assert _lever(system, ("s", 0.3, "twist")) == disk.radius
@@ -82,7 +65,7 @@ def test_a_shape_is_drawn_at_its_largest_displacement():
 @pytest.mark.parametrize(("number", "moving"), [(1, 1), (2, 2)])
 def test_a_mode_is_drawn_in_its_plane(number: int, moving: int):
     # the first mode moves along y, the second along z
-    modes = rotor().modes(count=2)
+    modes = stepped_rotor().modes(count=2)
     figure = modes.plot(number)
     (axes,) = figure.axes
     assert [axes.get_xlabel(), axes.get_ylabel(), axes.get_zlabel()] == ["x [m]", "y [m]", "z [m]"]

@@ -19,6 +19,15 @@ from gearbow.description.train import Train
 from gearbow.plotting.development import developed
 from gearbow.plotting.end_view import line_of_action
 from reference.figure_texts import area, box_of, check_texts
+from reference.machines import (
+    SHAFTS,
+    at_ends,
+    chain,
+    reverted_train,
+    rotor_on_pedestal,
+    star,
+    train,
+)
 
 
 @pytest.fixture(autouse=True)
@@ -32,88 +41,15 @@ def gear(name: str, shaft: str, position: float, teeth: int) -> gb.Gear:
     return gb.Gear(name, shaft, position, teeth, module=3e-3, face_width=0.03)
 
 
-def bearings(*shafts: gb.Shaft) -> list[gb.Bearing]:
-    return [gb.Bearing(s.name, x, stiffness=1e8) for s in shafts for x in (0.0, s.length)]
-
-
-def rotor(**parts) -> gb.RotorSystem:
-    """Return a single shaft with two disks, one bearing on a support of its own."""
-    shaft = gb.Shaft("rotor", length=1.2, outer_diameter=0.06, bow=gb.Bow.half_sine(1e-4, 0.5))
-    pedestal = gb.Support("pedestal", mass=10.0, stiffness=1e8)
-    return gb.RotorSystem(
-        [shaft],
-        disks=[
-            gb.Disk("left", "rotor", 0.4, 12.0, 0.05, 0.1),
-            gb.Disk("right", "rotor", 0.8, 12.0, 0.05, 0.1),
-        ],
-        bearings=[
-            gb.Bearing("rotor", 0.05, stiffness=1e8, support=pedestal),
-            gb.Bearing("rotor", 1.15, stiffness=1e8),
-        ],
-        **parts,
-    )
-
-
 def pair(angle: float = 0.0, **parts) -> gb.RotorSystem:
-    size = {"length": 0.5, "outer_diameter": 0.05, "elements": 2}
-    shafts = [gb.Shaft(name, **size) for name in ("input", "output")]
-    return gb.RotorSystem(
-        shafts,
-        [gear("g1", "input", 0.2, 25), gear("g2", "output", 0.3, 50)],
-        [gb.Mesh("g1", "g2", stiffness=2e8, centre_line_angle=angle)],
-        bearings(*shafts),
-        **parts,
+    return train(
+        SHAFTS,
+        [("g1", "input", 0.2, 25), ("g2", "output", 0.3, 50)],
+        [("g1", "g2")],
+        mesh={"stiffness": 2e8, "centre_line_angle": angle},
+        bearing={"stiffness": 1e8},
+        **{"torque": 0.0, **parts},
     )
-
-
-def reverted() -> gb.RotorSystem:
-    """Return input and output shaft on one axis."""
-    shafts = [
-        gb.Shaft("input", length=0.3, outer_diameter=0.04),
-        gb.Shaft("middle", length=0.5, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4, 1.0)),
-        gb.Shaft("output", length=0.3, outer_diameter=0.05),
-    ]
-    gears = [
-        gear("g1", "input", 0.2, 25),
-        gear("g2", "middle", 0.15, 50),
-        gear("g3", "middle", 0.35, 25),
-        gear("g4", "output", 0.1, 50),
-    ]
-    meshes = [
-        gb.Mesh("g1", "g2", stiffness=2e8),
-        gb.Mesh("g3", "g4", stiffness=2e8, centre_line_angle=pi),
-    ]
-    torques = [gb.Torque("g1", 250.0), gb.Torque.balance("g4")]
-    return gb.RotorSystem(shafts, gears, meshes, bearings(*shafts), torques)
-
-
-def star() -> gb.RotorSystem:
-    """Return four pinions around one wheel: two of them have no place beside it."""
-    shafts = [gb.Shaft("wheel shaft", length=0.6, outer_diameter=0.1)]
-    shafts += [gb.Shaft(f"pinion shaft {i}", length=0.4, outer_diameter=0.05) for i in range(4)]
-    gears = [gear("wheel", "wheel shaft", 0.3, 100)]
-    gears += [gear(f"p{i}", f"pinion shaft {i}", 0.2, 20 + i) for i in range(4)]
-    meshes = [
-        gb.Mesh(f"p{i}", "wheel", stiffness=2e8, centre_line_angle=i * pi / 2) for i in range(4)
-    ]
-    torques = [*(gb.Torque(f"p{i}", 100.0) for i in range(4)), gb.Torque.balance("wheel")]
-    drives = [gb.Drive("wheel", 1e5)]
-    return gb.RotorSystem(shafts, gears, meshes, bearings(*shafts), torques, drives=drives)
-
-
-def chain(count: int = 6) -> gb.RotorSystem:
-    """Return a train of many bowed shafts."""
-    shafts = [
-        gb.Shaft(f"shaft {i}", length=0.5, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4, i - 4.0))
-        for i in range(count)
-    ]
-    gears, meshes = [], []
-    for i in range(count - 1):
-        x = 0.15 if i % 2 else 0.35
-        gears += [gear(f"a{i}", f"shaft {i}", x, 25), gear(f"b{i}", f"shaft {i + 1}", x, 40)]
-        angle = 0.5 if i % 2 else -0.5
-        meshes.append(gb.Mesh(f"a{i}", f"b{i}", stiffness=2e8, centre_line_angle=angle))
-    return gb.RotorSystem(shafts, gears, meshes, bearings(*shafts))
 
 
 @cache
@@ -127,9 +63,9 @@ def gearbox() -> gb.RotorSystem:
 
 TRAINS = {
     "gearbox": gearbox,
-    "rotor": rotor,
+    "rotor": rotor_on_pedestal,
     "pair": pair,
-    "reverted": reverted,
+    "reverted": reverted_train,
     "star": star,
     "chain": chain,
 }
@@ -208,7 +144,7 @@ def test_the_hidden_edges_of_a_bore_are_dashed():
 
 def test_a_train_is_developed_into_one_plane():
     distance = 3e-3 * 75 / 2
-    for system, true in ((pair(), True), (pair(angle=2.0), False), (reverted(), True)):
+    for system, true in ((pair(), True), (pair(angle=2.0), False), (reverted_train(), True)):
         train = Train.of(system.description, system.speed_ratios)
         assert developed(train).true is true
         label = system.plot().axes[0].get_ylabel()
@@ -272,7 +208,7 @@ def test_forces_have_their_components():
         gb.Force(("rotor", 0.1), axial=-70.0),
         gb.Force(("rotor", 1.0), np.cos),
     ]
-    side = rotor(forces=forces).plot().axes[0]
+    side = rotor_on_pedestal(forces=forces).plot().axes[0]
     assert {
         "30 N along y, −500 N along z",
         "20 N along y, order 2",
@@ -320,7 +256,7 @@ def test_the_line_of_action_is_that_of_the_engine():
 def test_the_bow_is_drawn_in_its_plane_with_its_factor(phase):
     bow = gb.Bow.half_sine(1e-4, phase)
     shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
-    system = gb.RotorSystem([shaft], bearings=bearings(shaft))
+    system = gb.RotorSystem([shaft], bearings=at_ends([shaft], stiffness=1e8))
     side = system.plot(magnify=300.0).axes[0]
     assert side.get_title() == "side view, bow × 300"
     degrees = f"{np.degrees(phase):.0f}".replace("-", "−")
@@ -339,12 +275,12 @@ def test_all_shapes_of_a_bow_are_drawn():
     ]
     for bow in shapes:
         shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
-        side = gb.RotorSystem([shaft], bearings=bearings(shaft)).plot().axes[0]
+        side = gb.RotorSystem([shaft], bearings=at_ends([shaft], stiffness=1e8)).plot().axes[0]
         assert any("bow 100 µm at" in text for text in texts(side))
     straight = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    assert gb.RotorSystem([straight], bearings=bearings(straight)).plot().axes[0].get_title() == (
-        "side view"
-    )
+    assert gb.RotorSystem([straight], bearings=at_ends([straight], stiffness=1e8)).plot().axes[
+        0
+    ].get_title() == ("side view")
 
 
 def test_the_legend_lists_the_symbols():
@@ -359,7 +295,7 @@ def test_the_legend_lists_the_symbols():
     ]
     side = drawn("gearbox").axes[0]
     assert "housing" in texts(side)
-    figure = rotor().plot()
+    figure = rotor_on_pedestal().plot()
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["bearing", "support"]
     assert "pedestal" in texts(figure.axes[0])
 
@@ -367,7 +303,7 @@ def test_the_legend_lists_the_symbols():
 @pytest.mark.parametrize("magnify", [0.0, -1.0, np.nan, np.inf])
 def test_an_invalid_factor_is_an_error(magnify):
     with pytest.raises(gb.SceneError, match=r"^magnify: must be"):
-        rotor().plot(magnify=magnify)
+        rotor_on_pedestal().plot(magnify=magnify)
 
 
 def test_a_free_shaft_without_anything_is_drawn():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 import runpy
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -85,7 +87,7 @@ def element(plain: dict, kind: str, i: int = 0) -> dict:
 
 
 @needs_files
-@pytest.mark.parametrize(
+@each_case(
     ("change", "message"),
     [
         (
@@ -144,6 +146,68 @@ def test_what_cannot_be_represented_is_an_error_that_names_it(tmp_path, change, 
     assert message in str(caught.value)
 
 
+def in_ross_3(plain: dict) -> dict:
+    """Give the bearing of the file with tables as ROSS 3 names their axes."""
+    plain["ross_version"] = "3.0.0"
+    bearing = element(plain, "BearingElement")
+    bearing["speed"] = bearing.pop("frequency")
+    return bearing
+
+
+@needs_files
+def test_tables_of_ross_3_are_over_the_speed(tmp_path: Path):
+    expected = gb.RotorSystem.from_ross(ROSS / "rotor.toml").description
+    path = tmp_path / "rotor.json"
+    path.write_text(json.dumps(changed(in_ross_3)))
+    assert gb.RotorSystem.from_ross(path).description == expected
+
+    def over_both(plain: dict, slope: float) -> None:
+        bearing = in_ross_3(plain)
+        bearing["frequency"] = [0.0, 100.0, 600.0]
+        for key, values in bearing.items():
+            if key[0] in "kc" and len(key) == 3 and len(values) == 3:
+                axis = zip(values, bearing["speed"], strict=True)
+                bearing[key] = [
+                    [value + slope * (f - speed) for f in bearing["frequency"]]
+                    for value, speed in axis
+                ]
+
+    path.write_text(json.dumps(changed(lambda plain: over_both(plain, 0.0))))
+    assert gb.RotorSystem.from_ross(path).description == expected  # and no warning
+    path.write_text(json.dumps(changed(lambda plain: over_both(plain, 2.0))))
+    with pytest.warns(gb.SceneWarning, match="journal: its coefficients over speed and frequency"):
+        (table, *_) = (
+            bearing.stiffness
+            for bearing in gb.RotorSystem.from_ross(path).bearings
+            if isinstance(bearing.stiffness, gb.SpeedTable)
+        )
+    np.testing.assert_allclose(table.values[1], [[5e7, 2e6], [-2e6, 6e7]], rtol=1e-15)
+
+
+@needs_files
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda p: p.update(ross_version="3.1.0"),
+            "journal: stiffness: its table is over the excitation frequency",
+        ),
+        (
+            lambda p: in_ross_3(p).update(frequency=[0.0, 1.0]),
+            "journal: with speed and frequency, its coefficients must have two axes",
+        ),
+        (lambda p: element(p, "DiskElement").pop("Id"), "an element has no 'Id'"),
+        (lambda p: element(p, "BearingElement").update(kxx=["a"]), "an element has a wrong value"),
+        (lambda p: element(p, "ShaftElement").update(L="long"), "an element has a wrong value"),
+    ],
+)
+def test_a_table_or_value_that_gearbow_cannot_read_is_an_error(tmp_path, change, message: str):
+    path = tmp_path / "rotor.json"
+    path.write_text(json.dumps(changed(change)))
+    with pytest.raises(gb.SceneError, match=re.escape(f"{path}: {message}")):
+        gb.RotorSystem.from_ross(path)
+
+
 def test_another_file_is_not_a_rotor_of_ross(tmp_path: Path):
     (tmp_path / "rotor.json").write_text("{")
     with pytest.raises(gb.SceneError, match=r"rotor\.json: not a rotor of ROSS"):
@@ -163,24 +227,28 @@ speed [rpm]; kyy [N/um]; kzz [kN/mm]; kyz [N/um]; c [N s/mm]
 def test_a_table_of_coefficients(tmp_path: Path):
     path = tmp_path / "bearing.csv"
     path.write_text(COEFFICIENTS, encoding="utf-8-sig")
-    table = gb.SpeedTable.read_csv(path, outside="hold")
+    table = gb.SpeedTable.read_table(path, outside="hold")
     assert table.speeds == pytest.approx((0.0, 100 * np.pi), rel=1e-15)
     assert table.outside == "hold"
     np.testing.assert_allclose(table.values[0], [[2e7, 1e6], [0.0, 3e7]], rtol=1e-15)
-    damping = gb.SpeedTable.read_csv(path, "damping")
+    damping = gb.SpeedTable.read_table(path, "damping")
     np.testing.assert_allclose(damping.values, [500.0, 400.0], rtol=1e-15)
     path.write_text("speed,k\n0,1e7\n100,2e7\n")
-    assert gb.SpeedTable.read_csv(path) == gb.SpeedTable([0.0, 100.0], [1e7, 2e7])
+    assert gb.SpeedTable.read_table(path) == gb.SpeedTable([0.0, 100.0], [1e7, 2e7])
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("old", "new", "message"),
     [
         ("[rpm]", "[Hz]", "line 2, column \"speed\": 'Hz' is not a known unit"),
         ("[rpm]", "[mm]", 'line 2, column "speed": must have a unit that converts to rad/s'),
-        ("kyz", "kxy", "line 2: 'kxy [N/um]' is not a column; there are speed, k, kyy"),
-        ("kyz", "kxy", "kxx, kxy, kyx, kyy for kyy, kyz, kzy, kzz"),
-        ("speed [rpm]", "rpm", 'in brackets behind its column, for example "speed [rpm]"'),
+        ("kyz", "kxy", "line 2: 'kxy [N/um]' is not a column; there are speed, rpm, k, kyy"),
+        (
+            "kyz",
+            "kxy",
+            'name the axes of the table, for example axes="xy": y here is its x, z its y',
+        ),
+        ("kyz [N/um]", "N/um", 'in brackets behind its column, for example "k [N/um]"'),
         ("[rpm]", "rpm", 'write the unit in brackets: "speed [rpm]"'),
         ("[rpm]", "{rpm}", 'write the unit in brackets: "speed [rpm]"'),
         ("[rpm]", "(rpm]", 'write the unit in brackets: "speed [rpm]"'),
@@ -226,7 +294,7 @@ def test_a_mistake_in_a_table_names_line_and_column(tmp_path, old: str, new: str
     assert old in COEFFICIENTS
     path.write_text(COEFFICIENTS.replace(old, new, 1))
     with pytest.raises(gb.SceneError) as caught:
-        gb.SpeedTable.read_csv(path)
+        gb.SpeedTable.read_table(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert message in str(caught.value)
 
@@ -236,18 +304,18 @@ def test_measured_runout(tmp_path: Path):
     path.write_text(
         "position [mm]\tTotal run out [um]\tphase [deg]\n0\t0\t0\n250\t300\t90\n500\t0\t0\n"
     )
-    bow = gb.Bow.read_csv(path)
+    bow = gb.Bow.read_table(path)
     assert bow.positions == (0.0, 0.25, 0.5)
     assert bow.amplitudes == pytest.approx((0.0, 150e-6, 0.0), rel=1e-15)
     assert bow.phases == pytest.approx((0.0, np.pi / 2, 0.0), rel=1e-15)
     path.write_text("position,amplitude\n0,0\n0.25,1e-4\n0.5,0\n")
-    assert gb.Bow.read_csv(path) == gb.Bow.points([0.0, 0.25, 0.5], [0.0, 1e-4, 0.0])
+    assert gb.Bow.read_table(path) == gb.Bow.points([0.0, 0.25, 0.5], [0.0, 1e-4, 0.0])
     path.write_text("position,phase\n0,0\n0.25,1\n")
     with pytest.raises(gb.SceneError, match='needs the column "position" and one of "amplitude"'):
-        gb.Bow.read_csv(path)
+        gb.Bow.read_table(path)
     path.write_text("position,amplitude\n")
     with pytest.raises(gb.SceneError, match="needs a line of headings and lines of numbers"):
-        gb.Bow.read_csv(path)
+        gb.Bow.read_table(path)
 
 
 # --- text files of other programs -----------------------------------------------------------------
@@ -271,11 +339,11 @@ def test_a_table_of_another_program_names_the_file_and_the_encoding(tmp_path, co
     path = tmp_path / "table.csv"
     path.write_bytes(content)
     with pytest.raises(gb.SceneError) as caught:
-        gb.SpeedTable.read_csv(path)
+        gb.SpeedTable.read_table(path)
     assert str(caught.value).startswith(f"{path}: {message}")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("read", "name", "content", "message"),
     [
         (gb.RotorSystem.load, "a.toml", DEEP, "is nested too deeply"),
@@ -299,3 +367,115 @@ def test_a_byte_order_mark_does_not_change_a_scene(tmp_path: Path):
     expected = gb.RotorSystem.load(path).description
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
     assert gb.RotorSystem.load(path).description == expected
+
+
+# --- tables of bearing programs -------------------------------------------------------------------
+
+FOREIGN = """Speed [rpm], Kxx [N/um], K_xy [N/um], Kyx [N/um], kyy [N/um], CXX [kN s/m], Cyy [kN s/m]
+3000, 11, 12, -21, 22, 1, 2
+6000, 13, 14, -23, 24, 3, 4
+"""
+
+
+def test_the_axes_of_a_foreign_table_are_named_in_the_call(tmp_path: Path):
+    path = tmp_path / "bearing.csv"
+    path.write_text(FOREIGN)
+    with pytest.raises(gb.SceneError, match='name the axes of the table, for example axes="xy"'):
+        gb.SpeedTable.read_table(path)
+    table = gb.SpeedTable.read_table(path, axes="xy")
+    np.testing.assert_allclose(table.speeds, gb.rpm(np.array([3000.0, 6000.0])), rtol=1e-15)
+    np.testing.assert_allclose(table.values[0], [[11e6, 12e6], [-21e6, 22e6]], rtol=1e-15)
+    turned = gb.SpeedTable.read_table(path, axes="yx")
+    np.testing.assert_allclose(turned.values[0], [[22e6, -21e6], [12e6, 11e6]], rtol=1e-15)
+    damping = gb.SpeedTable.read_table(path, "damping", axes="xy")
+    np.testing.assert_allclose(damping.values[1], [[3e3, 0.0], [0.0, 4e3]], rtol=1e-15)
+    for wrong in ("yy", "x", "", None, 1):
+        with pytest.raises(gb.SceneError, match="axes: must be one of yz, zy, xy, yx, xz, zx, got"):
+            gb.SpeedTable.read_table(path, axes=wrong)  # type: ignore[arg-type]
+
+
+def test_the_spin_from_y_to_x_turns_the_cross_coefficients(tmp_path: Path):
+    """A shaft that turns from y to x, seen from its other side, turns from x to y."""
+    path = tmp_path / "bearing.csv"
+    path.write_text(FOREIGN)
+    rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
+    ratios = {}
+    for axes in ("xy", "yx"):
+        stiffness = gb.SpeedTable.read_table(path, axes=axes)
+        bearings = [gb.Bearing("rotor", x, stiffness=stiffness) for x in (0.0, 1.0)]
+        modes = gb.RotorSystem(shafts=[rotor], bearings=bearings).modes(gb.rpm(3000))
+        # Kxy > 0 > Kyx drives the whirl from x to y.
+        ratios[axes] = dict(zip(modes.whirl[:2], modes.damping_ratios[:2], strict=True))
+    assert ratios["xy"]["forward"] < 0.0 < ratios["xy"]["backward"]
+    assert ratios["yx"]["backward"] < 0.0 < ratios["yx"]["forward"]
+
+
+def test_units_of_headings_without_one_are_named_in_the_call(tmp_path: Path):
+    path = tmp_path / "bearing.csv"
+    path.write_text("RPM,K,C [N s/m]\n3000,1,400\n6000,2,500\n")
+    table = gb.SpeedTable.read_table(path, units={"stiffness": "N/um"})
+    assert table == gb.SpeedTable(gb.rpm(np.array([3000.0, 6000.0])), [1e6, 2e6])
+    path.write_text("speed,K\n3000,1\n6000,2\n")
+    units = {"speed": "rpm", "stiffness": "kN/mm"}
+    assert gb.SpeedTable.read_table(path, units=units) == table
+    for wrong, message in (
+        ({"speed": "Hz"}, "column \"speed\": 'Hz' is not a known unit"),
+        ({"speeds": "rpm"}, "units: must be one of speed, stiffness, damping, got 'speeds'"),
+        ("rpm", "units: must be a mapping of names to units, got 'rpm'"),
+        ({"speed": 1.0}, "units: must be a mapping of names to units"),
+    ):
+        with pytest.raises(gb.SceneError, match=re.escape(message)):
+            gb.SpeedTable.read_table(path, units=wrong)  # type: ignore[arg-type]
+    path.write_text("speed,rpm,K\n0,3000,1\n1,6000,2\n")
+    with pytest.raises(gb.SceneError, match='needs the column "speed" or "rpm", and only one'):
+        gb.SpeedTable.read_table(path)
+
+
+def test_a_table_in_an_excel_file(tmp_path: Path):
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("openpyxl")
+    (tmp_path / "bearing.csv").write_text(FOREIGN)
+    path = tmp_path / "bearing.xlsx"
+    rows = [line.split(", ") for line in FOREIGN.splitlines()]
+    numbers = [[float(cell) for cell in row] for row in rows[1:]]
+    comment = ["# measured", *6 * [None]]
+    empty = 7 * [None]
+    pandas.DataFrame([comment, rows[0], empty, *numbers]).to_excel(path, header=False, index=False)
+    for quantity in ("stiffness", "damping"):
+        found = gb.SpeedTable.read_table(path, quantity, axes="xy")
+        assert found == gb.SpeedTable.read_table(tmp_path / "bearing.csv", quantity, axes="xy")
+    numbers[1][2] = None
+    pandas.DataFrame([rows[0], *numbers]).to_excel(path, header=False, index=False)
+    with pytest.raises(
+        gb.SceneError, match=r'bearing\.xlsx: row 3, column "kxy": must be a number'
+    ):
+        gb.SpeedTable.read_table(path, axes="xy")
+    path.write_bytes(b"PK")
+    with pytest.raises(gb.SceneError, match=r"bearing\.xlsx: is not an Excel file"):
+        gb.SpeedTable.read_table(path, axes="xy")
+
+
+def test_a_table_in_a_matlab_file(tmp_path: Path):
+    io = pytest.importorskip("scipy.io")
+    path = tmp_path / "bearing.mat"
+    units = {"speed": "rpm", "stiffness": "N/um"}
+    vectors = {"speed": [3000, 6000], "Kxx": [11.0, 13.5], "Kyy": np.array([[22.0], [24.0]])}
+    io.savemat(path, vectors)
+    table = gb.SpeedTable.read_table(path, axes="xy", units=units)
+    np.testing.assert_allclose(table.speeds, gb.rpm(np.array([3000.0, 6000.0])), rtol=1e-15)
+    np.testing.assert_allclose(table.values[1], [[13.5e6, 0.0], [0.0, 24e6]], rtol=1e-15)
+    for wrong, message in (
+        ({"Kyy": np.ones((2, 2))}, r"bearing\.mat: Kyy: must be a vector, has the shape \(2, 2\)"),
+        ({"Kyy": "text"}, r"bearing\.mat: Kyy: must be a vector of numbers"),
+        ({"Kyy": [1.0]}, r"bearing\.mat: its vectors must have one length, got \[1, 2\]"),
+        ({"Kyy": [1.0, np.nan]}, r'bearing\.mat: value 2, column "kyy": must be a number'),
+        ({"Kzz": [1.0, 2.0]}, r"bearing\.mat: names: 'Kzz' is not a column"),
+    ):
+        io.savemat(path, vectors | wrong)
+        with pytest.raises(gb.SceneError, match=message):
+            gb.SpeedTable.read_table(path, axes="xy", units=units)
+    path.write_bytes(b"MATLAB 7.3")
+    with pytest.raises(gb.SceneError, match=r"bearing\.mat: is not a MATLAB file"):
+        gb.SpeedTable.read_table(path, axes="xy")
+    with pytest.raises(FileNotFoundError):
+        gb.SpeedTable.read_table(tmp_path / "nothing.mat")

@@ -12,9 +12,11 @@ import pytest
 
 import gearbow as gb
 from gearbow._files import FileLock, replacing
+from reference.cases import each_case
+from reference.machines import bowed_pair
 from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked
 from test_persistence import assert_same
-from test_response import recorded, train
+from test_response import recorded
 
 RESPONSES = [".npz", ".nc"]
 SUFFIXES = [*RESPONSES, ".toml"]
@@ -38,7 +40,7 @@ def python(script: str, *given: object) -> subprocess.CompletedProcess[str]:
 
 def big() -> gb.RotorSystem:
     """Return a system whose description is larger than the disk limits of these tests."""
-    system = train()
+    system = bowed_pair()
     disks = [
         gb.Disk(f"disk {i}", "input", 0.25, mass=1e-3, polar_inertia=1e-6, diametral_inertia=1e-6)
         for i in range(1200)
@@ -51,7 +53,7 @@ def big() -> gb.RotorSystem:
 def write(path: Path, *, small: bool = False) -> None:
     """Write a file in the format of the suffix, larger than 100 kB unless it is small."""
     if path.suffix == ".toml":
-        (train() if small else big()).save(path)
+        (bowed_pair() if small else big()).save(path)
     else:
         recorded(rows=5 if small else 1000).save(path)
 
@@ -220,18 +222,18 @@ def test_a_full_disk_does_not_end_a_run(tmp_path, suffix, there):
 KILLS = """
 import os, pathlib, random, signal, sys, time
 import gearbow as gb
+from reference.machines import bowed_pair
 from test_checkpoint import RUNS, asked
 from test_file_failures import big, read
-from test_response import train
 
 path, chance = pathlib.Path(sys.argv[1]), random.Random(11)
 system, options = RUNS["smooth"][0].package(), asked("smooth")
-texts = [train().description, big().description]
+texts = [bowed_pair().description, big().description]
 
 def work():
     if path.suffix == ".toml":
         while True:
-            train().save(path)
+            bowed_pair().save(path)
             big().save(path)
     system.simulate(**options, checkpoint=path, checkpoint_interval=1e-9, progress=lambda _: time.sleep(0.06))
     os._exit(0)
@@ -258,8 +260,8 @@ def test_a_killed_writer_leaves_a_complete_file(tmp_path, suffix):
     ended = python(KILLS, path)
     assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
     if suffix == ".toml":
-        train().save(path)
-        assert read(path) == train().description
+        bowed_pair().save(path)
+        assert read(path) == bowed_pair().description
     else:
         system, options = RUNS["smooth"][0].package(), asked("smooth")
         assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
@@ -364,11 +366,11 @@ def test_writers_of_one_file_do_not_disturb_each_other(tmp_path, suffix):
 @posix
 def test_a_file_has_default_permissions_and_keeps_changed_ones(tmp_path):
     path, other = tmp_path / "rotor.toml", tmp_path / "other"
-    train().save(path)
+    bowed_pair().save(path)
     other.touch()
     assert path.stat().st_mode == other.stat().st_mode
     path.chmod(0o600)
-    train().save(path)
+    bowed_pair().save(path)
     assert path.stat().st_mode & 0o777 == 0o600
 
 
@@ -377,17 +379,17 @@ def test_links_and_devices_are_not_replaced(tmp_path):
     (tmp_path / "folder").mkdir()
     link = tmp_path / "rotor.toml"
     link.symlink_to(tmp_path / "folder" / "rotor.toml")
-    train().save(link)
+    bowed_pair().save(link)
     assert link.is_symlink()
-    assert read(tmp_path / "folder" / "rotor.toml") == train().description
+    assert read(tmp_path / "folder" / "rotor.toml") == bowed_pair().description
     os.mkfifo(tmp_path / "pipe.toml")
     (tmp_path / "folder.toml").mkdir()
     for target in (tmp_path / "pipe.toml", tmp_path / "folder.toml"):
         with pytest.raises(OSError, match="cannot be written and is unchanged") as caught:
-            train().save(target)
+            bowed_pair().save(target)
         assert str(target) in str(caught.value)
     with pytest.raises(FileNotFoundError, match="missing"):
-        train().save(tmp_path / "missing" / "rotor.toml")
+        bowed_pair().save(tmp_path / "missing" / "rotor.toml")
     assert names(tmp_path) == ["folder", "folder.toml", "pipe.toml", "rotor.toml"]
 
 
@@ -448,7 +450,7 @@ def test_a_loop_of_links_is_an_error_of_the_system(tmp_path):
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     for path in (tmp_path / "a.toml", tmp_path / "loop" / "a.toml"):
         with pytest.raises(OSError, match=r"(Too many levels|Symlink loop|symbolic links)"):
-            train().save(path)
+            bowed_pair().save(path)
         with pytest.raises(OSError, match="Too many levels"):
             gb.RotorSystem.load(path)
     (tmp_path / "a.npz").symlink_to(tmp_path / "a.npz")
@@ -485,10 +487,10 @@ def test_a_link_to_stdout_does_not_replace_the_redirected_file(tmp_path):
     assert sorted(names(tmp_path)) == ["link.npz", "out"]
 
 
-@pytest.mark.parametrize("path", ["", "rotor", "rotor.npz", "rotor\0.toml", 3, None, b"rotor.toml"])
+@each_case("path", ["", "rotor", "rotor.npz", "rotor\0.toml", 3, None, b"rotor.toml"])
 def test_a_name_that_is_no_file_of_a_known_format_is_refused(path):
     with pytest.raises(gb.SceneError, match=r"^path: must (be the name of a file|end with \.toml)"):
-        train().save(path)
+        bowed_pair().save(path)
     with pytest.raises(gb.SceneError, match=r"^path: must (be the name of a file|end with \.npz)"):
         recorded().save(path if path != "rotor.npz" else "rotor.toml")
 

@@ -23,9 +23,11 @@ import gearbow as gb
 from gearbow.recording import file as storage
 from gearbow.recording.container import seal
 from gearbow.recording.tables import arrays_of, metadata_of
+from reference.cases import each_case
+from reference.machines import bowed_pair
 from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked
 from test_persistence import assert_same
-from test_response import recorded, train
+from test_response import recorded
 
 SUFFIXES = [".npz", ".nc"]
 SEAL = len(seal(BytesIO(), 0))
@@ -216,7 +218,7 @@ def works(response: gb.Response) -> None:
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize(
+@each_case(
     ("place", "value", "text"),
     [
         (("format",), 99, "format 99, this version of gearbow reads 1"),
@@ -257,7 +259,7 @@ def test_the_message_names_the_entry(tmp_path, suffix, place, value, text):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize(
+@each_case(
     "text",
     [
         "",
@@ -454,7 +456,7 @@ def test_declared_gigabytes_are_refused_before_they_are_allocated(tmp_path):
 # --- impossible states ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("changes", "text"),
     [
         ({"state": np.zeros(4)}, r"^initial: has 2 degrees of freedom"),
@@ -485,7 +487,7 @@ def test_declared_gigabytes_are_refused_before_they_are_allocated(tmp_path):
 )
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
 def test_an_invalid_final_state_is_a_scene_error(changes, text, method):
-    system = train()
+    system = bowed_pair()
     options: dict[str, Any] = {"speed": 100.0, "output_step": 1e-4, "method": method}
     final = system.simulate(1e-3, **options).final
     with pytest.raises(gb.SceneError, match=text):
@@ -495,7 +497,7 @@ def test_an_invalid_final_state_is_a_scene_error(changes, text, method):
 @pytest.mark.parametrize("count", [0, 5, 2**53, 2**63 - 1])
 @pytest.mark.parametrize("method", ["exponential", "rk45", "rk4"])
 def test_a_wrong_count_of_steps_does_not_stop_the_interpreter(count, method):
-    system = train()
+    system = bowed_pair()
     options: dict[str, Any] = {"speed": 100.0, "output_step": 1e-4, "method": method}
     final = system.simulate(1e-3, **options).final
     try:

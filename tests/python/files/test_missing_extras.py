@@ -12,7 +12,8 @@ from test_file_failures import names, python
 
 EXTRAS = """
 import sys
-from test_response import recorded, train
+from reference.machines import bowed_pair
+from test_response import recorded
 
 missing = sys.argv[1].split(",")
 for name in [name for name in sys.modules if name.partition(".")[0] in missing]:
@@ -25,7 +26,7 @@ class Missing:
 
 sys.meta_path.insert(0, Missing())
 import gearbow as gb
-system, response = train(), recorded()
+system, response = bowed_pair(), recorded()
 run = system.simulate(1e-3, 100.0, output_step=1e-5, record=["gears", "meshes", "energy"])
 speeds = [50.0, 100.0, 150.0]
 modes, campbell, synchronous = system.modes(), system.campbell(speeds), system.synchronous(speeds)
@@ -41,12 +42,16 @@ calls = {
     "netcdf": [
         response.to_xarray,
         lambda: response.save(f"{folder}/run.nc"),
+        lambda: modes.save(f"{folder}/modes.nc"),
         lambda: gb.Response.load(f"{folder}/run.nc"),
         lambda: system.simulate(1e300, 100.0, output_step=1e299, checkpoint=f"{folder}/run.nc"),
     ],
-    "sweep": [sweep.to_xarray, sweep.to_dataframe],
+    "matlab": [lambda: gb.SpeedTable.read_table("x.mat")],
+    "sweep": [sweep.to_xarray],
     "dataframe": [
         response.to_dataframe, modes.to_dataframe, campbell.to_dataframe, run.energy_balance().to_dataframe,
+        sweep.to_dataframe, lambda: modes.save(f"{folder}/modes.csv"),
+        lambda: gb.SpeedTable.read_table("x.xlsx"), lambda: gb.Bow.read_table("x.xlsx"),
     ],
 }
 for call in calls[sys.argv[3]]:
@@ -67,6 +72,7 @@ print("done")
         ("plot", "matplotlib"),
         ("netcdf", "xarray,h5netcdf,h5py"),
         ("dataframe", "pandas"),
+        ("matlab", "scipy"),
         ("sweep", "xarray,pandas"),
     ],
 )

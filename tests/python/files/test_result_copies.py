@@ -9,34 +9,36 @@ import pickle
 from typing import Any
 
 import numpy as np
-import pytest
 
 import gearbow as gb
 from gearbow._core import Model
 from gearbow._read_only import ReadOnly
+from reference.cases import each_case
+from reference.machines import bowed_pair, bowed_rotor
 from test_read_only import results, writable
-from test_response import recorded, train
+from test_response import recorded
 
 #: Results that contain systems on purpose: the corrected system, and the systems of the trials.
 WITH_SYSTEMS = ("balance", "tradeoff")
 
 
+MEASURED = [
+    gb.results.MeasuredCurve("g1", "y", "velocity", np.array([50.0, 60.0]), np.array([1j, 2.0]))
+]
+
+
 def everything() -> dict[str, Any]:
-    system = train()
+    system = bowed_pair()
     run = system.simulate(0.07, 100.0, output_step=2e-4, record=["g1"])
-    rotor = gb.Shaft(
-        "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
-    )
-    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    bowed = gb.RotorSystem([rotor], bearings=bearings)
+    bowed = bowed_rotor()
     film = gb.JournalBearing(
         "rotor", 0.0, diameter=0.05, length=0.02, clearance=5e-5, viscosity=0.02
     )
-    floating = bowed.replace(bearings=[film, bearings[1]], gravity=(0.0, -9.81))
+    floating = bowed.replace(bearings=[film, bowed.bearings[1]], gravity=(0.0, -9.81))
     balls = gb.RollingBearing(
         "rotor", 0.0, elements=9, element_diameter=0.0127, pitch_diameter=0.065, clearance=0.0
     )
-    rolling = bowed.replace(bearings=[balls, bearings[1]], gravity=(0.0, -9.81))
+    rolling = bowed.replace(bearings=[balls, bowed.bearings[1]], gravity=(0.0, -9.81))
     campbell, response = results()["campbell"], bowed.synchronous(np.linspace(100.0, 900.0, 9))
     study = bowed.tradeoff(2e-3, 100.0, signals=[("rotor", 0.5)], tolerances=[1e-3], repeats=1)
     return {
@@ -44,7 +46,10 @@ def everything() -> dict[str, Any]:
         "mesh state": system.static().mesh(("g1", "g2")),
         "line": campbell.lines[0],
         "intersection": bowed.campbell([0.0, 900.0], count=2).criticals[0],
+        "comparison": results()["frequency response"].compare(MEASURED),
+        "measured": MEASURED[0],
         "peak": response.peaks(("rotor", 0.5))[0],
+        "peaks": response.peaks(("rotor", 0.5)),
         "orders": run.orders("g1", mesh_harmonics=0),
         "waterfall": gb.waterfall([run, system.simulate(0.07, 90.0, output_step=2e-4)], "g1"),
         "variable": system.simulate(1e-3, (np.array([0.0, 1e-3]), np.array([90.0, 95.0]))),
@@ -100,14 +105,14 @@ class Visitor(pickle.Pickler):
         return NotImplemented
 
 
-@pytest.mark.parametrize("name", MADE)
+@each_case("name", MADE)
 def test_a_pickled_result_comes_back_bit_for_bit(name: str):
     for twin in (pickle.loads(pickle.dumps(MADE[name])), copy.deepcopy(MADE[name])):
         assert same(twin, MADE[name])
         assert writable(twin) == []
 
 
-@pytest.mark.parametrize("name", MADE)
+@each_case("name", MADE)
 def test_a_result_holds_no_compiled_model(name: str):
     visitor = Visitor()
     visitor.dump(MADE[name])
@@ -138,7 +143,7 @@ def test_every_public_class_of_results_is_tested():
 def test_copies_answer_as_the_originals():
     modes = pickle.loads(pickle.dumps(MADE["modes"]))
     assert modes.table() == MADE["modes"].table()
-    response = train(bow=gb.Bow.half_sine(1e-4)).synchronous(np.linspace(50.0, 900.0, 9))
+    response = bowed_pair(bow=gb.Bow.half_sine(1e-4)).synchronous(np.linspace(50.0, 900.0, 9))
     twin = pickle.loads(pickle.dumps(response))
     assert twin.peaks("g1") == response.peaks("g1")
     slow = twin.subtract_slow_roll(1.0).amplitudes
@@ -147,7 +152,7 @@ def test_copies_answer_as_the_originals():
 
 def test_a_run_continues_from_a_pickled_response():
     first = recorded()
-    system = train()
+    system = bowed_pair()
     run = system.simulate(1e-3, 100.0)
     on, again = (
         system.simulate(1e-3, 100.0, initial=start)

@@ -1,34 +1,44 @@
-"""Numbers and units of modes, Campbell diagrams and critical speed maps against closed forms."""
+"""Tables of all results: numbers and units against closed forms, and one way to print and save."""
 
 from __future__ import annotations
 
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
+from matplotlib.figure import Figure
 
 import gearbow as gb
 from reference import scenes
-from test_synchronous import jeffcott
+from reference.machines import bowed_pair, inertia, jeffcott, rigid_rotor
+from reference.records import of_series
+from test_tradeoff_numbers import STUDY
+
+#: Names of `results`.
+RESULTS = [
+    *("modes", "campbell", "map", "synchronous", "peaks", "static", "run", "energy", "spectrum"),
+    *("waterfall", "orders", "balance", "steady", "branch", "sweep", "tradeoff"),
+]
 
 MASS = 50.0 + scenes.DENSITY * np.pi / 4 * 0.1**2 * 0.2  # of disk and shaft
 
 
 def block(
-    stiffness: tuple[float, float], damping: float = 0.0, inertia: float = 0.05
+    stiffness: tuple[float, float], damping: float = 0.0, moment: float = 0.05
 ) -> gb.RotorSystem:
-    """Return a disk of 50 kg at the middle of a short shaft that is 1e3 times stiffer than its two
-    bearings.
-    """
-    return gb.RotorSystem(
-        [gb.Shaft("s", length=0.2, outer_diameter=0.1, elements=2)],
-        disks=[gb.Disk("disk", "s", 0.1, 50.0, inertia, inertia)],
-        bearings=[gb.Bearing("s", x, stiffness=stiffness, damping=damping) for x in (0.0, 0.2)],
-        motion="lateral",
-    )
+    """Return a disk of 50 kg amid a short shaft that is 1e3 times stiffer than its two bearings."""
+    bearing = {"stiffness": stiffness, "damping": damping}
+    return rigid_rotor(inertia(50.0, moment, moment), bearing, "s", motion="lateral")
 
 
 def rows(table: str) -> list[list[str]]:
-    """Return the words of the lines of a table without its header."""
-    return [line.split() for line in table.splitlines()[1:]]
+    """Return the words of the rows of a table, which follow a heading and the names of the columns."""
+    return [line.split() for line in table.splitlines()[2:]]
 
 
 def test_frequencies_and_damping_of_modes_in_all_their_forms():
@@ -43,7 +53,8 @@ def test_frequencies_and_damping_of_modes_in_all_their_forms():
     frame = modes.to_dataframe()
     np.testing.assert_array_equal(frame["frequency [Hz]"], modes.frequencies_hz)
     np.testing.assert_array_equal(frame["damping ratio"], modes.damping_ratios)
-    head = modes.table().splitlines()[0]
+    heading, head = modes.table().splitlines()[:2]
+    assert heading == "modes at 0 rad/s"
     assert "frequency [Hz]  damping [%]" in head
     for number, words in enumerate(rows(modes.table())):
         assert words[0] == str(number + 1)
@@ -57,7 +68,7 @@ def test_energy_shares_of_a_mode_follow_its_motion():
     assert shares["s", "v"] == pytest.approx([1.0, 0.0], abs=1e-9)
     assert shares["s", "w"] == pytest.approx([0.0, 1.0], abs=1e-9)
     # tilting about the centre has rotary inertia only, of bending in the same plane
-    tilting = block((1e6, 2e6), inertia=5.0).modes(count=2)
+    tilting = block((1e6, 2e6), moment=5.0).modes(count=2)
     assert tilting.energy_shares()["s", "v"] == pytest.approx([1.0, 0.0], abs=1e-9)
     assert tilting.names() == ["s v", "s w"]
     # a circle has half of its energy in each direction
@@ -91,11 +102,12 @@ def test_intersections_in_all_their_forms():
         ("frequency [Hz]", "frequency_hz"),
         ("damping ratio", "damping_ratio"),
         ("whirl", "whirl"),
-        ("mode", "mode"),
     ):
         assert list(frame[column]) == [getattr(m, name) for m in found.intersections]
+    assert list(frame["mode"]) == [m.mode + 1 for m in found.intersections]
     assert list(frame["order"]) == [1.0] * len(found.intersections)
-    head = found.table().splitlines()[0]
+    heading, head = found.table().splitlines()[:2]
+    assert heading == "intersections and stability thresholds, 0 to 500 rad/s"
     assert "speed [rad/s]  frequency [Hz]  damping [%]" in head
     for words, intersection in zip(rows(found.table()), found.intersections, strict=True):
         assert float(words[0]) == pytest.approx(intersection.speed, abs=5.1e-3)
@@ -125,3 +137,186 @@ def test_critical_speeds_of_a_rigid_rotor(order: float):
     expected = np.sqrt(2 * np.array([1e5, 4e5]) / MASS) / order
     # up to the flexibility of the shaft
     assert [speeds[0] for speeds in found.speeds] == pytest.approx(expected, rel=1e-2)
+
+
+def overdamped() -> gb.RotorSystem:
+    """Return a disk on two bearings that are critically damped along y and hardly along z."""
+    damping = (1e8, 1e2)
+    return gb.RotorSystem(
+        [gb.Shaft("s", length=0.2, outer_diameter=0.1, elements=2)],
+        disks=[gb.Disk("disk", "s", 0.1, 50.0, 0.05, 0.05)],
+        bearings=[gb.Bearing("s", x, stiffness=1e6, damping=damping) for x in (0.0, 0.2)],
+        motion="lateral",
+    )
+
+
+def test_oscillating_modes_come_before_overdamped_ones():
+    modes = overdamped().modes(count=6)
+    assert modes.frequencies_hz[0] == 0.0
+    frame = modes.to_dataframe()
+    still = frame["frequency [Hz]"].to_numpy() == 0.0
+    assert 0 < still.sum() < len(frame)
+    assert not still[: -still.sum()].any()
+    # the number of a mode stays that of `plot` and of the arrays
+    for number, frequency in zip(frame["mode"], frame["frequency [Hz]"], strict=True):
+        assert modes.frequencies_hz[number - 1] == frequency
+
+
+def test_no_table_has_a_negative_zero():
+    from gearbow._result import plain_text
+
+    assert [plain_text(x, ".3f") for x in (-1e-9, -0.0, 0.0, -0.001)] == [
+        "0.000",
+        "0.000",
+        "0.000",
+        "-0.001",
+    ]
+    assert plain_text(-1e-300, ".4g") == "-1e-300"
+    assert plain_text(np.nan, ".3f") == "–"
+
+
+@cache
+def results() -> dict[str, Any]:
+    """Return one result of each kind, by name; speeds are given in rpm."""
+    system, speed = bowed_pair(), gb.rpm(1500)
+    run = system.simulate(0.02, speed, output_step=1e-4, record=["gears", "meshes", "energy"])
+    speeds, time = gb.rpm(np.linspace(100.0, 3000.0, 20)), 1e-3 * np.arange(6000)
+    synchronous = jeffcott(damping=5e2).synchronous(gb.rpm(np.linspace(500.0, 9000.0, 90)))
+    sweep = gb.sweep(dict, {"a": list(range(20))}, lambda system, a: 2.0 * a)  # noqa: ARG005
+    return {
+        "modes": system.modes(speed),
+        "campbell": system.campbell(speeds, count=6, harmonics=3),
+        "map": jeffcott().critical_speed_map([1e6, 1e7, 1e8]),
+        "synchronous": system.synchronous(speeds),
+        "peaks": synchronous.peaks("disk", operating=gb.rpm(4000)),
+        "static": system.static(speed),
+        "run": run,
+        "energy": run.energy_balance(),
+        "spectrum": run.spectrum("g1"),
+        "waterfall": gb.waterfall([run], "g1"),
+        "orders": of_series(time, 1e-6 * np.cos(100.0 * time)).orders(
+            "g1", "z", shaft_harmonics=1, mesh_harmonics=0
+        ),
+        "balance": jeffcott(damping=4e3).balance(["disk"], gb.rpm(2000), points=["disk"]),
+        "steady": system.steady_state(100.0, geometry="frozen"),
+        "branch": jeffcott(damping=4e3).continuation(
+            "speed", 50.0, 55.0, record=["disk"], max_points=4
+        ),
+        "sweep": sweep,
+        "tradeoff": STUDY,
+    }
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_every_result_is_printed_converted_and_saved_in_one_way(name: str, tmp_path: Path):
+    result = results()[name]
+    # all rows in the table, a dozen and the number of the others in print
+    lines, printed = result.table().splitlines(), str(result).splitlines()
+    left = [line for line in printed if line.startswith("… and ")]
+    count = len(result._columns()[0].values)
+    assert len(left) == (count > 12)
+    if left:
+        assert left[0].split()[2] == str(count - 12)
+        assert len(printed) == len(lines) - (count - 12) + 1
+    else:
+        assert printed == lines
+    assert len(result.table(1).splitlines()) == len(lines) - max(0, count - 1)
+    assert "-0.0" not in re.sub(r"-0\.0*[1-9]", "", result.table())
+    # the same columns in a data frame and in a file of text
+    frame = result.to_dataframe()
+    result.save(tmp_path / "table.csv")
+    read = pd.read_csv(tmp_path / "table.csv", index_col=0 if frame.index.name else None)
+    assert list(read.columns) == list(frame.columns)
+    assert len(read) == len(frame) > 0
+    result.save(tmp_path / "table.nc")
+    assert (tmp_path / "table.nc").stat().st_size > 0
+    assert isinstance(result.plot("value") if name == "sweep" else result.plot(), Figure)
+    with pytest.raises(gb.SceneError, match=r"^path: must end with .*\.csv"):
+        result.save(tmp_path / "table.txt")
+
+
+def test_a_table_of_any_result_is_a_data_set_with_units(tmp_path: Path):
+    modes = results()["modes"]
+    modes.save(tmp_path / "modes.nc")
+    with xr.open_dataset(tmp_path / "modes.nc", engine="h5netcdf") as data:
+        np.testing.assert_array_equal(data["frequency"], modes.to_dataframe()["frequency [Hz]"])
+        assert data["frequency"].units == "Hz"
+        assert list(data["whirl"].values) == list(modes.to_dataframe()["whirl"])
+
+
+def test_a_table_of_any_result_is_a_sheet_of_excel(tmp_path: Path):
+    pytest.importorskip("openpyxl")
+    modes = results()["modes"]
+    modes.save(tmp_path / "modes.xlsx")
+    read = pd.read_excel(tmp_path / "modes.xlsx")
+    assert list(read.columns) == list(modes.to_dataframe().columns)
+    np.testing.assert_allclose(read["frequency [Hz]"], modes.to_dataframe()["frequency [Hz]"])
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("modes", "modes at 1500 rpm"),
+        ("campbell", "100 to 3000 rpm"),
+        ("synchronous", "100 to 3000 rpm"),
+        ("peaks", "operating speed 4000 rpm"),
+        ("static", "at 1500 rpm"),
+        ("run", "run at 1500 rpm"),
+        ("spectrum", "at 1500 rpm"),
+        ("waterfall", "1500 rpm"),
+        ("balance", "at 2000 rpm"),
+    ],
+)
+def test_headings_have_the_speed_in_the_given_unit(name: str, text: str):
+    result = results()[name]
+    assert text in result.table()
+    assert text not in result.table(speed_unit="rad/s")
+    assert "rad/s" in result.table(speed_unit="rad/s")
+    with pytest.raises(gb.SceneError, match=r"^speed_unit: must be one of rad/s, rpm, got 'Hz'"):
+        result.table(speed_unit="Hz")
+
+
+def test_a_table_without_speeds_refuses_their_unit():
+    for name in ("energy", "sweep"):
+        with pytest.raises(gb.GearbowError, match=r"^speed_unit: this result has no speeds"):
+            results()[name].table(speed_unit="rpm")
+
+
+def test_the_unit_of_the_speed_is_that_of_the_scene_and_of_the_file(tmp_path: Path):
+    bearing = 'stiffness = { speeds = ["0 rpm", "3000 rpm"], values = ["1e7 N/m", "2e7 N/m"] }'
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        '[[shafts]]\nname = "rotor"\nlength = "1 m"\nouter_diameter = "50 mm"\n'
+        'bow = { shape = "half_sine", amplitude = "0.1 mm" }\n'
+        + "".join(
+            f'[[bearings]]\nshaft = "rotor"\nposition = "{x} m"\n{bearing}\n' for x in (0, 1)
+        ),
+        encoding="utf-8",
+    )
+    system = gb.RotorSystem.load(scene)
+    assert system.modes(100.0, count=2).table().startswith("modes at 954.93 rpm")
+    assert system.replace(gravity=9.81).modes(100.0, count=2).speed_unit == "rpm"
+    run = system.simulate(1e-3, 100.0, record=[("rotor", 0.0)])
+    run.save(tmp_path / "run.npz")
+    assert gb.Response.load(tmp_path / "run.npz").speed_unit == "rpm"
+    # numbers of any unit are those of rad/s
+    assert gb.rpm(1500) == pytest.approx(50.0 * np.pi)
+    assert jeffcott().modes(100.0, count=2).speed_unit == "rad/s"
+
+
+def test_peaks_are_a_sequence_with_verdicts():
+    peaks = results()["peaks"]
+    assert len(peaks) == 1
+    assert isinstance(peaks[0], gb.results.Peak)
+    assert peaks[0].verdict == ("acceptable" if peaks[0].acceptable else "too close")
+    assert peaks[0].verdict in peaks.table()
+    far = jeffcott(damping=4e3).synchronous([1.0, 2.0, 3.0]).peaks("disk")
+    assert list(far) == []
+    assert far.table().splitlines()[-1] == "none"
+
+
+def test_a_table_of_a_grid_has_the_parameters_of_each_point():
+    grid = {"a": [1.0, 2.0], "b": [3.0, 4.0, 5.0]}
+    sweep = gb.sweep(dict, grid, lambda system, a, b: 10.0 * a + b)  # noqa: ARG005
+    found = [[float(word) for word in line] for line in rows(sweep.table())]
+    assert found == [[a, b, 10.0 * a + b] for a in grid["a"] for b in grid["b"]]

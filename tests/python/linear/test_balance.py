@@ -6,28 +6,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from test_synchronous import BOWED, jeffcott
-
-
-def rotor() -> gb.RotorSystem:
-    """Return a bowed shaft with two disks and one unbalance on different bearings."""
-    return gb.RotorSystem(
-        [
-            gb.Shaft(
-                "s",
-                length=1.0,
-                outer_diameter=0.05,
-                elements=6,
-                bow=gb.Bow.half_sine(1e-4, phase=0.6),
-            )
-        ],
-        bearings=[gb.Bearing("s", x, stiffness=(2e7, 3e7), damping=4e3) for x in (0.0, 1.0)],
-        disks=[
-            gb.Disk("a", "s", 0.3, 20.0, 0.1, 0.2, unbalance=1e-3j),
-            gb.Disk("b", "s", 0.7, 30.0, 0.2, 0.4),
-        ],
-        modal_damping=0.02,
-    )
+from reference.machines import jeffcott, rotor_with_two_disks
+from test_synchronous import BOWED
 
 
 @pytest.mark.parametrize("target", ["total", "elastic"])
@@ -48,7 +28,7 @@ def test_the_balance_of_a_single_mass_is_the_closed_form(target: str):
 
 @pytest.mark.parametrize("target", ["total", "elastic"])
 def test_the_predicted_residual_equals_that_of_a_run(target: str):
-    system, speed, points = rotor(), 180.0, ["a", ("s", 0.5), "b"]
+    system, speed, points = rotor_with_two_disks(), 180.0, ["a", ("s", 0.5), "b"]
     found = system.balance(["a", "b"], speed, target=target, points=points)
     assert found.residual_ratio < 0.5
     times = np.linspace(0.0, 2 * np.pi / speed, 24, endpoint=False)
@@ -84,7 +64,7 @@ def test_balancing_the_displacement_does_not_balance_the_deflection():
 
 
 def test_balancing_planes_without_a_body_at_several_speeds():
-    system, speeds = rotor(), [100.0, 180.0, 260.0]
+    system, speeds = rotor_with_two_disks(), [100.0, 180.0, 260.0]
     found = system.balance([("s", 0.25), "b", ("s", 0.9)], speeds)
     assert found.before.shape == found.residual.shape
     assert found.before.shape[0] == 3
@@ -143,7 +123,7 @@ def test_a_gear_of_a_train_is_a_balancing_plane():
 )
 def test_invalid_balancing_arguments(planes, given, message):
     with pytest.raises(gb.SceneError, match=message):
-        rotor().balance(planes, **{"speed": 100.0, **given})
+        rotor_with_two_disks().balance(planes, **{"speed": 100.0, **given})
 
 
 def test_balancing_planes_must_be_on_one_shaft():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import inertia, pair
 
 OFFSET = 1e-4  # of the gear from the line of its bearings, m
 BASE = 0.05 * np.cos(np.radians(20.0)) * np.array([1.0, 2.0])  # base radii, m
@@ -19,19 +20,19 @@ def system(offset: str, torque: float) -> gb.RotorSystem:
     """Two gears between stiff bearings; the first is off its axis by a bow of its shaft or by run-out."""
     bow = gb.Bow.half_sine(OFFSET) if offset == "bow" else None
     runout = {"runout": OFFSET} if offset == "run-out" else {}
-    steel = {"length": LENGTH, "outer_diameter": DIAMETER, "elements": 4}
-    small = {"mass": 10.0, "diametral_inertia": 0.02, "polar_inertia": 0.04}
-    large = {"mass": 40.0, "diametral_inertia": 0.3, "polar_inertia": 0.6}
-    middle = LENGTH / 2
-    return gb.RotorSystem(
-        [gb.Shaft("a", **steel, bow=bow), gb.Shaft("b", **steel)],
-        [
-            gb.Gear("ga", "a", middle, teeth=25, module=4e-3, **small, **runout),
-            gb.Gear("gb", "b", middle, teeth=50, module=4e-3, **large),
-        ],
-        [gb.Mesh("ga", "gb", stiffness=1e9, damping_ratio=0.2)],
-        [gb.Bearing(name, x, stiffness=1e10, damping=1e5) for name in "ab" for x in (0.0, LENGTH)],
-        [gb.Torque("ga", torque), gb.Torque.balance("gb")],
+    return pair(
+        ("a", "b"),
+        ("ga", "gb"),
+        shaft={"length": LENGTH, "outer_diameter": DIAMETER, "elements": 4},
+        own={
+            "a": {"bow": bow},
+            "ga": inertia(10.0, 0.02, 0.04, **runout),
+            "gb": inertia(40.0, 0.3, 0.6),
+        },
+        gear={"module": 4e-3, "face_width": None},
+        mesh={"stiffness": 1e9, "damping_ratio": 0.2},
+        bearing={"stiffness": 1e10, "damping": 1e5},
+        torque=torque,
     )
 
 

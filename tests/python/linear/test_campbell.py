@@ -10,6 +10,8 @@ import pytest
 
 import gearbow as gb
 from reference import published, scenes
+from reference.cases import each_case
+from reference.machines import LIGHT, inertia, rotor
 
 RPM = 2 * np.pi / 60
 
@@ -75,16 +77,8 @@ def test_the_map_runs_from_a_free_shaft_to_a_pinned_one():
 
 def test_a_flat_disk_has_no_forward_critical_speed_of_tilting():
     def tilting(polar: float) -> list[str]:
-        shaft = gb.Shaft(
-            "s",
-            length=0.5,
-            outer_diameter=0.02,
-            elements=2,
-            material=gb.Material(207e9, 1.0, poisson_ratio=0.3),
-        )
-        disk = gb.Disk("disk", "s", 0.25, 10.0, 1.0, polar)
-        bearings = [gb.Bearing("s", x, stiffness=1e7) for x in (0.0, 0.5)]
-        system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
+        shaft = {"length": 0.5, "outer_diameter": 0.02, "elements": 2, "material": LIGHT}
+        system = rotor(shaft, inertia(10.0, 1.0, polar), {"stiffness": 1e7})
         return list(system.critical_speed_map([1e7]).whirl[0][:4])
 
     # translation, then tilt: I_d − I_p is the tilting inertia in synchronous forward whirl
@@ -245,7 +239,7 @@ def test_the_nutation_of_a_free_disk_starts_at_zero_frequency():
     assert campbell.whirl[-1, 0] == "forward"
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("given", "message"),
     [
         ({"speeds": [1.0, 1.0]}, r"speeds\[1\]: must be larger than the previous speed, got 1"),
@@ -267,7 +261,7 @@ def test_a_map_needs_a_positive_order():
 
 def test_the_table_has_a_line_for_each_intersection():
     campbell = scenes.v2().campbell(np.linspace(0.0, 5e3, 5), count=6)
-    assert len(campbell.table().splitlines()) == 1 + len(campbell.intersections)
+    assert len(campbell.table().splitlines()) == 2 + len(campbell.intersections)
     assert len(campbell.to_dataframe()) == len(campbell.intersections)
     assert campbell.lines[0].name == "1× shaft"
     assert scenes.v1().campbell([1.0, 2.0], count=1).lines[2].name == "1× teeth of wheel–pinion"

@@ -7,16 +7,14 @@ import pytest
 
 import gearbow as gb
 from reference import scenes
+from reference.machines import rotor
 
 
 def uniform(alpha: float, bearings: int = 0, elements: int = 40) -> gb.RotorSystem:
     """Return a uniform shaft with damping in proportion to the mass, which may be free."""
-    return gb.RotorSystem(
-        [gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=elements)],
-        bearings=[gb.Bearing("s", x, stiffness=1e7, damping=100.0) for x in (0.0, 1.0)][:bearings],
-        rayleigh=(alpha, 0.0),
-        motion="coupled",
-    )
+    ends = [gb.Bearing("rotor", x, stiffness=1e7, damping=100.0) for x in (0.0, 1.0)]
+    damped = {"rayleigh": (alpha, 0.0), "motion": "coupled"}
+    return rotor({"elements": elements}, bearings=ends[:bearings], **damped)
 
 
 def force_left(system: gb.RotorSystem, modes: gb.results.Modes) -> np.ndarray:

@@ -8,17 +8,15 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import inertia, rigid_rotor
 
 STIFFNESS, DAMPING, SLOPE = 1e6, 500.0, 1e3  # N/m, N s/m, N s/m of each seal
 
 
 def on_seals(cross: gb.SpeedTable | list, damping: float = DAMPING) -> gb.RotorSystem:
     """Return a stiff rotor on two equal seals with the stiffness matrix `cross`."""
-    return gb.RotorSystem(
-        [gb.Shaft("rotor", length=0.2, outer_diameter=0.1, elements=2)],
-        disks=[gb.Disk("disk", "rotor", 0.1, 20.0, 0.02, 0.02, unbalance=1e-4)],
-        bearings=[gb.Bearing("rotor", x, stiffness=cross, damping=damping) for x in (0.0, 0.2)],
-    )
+    disk = inertia(20.0, 0.02, 0.02, unbalance=1e-4)
+    return rigid_rotor(disk, {"stiffness": cross, "damping": damping})
 
 
 def matrix(cross: float) -> list[list[float]]:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import long_shaft, rotor
 from test_random_scenes import Drawn, scenes
 
 pytestmark = pytest.mark.implausible
@@ -136,7 +137,7 @@ def test_at_standstill_modal_damping_has_no_effect():
 
 
 def test_peaks_with_modal_damping_are_those_of_the_response():
-    system = shaft_of(30).replace(modal_damping=0.02)
+    system = long_shaft(30).replace(modal_damping=0.02)
     assert len(system.dofs) >= 100
     found = system.synchronous(np.linspace(100.0, 900.0, 40))
     (peak,) = found.peaks("d")
@@ -221,7 +222,7 @@ def test_equal_and_close_modes_are_all_found(factor: float, ratio: float):
     bearings = [
         gb.Bearing("s", x, stiffness=(1e7, factor * 1e7), damping=100.0) for x in (0.0, 1.0)
     ]
-    system = shaft_of(40).replace(bearings=bearings, modal_damping=ratio)
+    system = long_shaft(40).replace(bearings=bearings, modal_damping=ratio)
     for speed in (0.0, 1e-3, 300.0):
         assert_lowest_modes(system, speed, count=12)
 
@@ -240,12 +241,13 @@ def test_undamped_modes_have_the_modal_damping_ratio():
 
 def on_films(ratio: float, **film: object) -> gb.RotorSystem:
     """Return a shaft on two journal bearings, whose films damp strongly and have cross-coupling."""
-    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.06, elements=40, degree=1)
-    disk = gb.Disk("d", "s", 0.4, 60.0, 0.5, 0.9)
     given = {"diameter": 0.06, "length": 0.03, "clearance": 6e-5, "viscosity": 0.03, **film}
-    bearings = [gb.JournalBearing("s", x, **given) for x in (0.1, 0.9)]  # type: ignore[arg-type]
-    return gb.RotorSystem(
-        [shaft], disks=[disk], bearings=bearings, gravity=9.81, modal_damping=ratio
+    return rotor(
+        {"name": "s", "outer_diameter": 0.06, "elements": 40, "degree": 1},
+        disks=[gb.Disk("d", "s", 0.4, 60.0, 0.5, 0.9)],
+        bearings=[gb.JournalBearing("s", x, **given) for x in (0.1, 0.9)],  # type: ignore[arg-type]
+        gravity=9.81,
+        modal_damping=ratio,
     )
 
 
@@ -366,23 +368,16 @@ def test_sparse_matrices_are_refused_with_modal_damping():
         system.matrices(sparse=1)  # type: ignore[call-overload]
 
 
-def shaft_of(elements: int) -> gb.RotorSystem:
-    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=elements, degree=1)
-    bearings = [gb.Bearing("s", x, stiffness=1e7, damping=100.0) for x in (0.0, 1.0)]
-    disk = gb.Disk("d", "s", 0.5, 20.0, 0.1, 0.2, unbalance=1e-4)
-    return gb.RotorSystem([shaft], disks=[disk], bearings=bearings, gravity=(0.0, -9.81))
-
-
 def test_nine_thousand_elements_need_memory_in_proportion():
     # 36,004 degrees of freedom: a dense matrix would take 10 GB
-    system = shaft_of(9000)
+    system = long_shaft(9000)
     with warnings.catch_warnings():
         # one element is 0.1 mm long: round-off takes digits of the slow modes
         warnings.simplefilter("ignore", gb.AccuracyWarning)
         modes = system.modes(100.0, count=4)
         sag = system.static().displacement("d")
         orbit = system.synchronous([100.0]).displacement("d")
-    coarse = shaft_of(100)
+    coarse = long_shaft(100)
     expected = coarse.modes(100.0, count=4)
     assert modes.frequencies_hz == pytest.approx(expected.frequencies_hz, rel=1e-5)
     assert sag == pytest.approx(coarse.static().displacement("d"), rel=1e-5)
@@ -396,6 +391,6 @@ def test_nine_thousand_elements_need_memory_in_proportion():
 
 def test_too_many_overdamped_modes_are_refused_before_dense_matrices():
     # 2044 degrees of freedom, almost all modes overdamped
-    system = shaft_of(510).replace(rayleigh=(0.0, 1e-3), modal_damping=0.02)
+    system = long_shaft(510).replace(rayleigh=(0.0, 1e-3), modal_damping=0.02)
     with pytest.raises(gb.ConvergenceError, match=r"^the 10 lowest modes .* use at most 2000"):
         system.modes(100.0, count=10)

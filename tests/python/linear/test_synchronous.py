@@ -10,6 +10,8 @@ import pytest
 import gearbow as gb
 from reference import scenes
 from reference.bows import HalfSine
+from reference.cases import each_case
+from reference.machines import jeffcott
 from reference.scenes import PAIR, GearAt
 
 BOWED = replace(
@@ -23,24 +25,6 @@ BOWED = replace(
     bearing_stiffness=np.diag([1e8, 6e7]),
     bearing_damping=2e4,
 )
-
-
-def jeffcott(damping: float = 400.0, bow: complex = 0.0, eccentricity: complex = 1e-5):
-    """Return a disk of 20 kg on a light shaft between stiff bearings, with damping at the disk."""
-    shaft = gb.Shaft(
-        "s",
-        length=1.0,
-        outer_diameter=0.05,
-        elements=2,
-        material=gb.Material(207e9, 1.0, poisson_ratio=0.3),
-        bow=gb.Bow.half_sine(abs(bow), phase=float(np.angle(bow))) if bow else None,
-    )
-    return gb.RotorSystem(
-        [shaft],
-        bearings=[gb.Bearing("s", x, stiffness=1e10) for x in (0.0, 1.0)]
-        + [gb.Bearing("s", 0.5, stiffness=0.0, damping=damping)],
-        disks=[gb.Disk("disk", "s", 0.5, 20.0, 0.1, 0.2, unbalance=20.0 * eccentricity)],
-    )
 
 
 def test_bow_and_unbalance_superpose():
@@ -246,7 +230,7 @@ def test_backward_operating_speeds_may_ascend_either_way():
     assert below.operating == (-200.0, -700.0)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("operating", "text"),
     [
         ((700.0, 200.0), "lowest speed comes first"),

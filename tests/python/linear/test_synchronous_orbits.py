@@ -10,7 +10,8 @@ import pytest
 import gearbow as gb
 from reference import scenes
 from reference.bows import HalfSine
-from test_synchronous import BOWED, jeffcott
+from reference.machines import jeffcott
+from test_synchronous import BOWED
 
 SPEEDS = np.array([60.0, 250.0])
 

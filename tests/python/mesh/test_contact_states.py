@@ -11,32 +11,10 @@ import pytest
 
 import gearbow as gb
 from gearbow.recording.contact import first_contact
+from reference.machines import separating_pair
 
 MESH = ("pinion", "wheel")
 SPEED = 820.0
-
-
-def pair(bow: float, backlash: float | None = 4e-4, torque: float = 10.0) -> gb.RotorSystem:
-    """Give a pair with a bowed shaft; the bow moves the centres and unloads the teeth."""
-    tooth = {"module": 3e-3, "face_width": 0.03}
-    shafts = [
-        gb.Shaft("input", length=0.5, outer_diameter=0.04, bow=gb.Bow.half_sine(bow), elements=4),
-        gb.Shaft("output", length=0.5, outer_diameter=0.05, elements=4),
-    ]
-    return gb.RotorSystem(
-        shafts,
-        [
-            gb.Gear("pinion", "input", 0.2, 25, **tooth),
-            gb.Gear("wheel", "output", 0.2, 50, **tooth),
-        ],
-        [gb.Mesh(*MESH, stiffness=2e8, damping_ratio=0.05, backlash=backlash)],
-        [
-            gb.Bearing(shaft.name, x, stiffness=1e8, damping=2e3)
-            for shaft in shafts
-            for x in (0.0, 0.5)
-        ],
-        [gb.Torque("pinion", torque), gb.Torque.balance("wheel")],
-    )
 
 
 def run(system: gb.RotorSystem, turns: float = 4.0, step: float = 1e-4) -> gb.Response:
@@ -51,13 +29,13 @@ def kinds(response: gb.Response) -> set[str]:
 @pytest.fixture(scope="module")
 def rattling() -> gb.Response:
     """The teeth separate; the back flanks meet too."""
-    return run(pair(3.5e-4, 1e-4))
+    return run(separating_pair(3.5e-4, 1e-4))
 
 
 @pytest.fixture(scope="module")
 def tight() -> gb.Response:
     """The bow reduces the centre distance by more than the backlash allows."""
-    return run(pair(3.5e-4, 5e-5))
+    return run(separating_pair(3.5e-4, 5e-5))
 
 
 def test_the_contact_agrees_with_the_force_and_the_stiffness(rattling):
@@ -86,7 +64,7 @@ def test_both_flanks_have_twice_the_stiffness(tight):
 def test_the_contact_before_the_first_event_follows_from_the_backlash(geometry):
     # The bow alone closes the gap at the start, or does not; the phase turns it.
     for phase, backlash in ((0.0, 2e-5), (np.pi, 2e-5), (0.0, None), (np.pi, 8e-4)):
-        system = pair(2e-4, backlash)
+        system = separating_pair(2e-4, backlash)
         bow = gb.Bow.half_sine(2e-4, phase=phase)
         system = system.replace(shafts=[replace(system.shafts[0], bow=bow), system.shafts[1]])
         found = system.simulate(
@@ -115,7 +93,7 @@ def test_shares_are_exact_times_between_events(rattling):
 
 
 def test_a_mesh_without_backlash_never_loses_contact():
-    response = run(pair(3.5e-4, None), turns=1.0)
+    response = run(separating_pair(3.5e-4, None), turns=1.0)
     assert response.mesh(MESH).force.min() < 0.0
     assert set(response.mesh(MESH).contact) == {gb.results.Contact.DRIVE}
     assert response.contact_shares(MESH) == gb.results.ContactShares(1.0, 0.0, 0.0, 0.0)

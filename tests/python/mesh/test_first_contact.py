@@ -11,6 +11,7 @@ import sys
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
 
 
 def run(code: str) -> str:
@@ -79,7 +80,7 @@ def test_results_that_no_file_holds_are_not_at_the_top():
         _ = gb.results.Mode
 
 
-@pytest.mark.parametrize("name", [name for name in PUBLIC if callable(PUBLIC[name])])
+@each_case("name", [name for name in PUBLIC if callable(PUBLIC[name])])
 def test_a_docstring_begins_with_one_sentence_and_has_an_example(name: str):
     text = inspect.getdoc(PUBLIC[name])
     first, *_ = text.split("\n\n")

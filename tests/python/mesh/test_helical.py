@@ -12,7 +12,9 @@ from scipy.optimize import brentq
 import gearbow as gb
 from gearbow.cli.main import main
 from reference import elements
+from reference.cases import each_case
 from reference.helical import HelicalMesh, HelicalTrain
+from reference.machines import helical_pair
 from reference.train import BearingSpec, RigidSpec, ShaftPart, ShaftSpec, Train
 from test_structured_solver import (
     assert_lowest_modes,
@@ -23,30 +25,6 @@ from test_structured_solver import (
 HELIX = np.radians(20.0)
 BEARING = {"stiffness": 1e8, "damping": 500.0, "axial_stiffness": 3e7, "axial_damping": 400.0}
 TEETH = {"module": 3e-3, "face_width": 0.03}
-
-
-def pair(helix: float = HELIX, /, **changes: Any) -> gb.RotorSystem:
-    """Return a bowed input shaft, a straight output shaft, and a pair of gears off their middles."""
-    mesh = {"stiffness": 2e8, "damping_ratio": 0.05, "centre_line_angle": 0.4}
-    mesh |= changes.pop("mesh", {})
-    bearing = BEARING | changes.pop("bearing", {})
-    bow = gb.Bow.half_sine(1e-4, phase=0.3)
-    parts: dict[str, Any] = {
-        "shafts": [
-            gb.Shaft("input", length=0.4, outer_diameter=0.05, elements=2, degree=1, bow=bow),
-            gb.Shaft("output", length=0.4, outer_diameter=0.06, elements=2, degree=1),
-        ],
-        "gears": [
-            gb.Gear("g1", "input", 0.15, 25, **TEETH, helix_angle=helix, unbalance=1e-4),
-            gb.Gear("g2", "output", 0.15, 50, **TEETH, helix_angle=-helix),
-        ],
-        "meshes": [gb.Mesh("g1", "g2", **mesh)],
-        "bearings": [
-            gb.Bearing(shaft, x, **bearing) for shaft in ("input", "output") for x in (0.0, 0.4)
-        ],
-        "torques": [gb.Torque("g1", 200.0), gb.Torque.balance("g2")],
-    }
-    return gb.RotorSystem(**{**parts, **changes})
 
 
 # --- Exact frequencies of two rigid gears on springs
@@ -240,7 +218,7 @@ def thrusts(system: gb.RotorSystem) -> dict[tuple[str, float], float]:
 
 @pytest.mark.parametrize("helix", [HELIX, -HELIX, 0.3])
 def test_bearings_carry_thrust_radial_force_and_tilting_moment(helix: float):
-    system = pair(helix, mesh={"centre_line_angle": 0.0})
+    system = helical_pair(helix, mesh={"centre_line_angle": 0.0})
     radius, angle = 25 * 3e-3 / np.cos(helix) / 2, np.radians(20.0)
     tangential = 200.0 / radius
     thrust, radial = tangential * np.tan(helix), tangential * np.tan(angle) / np.cos(helix)
@@ -352,7 +330,7 @@ def ranged(found: np.ndarray, exact: np.ndarray) -> float:
 
 @pytest.mark.parametrize("live", [True, False], ids=["live", "frozen"])
 def test_a_helical_pair_moves_as_an_independent_program_says(live: bool):
-    system = pair(bearing={"tilting_stiffness": 1e5})
+    system = helical_pair(bearing={"tilting_stiffness": 1e5})
     times = np.linspace(0.0, 1.5e-3, 31)
     whole = reference(system)
     q, forces = whole.from_rest(100.0, times, live)
@@ -381,7 +359,7 @@ def test_a_helical_pair_is_damped_in_separation(live: bool):
     # a light torque, and a backlash that the back flanks do not reach
     mesh = {"backlash": 1e-3, "damping_in_separation": True}
     torques = [gb.Torque("g1", 20.0), gb.Torque.balance("g2")]
-    system = pair(bearing={"tilting_stiffness": 1e5}, mesh=mesh, torques=torques)
+    system = helical_pair(bearing={"tilting_stiffness": 1e5}, mesh=mesh, torques=torques)
     times = np.linspace(0.0, 1.5e-3, 31)
     whole = reference(system)
     _, forces = whole.from_rest(300.0, times, live)
@@ -400,7 +378,7 @@ def test_a_helical_pair_is_damped_in_separation(live: bool):
 def test_live_and_frozen_geometry_differ():
     times = np.linspace(0.0, 3e-3, 31)
     runs = [
-        pair().simulate(3e-3, 100.0, initial="rest", times=times, geometry=geometry)
+        helical_pair().simulate(3e-3, 100.0, initial="rest", times=times, geometry=geometry)
         for geometry in ("live", "frozen")
     ]
     assert ranged(runs[0].axial("g1"), runs[1].axial("g1")) > 1e-4
@@ -408,7 +386,7 @@ def test_live_and_frozen_geometry_differ():
 
 def undamped(**changes: Any) -> gb.RotorSystem:
     mesh = {"damping_ratio": 0.0} | changes.pop("mesh", {})
-    return pair(mesh=mesh, bearing={"damping": 0.0, "axial_damping": 0.0}, **changes)
+    return helical_pair(mesh=mesh, bearing={"damping": 0.0, "axial_damping": 0.0}, **changes)
 
 
 def test_a_free_undamped_motion_conserves_energy():
@@ -442,10 +420,10 @@ def test_a_free_undamped_motion_conserves_energy():
     ids=["constant", "backlash", "damping in separation", "phase of the twist", "sharp", "error"],
 )
 def test_the_energy_balance_closes(mesh: dict[str, Any]):
-    gears = pair().gears
+    gears = helical_pair().gears
     out = [gb.Gear("g1", "input", 0.15, 25, **TEETH, helix_angle=HELIX, runout=2e-5), gears[1]]
     for parts in (gears, out):
-        system = pair(mesh=mesh, gears=parts)
+        system = helical_pair(mesh=mesh, gears=parts)
         run = system.simulate(5e-3, 200.0, method="rk45", rtol=1e-9, record=["energy", "meshes"])
         balance = run.energy_balance()
         scale = np.abs(balance.total - balance.total[0]).max()
@@ -459,13 +437,13 @@ def test_the_energy_balance_closes(mesh: dict[str, Any]):
 
 def test_a_vanishing_helix_is_a_spur_gear():
     axial = gb.Force("g1", axial=1e-30)  # the spur gears have axial coordinates too
-    spur, helical = pair(0.0, forces=[axial]), pair(1e-9, forces=[axial])
+    spur, helical = helical_pair(0.0, forces=[axial]), helical_pair(1e-9, forces=[axial])
     assert spur.dofs == helical.dofs
     frequencies = [system.modes(50.0).frequencies_hz[1:] for system in (spur, helical)]
     assert frequencies[0] == pytest.approx(frequencies[1], rel=1e-9)
     for stiffness in (2e8, gb.Stiffness.parabolic(2e8), gb.Stiffness.potential_energy(), None):
         forces = [
-            pair(helix, mesh={"stiffness": stiffness}, forces=[axial])
+            helical_pair(helix, mesh={"stiffness": stiffness}, forces=[axial])
             .simulate(2e-3, 200.0, method="rk4")
             .mesh(("g1", "g2"))
             .force
@@ -476,14 +454,16 @@ def test_a_vanishing_helix_is_a_spur_gear():
 
 
 def test_a_spur_scene_has_five_degrees_of_freedom():
-    spur = pair(0.0, bearing={"axial_stiffness": 0.0, "axial_damping": 0.0})
+    spur = helical_pair(0.0, bearing={"axial_stiffness": 0.0, "axial_damping": 0.0})
     assert {direction for *_, direction in spur.dofs} == {"v", "w", "B", "G", "twist"}
     run = spur.simulate(1e-3, 100.0)
     with pytest.raises(gb.GearbowError, match="no axial motion; helical gears"):
         run.axial("g1")
     with pytest.raises(gb.GearbowError, match="no axial motion"):
         spur.static().axial("g1")
-    names = [direction for shaft, x, direction in pair().dofs if (shaft, x) == ("input", 0.15)]
+    names = [
+        direction for shaft, x, direction in helical_pair().dofs if (shaft, x) == ("input", 0.15)
+    ]
     assert names == ["u", "v", "w", "B", "G", "twist"]
 
 
@@ -512,7 +492,7 @@ def overlapping(overlap: float, stiffness: gb.Stiffness) -> gb.RotorSystem:
         )
     ]
     shafts = [gb.Shaft(n, length=0.4, outer_diameter=0.05, elements=2) for n in ("input", "output")]
-    return pair(gears=gears, shafts=shafts, mesh={"stiffness": stiffness})
+    return helical_pair(gears=gears, shafts=shafts, mesh={"stiffness": stiffness})
 
 
 @pytest.mark.parametrize("engagement", [0.1, "sharp"])
@@ -559,7 +539,7 @@ def test_overlap_makes_the_variation_smaller():
 
 
 def test_the_stiffness_of_iso_6336_is_that_of_the_transverse_section():
-    found = pair(mesh={"stiffness": None}).static().mesh(("g1", "g2")).stiffness
+    found = helical_pair(mesh={"stiffness": None}).static().mesh(("g1", "g2")).stiffness
     z = np.array([25, 50]) / np.cos(HELIX) ** 3
     single = 0.8 / (0.04723 + 0.15551 / z[0] + 0.25791 / z[1]) * 1e9 * np.cos(HELIX)
     ratio = transverse_contact_ratio()
@@ -567,7 +547,7 @@ def test_the_stiffness_of_iso_6336_is_that_of_the_transverse_section():
     wanted = single * (0.75 * ratio + 0.25) * 0.03 / np.cos(base_helix) ** 2
     assert found == pytest.approx(wanted, rel=1e-12)
     overlap = 0.03 * np.sin(HELIX) / (np.pi * 3e-3)
-    total = pair().static(geometry="frozen").mesh(("g1", "g2")).contact_ratio
+    total = helical_pair().static(geometry="frozen").mesh(("g1", "g2")).contact_ratio
     # the static centres are a little further apart than at rest
     assert total == pytest.approx(ratio + overlap, rel=2e-2)
 
@@ -580,7 +560,7 @@ def fine(**changes: Any) -> gb.RotorSystem:
         gb.Shaft(name, length=0.4, outer_diameter=0.05, elements=13, degree=1, bow=bow)
         for name, bow in (("input", gb.Bow.half_sine(1e-4)), ("output", None))
     ]
-    return pair(shafts=shafts, **changes)
+    return helical_pair(shafts=shafts, **changes)
 
 
 def test_band_matrices_have_the_modes_of_dense_matrices():
@@ -619,7 +599,9 @@ def test_a_run_up_agrees_between_methods():
     profile = gb.SpeedProfile.ramp(100.0, 200.0, 0.01)
     times = np.linspace(0.0, 0.01, 101)
     runs = [
-        pair().simulate(0.01, profile, initial="rest", times=times, method=method, rtol=1e-8)
+        helical_pair().simulate(
+            0.01, profile, initial="rest", times=times, method=method, rtol=1e-8
+        )
         for method in ("rk45", "exponential")
     ]
     assert ranged(runs[1].axial("g1"), runs[0].axial("g1")) < 1e-5
@@ -694,7 +676,7 @@ def test_a_bearing_in_a_turning_housing_pushes_it_over():
 
 
 def test_descriptions_and_runs_come_back_from_files(tmp_path: Any):
-    system = pair(
+    system = helical_pair(
         bearing={"tilting_stiffness": 2e4, "tilting_damping": 3.0},
         forces=[gb.Force("g1", 10j, axial=5.0)],
     )
@@ -713,7 +695,7 @@ def test_descriptions_and_runs_come_back_from_files(tmp_path: Any):
 
 
 def test_axial_forces_on_bearings_are_those_of_their_springs():
-    run = pair().simulate(2e-3, 100.0, record=["bearings", ("input", 0.0)], initial="rest")
+    run = helical_pair().simulate(2e-3, 100.0, record=["bearings", ("input", 0.0)], initial="rest")
     u = run.axial(("input", 0.0))
     rate = np.gradient(u, run.time, edge_order=2)
     force = run.axial_bearing_force(("input", 0.0))
@@ -722,16 +704,16 @@ def test_axial_forces_on_bearings_are_those_of_their_springs():
 
 @pytest.mark.parametrize("geometry", ["live", "frozen"])
 def test_the_recorded_thrust_is_the_axial_part_of_the_mesh_force(geometry: str):
-    run = pair().simulate(2e-3, 100.0, geometry=geometry, record=["meshes"])
+    run = helical_pair().simulate(2e-3, 100.0, geometry=geometry, record=["meshes"])
     mesh = run.mesh(("g1", "g2"))
     # sin β_b = sin β cos α_n with the pressure angle α_n = 20° normal to the teeth
     axial = np.sin(HELIX) * np.cos(np.radians(20.0))
     np.testing.assert_allclose(mesh.thrust, -mesh.force * axial, rtol=1e-12)
-    spur = pair(0.0).simulate(1e-3, 100.0, record=["meshes"]).mesh(("g1", "g2"))
+    spur = helical_pair(0.0).simulate(1e-3, 100.0, record=["meshes"]).mesh(("g1", "g2"))
     assert not spur.thrust.any()
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("change", "message"),
     [
         (
@@ -769,11 +751,11 @@ def test_impossible_helical_scenes_are_refused(change: dict[str, Any], message: 
         ]
         change = {"gears": gears}
     with pytest.raises(gb.SceneError, match=message):
-        pair(**change)
+        helical_pair(**change)
 
 
 def test_a_shaft_without_axial_bearing_is_named():
-    loose = pair(bearing={"axial_stiffness": 0.0, "axial_damping": 0.0})
+    loose = helical_pair(bearing={"axial_stiffness": 0.0, "axial_damping": 0.0})
     message = (
         r'shafts\[\d\]: no static equilibrium: "(input|output)" is unconstrained along its axis: .* '
         r'gb.Bearing\("(input|output)", position, stiffness=\.\.\., axial_stiffness=\.\.\.\)'
@@ -789,13 +771,13 @@ def test_a_shaft_without_axial_bearing_is_named():
         for x in (0.0, 0.4)
     ]
     with pytest.raises(gb.SceneError, match=r'shafts\[1\]: .*"output" is unconstrained along'):
-        pair(bearings=held).static()
+        helical_pair(bearings=held).static()
 
 
 def test_motions_without_axial_coordinates_are_refused_or_left_out():
     with pytest.raises(gb.SceneError, match=r'motion: "lateral" has no axial motion'):
         rod().replace(motion="lateral")
-    twisting = pair(
+    twisting = helical_pair(
         motion="torsion",
         shafts=[gb.Shaft(n, length=0.4, outer_diameter=0.05) for n in ("input", "output")],
         gears=[
@@ -815,7 +797,7 @@ def test_motions_without_axial_coordinates_are_refused_or_left_out():
 
 
 def test_the_campbell_diagram_of_a_helical_train_is_drawn(tmp_path):
-    system = pair()
+    system = helical_pair()
     campbell = system.campbell([0.0, 100.0, 200.0], count=30)
     assert "axial" in campbell.whirl
     campbell.plot().savefig(tmp_path / "method.png")

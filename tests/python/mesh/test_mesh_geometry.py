@@ -12,6 +12,7 @@ import pytest
 import gearbow as gb
 from reference import closed_forms
 from reference.bows import HalfSine
+from reference.machines import short_pair
 from reference.mesh_law import MeshLaw
 from reference.scenes import PAIR, GearAt, Geared
 
@@ -35,40 +36,21 @@ def stiff_pair(
     angle: float = 0.0,
     centre_distance: float | None = None,
 ) -> gb.RotorSystem:
-    material = STIFF if bow is None else gb.STEEL
-    shafts = [
-        gb.Shaft(
-            name,
-            length=0.2,
-            outer_diameter=0.05,
-            elements=2,
-            material=material,
-            bow=(bow or {}).get(name),
-        )
-        for name in ("a", "b")
-    ]
-    return gb.RotorSystem(
-        shafts=shafts,
-        gears=[
-            gb.Gear(f"g{s}", shaft=s, position=0.1, teeth=z, module=module, face_width=0.02)
-            for s, z in zip(("a", "b"), teeth, strict=True)
-        ],
-        meshes=[
-            gb.Mesh(
-                "ga",
-                "gb",
-                stiffness=2e8,
-                damping_ratio=0.1,
-                centre_line_angle=angle,
-                centre_distance=centre_distance,
-            )
-        ],
-        bearings=[
-            gb.Bearing(s, position=x, stiffness=bearing, damping=2e4)
-            for s in ("a", "b")
-            for x in (0.0, 0.2)
-        ],
-        torques=[gb.Torque("ga", torque), gb.Torque.balance("gb")] if torque else [],
+    shaft = {"outer_diameter": 0.05, "material": STIFF if bow is None else gb.STEEL}
+    return short_pair(
+        ("ga", "gb"),
+        teeth,
+        shaft=shaft,
+        own={name: {"bow": shape} for name, shape in (bow or {}).items()},
+        gear={"module": module, "face_width": 0.02},
+        mesh={
+            "stiffness": 2e8,
+            "damping_ratio": 0.1,
+            "centre_line_angle": angle,
+            "centre_distance": centre_distance,
+        },
+        bearing={"stiffness": bearing, "damping": 2e4},
+        torque=torque,
     )
 
 

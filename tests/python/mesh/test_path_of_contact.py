@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import short_pair
 from reference.teeth import Toothed
 
 MODELS: dict[str, Any] = {
@@ -29,20 +30,13 @@ def pair(
     **mesh: Any,
 ) -> gb.RotorSystem:
     """Return two gears on stiff shafts with steel teeth of module 3 mm."""
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(name, length=0.2, outer_diameter=0.03, elements=2, bow=bow if end else None)
-            for end, name in enumerate("ab")
-        ],
-        gears=[
-            gb.Gear(name, on, 0.1, teeth=z, module=3e-3, face_width=0.03, **(gear or {}))
-            for name, on, z in zip(("pinion", "wheel"), "ab", teeth, strict=True)
-        ],
-        meshes=[gb.Mesh("pinion", "wheel", damping_ratio=0.1, **mesh)],
-        bearings=[
-            gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in "ab" for x in (0.0, 0.2)
-        ],
-        torques=[gb.Torque("pinion", 50.0), gb.Torque.balance("wheel")],
+    return short_pair(
+        ("pinion", "wheel"),
+        teeth,
+        own={"b": {"bow": bow}},
+        gear=gear or {},
+        mesh={"damping_ratio": 0.1, **mesh},
+        torque=50.0,
     )
 
 

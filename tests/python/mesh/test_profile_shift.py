@@ -14,6 +14,7 @@ import gearbow as gb
 from gearbow._core import mesh_geometry
 from gearbow._types import MeshGeometry
 from gearbow.description.train import Train
+from reference.machines import BEARING, short_pair
 
 #: Published two-stage gearbox: teeth, normal module, profile shifts, helix angle, face width.
 STAGES: dict[str, dict[str, Any]] = {
@@ -49,33 +50,23 @@ def pair(
     **mesh: Any,
 ) -> gb.RotorSystem:
     """Return two gears on stiff shafts, unloaded unless there is a torque."""
-    tooth = {"module": module, "pressure_angle": pressure_angle, "face_width": face_width}
-    ends = ((1.0, None), (-1.0, bow))
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(name, length=0.2, outer_diameter=0.03, elements=2, bow=bent)
-            for name, (_, bent) in zip("ab", ends, strict=True)
-        ],
-        gears=[
-            gb.Gear(
-                f"g{name}",
-                name,
-                0.1,
-                teeth[i],
-                **tooth,
-                helix_angle=ends[i][0] * helix,
-                profile_shift=shifts[i],
-                tip_radius=tips[i],
-            )
-            for i, name in enumerate("ab")
-        ],
-        meshes=[gb.Mesh("ga", "gb", **mesh)],
-        bearings=[
-            gb.Bearing(name, x, stiffness=1e8, damping=500.0, axial_stiffness=1e8)
-            for name in "ab"
-            for x in (0.0, 0.2)
-        ],
-        torques=[gb.Torque("ga", torque), gb.Torque.balance("gb")] if torque else [],
+    signs = (1.0, -1.0)
+    own: dict[str, dict[str, Any]] = {
+        f"g{name}": {
+            "helix_angle": signs[i] * helix,
+            "profile_shift": shifts[i],
+            "tip_radius": tips[i],
+        }
+        for i, name in enumerate("ab")
+    }
+    return short_pair(
+        ("ga", "gb"),
+        teeth,
+        own={**own, "b": {"bow": bow}},
+        gear={"module": module, "pressure_angle": pressure_angle, "face_width": face_width},
+        mesh=mesh,
+        bearing={**BEARING, "axial_stiffness": 1e8},
+        torque=torque,
     )
 
 

@@ -17,6 +17,7 @@ import pytest
 import gearbow as gb
 from gearbow.cli.main import _parser, main
 from gearbow.cli.new import EXAMPLE
+from reference.cases import each_case
 
 COMMAND = [sys.executable, "-m", "gearbow"]
 
@@ -101,7 +102,12 @@ def test_modes(scene: str, capsys):
     np.testing.assert_allclose(frequencies, expected.frequencies_hz, rtol=1e-12)
     assert [mode["whirl"] for mode in found["modes"]] == list(expected.whirl)
     code, out, _ = called(capsys, "modes", scene, "--speed", gb.rpm(1500), "--count", 4)
-    assert (code, out) == (0, expected.table() + "\n")
+    # a plain number is in rad/s, and the first line has both units
+    table = expected.table(speed_unit="rad/s")
+    assert (code, out) == (0, f"157.08 rad/s = 1,500 rpm\n{table}\n")
+    code, out, _ = called(capsys, "modes", scene, "--speed", "1500 rpm", "--count", 4)
+    assert (code, out) == (0, f"1500 rpm = 157.08 rad/s\n{expected.table()}\n")
+    assert "modes at 1500 rpm" in out
 
 
 def test_campbell(scene: str, tmp_path: Path, capsys):
@@ -113,7 +119,8 @@ def test_campbell(scene: str, tmp_path: Path, capsys):
     assert np.shape(found["frequencies_hz"]) == (5, 3)
     assert len(found["intersections"]) == len(expected.intersections)
     assert (tmp_path / "campbell.png").stat().st_size > 1000
-    assert called(capsys, *given)[1] == expected.table() + "\n"
+    table = expected.table(speed_unit="rpm")
+    assert called(capsys, *given)[1] == f"0 to 6000 rpm = 0 to 628.32 rad/s\n{table}\n"
 
 
 def test_run_prints_and_saves_signals(scene: str, tmp_path: Path, capsys):
@@ -132,8 +139,9 @@ def test_run_prints_and_saves_signals(scene: str, tmp_path: Path, capsys):
     force = np.hypot(*response.bearing_force(("output", 0.0)).T)
     assert found["bearings"]["output at 0 m"]["force"]["max"] == pytest.approx(force.max())
     _, printed, _ = called(capsys, *given, "--record", *items)
-    y, z = 1e6 * expected
-    assert f"pinion: peak-to-peak {y:.4g} µm along y, {z:.4g} µm along z\n" in printed
+    assert printed.startswith(f"1500 rpm = 157.08 rad/s\n{response.table()}\n")
+    (row,) = [line.split() for line in printed.splitlines() if line.startswith("pinion y")]
+    assert row[-2:] == [f"{1e6 * expected[0]:.4g}", "µm"]
     code, out, err = called(capsys, *given, "--end-speed", "3000 rpm")
     assert (code, err) == (0, "")
     assert f"signals: {tmp_path / 'r.npz'}" in out
@@ -151,7 +159,7 @@ def test_steady_prints_and_saves_the_periodic_motion(scene: str, tmp_path: Path,
     assert found["meshes"]["pinion/wheel"]["force"]["max"] == force.max()
     code, out, err = called(capsys, *given[:4])
     assert (code, err) == (0, "")
-    assert f"SteadyState(period {steady.period:g} s" in out
+    assert f"steady state: period {steady.period:g} s" in out
     assert "\nstable; magnitude of the largest multiplier " in out
 
 
@@ -171,7 +179,7 @@ def test_tradeoff(scene: str, capsys):
     assert any(trial["front"] for trial in found["trials"])
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("arguments", "message"),
     [
         (["check", "nothing.toml"], "check: nothing.toml: No such file or directory"),
@@ -209,7 +217,6 @@ def test_tradeoff(scene: str, capsys):
         (["campbell", "SCENE", "--to", "0"], "campbell: speeds: need --points of at least 2"),
         (["modes", "SCENE", "--count", "0"], "modes: count: must be at least 1, got 0"),
         (["swim"], "invalid choice: 'swim'"),
-        ([], "the following arguments are required: COMMAND"),
     ],
 )
 def test_invalid_input_has_the_code_2_and_one_line(scene: str, capsys, arguments, message: str):
@@ -255,20 +262,24 @@ def test_every_command_has_examples_in_its_help(capsys):
     commands = re.findall(r"^    (\w+) +", out, re.M)
     assert commands == [
         "new",
+        "import",
         "check",
         "plot",
         "modes",
         "campbell",
+        "response",
         "run",
         "steady",
         "tradeoff",
+        "orders",
+        "export",
     ]
     for command in commands:
         _, out, _ = called(capsys, command, "--help")
         examples = out.split("examples:\n")[1].replace("\\\n", "").splitlines()
         assert examples
         for example in examples:
-            given = _parser().parse_args(shlex.split(example)[1:])
+            given = _parser().parse_args(shlex.split(example.partition(" > ")[0])[1:])
             assert given.command == command, example
 
 
@@ -315,7 +326,7 @@ def test_an_output_that_is_not_utf_8_has_escapes(scene: str, encoding: str):
         if form:
             assert "Räder 齿轮" in json.loads(printed)["points"]
         else:
-            assert r" \u9f7f\u8f6e: peak-to-peak" in printed
+            assert r" \u9f7f\u8f6e y " in printed
 
 
 @pytest.mark.skipif(os.name != "posix", reason="devices")
@@ -382,3 +393,61 @@ def test_the_program_and_the_module_are_the_same(scene: str):
     assert "valid, no warnings" in ended.stdout
     project = (Path(__file__).parents[3] / "pyproject.toml").read_text()
     assert '[project.scripts]\ngearbow = "gearbow.cli.main:main"\n' in project
+
+
+def test_the_program_alone_prints_its_help(capsys):
+    code, out, err = called(capsys)
+    assert (code, err) == (0, "")
+    assert out == called(capsys, "--help")[1]
+
+
+@pytest.fixture
+def saved(scene: str, tmp_path: Path, capsys) -> Path:
+    """Return the file of a run at 1500 rpm."""
+    path = tmp_path / "run.npz"
+    given = ("--duration", "0.3", "--speed", "1500 rpm", "--out", path)
+    assert called(capsys, "run", scene, *given)[0] == 0
+    return path
+
+
+def test_figures_orders_and_tables_follow_from_the_file_of_a_run(saved: Path, capsys, monkeypatch):
+    pytest.importorskip("matplotlib")
+    response, folder = gb.Response.load(saved), saved.parent
+    monkeypatch.chdir(folder)
+    assert called(capsys, "plot", saved, "--kind", "spectrum", "--at", "pinion")[::2] == (0, "")
+    assert (folder / "spectrum.png").stat().st_size > 1000
+    assert called(capsys, "plot", saved, "--out", folder / "x.png")[0] == 0
+    assert (folder / "x.png").stat().st_size > 1000
+
+    code, out, _ = called(capsys, "orders", saved, "--at", "pinion/wheel", "--count", 5)
+    expected = response.orders(("pinion", "wheel"))
+    assert (code, out) == (0, expected.table(5) + "\n")
+    assert "at 1500 rpm" in out
+    found = answer(capsys, "orders", saved)
+    assert found["signal"] == "pinion y"
+    assert len(found["orders"]) == len(response.orders("pinion").orders)
+
+    pd = pytest.importorskip("pandas")
+    assert called(capsys, "export", saved, folder / "run.csv")[0] == 0
+    table = pd.read_csv(folder / "run.csv", index_col=0)
+    assert list(table.columns) == list(response.to_dataframe().columns)
+    assert called(capsys, "export", saved, folder / "run.nc")[0] == 0
+    np.testing.assert_array_equal(gb.Response.load(folder / "run.nc").time, response.time)
+    code, out, err = called(capsys, "export", saved, folder / "run.txt")
+    assert (code, out) == (2, "")
+    assert "must end with .npz, .nc, .csv or .xlsx" in err
+
+
+def test_a_run_draws_its_figure(scene: str, tmp_path: Path, capsys):
+    pytest.importorskip("matplotlib")
+    given = ("--duration", "2 ms", "--speed", "1500 rpm", "--figure", tmp_path / "mesh.png")
+    code, out, _ = called(capsys, "run", scene, *given, "--kind", "mesh")
+    assert code == 0
+    assert out.endswith(f"figure: {tmp_path / 'mesh.png'}\n")
+    assert (tmp_path / "mesh.png").stat().st_size > 1000
+
+
+def test_the_figure_of_a_scene_has_no_kind(scene: str, capsys):
+    code, out, err = called(capsys, "plot", scene, "--kind", "mesh")
+    assert (code, out) == (2, "")
+    assert err.startswith("plot: --kind: is for the file of a run")

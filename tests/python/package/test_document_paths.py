@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
+from reference.cases import each_case
 
 ROOT = Path(__file__).parents[3]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
@@ -37,7 +37,7 @@ def names_of_files(text: str) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda file: file.name)
+@each_case("document", DOCUMENTS, ids=lambda file: file.name)
 def test_every_path_in_a_document_exists(document: Path):
     text = document.read_text(encoding="utf-8")
     for name in names_of_files(text):
@@ -47,7 +47,7 @@ def test_every_path_in_a_document_exists(document: Path):
         assert any(file.endswith("/" + name.rstrip("/")) for file in FILES), name
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda file: file.name)
+@each_case("document", DOCUMENTS, ids=lambda file: file.name)
 def test_every_link_between_documents_leads_to_a_heading(document: Path):
     text = document.read_text(encoding="utf-8")
     for link in re.findall(r"\]\(([^)\s]+)\)", text):

@@ -77,16 +77,17 @@ def test_files_are_written_replaced_and_locked_without_unix(tmp_path: Path):
     without_unix(
         """
 import gearbow as gb
+from reference.machines import bowed_pair
 from test_file_failures import names
-from test_response import recorded, train
+from test_response import recorded
 
 folder = pathlib.Path(sys.argv[1])
 for suffix in (".npz", ".nc"):
     for rows in (5, 10):
         recorded(rows=rows).save(folder / f"run{suffix}")
         assert gb.Response.load(folder / f"run{suffix}").time.size == rows
-train().save(folder / "train.toml")
-assert gb.RotorSystem.load(folder / "train.toml").description == train().description
+bowed_pair().save(folder / "train.toml")
+assert gb.RotorSystem.load(folder / "train.toml").description == bowed_pair().description
 
 lock, other = (gb._files.FileLock(folder / "run.npz", "checkpoint", "run") for _ in range(2))
 lock.acquire()
@@ -105,7 +106,7 @@ def square(value):
 
 for values in ([1.0, 2.0], [1.0, 2.0]):
     gb.sweep(square, {"value": values}, lambda found, value: found, store=folder / "s.sweep")
-train().simulate(1e-3, 100.0, output_step=1e-5, checkpoint=folder / "c.npz")
+bowed_pair().simulate(1e-3, 100.0, output_step=1e-5, checkpoint=folder / "c.npz")
 assert names(folder) == ["c.npz", "run.nc", "run.npz", "s.sweep", "train.toml"], names(folder)
 """,
         tmp_path,

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import gearbow as gb
-from test_rates import rotor, train
+from reference.machines import bowed_rotor_with_disk, pair_on_housing
 
 MIDDLE = ("rotor", 0.5)
 
@@ -20,7 +20,7 @@ MIDDLE = ("rotor", 0.5)
 def test_a_slow_bowed_shaft_shows_bow_and_runout():
     """Far below its critical speed a shaft turns about its bearings: u = bow e^{iΩt}."""
     speed, runout = 0.1, 20e-6 * np.exp(0.7j)
-    run = rotor(disks=[]).simulate(70.0, speed, output_step=0.5, record=[MIDDLE])
+    run = bowed_rotor_with_disk(disks=[]).simulate(70.0, speed, output_step=0.5, record=[MIDDLE])
     bow = 1e-4 * np.exp(0.4j)
     for angle in (0.0, 0.6, np.pi / 2, -2.0):
         probe = gb.Probe(*MIDDLE, angle=angle, runout=runout)
@@ -30,7 +30,7 @@ def test_a_slow_bowed_shaft_shows_bow_and_runout():
 
 
 def test_forms_of_runout_agree():
-    run = rotor().simulate(0.1, 100.0, output_step=1e-3, record=[MIDDLE])
+    run = bowed_rotor_with_disk().simulate(0.1, 100.0, output_step=1e-3, record=[MIDDLE])
     angles = np.linspace(0.0, 2 * np.pi, 20000, endpoint=False)
     forms = [
         5e-6 * np.exp(0.3j),
@@ -49,7 +49,7 @@ def test_forms_of_runout_agree():
 
 
 def test_a_probe_on_a_support_measures_the_relative_motion():
-    run = train().simulate(
+    run = pair_on_housing().simulate(
         0.01, 100.0, record=["foot", ("output", 0.2), ("output", 0.4), "bearings"]
     )
     for angle, axis in ((0.0, 0), (np.pi / 2, 1)):
@@ -60,7 +60,9 @@ def test_a_probe_on_a_support_measures_the_relative_motion():
 
 def test_the_second_shaft_turns_the_other_way():
     """The run-out of the driven shaft passes at −z₁/z₂ of the speed."""
-    run = train(gears=None or train().gears).simulate(0.05, 100.0, record=[("output", 0.2)])
+    run = pair_on_housing(gears=None or pair_on_housing().gears).simulate(
+        0.05, 100.0, record=[("output", 0.2)]
+    )
     probe = gb.Probe("output", 0.2, runout=1e-6 + 0j)
     error = run.measure(probe) - run.measure(gb.Probe("output", 0.2))
     twist = run.twist(("output", 0.2))
@@ -71,7 +73,9 @@ def test_the_second_shaft_turns_the_other_way():
 
 
 def test_an_accelerometer_sees_the_component_in_its_direction():
-    run = train().simulate(2e-3, 200.0, record=["foot", "corner", "gears", "acceleration"])
+    run = pair_on_housing().simulate(
+        2e-3, 200.0, record=["foot", "corner", "gears", "acceleration"]
+    )
     for place in ("foot", "corner", "g1"):
         a = run.acceleration(place)
         for angle in (0.0, 0.8, 2.0):
@@ -84,7 +88,7 @@ def test_an_accelerometer_sees_the_component_in_its_direction():
 
 
 def test_pulses_at_constant_speed():
-    run = train().simulate(0.2, 100.0, output_step=1e-3)
+    run = pair_on_housing().simulate(0.2, 100.0, output_step=1e-3)
     for pulses, angle in ((1, 0.0), (1, 1.0), (7, -0.3)):
         for shaft, spin in (("input", 100.0), ("output", -50.0)):
             found = run.measure(gb.Tacho(shaft, pulses, angle=angle))
@@ -97,8 +101,8 @@ def test_pulses_at_constant_speed():
 
 def test_pulses_of_a_continued_run_continue():
     tacho = gb.Tacho("rotor", 5)
-    first = rotor().simulate(0.1, 100.0, output_step=1e-3)
-    second = rotor().simulate(0.1, 130.0, initial=first, output_step=1e-3)
+    first = bowed_rotor_with_disk().simulate(0.1, 100.0, output_step=1e-3)
+    second = bowed_rotor_with_disk().simulate(0.1, 130.0, initial=first, output_step=1e-3)
     found = np.concatenate([first.measure(tacho), second.measure(tacho)])
     k = np.arange(0, 40) * 2 * np.pi / 5
     expected = np.where(k < 10.0, k / 100.0, 0.1 + (k - 10.0) / 130.0)
@@ -119,7 +123,7 @@ def test_pulses_of_a_continued_run_continue():
     ids=["ramp", "backwards", "table", "function"],
 )
 def test_pulses_at_changing_speed(profile: gb.SpeedProfile, angle: Any):
-    run = rotor().simulate(0.3, profile, output_step=1e-2)
+    run = bowed_rotor_with_disk().simulate(0.3, profile, output_step=1e-2)
 
     def turned(t: float) -> float:
         if angle:
@@ -148,7 +152,7 @@ def test_pulses_at_changing_speed(profile: gb.SpeedProfile, angle: Any):
 
 def test_pulses_with_twist():
     """Torsional vibration shifts the pulses by −θ/Ω; the twist between samples follows from its rate."""
-    system, place = train(), ("input", 0.2)
+    system, place = pair_on_housing(), ("input", 0.2)
     fine = system.simulate(0.02, 200.0, output_step=1e-6, record=[place, "velocity"])
     coarse = system.simulate(0.02, 200.0, output_step=2e-5, record=[place, "velocity"])
     tacho = gb.Tacho("input", 20, position=0.2)
@@ -177,7 +181,7 @@ def with_signal(run: gb.Response, values: np.ndarray) -> gb.Response:
 
 @pytest.fixture(scope="module")
 def base() -> gb.Response:
-    return rotor().simulate(0.1, 100.0, output_step=1e-5, record=["disk"])
+    return bowed_rotor_with_disk().simulate(0.1, 100.0, output_step=1e-5, record=["disk"])
 
 
 @pytest.mark.parametrize("rate", [1000.0, 3333.3, 25600.0])
@@ -203,7 +207,7 @@ def test_a_tone_below_passes_without_a_change(base: gb.Response, rate: float):
 
 def test_every_array_is_sampled(tmp_path: Any):
     record = ["gears", "meshes", "bearings", "energy", "velocity", "acceleration"]
-    run = train().simulate(0.02, 200.0, output_step=1e-5, record=record)
+    run = pair_on_housing().simulate(0.02, 200.0, output_step=1e-5, record=record)
     found = run.resample(1e4)
     size = found.time.size
     assert 120 < size < 160
@@ -227,7 +231,7 @@ def test_every_array_is_sampled(tmp_path: Any):
 
 
 def test_sensors_in_spectra_orders_and_tables():
-    run = rotor().simulate(0.5, 120.0, record=[MIDDLE, "acceleration"])
+    run = bowed_rotor_with_disk().simulate(0.5, 120.0, record=[MIDDLE, "acceleration"])
     probe, sensor = gb.Probe(*MIDDLE, angle=np.pi / 4), gb.Accelerometer(MIDDLE)
     spectrum = run.spectrum(probe)
     assert (spectrum.label, spectrum.unit) == ("probe rotor at 0.5 m, 45°", "m")
@@ -242,7 +246,7 @@ def test_sensors_in_spectra_orders_and_tables():
 
 
 def test_angles_and_spins_of_shafts():
-    run = train().simulate(0.01, 100.0)
+    run = pair_on_housing().simulate(0.01, 100.0)
     assert run.angle("output") == pytest.approx(-50.0 * run.time, rel=1e-14)
     assert run.spin("output", [0.0, 1.0]) == pytest.approx([-50.0, -50.0])
     profile = gb.SpeedProfile.table([0.1, 0.3, 0.4], [10.0, 50.0, 20.0])
@@ -251,7 +255,7 @@ def test_angles_and_spins_of_shafts():
 
 
 def test_clear_errors():
-    run = rotor().simulate(0.1, 100.0, output_step=1e-3, record=["disk"])
+    run = bowed_rotor_with_disk().simulate(0.1, 100.0, output_step=1e-3, record=["disk"])
     cases: list[tuple[Any, type[Exception], str]] = [
         (lambda: gb.Probe("rotor", np.nan), gb.SceneError, r"^probe\.position: "),
         (lambda: gb.Probe("rotor", 0.1, angle=np.inf), gb.SceneError, r"^probe\.angle: "),
@@ -279,6 +283,6 @@ def test_clear_errors():
     for call, kind, text in cases:
         with pytest.raises(kind, match=text):
             call()
-    uneven = rotor().simulate(0.1, 100.0, times=[0.0, 0.01, 0.1], record=["disk"])
+    uneven = bowed_rotor_with_disk().simulate(0.1, 100.0, times=[0.0, 0.01, 0.1], record=["disk"])
     with pytest.raises(gb.GearbowError, match="equally spaced"):
         uneven.resample(10.0)

@@ -18,36 +18,14 @@ import pytest
 
 import gearbow as gb
 from gearbow import _parallel
+from reference.cases import each_case
+from reference.machines import bowed_pair
 
 GRID = {"torque": [100.0, 250.0, 400.0], "bow": [0.0, 1e-4]}
 
 
 def pair(torque: float, bow: float) -> gb.RotorSystem:
-    """Return a gear pair whose driving shaft is bowed."""
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(
-                "input",
-                length=0.5,
-                outer_diameter=0.05,
-                elements=2,
-                degree=2,
-                bow=gb.Bow.half_sine(bow) if bow else None,
-            ),
-            gb.Shaft("output", length=0.5, outer_diameter=0.05, elements=2, degree=2),
-        ],
-        gears=[
-            gb.Gear("g1", "input", position=0.25, teeth=25, module=3e-3, face_width=0.03),
-            gb.Gear("g2", "output", position=0.25, teeth=50, module=3e-3, face_width=0.03),
-        ],
-        meshes=[gb.Mesh("g1", "g2", stiffness=2e8, damping_ratio=0.05)],
-        bearings=[
-            gb.Bearing(shaft, position=x, stiffness=1e8, damping=500.0)
-            for shaft in ("input", "output")
-            for x in (0.0, 0.5)
-        ],
-        torques=[gb.Torque("g1", torque), gb.Torque.balance("g2")],
-    )
+    return bowed_pair(bow, torque=torque, shaft={"degree": 2})
 
 
 def force(system: gb.RotorSystem, **_: object) -> dict[str, object]:
@@ -138,7 +116,7 @@ def test_a_grid_of_a_billion_points_is_not_expanded():
     assert points[123456789] == {"a": 123, "b": 456, "c": 789}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("parameters", "message"),
     [
         ({}, "parameters: must name at least one parameter"),
@@ -159,7 +137,7 @@ def test_invalid_parameters_are_refused(parameters, message):
         gb.sweep(plain, parameters, lambda system, **p: 1.0)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("make", "measure", "message"),
     [
         (3, number, "make: must be a function, got 3"),
@@ -475,11 +453,11 @@ grid = {"torque": [100.0, 200.0], "bow": [1e-4]}
 try:
     gb.sweep(pair, grid, measure, store=sys.argv[1])
 except KeyboardInterrupt as error:
-    print(error.sweep, error.sweep[0].values["value"])
+    print(repr(error.sweep), error.sweep[0].values["value"])
     begin = time.monotonic()
 while any(thread.name.startswith("gearbow") for thread in threading.enumerate()):
     time.sleep(0.01)
-print(gb.Sweep.load(sys.argv[1]))
+print(repr(gb.Sweep.load(sys.argv[1])))
 """
 
 

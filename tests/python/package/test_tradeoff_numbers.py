@@ -141,7 +141,10 @@ def test_recommendations():
 
 
 def test_the_text_table():
-    head, *lines = STUDY.table().splitlines()
+    text = STUDY.table()
+    assert text.splitlines()[-1].startswith("recommended for an error of 0.01: ")
+    assert "\n* Pareto front: " in text
+    head, *lines = text.split("\n\n")[1].splitlines()
     titles = (
         "setting", "model", "error", "integration error", "model error", "CPU [s]", "set-up [s]",
         "CPU per s [s/s]", "steps", "evaluations", "limited by",

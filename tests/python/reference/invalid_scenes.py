@@ -84,6 +84,7 @@ SCENE: dict[str, Any] = {
             "driven": "g2",
             "stiffness": 2e8,
             "damping_ratio": 0.05,
+            "loss_factor": 0.02,
             "centre_line_angle": 0.2,
             "centre_distance": 0.113,
         },
@@ -99,6 +100,7 @@ SCENE: dict[str, Any] = {
             "axial_damping": 100.0,
             "tilting_stiffness": 1e4,
             "tilting_damping": 1.0,
+            "loss_factor": 0.02,
         },
         {"shaft": "input", "position": 0.5, "stiffness": (1e8, 2e8), "damping": (500.0, 100.0)},
         {

@@ -12,7 +12,7 @@ import pytest
 import gearbow as gb
 from gearbow.accuracy.levels import LEVELS
 from gearbow.cli.main import main
-from test_errors import train
+from reference.machines import toothed_pair
 
 # `scene/test_discretisation.py` tests the warning of coarse elements
 pytestmark = pytest.mark.filterwarnings("ignore:accuracy:gearbow.AccuracyWarning")
@@ -23,7 +23,7 @@ WORDS = list(LEVELS)
 
 def automatic(**options: Any) -> gb.RotorSystem:
     """Return the pair without numbers of elements."""
-    system = train()
+    system = toothed_pair()
     shafts = [replace(shaft, elements=None) for shaft in system.shafts]
     return system.replace(shafts=shafts, **options)
 
@@ -48,7 +48,7 @@ def test_a_run_has_the_accuracy_of_its_system():
 
 
 def test_the_word_decides_the_tolerance():
-    system = train(2, accuracy="draft")
+    system = toothed_pair(2, accuracy="draft")
     run = system.simulate(0.01, SPEED)
     same = system.simulate(0.01, SPEED, rtol=LEVELS["draft"].rtol)
     np.testing.assert_array_equal(run.final["state"], same.final["state"])
@@ -68,7 +68,7 @@ def test_a_run_may_loosen_the_accuracy_and_keeps_the_elements():
 
 def test_a_stricter_word_is_an_error_that_names_the_way():
     for given, word in (("draft", "engineering"), ("engineering", "reference")):
-        for system in (train(2, accuracy=given), automatic(accuracy=given)):
+        for system in (toothed_pair(2, accuracy=given), automatic(accuracy=given)):
             for run in (
                 lambda s, w: s.simulate(1e-3, SPEED, accuracy=w),
                 lambda s, w: s.steady_state(SPEED, accuracy=w),
@@ -80,27 +80,27 @@ def test_a_stricter_word_is_an_error_that_names_the_way():
                 assert f"accuracy: {word!r} is stricter than {given!r}" in text
                 assert f"system.replace(accuracy={word!r})" in text
     # this is the way
-    finer = train(2, accuracy="draft").replace(accuracy="engineering")
+    finer = toothed_pair(2, accuracy="draft").replace(accuracy="engineering")
     finer.simulate(1e-3, SPEED)
 
 
 def test_resolution_is_no_name():
     with pytest.raises(TypeError, match="resolution"):
-        gb.RotorSystem(train().shafts, resolution="draft")
+        gb.RotorSystem(toothed_pair().shafts, resolution="draft")
     with pytest.raises(gb.SceneError, match="resolution"):
-        train().replace(resolution="draft")
+        toothed_pair().replace(resolution="draft")
     with pytest.raises(gb.SceneError, match="resolution"):
-        gb.RotorSystem.from_dict({**train().description, "resolution": "draft"})
+        gb.RotorSystem.from_dict({**toothed_pair().description, "resolution": "draft"})
 
 
 def test_a_variation_may_have_another_accuracy():
-    draft, own = train(2).simulate_many([{"accuracy": "draft"}, {}], 1e-3, SPEED)
+    draft, own = toothed_pair(2).simulate_many([{"accuracy": "draft"}, {}], 1e-3, SPEED)
     assert asked(draft) == ("draft", None)
     assert asked(own) == ("engineering", None)
 
 
 def test_a_file_keeps_the_accuracy_and_its_errors_refer_to_it(tmp_path):
-    system = train(4, accuracy="draft")
+    system = toothed_pair(4, accuracy="draft")
     system.save(tmp_path / "scene.toml")
     assert 'accuracy = "draft"' in (tmp_path / "scene.toml").read_text("utf-8")
     loaded = gb.RotorSystem.load(tmp_path / "scene.toml")

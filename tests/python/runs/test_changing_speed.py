@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline, PPoly
 import gearbow as gb
 from reference import independent_solution
 from reference.bows import HalfSine
+from reference.cases import each_case
 from reference.elements import Section
 from reference.scenes import DENSITY, PAIR, E, G, GearAt, Geared, single_shaft
 from reference.train import BearingSpec, RigidSpec, ShaftPart, ShaftSpec, Train
@@ -319,7 +320,7 @@ class TestProfiles:
             1e-4
         )  # the round number below a twentieth of 2 pi / 2000
 
-    @pytest.mark.parametrize(
+    @each_case(
         ("speed", "text"),
         [
             ("fast", "^speed: must be a number, a SpeedProfile, a function .* got 'fast'"),

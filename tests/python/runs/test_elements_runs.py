@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 import gearbow as gb
 from reference.bows import HalfSine
 from reference.linear import LinearTrain
+from reference.machines import double_stage
 from reference.scenes import PAIR
 from test_elements import STEPS, stepped, stepped_reference
 
@@ -181,37 +182,9 @@ def test_a_synchronous_start_stays_synchronous():
 
 def train(elements: int, degree: int) -> gb.RotorSystem:
     """Give the double-stage train of the study of accuracy and cost, with modal damping."""
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(
-                name,
-                length=0.5,
-                outer_diameter=0.05,
-                elements=elements,
-                degree=degree,
-                bow=gb.Bow.half_sine(1.5e-4),
-            )
-            for name in ("input", "middle", "output")
-        ],
-        gears=[
-            gb.Gear(name, shaft, x, teeth=TEETH[name], module=3e-3, face_width=0.03)
-            for name, shaft, x in (
-                ("g1", "input", 0.25),
-                ("g2", "middle", 0.125),
-                ("g3", "middle", 0.375),
-                ("g4", "output", 0.25),
-            )
-        ],
-        meshes=[
-            gb.Mesh(*pair, stiffness=gb.Stiffness.potential_energy(), damping_ratio=0.05)
-            for pair in PAIRS
-        ],
-        bearings=[
-            gb.Bearing(name, x, stiffness=1e8, damping=500.0)
-            for name in ("input", "middle", "output")
-            for x in (0.0, 0.5)
-        ],
-        torques=[gb.Torque("g1", 250.0), gb.Torque.balance("g4")],
+    return double_stage(
+        shaft={"elements": elements, "degree": degree, "bow": gb.Bow.half_sine(1.5e-4)},
+        mesh={"stiffness": gb.Stiffness.potential_energy(), "damping_ratio": 0.05},
         modal_damping=0.02,
     )
 

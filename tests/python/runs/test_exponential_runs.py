@@ -13,6 +13,7 @@ import pytest
 
 import gearbow as gb
 from reference.bows import HalfSine
+from reference.cases import each_case
 from reference.teeth import Toothed
 
 SPEED = 600.0
@@ -197,7 +198,7 @@ def test_every_initial_state_at_both_senses_of_rotation(speed: float, initial: s
 # --- refused --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("options", "text"),
     [
         ({"stages": 0}, "^stages: must be"),

@@ -6,25 +6,13 @@ import pytest
 import gearbow as gb
 from gearbow._core import Model, user_order
 from gearbow.accuracy import estimate, initial
+from reference import machines
 
 
 def pair() -> gb.RotorSystem:
-    bow = gb.Bow.half_sine(1e-4)
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(name, length=0.4, outer_diameter=0.04, elements=2, bow=bow) for name in "ab"
-        ],
-        gears=[
-            gb.Gear("p", "a", 0.2, teeth=20, module=3e-3, face_width=0.03),
-            gb.Gear("w", "b", 0.2, teeth=40, module=3e-3, face_width=0.03),
-        ],
-        meshes=[gb.Mesh("p", "w", stiffness=2e8, damping_ratio=0.05)],
-        bearings=[
-            gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in "ab" for x in (0.0, 0.4)
-        ],
-        torques=[gb.Torque("p", 50.0), gb.Torque.balance("w")],
-        gravity=9.81,
-    )
+    """Return a pair of bowed shafts under gravity."""
+    bent = {"length": 0.4, "outer_diameter": 0.04, "bow": gb.Bow.half_sine(1e-4)}
+    return machines.pair(("a", "b"), ("p", "w"), (20, 40), shaft=bent, torque=50.0, gravity=9.81)
 
 
 class Changed:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import io
 import subprocess
 import sys
+import threading
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import redirect_stderr
 
 import numpy as np
@@ -14,7 +16,7 @@ from tqdm import tqdm
 
 import gearbow as gb
 from gearbow import _progress
-from test_response import train
+from reference.machines import bowed_pair
 
 LARGE = """
 import signal, sys, threading, time, warnings
@@ -239,7 +241,7 @@ class TestEstimate:
     def report(clock, fractions, progress=None):
         with (
             warnings.catch_warnings(record=True) as caught,
-            _progress.reported(progress, 1.0) as report,
+            _progress.reported(progress, 1.0, what="run") as report,
         ):
             warnings.simplefilter("always")
             for seconds, fraction in fractions:
@@ -267,11 +269,14 @@ class TestEstimate:
         assert seen == [0.0, 1e-9]
 
     def test_other_analyses_are_not_estimated(self):
-        with _progress.reported(None, 100.0, "%", estimate=False) as report:
+        with _progress.reported(None, 100.0, "%", what="run", estimate=False) as report:
             assert report is None
 
     def test_the_bar_shows_the_remaining_time_at_the_first_report(self):
-        with redirect_stderr(io.StringIO()) as text, _progress.reported(True, 1e6) as report:
+        with (
+            redirect_stderr(io.StringIO()) as text,
+            _progress.reported(True, 1e6, what="run") as report,
+        ):
             for bar in tqdm._instances:
                 # as if the first report came half a second after the start
                 bar.start_t -= 0.5
@@ -281,13 +286,79 @@ class TestEstimate:
         assert "?" not in shown.rsplit("\r", 1)[-1]
         assert "/1e+06 s" in shown
 
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    @pytest.fixture
+    def terminal(self, monkeypatch):
+        monkeypatch.setattr(_progress, "_DELAY", 0.0)
+        # pytest replaces the streams after the set-up of a test
+        return lambda: redirect_stderr(self.Terminal())
+
+    def test_every_long_analysis_shows_on_a_terminal_what_it_does(self, terminal):
+        system, speeds = bowed_pair(), [50.0, 100.0]
+        calls = {
+            "equilibrium": system.static,
+            "modes": system.modes,
+            "Campbell diagram of 2 speeds": lambda **how: system.campbell(speeds, **how),
+            "critical speeds at 2 stiff": lambda **how: system.critical_speed_map(
+                [1e7, 1e8], **how
+            ),
+            "synchronous response at 2 speeds": lambda **how: system.synchronous(speeds, **how),
+            "balancing": lambda **how: system.balance("g1", 100.0, **how),
+            "simulate: modes, pilot runs": lambda **how: system.simulate(1e-3, 100.0, **how),
+            "steady state: modes, pilot runs": lambda **how: system.steady_state(100.0, **how),
+        }
+        for name, call in calls.items():
+            with terminal() as text:
+                call(progress=False)
+            assert text.getvalue() == ""
+            with terminal() as text:
+                call()
+            shown = text.getvalue()
+            assert name in shown
+            # it disappears at the end, and the calls within show nothing of their own
+            assert shown.endswith("\r")
+        assert not _progress._decided
+
+    def test_the_runs_of_a_sweep_and_of_threads_show_nothing(self, terminal):
+        system = bowed_pair()
+
+        def measure(_: object, speed: float) -> float:
+            return system.simulate(1e-3, speed, output_step=1e-3).time[-1]
+
+        with terminal() as text:
+            gb.sweep(lambda speed: speed, {"speed": [90.0, 100.0]}, measure)
+        assert "2 points" in text.getvalue()
+        assert "simulate" not in text.getvalue()
+        with terminal() as text, ThreadPoolExecutor(1) as pool:
+            pool.submit(system.modes, 100.0).result()
+        assert text.getvalue() == ""
+
+    def test_a_log_contains_no_bar(self, monkeypatch):
+        monkeypatch.setattr(_progress, "_DELAY", 0.0)
+        with redirect_stderr(io.StringIO()) as text:
+            bowed_pair().simulate(1e-3, 100.0)
+            bowed_pair().modes(100.0)
+        assert text.getvalue() == ""
+
+    def test_the_time_goes_on_without_a_report(self, terminal, monkeypatch):
+        monkeypatch.setattr(_progress, "_RENEWAL", 1e-3)
+        asked = threading.Event()
+        with terminal(), _progress.working(None, "work"):
+            bar = next(iter(tqdm._instances))
+            bar.mininterval = 0.0
+            monkeypatch.setattr(bar, "refresh", lambda **_: asked.set())
+            assert asked.wait(10.0)
+
     def test_a_warning_as_an_error_ends_the_run_with_its_results(self, monkeypatch):
         monkeypatch.setattr(_progress, "WATCHED", 0.0)
         monkeypatch.setattr(_progress, "LONG_RUN", 0.0)
         with warnings.catch_warnings():
             warnings.simplefilter("error", gb.AccuracyWarning)
             with pytest.raises(gb.AccuracyWarning, match="reduce the duration") as caught:
-                train().simulate(1e4, 100.0, output_step=0.1)
+                bowed_pair().simulate(1e4, 100.0, output_step=0.1)
         assert 0 < caught.value.response.time.size < 100_001
 
     def test_the_warning_points_at_the_line_of_the_caller(self, monkeypatch):
@@ -301,7 +372,7 @@ class TestEstimate:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             with pytest.raises(KeyboardInterrupt):
-                train().simulate(1e4, 100.0, output_step=0.1, progress=stop)
+                bowed_pair().simulate(1e4, 100.0, output_step=0.1, progress=stop)
         assert [(warning.category, warning.filename) for warning in caught] == [
             (gb.AccuracyWarning, __file__)
         ]

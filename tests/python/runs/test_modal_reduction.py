@@ -11,6 +11,7 @@ import pytest
 
 import gearbow as gb
 from gearbow.accuracy.levels import LEVELS, check_reduction
+from reference.machines import bowed_double_stage
 
 # The systems give their numbers of elements, which a level need not find fine enough.
 pytestmark = pytest.mark.filterwarnings("ignore:accuracy:gearbow.AccuracyWarning")
@@ -29,47 +30,13 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "frozen": ({}, {"geometry": "frozen"}),
     "smooth": ({"engagement": 0.4}, {}),
     "undamped": ({"engagement": 0.2, **UNDAMPED}, {}),
-    "modal damping": ({"system": {"modal_damping": 0.02}}, {}),
+    "modal damping": ({"modal_damping": 0.02}, {}),
     "transient": ({"engagement": 0.4}, {"initial": "static"}),
     "anisotropic": ({"bearing": {"stiffness": [[1e8, 1e7], [1e7, 4e7]]}}, {}),
     "separation": (LOOSE, {}),
 }
 #: From this number of elements a shaft on, components replace the complete model.
 LARGE = 15
-
-
-def train(
-    elements: int = 4,
-    *,
-    engagement: str | float = "sharp",
-    mesh: dict[str, Any] | None = None,
-    bearing: dict[str, Any] | None = None,
-    torque: float = 250.0,
-    system: dict[str, Any] | None = None,
-) -> gb.RotorSystem:
-    """Describe a double-stage train with bowed shafts."""
-    tooth = {"module": 3e-3, "face_width": 0.03}
-    mesh = {"damping_ratio": 0.05} if mesh is None else mesh
-    bearing = bearing or {"stiffness": 1e8, "damping": 500.0}
-    stiffness = gb.Stiffness.square(pair=2e8, engagement=engagement)
-    names = ("input", "middle", "output")
-    bow = gb.Bow.half_sine(1.5e-4, phase=0.3)
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(name, length=0.5, outer_diameter=0.05, elements=elements, bow=bow)
-            for name in names
-        ],
-        gears=[
-            gb.Gear("g1", "input", 0.25, 25, **tooth),
-            gb.Gear("g2", "middle", 0.125, 50, **tooth),
-            gb.Gear("g3", "middle", 0.375, 25, **tooth),
-            gb.Gear("g4", "output", 0.25, 50, **tooth),
-        ],
-        meshes=[gb.Mesh(*pair, stiffness=stiffness, **mesh) for pair in PAIRS],
-        bearings=[gb.Bearing(name, x, **bearing) for name in names for x in (0.0, 0.5)],
-        torques=[gb.Torque("g1", torque), gb.Torque.balance("g4")],
-        **(system or {}),
-    )
 
 
 def errors(found: gb.Response, exact: gb.Response) -> np.ndarray:
@@ -90,7 +57,7 @@ def errors(found: gb.Response, exact: gb.Response) -> np.ndarray:
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_the_estimate_of_a_number_of_modes(name: str):
     options, run = CASES[name]
-    system = train(**options)
+    system = bowed_double_stage(**options)
     exact = system.simulate(0.03, SPEED, rtol=1e-6, **run)
     found = system.simulate(0.03, SPEED, rtol=1e-6, modes=44, **run)
     assert found.statistics.modes == 44
@@ -102,7 +69,7 @@ def test_the_estimate_of_a_number_of_modes(name: str):
 @pytest.mark.parametrize("name", ["live", "undamped", "anisotropic"])
 def test_the_estimate_of_component_modes(name: str):
     options, run = CASES[name]
-    system = train(LARGE, **options)
+    system = bowed_double_stage(LARGE, **options)
     assert len(system.dofs) >= 250
     exact = system.simulate(0.1, SPEED, rtol=1e-5, **run)
     found = system.simulate(0.31, SPEED, accuracy="engineering", times=exact.time, **run)
@@ -118,7 +85,7 @@ def test_the_estimate_of_component_modes(name: str):
 @pytest.mark.filterwarnings("ignore:modes. 40 modes leave an error:gearbow.AccuracyWarning")
 def test_the_error_falls_fast_with_the_number_of_modes():
     # 40, 48 and 56 of these 75 modes leave errors of the mesh force of 3e-2, 3.6e-3 and 3.3e-3
-    system = train(engagement=0.2)
+    system = bowed_double_stage(engagement=0.2)
     exact = system.simulate(0.03, SPEED)
     found = [system.simulate(0.03, SPEED, modes=count) for count in (40, 48, 56)]
     force = [errors(each, exact)[1] for each in found]
@@ -128,7 +95,7 @@ def test_the_error_falls_fast_with_the_number_of_modes():
 
 
 def test_a_warning_above_the_level():
-    system = train()
+    system = bowed_double_stage()
     with pytest.warns(
         gb.AccuracyWarning, match=r"^modes: 16 modes leave .* accuracy 'engineering'"
     ):
@@ -147,7 +114,7 @@ def test_a_warning_above_the_level():
 def test_which_error_is_above_the_level(
     given: tuple[float, float], kind: str | None, by_user: bool, cure: str
 ):
-    statistics = train().simulate(0.0, SPEED).statistics
+    statistics = bowed_double_stage().simulate(0.0, SPEED).statistics
     statistics = replace(statistics, modes=9, modes_error=given)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -159,7 +126,7 @@ def test_which_error_is_above_the_level(
 
 
 def test_small_systems_and_short_runs_keep_all_modes():
-    system = train()
+    system = bowed_double_stage()
     level = system.simulate(0.01, SPEED, accuracy="engineering")
     same = system.simulate(0.01, SPEED, rtol=1e-4)
     assert level.statistics.modes is None
@@ -171,7 +138,7 @@ def test_small_systems_and_short_runs_keep_all_modes():
 @pytest.mark.parametrize("name", ["live", "separation", "modal damping"])
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_a_reduced_run_in_parts_is_the_whole(name: str, options: dict[str, Any]):
-    system = train(**CASES[name][0])
+    system = bowed_double_stage(**CASES[name][0])
     # Below 0.3 s, a run at a level keeps all modes of a small system.
     duration = 0.02 if "modes" in options else 0.29
     times = np.linspace(0.0, duration, 41)
@@ -184,7 +151,7 @@ def test_a_reduced_run_in_parts_is_the_whole(name: str, options: dict[str, Any])
 
 
 def test_a_chosen_reduction_in_parts_is_the_whole():
-    system = train(8)
+    system = bowed_double_stage(8)
     times = np.linspace(0.0, 0.62, 63)
     whole = system.simulate(0.62, SPEED, times=times, accuracy="draft")
     first = system.simulate(0.31, SPEED, times=times[:32], accuracy="draft")
@@ -196,7 +163,7 @@ def test_a_chosen_reduction_in_parts_is_the_whole():
 
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_continuing_with_another_number_of_modes():
-    system = train(engagement=0.4)
+    system = bowed_double_stage(engagement=0.4)
     first = system.simulate(0.01, SPEED, modes=48)
     whole = system.simulate(0.02, SPEED, times=first.time[-1] + np.linspace(0.0, 0.01, 101))
     for modes in (40, 56, None):
@@ -206,14 +173,14 @@ def test_continuing_with_another_number_of_modes():
 
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_files_keep_the_number_of_modes(tmp_path):
-    found = train().simulate(0.005, SPEED, modes=40)
+    found = bowed_double_stage().simulate(0.005, SPEED, modes=40)
     found.save(tmp_path / "run.npz")
     assert gb.Response.load(tmp_path / "run.npz").statistics == found.statistics
 
 
 def test_undamped_motion_does_not_grow():
     # Galerkin projection keeps the energy of an undamped system, however few the modes
-    system = train(**UNDAMPED, engagement=0.3)
+    system = bowed_double_stage(**UNDAMPED, engagement=0.3)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", gb.AccuracyWarning)
         found = system.simulate(2.0, 0.0, modes=20, initial="rest", output_step=1e-3)
@@ -234,7 +201,7 @@ PROFILES = {
 @pytest.mark.parametrize("name", ["live", "modal damping", "anisotropic"])
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_the_estimate_at_a_changing_speed(name: str, initial: str, profile: str):
-    system = train(**CASES[name][0])
+    system = bowed_double_stage(**CASES[name][0])
     run: dict[str, Any] = {"rtol": 1e-6, "initial": initial, "output_step": 1e-4}
     exact = system.simulate(0.1, PROFILES[profile], **run)
     found = system.simulate(0.1, PROFILES[profile], modes=44, **run)
@@ -248,7 +215,7 @@ def test_the_estimate_at_a_changing_speed(name: str, initial: str, profile: str)
 
 
 def test_a_run_up_against_rk45():
-    system = train(system={"modal_damping": 0.02})
+    system = bowed_double_stage(modal_damping=0.02)
     profile = gb.SpeedProfile.ramp(0.0, 300.0, 0.03)
     run: dict[str, Any] = {"initial": "rest", "output_step": 1e-4}
     exact = system.simulate(0.03, profile, method="rk45", rtol=1e-10, **run)
@@ -258,7 +225,7 @@ def test_a_run_up_against_rk45():
 
 @pytest.mark.parametrize("elements", [4, LARGE, 20])
 def test_a_level_at_a_changing_speed(elements: int):
-    system = train(elements, engagement=0.4)
+    system = bowed_double_stage(elements, engagement=0.4)
     profile = gb.SpeedProfile.ramp(50.0, 150.0, 0.31)
     run: dict[str, Any] = {"output_step": 1e-4}
     exact = system.simulate(0.31, profile, rtol=1e-6, **run)
@@ -273,7 +240,7 @@ def test_a_level_at_a_changing_speed(elements: int):
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_every_place_of_a_large_model_at_a_changing_speed(damping: float):
     # Bow and unbalance are loads on the reduced motion, and bend the shafts between the gears.
-    system = train(LARGE, engagement=0.4, system={"modal_damping": damping})
+    system = bowed_double_stage(LARGE, engagement=0.4, modal_damping=damping)
     profile = gb.SpeedProfile.ramp(SPEED, SPEED * (1.0 + 1e-9), 0.02)
     run: dict[str, Any] = {"output_step": 1e-4, "record": ["nodes"]}
     exact = system.simulate(0.02, profile, rtol=1e-7, **run)
@@ -291,7 +258,7 @@ def test_every_place_of_a_large_model_at_a_changing_speed(damping: float):
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_speed_dependent_bearings_in_a_reduced_run_up():
     stiffness = gb.SpeedTable([0.0, 300.0], [5e7, 1.5e8])
-    system = train(bearing={"stiffness": stiffness, "damping": 500.0}, engagement=0.4)
+    system = bowed_double_stage(bearing={"stiffness": stiffness, "damping": 500.0}, engagement=0.4)
     profile = gb.SpeedProfile.ramp(50.0, 300.0, 0.03)
     run: dict[str, Any] = {"rtol": 1e-6, "output_step": 1e-4}
     exact = system.simulate(0.03, profile, **run)
@@ -305,13 +272,13 @@ def test_speed_dependent_bearings_in_a_reduced_run_up():
 
 def test_a_warning_at_a_changing_speed():
     with pytest.warns(gb.AccuracyWarning, match="^modes: 16 modes leave"):
-        train().simulate(0.01, PROFILES["up"], modes=16)
+        bowed_double_stage().simulate(0.01, PROFILES["up"], modes=16)
 
 
 @pytest.mark.parametrize("options", [{"modes": 44}, {"accuracy": "draft"}])
 @pytest.mark.filterwarnings("ignore::gearbow.errors.AccuracyWarning")
 def test_a_reduced_run_up_in_parts_is_the_whole(options: dict[str, Any]):
-    system, profile = train(), gb.SpeedProfile.ramp(100.0, 300.0, 0.5)
+    system, profile = bowed_double_stage(), gb.SpeedProfile.ramp(100.0, 300.0, 0.5)
     times = np.linspace(0.0, 0.62, 63)
     whole = system.simulate(0.62, profile, times=times, **options)
     first = system.simulate(0.31, profile, times=times[:32], **options)
@@ -322,7 +289,7 @@ def test_a_reduced_run_up_in_parts_is_the_whole(options: dict[str, Any]):
 
 def test_modal_damping_in_the_synchronous_motion_of_a_large_model():
     # The damping acts on the modes of the subspace; the motion starts without a transient.
-    system = train(LARGE, system={"modal_damping": 0.02}, engagement=0.4)
+    system = bowed_double_stage(LARGE, modal_damping=0.02, engagement=0.4)
     run: dict[str, Any] = {"rtol": 1e-8, "output_step": 1e-4}
     exact = system.simulate(0.01, SPEED, **run)
     found = system.simulate(0.01, SPEED, modes=200, **run)
@@ -330,6 +297,6 @@ def test_modal_damping_in_the_synchronous_motion_of_a_large_model():
 
 
 def test_a_long_run_with_separation_is_reduced():
-    system = train(8, **LOOSE)
+    system = bowed_double_stage(8, **LOOSE)
     found = system.simulate(1.0, SPEED, accuracy="draft", output_step=1e-2)
     assert found.statistics.modes is not None

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import bowed_rotor_with_disk, pair_on_housing
 
 RATES = ["velocity", "acceleration"]
 METHODS: dict[str, dict[str, Any]] = {
@@ -23,69 +24,13 @@ pytestmark = pytest.mark.filterwarnings("ignore:modes")
 BEARING = {"stiffness": 1e8, "damping": 500.0}
 
 
-def rotor(**changes: Any) -> gb.RotorSystem:
-    """Return a bowed rotor with a disk and isotropic bearings."""
-    parts: dict[str, Any] = {
-        "shafts": [
-            gb.Shaft(
-                "rotor",
-                length=1.0,
-                outer_diameter=0.06,
-                elements=2,
-                bow=gb.Bow.half_sine(1e-4, phase=0.4),
-            )
-        ],
-        "disks": [gb.Disk("disk", "rotor", 0.5, 20.0, 0.1, 0.2, unbalance=1e-4j)],
-        "bearings": [gb.Bearing("rotor", x, **BEARING) for x in (0.0, 1.0)],
-    }
-    return gb.RotorSystem(**{**parts, **changes})
-
-
-def train(**changes: Any) -> gb.RotorSystem:
-    """Return a geared pair with a bowed input shaft on a housing, and an output shaft on supports."""
-    mesh = {"stiffness": gb.Stiffness.square(2e8, engagement=0.3), "damping_ratio": 0.05}
-    mesh |= changes.pop("mesh", {})
-    bow = gb.Bow.half_sine(5e-5)
-    parts: dict[str, Any] = {
-        "shafts": [
-            gb.Shaft("input", length=0.4, outer_diameter=0.05, elements=2, degree=1, bow=bow),
-            gb.Shaft("output", length=0.4, outer_diameter=0.06, elements=2, degree=1),
-        ],
-        "gears": [
-            gb.Gear("g1", "input", 0.2, 25, module=3e-3, face_width=0.03, unbalance=1e-4),
-            gb.Gear("g2", "output", 0.2, 50, module=3e-3, face_width=0.03),
-        ],
-        "meshes": [gb.Mesh("g1", "g2", **mesh)],
-        "bearings": [
-            *(gb.Bearing("input", x, **BEARING, support="box") for x in (0.0, 0.4)),
-            *(gb.Bearing("output", x, **BEARING, support="foot") for x in (0.0, 0.4)),
-        ],
-        "supports": [gb.Support(stiffness=2e8, damping=2e3, mass=20.0, name="foot")],
-        "housings": [
-            gb.Housing(
-                "box",
-                mass=30.0,
-                inertia=(0.5, 0.6, 0.7),
-                position=(0.2, 0.0, 0.0),
-                stiffness=3e8,
-                damping=3e3,
-                rotational_stiffness=(1e7, 1e7, 1e7),
-                rotational_damping=(50.0, 50.0, 50.0),
-                points={"corner": (0.4, 0.1, 0.1)},
-            )
-        ],
-        "torques": [gb.Torque("g1", 200.0), gb.Torque.balance("g2")],
-    }
-    return gb.RotorSystem(**{**parts, **changes})
-
-
 # --- Closed forms
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_whirling_bowed_shaft(method: str):
     """A synchronous motion u = A e^{iΩt} has the velocity iΩu and the acceleration −Ω²u."""
-    speed, system = 120.0, rotor(gravity=9.81)
+    speed, system = 120.0, bowed_rotor_with_disk(gravity=9.81)
     run = system.simulate(0.2, speed, output_step=1e-3, record=["nodes", *RATES], **METHODS[method])
     static = system.static(speed=speed)
     places = [("rotor", x) for x in (0.0, 0.5, 1.0)]
@@ -108,7 +53,7 @@ def test_an_undamped_support_accelerates_by_its_spring(method: str):
     mass, stiffness = 40.0, 3e7
     base = gb.Support(stiffness=stiffness, mass=mass, name="base")
     bearings = [gb.Bearing("rotor", x, **BEARING, support="base") for x in (0.0, 1.0)]
-    system = rotor(bearings=bearings, supports=[base])
+    system = bowed_rotor_with_disk(bearings=bearings, supports=[base])
     run = system.simulate(
         0.05, 120.0, initial="rest", output_step=1e-4, record=["base", "bearings", *RATES],
         **METHODS[method],
@@ -149,7 +94,7 @@ PLACES = ["g1", "g2", "foot", "box", "corner"]
 @pytest.mark.parametrize("method", METHODS)
 def test_rates_are_those_of_fine_samples(method: str, geometry: str):
     step = 2e-7
-    run = train().simulate(
+    run = pair_on_housing().simulate(
         4e-4, 200.0, initial="rest", geometry=geometry, output_step=step,
         record=["gears", "housings", *RATES], **METHODS[method],
     )  # fmt: skip
@@ -171,7 +116,7 @@ def test_rates_are_those_of_fine_samples(method: str, geometry: str):
 )
 def test_rates_of_other_systems(changes: dict[str, Any], method: str):
     step = 2e-7
-    run = train(**changes).simulate(
+    run = pair_on_housing(**changes).simulate(
         4e-4, 200.0, initial="rest", output_step=step, record=["gears", "housings", *RATES],
         **METHODS[method],
     )  # fmt: skip
@@ -205,7 +150,7 @@ FILM = {"diameter": 0.06, "length": 0.03, "clearance": 6e-5, "viscosity": 0.02}
     ids=["journal bearing", "rolling bearing", "unbalanced torque", "rotating force"],
 )
 def test_rates_of_rotors(changes: dict[str, Any], method: str):
-    run = rotor(gravity=9.81, **changes).simulate(
+    run = bowed_rotor_with_disk(gravity=9.81, **changes).simulate(
         2e-4, 120.0, initial="rest" if "torques" in changes else "static", output_step=1e-7,
         record=["disk", ("rotor", 0.0), *RATES], **METHODS[method],
     )  # fmt: skip
@@ -219,7 +164,7 @@ def test_rates_of_rotors(changes: dict[str, Any], method: str):
 @pytest.mark.parametrize("method", ["exponential", "rk45"])
 def test_rates_at_changing_speed(method: str):
     speed = gb.SpeedProfile.ramp(100.0, 400.0, 0.01)
-    run = train().simulate(
+    run = pair_on_housing().simulate(
         1e-3, speed, initial="rest", output_step=5e-7, record=["gears", "housings", *RATES],
         **METHODS[method],
     )  # fmt: skip
@@ -233,8 +178,8 @@ def test_rates_at_changing_speed(method: str):
 def test_recording_rates_does_not_change_the_motion(method: str):
     options: dict[str, Any] = {"output_step": 1e-5, **METHODS[method]}
     record = ["gears", "meshes", "housings", "bearings"]
-    plain = train().simulate(2e-3, 200.0, record=record, **options)
-    rates = train().simulate(2e-3, 200.0, record=[*record, *RATES], **options)
+    plain = pair_on_housing().simulate(2e-3, 200.0, record=record, **options)
+    rates = pair_on_housing().simulate(2e-3, 200.0, record=[*record, *RATES], **options)
     for name in PLACES:
         assert np.array_equal(plain.displacement(name), rates.displacement(name))
     assert np.array_equal(plain.mesh(("g1", "g2")).force, rates.mesh(("g1", "g2")).force)
@@ -246,7 +191,7 @@ def test_recording_rates_does_not_change_the_motion(method: str):
 def test_rates_are_saved_and_loaded(tmp_path: Path, ending: str):
     path = tmp_path / f"run{ending}"
     for record in (RATES, ["velocity"], ["acceleration"], []):
-        run = train().simulate(1e-3, 200.0, record=["gears", *record])
+        run = pair_on_housing().simulate(1e-3, 200.0, record=["gears", *record])
         run.save(path)
         again = gb.Response.load(path)
         assert again.recorded == run.recorded
@@ -257,7 +202,7 @@ def test_rates_are_saved_and_loaded(tmp_path: Path, ending: str):
 
 
 def test_rates_in_tables_spectra_and_orders():
-    run = train().simulate(0.05, 200.0, record=["gears", *RATES], output_step=1e-5)
+    run = pair_on_housing().simulate(0.05, 200.0, record=["gears", *RATES], output_step=1e-5)
     data, table = run.to_xarray(), run.to_dataframe()
     for array, unit in (("velocity", "m/s"), ("twist_rate", "rad/s"), ("acceleration", "m/s²")):
         assert data[array].attrs["units"] == unit
@@ -267,8 +212,8 @@ def test_rates_in_tables_spectra_and_orders():
             table[f"g1 acceleration_{axis} [m/s²]"], run.acceleration("g1")[:, lane]
         )
     assert np.array_equal(table["g2 twist_rate [rad/s]"], run.twist_rate("g2"))
-    assert "g1 velocity_y [m/s]" not in train().simulate(1e-3, 200.0).to_dataframe()
-    whirl = rotor().simulate(0.5, 120.0, record=["disk", *RATES])
+    assert "g1 velocity_y [m/s]" not in pair_on_housing().simulate(1e-3, 200.0).to_dataframe()
+    whirl = bowed_rotor_with_disk().simulate(0.5, 120.0, record=["disk", *RATES])
     moved, rate, rate2 = (
         whirl.orders("disk", name).amplitudes[0] for name in ("z", "velocity_z", "acceleration_z")
     )
@@ -282,28 +227,30 @@ def test_rates_in_tables_spectra_and_orders():
 def test_rates_in_any_order_of_times_and_over_a_checkpoint(tmp_path: Path):
     times = np.array([3e-4, 1e-4, 2e-4])
     options: dict[str, Any] = {"record": ["gears", *RATES]}
-    run = train().simulate(3e-4, 200.0, times=times, **options)
-    sorted_run = train().simulate(3e-4, 200.0, times=np.sort(times), **options)
+    run = pair_on_housing().simulate(3e-4, 200.0, times=times, **options)
+    sorted_run = pair_on_housing().simulate(3e-4, 200.0, times=np.sort(times), **options)
     for name in RATES:
         found, expected = getattr(run, name)("g1"), getattr(sorted_run, name)("g1")
         assert np.array_equal(found, expected[[2, 0, 1]])
     options |= {"output_step": 1e-5, "rtol": 1e-6}
-    whole = train().simulate(2e-2, 200.0, **options)
+    whole = pair_on_housing().simulate(2e-2, 200.0, **options)
     path = tmp_path / "run.npz"
-    parts = train().simulate(2e-2, 200.0, checkpoint=path, checkpoint_interval=1e-3, **options)
+    parts = pair_on_housing().simulate(
+        2e-2, 200.0, checkpoint=path, checkpoint_interval=1e-3, **options
+    )
     for name in (*RATES, "twist_rate"):
         assert np.array_equal(getattr(parts, name)("g2"), getattr(whole, name)("g2"))
 
 
 def test_errors_of_rates():
     shafts = [gb.Shaft(name, length=0.4, outer_diameter=0.05) for name in ("input", "output")]
-    run = train(shafts=shafts).simulate(0.02, 200.0, record=["gears", *RATES])
+    run = pair_on_housing(shafts=shafts).simulate(0.02, 200.0, record=["gears", *RATES])
     assert {"displacement", "velocity", "acceleration"} <= set(run.errors())
     assert run.errors()["acceleration"].total > run.errors()["displacement"].total
 
 
 def test_clear_errors():
-    system = train()
+    system = pair_on_housing()
     with pytest.raises(gb.SceneError, match=r'^record: "acceleration" is that of the recorded'):
         system.simulate(1e-3, 100.0, record=["acceleration", "meshes"])
     with pytest.raises(gb.SceneError, match=r'^record\[1\]: "accelerations" is no gear'):

@@ -10,12 +10,13 @@ import pytest
 
 import gearbow as gb
 from reference.bows import HalfSine
+from reference.cases import each_case
 from reference.scenes import PAIR, Geared
 
 DEMO = Geared(bows={"input": HalfSine(1.5e-4), "middle": HalfSine(1.5e-4, 0.8)}, angles=(0.4, -1.1))
 
 
-@pytest.mark.parametrize(
+@each_case(
     "options",
     [
         {"method": "euler"},
@@ -42,7 +43,7 @@ def test_an_unusable_option_is_an_error(options: dict[str, object]):
         DEMO.package().simulate(1e-3, 100.0, **options)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("duration", "speed"),
     [(-1.0, 1.0), (np.nan, 1.0), (np.inf, 1.0), (1e-3, np.nan), (1e-3, np.inf)],
 )

@@ -6,25 +6,12 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow import Bearing, Bow, Gear, Mesh, RotorSystem, Shaft, Torque
+from reference.machines import pair
 
 
-def train(damping: float, rayleigh: tuple[float, float] | None) -> RotorSystem:
-    names = ("input", "output")
-    return RotorSystem(
-        [
-            Shaft(name, length=0.5, outer_diameter=0.05, elements=4, bow=Bow.half_sine(1e-4))
-            for name in names
-        ],
-        [
-            Gear("g1", "input", position=0.25, teeth=25, module=3e-3, face_width=0.03),
-            Gear("g2", "output", position=0.25, teeth=50, module=3e-3, face_width=0.03),
-        ],
-        [Mesh("g1", "g2", stiffness=2e8, damping_ratio=0.05)],
-        [Bearing(name, x, stiffness=1e8, damping=damping) for name in names for x in (0.0, 0.5)],
-        [Torque("g1", 250.0), Torque.balance("g2")],
-        rayleigh=rayleigh,
-    )
+def train(damping: float, rayleigh: tuple[float, float] | None) -> gb.RotorSystem:
+    bent = {"elements": 4, "bow": gb.Bow.half_sine(1e-4)}
+    return pair(shaft=bent, bearing={"stiffness": 1e8, "damping": damping}, rayleigh=rayleigh)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 import gearbow as gb
 from reference.attached import Attached
+from reference.cases import each_case
 from reference.elements import Section
 from reference.scenes import DENSITY, E, G
 from reference.train import BearingSpec, RigidSpec, ShaftPart, ShaftSpec, Train
@@ -296,7 +297,7 @@ def test_an_extreme_coupling_has_the_torsion_of_the_closed_form(ratio: float, da
     assert warned or moved == pytest.approx(np.full(moved.size, twist), rel=1e-5)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("changes", "message"),
     [
         ({"a": ("c", 0.0)}, 'couplings[0].a: no shaft is called "c"'),

@@ -10,14 +10,15 @@ import pytest
 import gearbow as gb
 from fleet import FOLDER
 from gearbow.accuracy.levels import LEVELS
-from test_errors import difference, train
+from reference.machines import toothed_pair
+from test_errors import difference
 
 SPEED = 100.0
 
 
 def automatic(**options):
     """Return the pair without numbers of elements."""
-    system = train(**options)
+    system = toothed_pair(**options)
     shafts = [replace(shaft, elements=None) for shaft in system.shafts]
     return system.replace(shafts=shafts)
 
@@ -61,7 +62,7 @@ def test_engineering_is_the_default():
 
 
 def test_given_numbers_are_kept():
-    system = train(3)
+    system = toothed_pair(3)
     assert system.discretisation.level is None
     assert system.discretisation.expected_error is None
     assert {s.degree for s in system.discretisation.shafts.values()} == {1}
@@ -77,7 +78,7 @@ def test_given_numbers_are_kept():
 def test_a_number_for_one_segment_is_a_number_for_all():
     segments = [gb.Segment(0.2, 0.04, elements=2), gb.Segment(0.2, 0.05)]
     shaft = gb.Shaft("input", segments=segments)
-    system = train().replace(shafts=[shaft, train().shafts[1]])
+    system = toothed_pair().replace(shafts=[shaft, toothed_pair().shafts[1]])
     found = system.discretisation.shafts["input"]
     assert (found.numbers, found.degree) == ((2, 1), 1)
 
@@ -97,7 +98,7 @@ def test_the_choice_is_not_written_into_the_description(tmp_path):
 
 def test_an_unknown_level_is_refused():
     with pytest.raises(gb.SceneError, match=r"^accuracy: .*`fine`"):
-        train(accuracy="fine")
+        toothed_pair(accuracy="fine")
 
 
 def test_the_choice_can_be_printed():
@@ -139,12 +140,12 @@ def test_elements_serve_a_bow_that_an_undamped_run_releases(level, initial):
 
 def test_elements_too_coarse_for_the_level_give_a_warning():
     with pytest.warns(gb.AccuracyWarning, match="^accuracy: the elements are too coarse for"):
-        train(1).simulate(1e-3, SPEED, accuracy="draft")
+        toothed_pair(1).simulate(1e-3, SPEED, accuracy="draft")
     # so does an accuracy of the system above the default
     with pytest.warns(gb.AccuracyWarning, match="too coarse for 'reference'.*the numbers of elem"):
-        train(8, accuracy="reference").simulate(0.0, SPEED)
+        toothed_pair(8, accuracy="reference").simulate(0.0, SPEED)
     # the default level says it in the response
-    assert "does not include the elements" in train(1).simulate(1e-3, SPEED).accuracy
+    assert "does not include the elements" in toothed_pair(1).simulate(1e-3, SPEED).accuracy
     assert "does not include" not in automatic(accuracy="draft").simulate(1e-3, SPEED).accuracy
     assert "does not include" not in automatic().simulate(1e-3, SPEED).accuracy
 
@@ -195,7 +196,7 @@ def test_chosen_elements_are_not_much_shorter_than_equal_parts(level):
 def test_the_expected_error_of_a_large_model_is_that_of_all_modes(degree, elements):
     # From 400 coordinates on, the modes follow from the loads. A shaft that carries nothing makes the model
     # larger; its coupling has a torsional stiffness of 1 N m/rad.
-    system = train()
+    system = toothed_pair()
     shafts = [replace(shaft, elements=elements, degree=degree) for shaft in system.shafts]
     small = system.replace(shafts=shafts)
     last = shafts[-1]

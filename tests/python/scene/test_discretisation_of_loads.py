@@ -9,44 +9,18 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference import machines
+from reference.machines import pair_with_motor
 
 DURATION, SPEED = 0.1, 100.0
 RUN: dict[str, Any] = {"initial": "static", "output_step": 2e-5}
 
 
 def rotor(**changes: Any) -> gb.RotorSystem:
-    parts: dict[str, Any] = {
-        "shafts": [gb.Shaft("s", length=1.0, outer_diameter=0.05)],
-        "disks": [
-            gb.Disk("a", "s", 0.3, 3.0, 0.005, 0.01),
-            gb.Disk("b", "s", 0.8, 2.0, 0.004, 0.008),
-        ],
-        "bearings": [gb.Bearing("s", x, stiffness=5e7, damping=300.0) for x in (0.0, 1.0)],
-    }
-    return gb.RotorSystem(**{**parts, **changes})
-
-
-def train(**changes: Any) -> gb.RotorSystem:
-    """Return a geared pair between a motor and a load on a soft drive."""
-    shafts = ("input", "output")
-    parts: dict[str, Any] = {
-        "shafts": [gb.Shaft(name, length=0.5, outer_diameter=0.04) for name in shafts],
-        "gears": [
-            gb.Gear("g1", "input", 0.25, 25, module=3e-3, face_width=0.03),
-            gb.Gear("g2", "output", 0.25, 50, module=3e-3, face_width=0.03),
-        ],
-        "disks": [
-            gb.Disk("motor", "input", 0.0, 4.0, 0.01, 0.02),
-            gb.Disk("load", "output", 0.5, 6.0, 0.02, 0.04),
-        ],
-        "meshes": [gb.Mesh("g1", "g2", stiffness=2e8, damping_ratio=0.05)],
-        "bearings": [
-            gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in shafts for x in (0.1, 0.4)
-        ],
-        "drives": [gb.Drive("load", stiffness=1e5, damping=5.0)],
-        "torques": [gb.Torque("motor", 100.0), gb.Torque("load", -200.0)],
-    }
-    return gb.RotorSystem(**{**parts, **changes})
+    disks = [gb.Disk("a", "s", 0.3, 3.0, 0.005, 0.01), gb.Disk("b", "s", 0.8, 2.0, 0.004, 0.008)]
+    damped = {"stiffness": 5e7, "damping": 300.0}
+    shaft = {"name": "s", "elements": None}
+    return machines.rotor(shaft, bearing=damped, **{"disks": disks, **changes})
 
 
 def error(found: np.ndarray, exact: np.ndarray) -> float:
@@ -101,7 +75,7 @@ def test_a_slow_load_needs_no_finer_elements():
 @pytest.mark.parametrize("kind", ["step", "tone"])
 def test_engineering_resolves_a_torque_in_a_train(kind: str):
     load = gb.TimeSeries([0.05, 0.05001], [0.0, 80.0]) if kind == "step" else tone(2000.0)
-    system = train(torques=[*train().torques, gb.Torque("motor", load)])
+    system = pair_with_motor(torques=[*pair_with_motor().torques, gb.Torque("motor", load)])
     fine = system.replace(shafts=[replace(each, elements=4, degree=6) for each in system.shafts])
     record = ["gears", "meshes"]
     run = system.simulate(DURATION, SPEED, record=record, **RUN)

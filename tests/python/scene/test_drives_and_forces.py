@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 
 import gearbow as gb
+from reference.cases import each_case
 from reference.scenes import G, single_shaft
 
 LENGTH, DIAMETER, INERTIA = 0.2, 0.05, 0.02
@@ -296,7 +297,7 @@ def test_round_trip_in_a_file(tmp_path: Any):
         assert other.drives == system.drives
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("parts", "message"),
     [
         (

@@ -11,6 +11,7 @@ from scipy.linalg import eigh, eigvals
 
 import gearbow as gb
 from reference import closed_forms
+from reference.cases import each_case
 from reference.elements import Section
 from reference.high_order import Shaft
 from reference.scenes import PAIR, single_shaft
@@ -247,7 +248,7 @@ def test_coordinates_have_the_names_of_shape_functions():
     assert names == ["twist2", "twist3", "v4", "w4", "twist4", "v5", "w5"]
 
 
-@pytest.mark.parametrize("degree", [0, 9, -1, 1.5, "two", True])
+@each_case("degree", [0, 9, -1, 1.5, "two", True])
 def test_a_degree_is_a_whole_number_from_one_to_eight(degree: Any):
     with pytest.raises(gb.SceneError, match=r"^shafts\[0\]\.degree: must be"):
         free(degree, 2)

@@ -7,34 +7,10 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import toothed_pair
 
 DURATION = 0.02
 SPEED = 100.0
-
-
-def train(elements=2, *, stiffness=None, torque=100.0, backlash=None, **options):
-    """Return a pair of bowed shafts with modal damping and teeth of varying stiffness."""
-    stiffness = stiffness or gb.Stiffness.parabolic(1.5e8)
-    bow = gb.Bow.half_sine(1e-4)
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft("input", length=0.4, outer_diameter=0.04, elements=elements, bow=bow),
-            gb.Shaft("output", length=0.4, outer_diameter=0.05, elements=elements, bow=bow),
-        ],
-        gears=[
-            gb.Gear("g1", "input", 0.2, teeth=23, module=3e-3, face_width=0.03),
-            gb.Gear("g2", "output", 0.2, teeth=37, module=3e-3, face_width=0.03),
-        ],
-        meshes=[gb.Mesh("g1", "g2", stiffness=stiffness, damping_ratio=0.05, backlash=backlash)],
-        bearings=[
-            gb.Bearing(shaft, x, stiffness=1e8, damping=500.0)
-            for shaft in ("input", "output")
-            for x in (0.0, 0.4)
-        ],
-        torques=[gb.Torque("g1", torque), gb.Torque.balance("g2")],
-        modal_damping=0.02,
-        **options,
-    )
 
 
 def difference(first, second, rows=np.s_[:]):
@@ -55,9 +31,9 @@ def rms(values):
 
 
 def test_errors_of_elements_are_those_against_a_high_degree():
-    response = train(2).simulate(DURATION, SPEED)
-    shafts = [replace(shaft, elements=4, degree=6) for shaft in train().shafts]
-    exact = train().replace(shafts=shafts)
+    response = toothed_pair(2).simulate(DURATION, SPEED)
+    shafts = [replace(shaft, elements=4, degree=6) for shaft in toothed_pair().shafts]
+    exact = toothed_pair().replace(shafts=shafts)
     fine = exact.simulate(DURATION, SPEED, method="exponential", rtol=1e-9)
     for kind, error in difference(response, fine).items():
         found = response.errors()[kind]
@@ -77,7 +53,7 @@ def test_errors_of_elements_are_those_against_a_high_degree():
     ids=lambda settings: settings["method"],
 )
 def test_errors_of_integration_are_those_against_a_small_tolerance(settings):
-    system = train()
+    system = toothed_pair()
     response = system.simulate(DURATION, SPEED, **settings)
     exact = system.simulate(DURATION, SPEED, method="exponential", rtol=1e-10)
     for kind, error in difference(response, exact).items():
@@ -87,7 +63,7 @@ def test_errors_of_integration_are_those_against_a_small_tolerance(settings):
 
 @pytest.mark.filterwarnings("ignore:modes. 20 modes leave an error:gearbow.AccuracyWarning")
 def test_errors_of_modes_are_those_against_all_modes():
-    system = train(8)
+    system = toothed_pair(8)
     response = system.simulate(DURATION, SPEED, modes=20, method="exponential", rtol=1e-6)
     complete = system.simulate(DURATION, SPEED, method="exponential", rtol=1e-6)
     for kind, error in difference(response, complete).items():
@@ -97,7 +73,7 @@ def test_errors_of_modes_are_those_against_all_modes():
 @pytest.mark.parametrize("level", ["draft", "engineering"])
 def test_errors_of_a_long_run_contain_the_modes_that_it_left_out(level):
     # a run of 0.1 s, the window of the errors, keeps all modes
-    system = train(None, accuracy=level)
+    system = toothed_pair(None, accuracy=level)
     response = system.simulate(0.31, SPEED, accuracy=level)
     assert response.statistics.modes < len(system.dofs)
     options = {"times": response.time, "method": "exponential", "rtol": 1e-7}
@@ -118,13 +94,13 @@ def test_errors_of_a_long_run_contain_the_modes_that_it_left_out(level):
     ids=["exponential", "modes", "rk45"],
 )
 def test_errors_at_a_changing_speed_contain_elements_modes_and_integration(settings):
-    system = train(3)
+    system = toothed_pair(3)
     profile = ([0.0, DURATION], [SPEED, 1.5 * SPEED])
     response = system.simulate(DURATION, profile, **settings)
-    shafts = [replace(shaft, elements=4, degree=6) for shaft in train().shafts]
+    shafts = [replace(shaft, elements=4, degree=6) for shaft in toothed_pair().shafts]
     exact = {"method": "exponential", "rtol": 1e-9}
     complete = system.simulate(DURATION, profile, **exact)
-    fine = train().replace(shafts=shafts).simulate(DURATION, profile, **exact)
+    fine = toothed_pair().replace(shafts=shafts).simulate(DURATION, profile, **exact)
     left_out = difference(response, complete)
     for kind, error in difference(response, fine).items():
         found = response.errors()[kind]
@@ -136,27 +112,29 @@ def test_errors_at_a_changing_speed_contain_elements_modes_and_integration(setti
 
 
 def test_errors_belong_to_the_recorded_signals():
-    system = train()
+    system = toothed_pair()
     assert set(system.simulate(1e-3, SPEED, record=["g1", "energy"]).errors()) == {"displacement"}
     assert set(system.simulate(1e-3, SPEED, record=[("g1", "g2")]).errors()) == {"mesh_force"}
     assert system.simulate(1e-3, SPEED, record=[("bearing", "input", 0.0)]).errors() == {}
 
 
 def test_constant_signals_have_no_error():
-    straight = train(stiffness=2e8)
+    straight = toothed_pair(stiffness=2e8)
     straight = straight.replace(shafts=[replace(shaft, bow=None) for shaft in straight.shafts])
     assert straight.simulate(1e-3, SPEED, initial="static").errors() == {}
 
 
 def test_errors_do_not_depend_on_the_recorded_times():
-    system = train()
+    system = toothed_pair()
     some = system.simulate(DURATION, SPEED, times=[0.0, 0.7 * DURATION])
     assert some.errors() == system.simulate(DURATION, SPEED).errors()
 
 
 @pytest.mark.filterwarnings("ignore:modes. 20 modes leave an error:gearbow.AccuracyWarning")
 def test_errors_go_with_a_response_into_its_file_and_through_pickle(tmp_path):
-    response = train().simulate(2e-3, SPEED, modes=20, initial="rest", record=["g1", ("g1", "g2")])
+    response = toothed_pair().simulate(
+        2e-3, SPEED, modes=20, initial="rest", record=["g1", ("g1", "g2")]
+    )
     for name in ("later.npz", "later.nc"):
         response.save(tmp_path / name)
         assert gb.Response.load(tmp_path / name).errors() == response.errors()
@@ -169,14 +147,14 @@ def test_errors_go_with_a_response_into_its_file_and_through_pickle(tmp_path):
 
 
 def test_a_response_without_its_system_has_no_errors():
-    response = train().simulate(1e-3, SPEED)
+    response = toothed_pair().simulate(1e-3, SPEED)
     response.request = None
     with pytest.raises(gb.GearbowError, match=r"^errors: this response does not know its system"):
         response.errors()
 
 
 def test_the_error_is_averaged_until_damping_forgets():
-    system = train()
+    system = toothed_pair()
     modes = system.modes(SPEED)
     decay = -modes.eigenvalues.real[modes.frequencies_hz > 0.0].min()
     assert 0.1 > 3.0 / decay
@@ -186,18 +164,18 @@ def test_the_error_is_averaged_until_damping_forgets():
 
 
 def test_chaotic_contact_is_named():
-    light = train(torque=5.0, backlash=1e-4).replace(modal_damping=0.005)
+    light = toothed_pair(torque=5.0, backlash=1e-4).replace(modal_damping=0.005)
     response = light.simulate(0.1, 1500.0)
     assert response.errors().chaotic
     assert "chaotic contact" in str(response.errors())
     assert "chaotic" in response.accuracy
-    smooth = train().simulate(0.1, SPEED)
+    smooth = toothed_pair().simulate(0.1, SPEED)
     assert not smooth.errors().chaotic
     assert "chaotic" not in str(smooth.errors())
 
 
 def test_errors_of_a_continued_run_begin_with_its_state():
-    system = train()
+    system = toothed_pair()
     first = system.simulate(2e-3, SPEED)
     second = system.simulate(DURATION, SPEED, initial=first)
     exact = gb.RotorSystem.from_dict(

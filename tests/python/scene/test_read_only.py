@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from test_response import recorded, train
+from reference.machines import bowed_pair, bowed_rotor
+from test_response import recorded
 
 
 def writable(value: object) -> list[np.ndarray]:
@@ -25,20 +26,16 @@ def writable(value: object) -> list[np.ndarray]:
 
 
 def results():
-    system = train()
+    system = bowed_pair()
     speeds = np.linspace(50.0, 100.0, 3)
-    rotor = gb.Shaft(
-        "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
-    )
-    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    disk = gb.Disk("disk", "rotor", 0.5, 10.0, 0.1, 0.2)
-    bowed = gb.RotorSystem([rotor], bearings=bearings, disks=[disk])
+    bowed = bowed_rotor(disks=[gb.Disk("disk", "rotor", 0.5, 10.0, 0.1, 0.2)])
     response = recorded()
     return {
         "matrices": system.matrices(),
         "modes": system.modes(10.0),
         "campbell": system.campbell(speeds, count=3),
         "synchronous": system.synchronous(speeds),
+        "frequency response": system.frequency_response([10.0], source=gb.Force("g1", 1.0)),
         "less": system.synchronous(speeds).subtract_slow_roll(1.0),
         "static": system.static(),
         "critical": bowed.critical_speed_map(speeds * 1e6),
@@ -86,7 +83,7 @@ def test_a_response_from_a_file_is_read_only_too(made, tmp_path):
 
 def test_arrays_of_the_caller_stay_writable():
     speeds = np.linspace(50.0, 100.0, 3)
-    system = train()
+    system = bowed_pair()
     diagram, response = system.campbell(speeds, count=2), system.synchronous(speeds)
     speeds[0] = 1.0
     assert diagram.speeds[0] == response.speeds[0] == 50.0

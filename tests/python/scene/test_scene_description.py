@@ -5,39 +5,19 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
 
 import gearbow as gb
+from reference import machines
+from reference.cases import each_case
+from reference.machines import UNDAMPED, rotor
 
 
-def rotor(**options) -> gb.RotorSystem:
-    """Return one shaft on two bearings."""
-    shaft = {"length": 1.0, "outer_diameter": 0.05, "elements": 4}
-    return gb.RotorSystem(
-        shafts=[gb.Shaft("rotor", **{**shaft, **options.pop("shaft", {})})],
-        bearings=[gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)],
-        **options,
-    )
-
-
-def pair(**mesh) -> gb.RotorSystem:
-    """Return two shafts with one mesh."""
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(name, length=0.5, outer_diameter=0.05, elements=2)
-            for name in ("input", "output")
-        ],
-        gears=[
-            gb.Gear("g1", "input", 0.25, 25, module=3e-3, face_width=0.03),
-            gb.Gear("g2", "output", 0.25, 50, module=3e-3, face_width=0.03),
-        ],
-        meshes=[gb.Mesh("g1", "g2", stiffness=2e8, **mesh)],
-        bearings=[
-            gb.Bearing(shaft, x, stiffness=1e8) for shaft in ("input", "output") for x in (0.0, 0.5)
-        ],
-    )
+def pair(**mesh: Any) -> gb.RotorSystem:
+    return machines.pair(**{**UNDAMPED, "mesh": {"stiffness": 2e8, **mesh}}, torque=0.0)
 
 
 def test_numpy_values_become_plain_python_values():
@@ -118,7 +98,7 @@ def test_parts_keep_their_arguments():
         system.shafts[0].length = 2.0
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("slip", "text"),
     [
         (
@@ -208,9 +188,7 @@ class TestBowFunction:
         )
         assert (seen[0], seen[-1]) == (0.0, 1.0)
 
-    @pytest.mark.parametrize(
-        "value", [math.nan, math.inf, complex(0.0, math.nan), "bent", None, [1.0, 2.0]]
-    )
+    @each_case("value", [math.nan, math.inf, complex(0.0, math.nan), "bent", None, [1.0, 2.0]])
     def test_the_error_names_a_result_that_is_not_finite(self, value):
         curve = gb.Bow.function(lambda x: value if x > 0.4995 else 0.0)
         with pytest.raises(

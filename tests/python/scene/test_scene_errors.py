@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import gearbow as gb
+from reference.cases import each_case
 from reference.invalid_scenes import KINDS, SCENE, build, numbers, with_value, written
 
 COUNTS = ("elements", "teeth", "number")
@@ -38,8 +39,8 @@ def stem(path: tuple[str | int, ...]) -> str:
     return written(path)
 
 
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf], ids=["nan", "inf", "-inf"])
-@pytest.mark.parametrize("path", numbers(SCENE), ids=written)
+@each_case("bad", [math.nan, math.inf, -math.inf], ids=["nan", "inf", "-inf"])
+@each_case("path", numbers(SCENE), ids=written)
 def test_a_number_that_is_not_finite(path: tuple[str | int, ...], bad: float):
     text = refused(with_value(list(path), bad), stem(path))
     if path[-1] not in COUNTS:
@@ -83,19 +84,19 @@ NOT_NEGATIVE = [
 ]
 
 
-@pytest.mark.parametrize("path", POSITIVE, ids=written)
-@pytest.mark.parametrize("bad", [0, -1])
+@each_case("path", POSITIVE, ids=written)
+@each_case("bad", [0, -1])
 def test_a_size_that_is_not_positive(path: tuple[str | int, ...], bad: int):
     kind = int if path[-1] in COUNTS else float
     refused(with_value(list(path), kind(bad)), written(path))
 
 
-@pytest.mark.parametrize("path", NOT_NEGATIVE, ids=written)
+@each_case("path", NOT_NEGATIVE, ids=written)
 def test_a_size_that_is_negative(path: tuple[str | int, ...]):
     refused(with_value(list(path), -1e-3), written(path))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("path", "value", "where"),
     [
         (("shafts", 0, "inner_diameter"), 0.05, "shafts[0]"),

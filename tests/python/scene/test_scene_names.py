@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import gearbow as gb
+from reference import machines
+from reference.cases import each_case
+from reference.machines import SHAFTS, UNDAMPED, rotor
 
 
-def pair(**options) -> gb.RotorSystem:
-    names = ("input", "output")
-    given = {
-        "shafts": [gb.Shaft(x, length=0.5, outer_diameter=0.05, elements=2) for x in names],
-        "gears": [
-            gb.Gear(x, shaft, 0.25, teeth, module=3e-3, face_width=0.03)
-            for x, shaft, teeth in (("pinion", "input", 25), ("wheel", "output", 50))
-        ],
-        "meshes": [gb.Mesh("pinion", "wheel", stiffness=2e8)],
-        "bearings": [gb.Bearing(x, p, stiffness=1e8) for x in names for p in (0.0, 0.5)],
-        "torques": [gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")],
-    }
-    return gb.RotorSystem(**given | options)
+def pair(**options: Any) -> gb.RotorSystem:
+    return machines.pair(SHAFTS, ("pinion", "wheel"), **{**UNDAMPED, **options})
 
 
 def described(**changes) -> dict:
@@ -35,7 +28,7 @@ def scene_with(key: str, index: int, **changes) -> dict:
     return given
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("call", "text"),
     [
         (
@@ -115,8 +108,8 @@ def test_an_unlike_name_gets_no_suggestion():
         pair(bearings=[gb.Bearing("something else", 0.0, stiffness=1e8)])
 
 
-@pytest.mark.parametrize("sign", ["/", ":"])
-@pytest.mark.parametrize(
+@each_case("sign", ["/", ":"])
+@each_case(
     ("path", "changes"),
     [
         (
@@ -191,24 +184,15 @@ def test_a_missing_bearing_is_named_before_a_missing_balance():
 # --- no synchronous start -------------------------------------------------------------------------
 
 
-def rotor(unbalance: float) -> gb.RotorSystem:
-    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
-    return gb.RotorSystem(
-        [shaft],
-        bearings=[gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)],
-        disks=[gb.Disk("wheel", "rotor", 0.5, 20.0, 0.1, 0.2, unbalance=unbalance)],
-    )
-
-
 def test_an_unbalance_in_gram_millimetres_is_named():
     with pytest.warns(gb.SceneWarning, match=r"^disks\[0\].unbalance: .*g mm"):
-        system = rotor(720.0)
-    with pytest.raises(gb.SceneError, match=r'^initial: .*unbalance of "wheel" .*in g mm\?'):
+        system = rotor(disk=machines.inertia(20.0, 0.1, 0.2, unbalance=720.0))
+    with pytest.raises(gb.SceneError, match=r'^initial: .*unbalance of "disk" .*in g mm\?'):
         system.simulate(1e-3, 100.0)
 
 
 def test_an_undamped_critical_speed_is_named():
-    system = rotor(1e-4)
+    system = rotor(disk=machines.inertia(20.0, 0.1, 0.2, unbalance=1e-4))
     critical = system.campbell(np.linspace(0.0, 500.0, 20), count=2).intersections[-1].speed
     with pytest.raises(gb.SceneError, match=r"^initial: .*critical speed with too little damping"):
         system.simulate(1e-3, critical)

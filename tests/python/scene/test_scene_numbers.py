@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import datetime as dt
-import functools
-import inspect
 import math
 from decimal import Decimal
 from fractions import Fraction
@@ -15,7 +13,10 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference import machines
+from reference.cases import each_case
 from reference.invalid_scenes import SCENE, build, numbers, with_value, written
+from reference.machines import inertia, short_pair
 
 #: Values that are not real numbers, although Python or NumPy would convert most of them.
 WRONG = {
@@ -36,6 +37,8 @@ WRONG = {
     "object": object(),
     "empty text": "",
 }
+#: A mapping describes a force that depends on time, or a stiffness that depends on speed.
+WRONG_FOR_ATTACHED = {name: value for name, value in WRONG.items() if name != "mapping"}
 #: Real numbers.
 RIGHT = {
     "int": 1,
@@ -50,12 +53,8 @@ COMPLEX = ("unbalance",)
 
 
 def rotor() -> gb.RotorSystem:
-    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
-    return gb.RotorSystem(
-        [shaft],
-        bearings=[gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)],
-        disks=[gb.Disk("wheel", "rotor", 0.5, 10.0, 0.05, 0.1, unbalance=1e-4)],
-    )
+    wheel = inertia(10.0, 0.05, 0.1, name="wheel", unbalance=1e-4)
+    return machines.rotor(disk=wheel, bearing={"stiffness": 1e8, "damping": 1e3})
 
 
 @pytest.fixture(scope="module")
@@ -68,35 +67,11 @@ def response(system: gb.RotorSystem) -> gb.Response:
     return system.simulate(0.05, 100.0, record=["wheel"], output_step=1e-3)
 
 
-def wrong(*without: str) -> Any:
-    """Run a test with every value that is no number, and report all that it accepts."""
-
-    def decorate(test: Any) -> Any:
-        @functools.wraps(test)
-        def with_each_value(**given: Any) -> None:
-            failures = []
-            for name, value in WRONG.items():
-                if name not in without:
-                    try:
-                        test(value=value, **given)
-                    except (Exception, pytest.fail.Exception) as error:  # noqa: BLE001  # reported below
-                        failures.append(f"{name}: {error}")
-            assert not failures, "\n".join(failures)
-
-        arguments = inspect.signature(test).parameters.values()
-        with_each_value.__signature__ = inspect.Signature(
-            [each for each in arguments if each.name != "value"]
-        )
-        return with_each_value
-
-    return decorate
-
-
 # --- the fields of parts --------------------------------------------------------------------------
 
 
-@wrong()
-@pytest.mark.parametrize("path", numbers(SCENE), ids=written)
+@each_case("value", WRONG.values(), ids=WRONG)
+@each_case("path", numbers(SCENE), ids=written)
 def test_a_field_without_a_number_is_an_error(path: tuple[str | int, ...], value: object):
     if path[-1] in COMPLEX and isinstance(value, complex):
         return
@@ -120,8 +95,8 @@ def test_every_numeric_field_is_in_that_scene():
             assert field.name in known | beside | texts | flags, (part, field.name)
 
 
-@wrong()
-@pytest.mark.parametrize(
+@each_case("value", WRONG.values(), ids=WRONG)
+@each_case(
     "make",
     [
         lambda x: gb.Shaft("s", length=1.0, outer_diameter=0.1, elements=2, bow=gb.Bow.sag(x)),
@@ -151,16 +126,11 @@ def test_a_shaft_with_an_invalid_number(make, value):
 
 
 def pair(**mesh: Any) -> gb.RotorSystem:
-    gear = {"module": 3e-3, "face_width": 0.03}
-    return gb.RotorSystem(
-        [gb.Shaft(x, length=0.5, outer_diameter=0.05, elements=2) for x in "ab"],
-        gears=[gb.Gear(f"g{x}", x, 0.25, 30, **gear) for x in "ab"],
-        meshes=[gb.Mesh("ga", "gb", **mesh)],
-    )
+    return short_pair(("ga", "gb"), (30, 30), mesh=mesh, bearing=None, torque=0.0)
 
 
-@wrong()
-@pytest.mark.parametrize(
+@each_case("value", WRONG.values(), ids=WRONG)
+@each_case(
     "make",
     [
         lambda x: {"stiffness": gb.Stiffness.square(x)},
@@ -244,8 +214,8 @@ ARGUMENTS = {
 NAMES = ("record", "balance plane")
 
 
-@pytest.mark.parametrize("name", ARGUMENTS)
-@wrong()
+@each_case("name", ARGUMENTS)
+@each_case("value", WRONG.values(), ids=WRONG)
 def test_an_argument_without_a_number_is_an_error(name, value, system, response):
     where = ARGUMENTS[name][1]
     if isinstance(value, str) and (name in NAMES or where == "at"):
@@ -267,7 +237,7 @@ def test_other_kinds_of_numbers_are_accepted(value, system):
     assert system.simulate(1e-3, value, record=["wheel"]).speed == 1.0
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("call", "text"),
     [
         (lambda s: s.synchronous([[1.0, 2.0]]), r"^speeds: must be one sequence .* \(1, 2\)"),
@@ -318,7 +288,7 @@ def test_a_whole_number_may_be_written_as_a_float(elements):
     assert len({x for _, x, _ in system.dofs}) == 9
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("value", "text"),
     [
         (25.5, "must be a whole number, got 25.5"),
@@ -413,8 +383,8 @@ def test_attached_parts_with_numbers_are_valid(key: str):
     assert len(getattr(with_attached(key), key)) == 1
 
 
-@wrong("mapping")
-@pytest.mark.parametrize(("key", "name"), FIELDS, ids=map(".".join, FIELDS))
+@each_case("value", WRONG_FOR_ATTACHED.values(), ids=WRONG_FOR_ATTACHED)
+@each_case(("key", "name"), FIELDS, ids=map(".".join, FIELDS))
 def test_attached_parts_reject_a_value_that_is_no_number(key: str, name: str, value: object):
     if isinstance(value, complex) and name in ("value", "offset", "angle", "runout"):
         return

@@ -15,24 +15,15 @@ import pytest
 
 import gearbow as gb
 from reference import scenes
+from reference.cases import each_case
+from reference.machines import SHAFTS, pair
 
 MILLIMETRE = 1e-3
 ROTORS = sorted((Path(__file__).parents[3] / "examples" / "rotors").glob("*.toml"))
 
 
 def train(**options: Any) -> gb.RotorSystem:
-    names = ("input", "output")
-    given = {
-        "shafts": [gb.Shaft(x, length=0.5, outer_diameter=0.05, elements=2) for x in names],
-        "gears": [
-            gb.Gear(f"g{x}", x, 0.25, teeth, module=3e-3, face_width=0.03)
-            for x, teeth in zip(names, (25, 50), strict=True)
-        ],
-        "meshes": [gb.Mesh("ginput", "goutput", stiffness=2e8, damping_ratio=0.05)],
-        "bearings": [gb.Bearing(x, p, stiffness=1e8) for x in names for p in (0.0, 0.5)],
-        "torques": [gb.Torque("ginput", 250.0), gb.Torque.balance("goutput")],
-    }
-    return gb.RotorSystem(**given | options)
+    return pair(SHAFTS, ("ginput", "goutput"), **{"bearing": {"stiffness": 1e8}, **options})
 
 
 def shaft(**options: Any) -> list[gb.Shaft]:
@@ -181,7 +172,7 @@ SLIPS = {
 }
 
 
-@pytest.mark.parametrize("name", SLIPS)
+@each_case("name", SLIPS)
 def test_a_mistake_of_units_is_a_warning(name):
     change, where, cause = SLIPS[name]
     with warnings.catch_warnings(record=True) as caught:
@@ -213,7 +204,7 @@ def test_teeth_that_are_out_of_reach_give_a_warning_or_an_error(change):
         train(**change)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("change", "text"),
     [
         (
@@ -304,17 +295,15 @@ def test_too_fast_teeth_give_a_warning(call):
 
 def geared(size: float, module: float, teeth: tuple[int, int], **options: Any) -> gb.RotorSystem:
     """Return a pair of gears on shafts of ten diameters length."""
-    names = ("a", "b")
-    width = 10 * module
-    stiffness = options.pop("bearing", 2e9 * size)
-    return gb.RotorSystem(
-        [gb.Shaft(x, length=10 * size, outer_diameter=size, elements=2) for x in names],
-        gears=[
-            gb.Gear(f"g{x}", x, 5 * size, z, module=module, face_width=width)
-            for x, z in zip(names, teeth, strict=True)
-        ],
-        meshes=[gb.Mesh("ga", "gb", backlash=0.05 * module)],
-        bearings=[gb.Bearing(x, p, stiffness=stiffness) for x in names for p in (0.0, 10 * size)],
+    return pair(
+        ("a", "b"),
+        ("ga", "gb"),
+        teeth,
+        shaft={"length": 10 * size, "outer_diameter": size},
+        gear={"module": module, "face_width": 10 * module},
+        mesh={"backlash": 0.05 * module},
+        bearing={"stiffness": options.pop("bearing", 2e9 * size)},
+        torque=0.0,
         gravity=9.81,
         **options,
     )

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
+from reference.machines import twisting_pair
 
 MODELS = {
     "constant": (gb.Stiffness.constant(2e8), {"mean": 2e8}),
@@ -32,23 +34,6 @@ MODELS = {
         {"mean": 2e8, "amplitudes": [3e7, 1e7], "phases": [0.5, -1.0]},
     ),
 }
-
-
-def pair(*, driver: dict | None = None, centre_distance=None, **mesh) -> gb.RotorSystem:
-    """Return two stiff shafts with torsion only and one mesh under torque."""
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(name, length=0.1, outer_diameter=0.05, elements=1)
-            for name in ("input", "output")
-        ],
-        gears=[
-            gb.Gear("g1", "input", 0.05, 25, module=3e-3, face_width=0.03, **(driver or {})),
-            gb.Gear("g2", "output", 0.05, 50, module=3e-3, face_width=0.03),
-        ],
-        meshes=[gb.Mesh("g1", "g2", centre_distance=centre_distance, **mesh)],
-        torques=[gb.Torque("g1", 50.0), gb.Torque.balance("g2")],
-        motion="torsion",
-    )
 
 
 def cycle(system: gb.RotorSystem, rows: int = 200, **options) -> gb.results.MeshResponse:
@@ -93,7 +78,7 @@ class TestDescription:
     @pytest.mark.parametrize("name", MODELS)
     def test_parts_are_read_back_from_a_file(self, tmp_path, name):
         paired = name.split()[0] in {"square", "parabolic", "potential_energy"}
-        system = pair(
+        system = twisting_pair(
             stiffness=MODELS[name][0],
             backlash=1e-4,
             tip_relief=gb.TipRelief(1e-5, 2e-3, "parabolic") if paired else None,
@@ -109,7 +94,7 @@ class TestDescription:
         assert copy.meshes == system.meshes
 
     def test_a_hand_written_file_has_the_names_of_the_parameters(self, tmp_path):
-        pair().save(tmp_path / "pair.toml")
+        twisting_pair().save(tmp_path / "pair.toml")
         text = (tmp_path / "pair.toml").read_text(encoding="utf-8")
         (tmp_path / "pair.toml").write_text(
             text.replace(
@@ -136,7 +121,7 @@ class TestDescription:
 SQUARE = gb.Stiffness.square(2e8)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("mesh", "text"),
     [
         (
@@ -202,12 +187,14 @@ SQUARE = gb.Stiffness.square(2e8)
 )
 def test_the_error_names_the_place_of_a_mistake(mesh, text):
     with pytest.raises(gb.SceneError, match=text):
-        pair(**mesh)
+        twisting_pair(**mesh)
 
 
 def test_the_defaults_of_the_core_are_those_of_the_docstrings():
-    iso = cycle(pair()).stiffness
-    np.testing.assert_array_equal(iso, cycle(pair(stiffness=gb.Stiffness.iso6336())).stiffness)
+    iso = cycle(twisting_pair()).stiffness
+    np.testing.assert_array_equal(
+        iso, cycle(twisting_pair(stiffness=gb.Stiffness.iso6336())).stiffness
+    )
     for left_out, spelt_out in (
         (SQUARE, gb.Stiffness.square(2e8, engagement=0.1, phase="prescribed")),
         (
@@ -231,7 +218,7 @@ def test_the_defaults_of_the_core_are_those_of_the_docstrings():
             gb.Stiffness.table([1e8, 2e8, 2e8], phase="prescribed"),
         ),
     ):
-        a, b = (cycle(pair(stiffness=stiffness)) for stiffness in (left_out, spelt_out))
+        a, b = (cycle(twisting_pair(stiffness=stiffness)) for stiffness in (left_out, spelt_out))
         np.testing.assert_array_equal(a.stiffness, b.stiffness)
         assert np.ptp(a.stiffness) > 1e6
 
@@ -240,20 +227,20 @@ class TestValues:
     """Each constructor gives the stiffness of its model."""
 
     def test_a_square_wave_is_the_pair_stiffness_times_the_number_of_pairs(self):
-        mesh = cycle(pair(stiffness=gb.Stiffness.square(pair=1.5e8, engagement="sharp")))
+        mesh = cycle(twisting_pair(stiffness=gb.Stiffness.square(pair=1.5e8, engagement="sharp")))
         np.testing.assert_allclose(mesh.stiffness, 1.5e8 * mesh.pairs_in_contact)
         assert set(mesh.pairs_in_contact) == {1.0, 2.0}
         assert mesh.pairs_in_contact.mean() == pytest.approx(mesh.contact_ratio[0], abs=0.01)
 
     @pytest.mark.parametrize("model", [gb.Stiffness.square, gb.Stiffness.parabolic])
     def test_a_mean_is_the_mean_over_the_cycle(self, model):
-        stiffness = cycle(pair(stiffness=model(2e8, phase="prescribed"))).stiffness
+        stiffness = cycle(twisting_pair(stiffness=model(2e8, phase="prescribed"))).stiffness
         assert stiffness.mean() == pytest.approx(2e8, rel=1e-3)
         assert np.ptp(stiffness) > 5e7
 
     def test_harmonics_follow_the_path_of_contact(self):
         harmonics = gb.Stiffness.fourier(2e8, [3e7, 1e7], [0.4, -0.7], phase="prescribed")
-        spectrum = np.fft.rfft(cycle(pair(stiffness=harmonics)).stiffness) / 200
+        spectrum = np.fft.rfft(cycle(twisting_pair(stiffness=harmonics)).stiffness) / 200
         assert spectrum[0].real == pytest.approx(2e8)
         np.testing.assert_allclose(2.0 * np.abs(spectrum[1:4]), [3e7, 1e7, 0.0], atol=1.0)
 
@@ -263,7 +250,9 @@ class TestValues:
         alpha = math.radians(20.0)
         place = alpha * 25.0 / (2.0 * math.pi)
         x = (place + np.arange(200) / 200) % 1.0
-        stiffness = cycle(pair(stiffness=gb.Stiffness.table(values, phase="prescribed"))).stiffness
+        stiffness = cycle(
+            twisting_pair(stiffness=gb.Stiffness.table(values, phase="prescribed"))
+        ).stiffness
         knots = np.array([0.0, 0.25, 0.5, 0.75])
         nearest = [np.argmin(np.abs((x - knot + 0.5) % 1.0 - 0.5)) for knot in knots]
         np.testing.assert_allclose(stiffness[nearest], values, rtol=0.02)
@@ -271,7 +260,8 @@ class TestValues:
     def test_a_larger_centre_distance_has_fewer_pairs(self):
         model = gb.Stiffness.square(pair=1.5e8, engagement="sharp")
         rest, opened = (
-            cycle(pair(stiffness=model, centre_distance=0.1125 + more)) for more in (0.0, 5e-4)
+            cycle(twisting_pair(stiffness=model, centre_distance=0.1125 + more))
+            for more in (0.0, 5e-4)
         )
         assert opened.contact_ratio[0] < rest.contact_ratio[0] - 0.1
         for mesh in (rest, opened):
@@ -282,7 +272,10 @@ class TestValues:
     def test_relief_shortens_the_contact_of_a_pair(self):
         model = gb.Stiffness.square(2e8, phase="prescribed")
         plain, relieved = (
-            cycle(pair(stiffness=model, tip_relief=relief, damping_ratio=0.1), initial="static")
+            cycle(
+                twisting_pair(stiffness=model, tip_relief=relief, damping_ratio=0.1),
+                initial="static",
+            )
             for relief in (None, gb.TipRelief(1e-3, 2e-3))
         )
         assert plain.stiffness.mean() == pytest.approx(2e8, rel=1e-3)
@@ -294,14 +287,16 @@ class TestValues:
     def test_a_slow_transmission_error_does_not_change_the_force(self):
         error = gb.TransmissionError(tooth=[(5e-6, 0.0)])
         mesh = cycle(
-            pair(stiffness=2e8, damping_ratio=0.3, error=error), initial="static", rtol=1e-8
+            twisting_pair(stiffness=2e8, damping_ratio=0.3, error=error),
+            initial="static",
+            rtol=1e-8,
         )
         settled = mesh.force[100:]
         force = 50.0 / (0.5 * 3e-3 * 25 * math.cos(math.radians(20.0)))
         np.testing.assert_allclose(settled, force, rtol=1e-2)
 
     def test_flanks_with_backlash_separate_and_close(self):
-        system = pair(
+        system = twisting_pair(
             stiffness=2e8,
             damping_ratio=0.02,
             backlash=1e-4,

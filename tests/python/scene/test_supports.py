@@ -11,6 +11,7 @@ import pytest
 
 import gearbow as gb
 from reference.attached import Attached, RigidBody
+from reference.cases import each_case
 from reference.elements import Section
 from reference.scenes import DENSITY, E, G, single_shaft
 from reference.train import RigidSpec, ShaftPart, ShaftSpec, Train
@@ -350,7 +351,7 @@ def test_an_invalid_support_of_a_bearing(changes: dict[str, Any], message: str):
         system.replace(bearings=bearings)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("changes", "message"),
     [
         ({"mass": -1.0}, "housings[0].mass: must be positive, got -1"),

@@ -12,42 +12,26 @@ from typing import Any
 import pytest
 
 import gearbow as gb
+from reference.cases import each_case
+from reference.machines import SHAFTS, pair
 from test_file_failures import python
 
 
-def parts(**changes: Any) -> dict[str, Any]:
-    """Give the parts of a pair of shafts, some of them replaced."""
-    names = ("input", "output")
-    scene: dict[str, Any] = {
-        "shafts": [gb.Shaft(name, length=0.5, outer_diameter=0.05, elements=4) for name in names],
-        "gears": [
-            gb.Gear("pinion", "input", 0.25, teeth=25, module=3e-3, face_width=0.03),
-            gb.Gear("wheel", "output", 0.25, teeth=50, module=3e-3, face_width=0.03),
-        ],
-        "meshes": [gb.Mesh("pinion", "wheel", stiffness=2e8, damping_ratio=0.05)],
-        "bearings": [
-            gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in names for x in (0.0, 0.5)
-        ],
-        "torques": [gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")],
-    }
-    return {**scene, **changes}
-
-
 def system(**changes: Any) -> gb.RotorSystem:
-    return gb.RotorSystem(**parts(**changes))
+    return pair(SHAFTS, ("pinion", "wheel"), shaft={"elements": 4}, **changes)
 
 
 def with_shaft(**changes: Any) -> gb.RotorSystem:
-    first, second = parts()["shafts"]
+    first, second = system().shafts
     return system(shafts=[replace(first, **changes), second])
 
 
 def with_gears(**changes: Any) -> gb.RotorSystem:
-    return system(gears=[replace(gear, **changes) for gear in parts()["gears"]])
+    return system(gears=[replace(gear, **changes) for gear in system().gears])
 
 
 def with_wheel(**changes: Any) -> gb.RotorSystem:
-    pinion, wheel = parts()["gears"]
+    pinion, wheel = system().gears
     return system(gears=[pinion, replace(wheel, **changes)])
 
 
@@ -89,7 +73,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
         "is it in degrees?",
     ),
     "a stiffness in N/mm": (
-        lambda: system(bearings=[replace(b, stiffness=1e5) for b in parts()["bearings"]]),
+        lambda: system(bearings=[replace(b, stiffness=1e5) for b in system().bearings]),
         "bearings[0].stiffness: ",
         "100000 N/m",
         "is it in N/mm?",
@@ -161,7 +145,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
         "write 0.5 without quotes [m], or gb.mm(500)",
     ),
     "one part in place of a list": (
-        lambda: system(shafts=parts()["shafts"][0]),
+        lambda: system(shafts=system().shafts[0]),
         "shafts: ",
         "got Shaft(name='input'",
         "put it in brackets",
@@ -203,7 +187,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
         "positions begin with 0 at its left end",
     ),
     "a shaft without a bearing": (
-        lambda: system(bearings=parts()["bearings"][:2]).static(),
+        lambda: system(bearings=system().bearings[:2]).static(),
         "shafts[1]: ",
         '"output" is unconstrained: no bearing holds it',
         'add gb.Bearing("output", position, stiffness=...)',
@@ -220,11 +204,11 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
         '"pinoin"',
         'did you mean "pinion"?',
     ),
-    "a recorded position between nodes": (
-        lambda: run(record=[("input", 0.12)]),
+    "a recorded position in millimetres": (
+        lambda: run(record=[("input", 120.0)]),
         "record[0]: ",
-        'shaft "input" has no node at 0.12 m',
-        "the nearest is at 0.125 m",
+        'shaft "input" reaches from 0 to 0.5 m',
+        "give a position on it in metres, got 120 m",
     ),
     "a signal that was not recorded": (
         lambda: run(record=["pinion"]).displacement("wheel"),
@@ -319,7 +303,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str, str, str]] = {
 }
 
 
-@pytest.mark.parametrize("mistake", MISTAKES)
+@each_case("mistake", MISTAKES)
 def test_a_message_says_where_what_and_how_to_correct_it(mistake: str):
     make, where, value, remedy = MISTAKES[mistake]
     with warnings.catch_warnings(record=True) as caught:
@@ -346,7 +330,7 @@ elements = 4
 """
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("old", "new", "expected"),
     [
         ("length", "lenght", ("shafts[0].lenght: ", "lenght = 0.5", 'did you mean "length"?')),
@@ -397,7 +381,7 @@ def test_a_message_about_a_file(tmp_path: Path, old, new, expected):
     assert remedy in text
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("path", "value", "expected"),
     [
         (("rayleigh",), [1.0], "rayleigh: invalid length 1, expected a pair [alpha, beta]"),
@@ -572,7 +556,7 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
 }
 
 
-@pytest.mark.parametrize("case", REFUSED)
+@each_case("case", REFUSED)
 def test_a_value_of_another_kind_is_refused(case: str):
     call, message = REFUSED[case]
     with pytest.raises(gb.SceneError) as caught:

@@ -15,6 +15,8 @@ import gearbow as gb
 from gearbow.description.part import Part
 from gearbow.units.fields import FIELDS, unit_of
 from gearbow.units.parse import parsed
+from reference.cases import each_case
+from reference.machines import rotor
 
 
 def test_functions_give_si_units():
@@ -28,7 +30,7 @@ def test_functions_give_si_units():
         gb.mm("five")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "path", "value"),
     [
         ("500 mm", "shafts[0].length", 0.5),
@@ -59,7 +61,7 @@ def test_a_text_with_a_unit(text: str, path: str, value: float):
     assert parsed(text, path) == (value if exact else pytest.approx(value, rel=1e-15))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "message"),
     [
         ("500", 'write the number without quotes [m], or with its unit, such as "500 m"'),
@@ -96,13 +98,6 @@ def test_extreme_numbers_take_no_time():
     assert parsed("1e999999999 mm", "shafts[0].length") == np.inf
     assert parsed("1e-999999999 mm", "shafts[0].length") == 0.0
     assert parsed("1e308 km", "shafts[0].length") == np.inf
-
-
-def rotor() -> gb.RotorSystem:
-    return gb.RotorSystem(
-        shafts=[gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)],
-        bearings=[gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)],
-    )
 
 
 #: Classes of the parts of a system, and the list that contains them.
@@ -233,7 +228,7 @@ def test_plain_data_with_units():
     assert gb.RotorSystem.from_dict({"shafts": [shaft]}).shafts[0].length == 0.5
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("old", "new", "where"),
     [
         ('"500 mm"', '"500 N"', "shafts[0].length"),
@@ -398,7 +393,7 @@ def test_quantities_of_pint_in_analyses():
     assert system.critical_speed_map(quantity([10], "N/um")).stiffnesses == pytest.approx([1e7])
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("change", "where"),
     [
         (

@@ -14,6 +14,7 @@ from gearbow import _core
 from gearbow.analysis.arclength import Settings, branch
 from gearbow.results.steady import instability
 from gearbow.system import continuation
+from reference.machines import bowed_pair
 from reference.teeth import Toothed
 from test_steady_state import train
 
@@ -132,9 +133,10 @@ def test_a_point_of_a_whole_train_takes_few_periods(monkeypatch: pytest.MonkeyPa
         return correct(model, states=states, levels=levels, **options)
 
     monkeypatch.setattr(continuation, "corrected_states", counted)
-    found = system.continuation(
-        "bow", 1.0, 1.1, speed=speed, rtol=rtol, first_step=0.05, max_points=2
-    )
+    with pytest.warns(gb.AccuracyWarning, match=r"ends before bow 1\.1: max_points"):
+        found = system.continuation(
+            "bow", 1.0, 1.1, speed=speed, rtol=rtol, first_step=0.05, max_points=2
+        )
     assert found.values.size == 3
     assert found.stable.all()
     # A dense derivative takes 4 periods for each degree of freedom, of which there are over 200.
@@ -251,7 +253,11 @@ def test_differences_do_not_limit_the_convergence_of_newtons_method():
     deflection = steady.response.mesh(MESH).deflection
     assert deflection.min() < 0.0 < deflection.max()
     motion = continuation._Motion(
-        continuation._Family(system, "speed", at), ["meshes"], (rtol, "live"), (1, 1.0), 128
+        continuation._Family(system, "speed", at),
+        ["meshes"],
+        continuation._Run(None, rtol, "live"),
+        (1, 1.0),
+        128,
     )
     state = motion.unknowns(steady) * (1 + 1e-3 * np.sin(np.arange(7)))
     residuals = []
@@ -317,55 +323,77 @@ def test_beyond_a_flip_the_period_of_the_motion_doubles(ratio: float, doubles: b
     assert difference > 0.5 * size if doubles else difference < 1e-6 * size
 
 
-def bowed_pair(bow: float) -> gb.RotorSystem:
-    """Return two shafts, of which one has a bow, between stiff bearings."""
-    names = ("input", "output")
-    shape = {"input": gb.Bow.half_sine(bow), "output": None}
-    return gb.RotorSystem(
-        shafts=[
-            gb.Shaft(name, length=0.5, outer_diameter=0.05, elements=2, bow=shape[name])
-            for name in names
-        ],
-        gears=[
-            gb.Gear(f"{name} gear", name, 0.25, teeth=25, module=3e-3, face_width=0.03)
-            for name in names
-        ],
-        meshes=[gb.Mesh("input gear", "output gear", stiffness=2e8, damping_ratio=0.05)],
-        bearings=[
-            gb.Bearing(name, x, stiffness=1e8, damping=1e3) for name in names for x in (0.0, 0.5)
-        ],
-        torques=[gb.Torque("input gear", 50.0), gb.Torque.balance("output gear")],
-        modal_damping=0.02,
-    )
+def equal_gears(bow: float) -> gb.RotorSystem:
+    """Return a pair with equal gears, modal damping and this amplitude [m] of the bow."""
+    bearing = {"stiffness": 1e8, "damping": 1e3}
+    return bowed_pair(bow, (25, 25), bearing=bearing, torque=50.0, modal_damping=0.02)
 
 
 @pytest.mark.filterwarnings("ignore::gearbow.SceneWarning", "ignore::gearbow.AccuracyWarning")
 def test_a_branch_ends_where_the_bow_ends_the_contact_geometry():
-    found = bowed_pair(1e-3).continuation(
+    found = equal_gears(1e-3).continuation(
         "bow", 4.0, 6.0, speed=50.0, rtol=1e-8, initial="synchronous", record=["meshes"]
     )
     assert found.message.startswith("continuation: the branch cannot be followed beyond 4.5")
     assert "the base circles overlap" in found.message
     # The points so far are kept.
     assert found.values.size > 2
-    distance = found.statistic("min", ("input gear", "output gear"), "centre_distance")
+    distance = found.statistic("min", ("g1", "g2"), "centre_distance")
     radii = 2 * 25 * 3e-3 / 2 * np.cos(np.radians(20))
     assert 0.0 < distance[-1] - radii < 1e-5
     # A sweep keeps the points that exist, too.
-    swept = gb.sweep(bowed_pair, {"bow": [1e-3, 6e-3]}, one_run)
+    swept = gb.sweep(equal_gears, {"bow": [1e-3, 6e-3]}, one_run)
     assert [len(swept.failed), "base circles overlap" in str(swept.failed)] == [1, True]
 
 
 def one_run(system: gb.RotorSystem, **_: float) -> float:
-    return float(system.simulate(0.1, 50.0).mesh(("input gear", "output gear")).force.max())
+    return float(system.simulate(0.1, 50.0).mesh(("g1", "g2")).force.max())
 
 
 def test_a_branch_over_the_torque_keeps_what_it_reached():
-    found = clearance().continuation(
-        "torque", 1.0, 3.0, speed=speed(0.3), record=["meshes"], max_points=3
-    )
+    with pytest.warns(gb.AccuracyWarning, match="branch ends before torque 3: max_points"):
+        found = clearance().continuation(
+            "torque", 1.0, 3.0, speed=speed(0.3), record=["meshes"], max_points=3
+        )
     assert found.values.size >= 4
     assert found.message.startswith("max_points: 3 points reach")
+    assert "open end: 'max_points: 3 points reach" in repr(found)
+    (panel,) = found.plot(MESH).axes
+    open_end = panel.get_lines()[-1]
+    assert open_end.get_label().startswith("open end")
+    assert open_end.get_xdata().tolist() == [found.values[-1]]
+
+
+def test_a_branch_to_its_end_has_no_open_end():
+    found = clearance().continuation("torque", 1.0, 1.05, speed=speed(0.3), record=["meshes"])
+    assert found.values[-1] == 1.05
+    assert "open end" not in repr(found)
+    (panel,) = found.plot(MESH).axes
+    assert not any(line.get_label().startswith("open end") for line in panel.get_lines())
+
+
+def test_a_point_of_the_new_scene_takes_few_evaluations(monkeypatch: pytest.MonkeyPatch):
+    # the scene that the command "new" writes
+    system = gb.RotorSystem.load(Path(gb.__file__).parent / "cli" / "example.toml")
+    evaluations = 0
+    correct = _core.corrected_states
+
+    def counted(model: Any, *, states: Any, levels: Any, **options: Any) -> Any:
+        nonlocal evaluations
+        evaluations += len(states) + (levels is None)
+        return correct(model, states=states, levels=levels, **options)
+
+    monkeypatch.setattr(continuation, "corrected_states", counted)
+    with pytest.warns(gb.AccuracyWarning, match="branch ends before speed 600"):
+        found = system.continuation("speed", 300.0, 600.0, max_points=8, record=["meshes"])
+    # The motion that runs in at the last speed: both have an error of the accuracy "engineering".
+    alone = system.steady_state(float(found.values[-1]), rtol=1e-7, record=["meshes"])
+    forces = alone.response.mesh(("pinion", "wheel")).force
+    amplitude = found.amplitude("pinion/wheel", "force")[-1]
+    assert amplitude == pytest.approx(np.ptp(forces) / 2, rel=1e-2)
+    # Near the fold at 303.17 rad/s a point takes 3 to 6 corrections; without the slope at each
+    # slow one, up to 12 with 3 evaluations each.
+    assert evaluations <= 15 * found.values.size
 
 
 def test_wrong_arguments_name_the_argument():

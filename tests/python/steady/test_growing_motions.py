@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import cross_coupled, whirling_rotor
 
 #: Number of random systems; `make random` takes more.
 CASES = 30 * int(os.environ.get("GEARBOW_CASES") or 1)
@@ -33,10 +34,6 @@ def eigenvalues(system: gb.RotorSystem, speed: float) -> np.ndarray:
     first = np.block([[np.zeros((size, size)), np.eye(size)], [-scaled[0], -scaled[1]]])
     found = np.linalg.eigvals(first)
     return found[np.abs(found) > ROTATION * np.abs(found).max()]
-
-
-def cross_coupled(stiffness: float, cross: float, damping: float) -> dict[str, Any]:
-    return {"stiffness": [[stiffness, cross], [-cross, stiffness]], "damping": damping}
 
 
 def rotor(random: np.random.Generator) -> tuple[gb.RotorSystem, float]:
@@ -107,17 +104,9 @@ def test_stability_of_random_rotors_is_that_of_their_eigenvalues():
     assert CASES / 3 <= unstable <= 0.9 * CASES
 
 
-def whirling() -> gb.RotorSystem:
-    """Return a disk of 5 kg in the middle of a shaft on two bearings that make it whirl."""
-    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.04)
-    disk = gb.Disk("disk", "rotor", 0.2, 5.0, 0.02, 0.01, unbalance=1e-4)
-    bearings = [gb.Bearing("rotor", x, **cross_coupled(1e7, 434838.0, 3.32)) for x in (0.0, 0.4)]
-    return gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
-
-
 @pytest.mark.parametrize("modes", [None, 1, 3])
 def test_a_run_with_few_modes_keeps_those_that_grow(modes: int | None):
-    system, options = whirling(), {"initial": "rest", "record": ["disk"], "rtol": 1e-9}
+    system, options = whirling_rotor(), {"initial": "rest", "record": ["disk"], "rtol": 1e-9}
     few = system.simulate(0.1, 100.0, modes=modes, **options).displacement("disk")[-1]
     all_modes = system.simulate(0.1, 100.0, method="rk45", **options).displacement("disk")[-1]
     # what the other modes add to the whirl that has grown by e^{λt}
@@ -125,7 +114,7 @@ def test_a_run_with_few_modes_keeps_those_that_grow(modes: int | None):
 
 
 def test_a_disk_on_bearings_that_push_it_whirls():
-    assert compare(whirling(), 100.0, rtol=1e-9, record=["disk"])
+    assert compare(whirling_rotor(), 100.0, rtol=1e-9, record=["disk"])
 
 
 @pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
@@ -176,7 +165,7 @@ def test_a_large_rotor_without_damping_has_multipliers():
 
 
 def test_a_sum_of_motions_without_a_period_is_unstable_with_its_modes():
-    system = whirling().replace(forces=[gb.Force("disk", 10.0, order=np.pi)])
+    system = whirling_rotor().replace(forces=[gb.Force("disk", 10.0, order=np.pi)])
     steady = system.steady_state(100.0, rtol=1e-8, record=["disk"])
     assert steady.method == "superposition"
     assert not steady.is_stable()

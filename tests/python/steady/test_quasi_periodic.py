@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference import machines
 from test_steady_state import difference, without_period
 
 MESH = ("pinion", "wheel")
@@ -18,30 +19,21 @@ MIDDLE = ("rotor", 0.5)
 
 def pair(teeth: int, **mesh: Any) -> gb.RotorSystem:
     """Return two bowed shafts with a gear in the middle of each; the pinion has 25 teeth."""
-    shafts, gears = ("input", "output"), zip(MESH, (25, teeth), strict=True)
-    bow = gb.Bow.half_sine(1e-4)
-    return gb.RotorSystem(
-        shafts=[gb.Shaft(name, length=0.5, outer_diameter=0.05, bow=bow) for name in shafts],
-        gears=[
-            gb.Gear(name, shaft, position=0.25, teeth=count, module=3e-3, face_width=0.03)
-            for shaft, (name, count) in zip(shafts, gears, strict=True)
-        ],
-        meshes=[gb.Mesh(*MESH, damping_ratio=0.05, **mesh)],
-        bearings=[
-            gb.Bearing(name, x, stiffness=1e8, damping=500.0) for name in shafts for x in (0.0, 0.5)
-        ],
-        torques=[gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")],
+    return machines.pair(
+        machines.SHAFTS,
+        MESH,
+        (25, teeth),
+        shaft={"elements": None, "bow": gb.Bow.half_sine(1e-4)},
+        mesh={"damping_ratio": 0.05, **mesh},
         modal_damping=0.01,
     )
 
 
 def rotor(bearing: Any, **forces: float) -> gb.RotorSystem:
     """Return a bowed rotor with a disk on two bearings, and forces of given orders."""
-    bow = gb.Bow.half_sine(2e-5)
-    inertia = {"mass": 20.0, "polar_inertia": 0.1, "diametral_inertia": 0.05}
-    return gb.RotorSystem(
-        shafts=[gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)],
-        disks=[gb.Disk("disk", "rotor", 0.5, unbalance=1e-4, **inertia)],
+    return machines.rotor(
+        {"bow": gb.Bow.half_sine(2e-5)},
+        machines.inertia(20.0, 0.05, 0.1, unbalance=1e-4),
         bearings=[bearing(x) for x in (0.1, 0.9)],
         forces=[gb.Force("disk", 50.0, order=order) for order in forces.values()],
         gravity=9.81,

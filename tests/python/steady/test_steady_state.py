@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.orders import Kinematics
 from gearbow.results.steady import instability
 from reference.teeth import Toothed
 from test_teeth_stability import MEISSNER, boundaries, criterion, monodromy
@@ -181,6 +182,40 @@ def test_orders_over_one_period_are_exact():
     amplitude = np.abs(exact.displacement("g1")[0, 0, 0])
     at = next(i for i, order in enumerate(found.orders) if order.names[0] == "1× input")
     assert np.abs(found.amplitudes[at]) == pytest.approx(amplitude, rel=1e-6)
+
+
+def test_one_period_is_long_enough_for_all_orders(tmp_path: Path):
+    # without a bow of the output shaft, the period is one turn of the input shaft: half a period of
+    # the output shaft does not separate its orders
+    shafts = [
+        gb.Shaft(name, length=0.5, outer_diameter=0.06, bow=bow, elements=4)
+        for name, bow in (("input", gb.Bow.half_sine(4e-5)), ("output", None))
+    ]
+    gears = [
+        gb.Gear(name, shaft.name, 0.25, teeth, module=3e-3, face_width=0.03)
+        for name, shaft, teeth in zip(("g1", "g2"), shafts, (25, 50), strict=True)
+    ]
+    bearings = [gb.Bearing(s.name, x, stiffness=1e8, damping=2e3) for s in shafts for x in (0, 0.5)]
+    system = gb.RotorSystem(shafts, gears, [gb.Mesh("g1", "g2", stiffness=2e8)], bearings)
+    steady = system.steady_state(100.0, geometry="frozen", rtol=1e-10)
+    assert steady.period == pytest.approx(2.0 * np.pi / 100.0)
+    steady.save(tmp_path / "steady.npz")
+    exact = np.abs(system.synchronous([100.0]).displacement("g1")[0, 0, 0])
+    for motion in (steady, gb.SteadyState.load(tmp_path / "steady.npz")):
+        found = motion.response.orders("g1", "y")
+        assert found.amplitude("1× input") == pytest.approx(exact, rel=1e-6)
+        assert found.amplitude("1× output") == found.amplitude("3× output") == 0.0
+        assert found.rest < 1e-6 * exact
+
+
+def test_a_record_without_a_period_separates_the_default_orders():
+    system = without_period()
+    steady = system.steady_state(100.0, geometry="frozen", rtol=1e-7, output_step=1e-3)
+    gaps = np.diff([0.0, *(order.value for order in Kinematics.of(system).orders())])
+    assert steady.response.time[-1] * 100.0 / (2.0 * np.pi) * gaps.min() > 0.5
+    found = steady.response.orders("g2", "y", mesh_harmonics=1)
+    # teeth without errors of their second and third harmonic: the known orders are the motion
+    assert found.rest_share < 0.01
 
 
 @pytest.mark.parametrize("tongue", [0, 1, 2, 3])

@@ -1,0 +1,324 @@
+"""Results as tables: the one way in which they are printed, converted and saved.
+
+A result gives the columns of its table by `_columns`; `print`, `table`, notebooks, `to_dataframe`
+and `save` follow. A result of long series gives a summary there, and the series by `_series`.
+"""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from gearbow._convert import whole
+from gearbow._extras import extra
+from gearbow._files import check_name, replacing
+from gearbow._shown import Shown, Table, to_html
+from gearbow.errors import GearbowError
+from gearbow.units.speed import SpeedUnit, speed_factor
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+__all__ = [
+    "Column",
+    "Result",
+    "Written",
+    "data_frame",
+    "in_degrees",
+    "in_micrometres",
+    "in_percent",
+    "plain_text",
+    "written_unit",
+]
+
+#: Number of rows that `print` shows.
+PRINTED_ROWS = 12
+#: Endings of files with the table of a result.
+TABLE_ENDINGS = (".csv", ".xlsx", ".nc")
+#: Largest numbers of rows and columns of a sheet of Excel, from its specification; one row has the
+#: headings.
+_SHEET_ROWS, _SHEET_COLUMNS = 1_048_576, 16_384
+
+
+@dataclass(frozen=True)
+class Written:
+    """How text tables write the numbers of a column: unit, factor, and another name."""
+
+    unit: str
+    factor: float
+    name: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A column of a table: a quantity in SI units, or words, with one value for each row."""
+
+    name: str
+    values: Sequence[Any] | Any
+    unit: str = ""
+    form: str = ".4g"
+    written: Written | None = None
+
+    @property
+    def heading(self) -> str:
+        """Name and unit in a data frame."""
+        return _heading(self.name, self.unit)
+
+    def cells(self, rows: Sequence[int], speed_unit: SpeedUnit) -> list[str]:
+        """Write the heading and the values of some rows."""
+        written = self.written or Written(self.unit, 1.0)
+        if self.unit == "rad/s" and self.written is None:
+            written = Written(speed_unit, speed_factor(speed_unit))
+        heading = _heading(written.name or self.name, written.unit)
+        return [heading, *(_cell(self.values[row], self.form, written.factor) for row in rows)]
+
+    @property
+    def is_text(self) -> bool:
+        """Whether the values are words, which begin at the left."""
+        return len(self.values) > 0 and isinstance(self.values[0], str | np.str_)
+
+
+def in_percent(name: str) -> Written:
+    """Write a ratio in percent."""
+    return Written("%", 100.0, name)
+
+
+def in_micrometres(unit: str = "m") -> Written | None:
+    """Write displacements in micrometres; quantities with another unit stay the same."""
+    return Written("µm", 1e6) if unit == "m" else None
+
+
+def written_unit(unit: str) -> tuple[float, str]:
+    """Give factor and unit in which a quantity is written: displacements in micrometres."""
+    written = in_micrometres(unit)
+    return (1.0, unit) if written is None else (written.factor, written.unit)
+
+
+def in_degrees() -> Written:
+    """Write an angle in degrees."""
+    return Written("°", 180.0 / np.pi)
+
+
+def _heading(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name
+
+
+def _cell(value: Any, form: str, factor: float) -> str:
+    """Write one value."""
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, int | np.integer) and factor == 1.0:
+        return str(value)
+    if isinstance(value, float | np.floating | int | np.integer):
+        return plain_text(factor * float(value), form)
+    return "" if value is None else str(value)
+
+
+def plain_text(value: float, form: str) -> str:
+    """Write a number without the sign of a zero; "–" for an unknown one."""
+    if np.isnan(value):
+        return "–"
+    text = f"{value:{form}}"
+    return text.lstrip("-") if float(text) == 0.0 else text
+
+
+def data_frame(columns: Sequence[Column], *, indexed: bool = False) -> "pd.DataFrame":
+    """Make a data frame of columns; the first one can be its index."""
+    with extra("dataframe"):
+        import pandas as pd  # noqa: PLC0415
+
+    found = {column.heading: column.values for column in columns}
+    index = None
+    if indexed:
+        name = next(iter(found))
+        index = pd.Index(found.pop(name), name=name)
+    frame: pd.DataFrame = pd.DataFrame(found, index=index)
+    return frame
+
+
+class Result(Shown):
+    """Base of results with a table."""
+
+    #: Endings of files that hold the complete result, which `load` reads.
+    _own_endings: ClassVar[tuple[str, ...]] = ()
+    #: Whether the first column of `_series` is the index of the data frame.
+    _indexed: ClassVar[bool] = False
+
+    def _columns(self) -> list[Column]:
+        """Give the columns of the table."""
+        raise NotImplementedError
+
+    def _series(self) -> list[Column]:
+        """Give the columns of the data frame: those of the table, unless it is a summary."""
+        return self._columns()
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002  # results without speed
+        """Give the lines above the table."""
+        return []
+
+    def _remarks(self) -> list[str]:
+        """Give the lines below the table."""
+        return []
+
+    def _save_own(self, path: Any, ending: str) -> None:
+        """Write a file with one of the `_own_endings`."""
+        raise NotImplementedError
+
+    def _speed_unit(self, given: SpeedUnit | None = None) -> SpeedUnit:
+        """Give the unit of speeds: the given one, or that in which the user gave the speed."""
+        own: SpeedUnit | None = getattr(self, "speed_unit", None)
+        if given is None:
+            return own or "rad/s"
+        if own is None:
+            raise GearbowError("speed_unit: this result has no speeds; leave it out")
+        speed_factor(given)
+        return given
+
+    def table(self, count: int | None = None, *, speed_unit: SpeedUnit | None = None) -> str:
+        """Format the result as a text table.
+
+        Parameters
+        ----------
+        count : int, optional
+            Number of rows; None is all.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of speeds; None is that in which the speed was given. An error for a result without
+            speeds.
+
+        Returns
+        -------
+        str
+            What the result is, the headings with units, and the rows.
+
+        Raises
+        ------
+        GearbowError
+            If the unit is unknown or the result has no speeds.
+        """
+        return self._text(None if count is None else whole(count, "count"), speed_unit)
+
+    def _text(
+        self, most: int | None, speed_unit: SpeedUnit | None = None, *, counted: bool = False
+    ) -> str:
+        """Format the first rows, and say how many others there are if they are counted."""
+        unit = self._speed_unit(speed_unit)
+        columns = self._columns()
+        count = len(columns[0].values) if columns else 0
+        rows = range(count if most is None else min(count, most))
+        cells = []
+        for column in columns:
+            own = column.cells(rows, unit)
+            width = max(map(len, own))
+            cells.append(
+                [text.ljust(width) if column.is_text else text.rjust(width) for text in own]
+            )
+        lines = ["  ".join(row).rstrip() for row in zip(*cells, strict=True)]
+        left = count - len(rows)
+        if not count:
+            lines.append("none")
+        elif counted and left:
+            lines.append(f"… and {left} more row{'s' if left > 1 else ''}; table() gives all")
+        return "\n".join([*self._heading(unit), *lines, *self._remarks()])
+
+    def _rows(self) -> Table:
+        columns = self._columns()
+        rows = range(len(columns[0].values)) if columns else ()
+        cells = [column.cells(rows, self._speed_unit()) for column in columns]
+        return tuple(zip(*cells, strict=True))
+
+    def __str__(self) -> str:
+        return self._text(PRINTED_ROWS, counted=True)
+
+    def _repr_html_(self) -> str:
+        return to_html("\n".join([repr(self), *self._heading(self._speed_unit())]), self._rows())
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Convert the result to a data frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each row of the table, or for each time or frequency of a result with
+            series. Headings have the SI units of the values.
+
+        Raises
+        ------
+        MissingExtraError
+            If pandas is not installed.
+        """
+        return data_frame(self._series(), indexed=self._indexed)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the result to a file, whose ending means the format.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. ".csv" and ".xlsx" (Excel) hold the table of `to_dataframe`, ".nc" (netCDF)
+            its columns with their units. A result with a method `load` has an ending whose file
+            holds everything without rounding: ".npz" (NumPy) or ".nc" of a run, a steady state or a
+            branch, ".sweep" of a sweep.
+
+        Raises
+        ------
+        SceneError
+            If the name has another ending.
+        GearbowError
+            If the table is larger than a sheet of Excel.
+        MissingExtraError
+            If the extra that the format needs is not installed: "dataframe" or "netcdf".
+        OSError
+            If the file cannot be written, for example on a full disk. An existing file is
+            unchanged.
+        """
+        others = [each for each in TABLE_ENDINGS if each not in self._own_endings]
+        found, ending = check_name(path, (*self._own_endings, *others))
+        if ending in self._own_endings:
+            self._save_own(found, ending)
+        elif ending == ".nc":
+            from gearbow.recording.container import write_netcdf  # noqa: PLC0415
+
+            dataset = self._dataset()
+            with replacing(found) as file:
+                write_netcdf(dataset, file)
+        else:
+            content = self._csv() if ending == ".csv" else self._sheet()
+            with replacing(found) as file:
+                file.write(content)
+
+    def _csv(self) -> bytes:
+        return self.to_dataframe().to_csv(index=self._indexed).encode()
+
+    def _sheet(self) -> bytes:
+        frame = self.to_dataframe()
+        if len(frame) >= _SHEET_ROWS or frame.shape[1] >= _SHEET_COLUMNS:
+            raise GearbowError(
+                f"path: a sheet of Excel has at most {_SHEET_ROWS} rows and {_SHEET_COLUMNS} "
+                f"columns, but this table has {len(frame)} and {frame.shape[1]}; give .csv or .nc"
+            )
+        with extra("dataframe"):
+            import openpyxl  # noqa: F401, PLC0415
+        stream = BytesIO()
+        frame.to_excel(stream, index=self._indexed, engine="openpyxl")
+        return stream.getvalue()
+
+    def _dataset(self) -> "xr.Dataset":
+        """Give the columns as variables over the rows."""
+        with extra("netcdf"):
+            import h5netcdf  # noqa: F401, PLC0415
+            import xarray as xr  # noqa: PLC0415
+
+        variables = {}
+        for column in self._series():
+            units = {"units": column.unit} if column.unit else {}
+            values = np.asarray(column.values)
+            variables[column.name.replace("/", "–")] = (
+                "row",
+                values.astype(object) if values.dtype.kind == "U" else values,
+                units,
+            )
+        return xr.Dataset(variables)

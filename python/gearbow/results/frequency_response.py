@@ -1,0 +1,663 @@
+"""Harmonic response at any frequency: phasors of displacements, forces and sensors."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from gearbow._convert import items, shown
+from gearbow._core import Model
+from gearbow._extras import extra
+from gearbow._files import check_name, replacing
+from gearbow._lookup import one_of
+from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, Written
+from gearbow._shown import short, span
+from gearbow._types import Array, At, ComplexArray, Plain
+from gearbow.description.coordinates import Coordinates
+from gearbow.description.places import Places, is_pair, place, place_label, places
+from gearbow.errors import ChannelError, GearbowError, SceneError
+from gearbow.results.frequency_comparison import FrequencyComparison
+from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.speed import SpeedUnit
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from gearbow.exchange.harmonic import Curve, MeasuredCurve
+
+__all__ = ["FrequencyResponse"]
+
+#: Largest number of places in a table.
+_PRINTED_PLACES = 3
+#: Power of iω by which each kind of motion follows from the displacement.
+_DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse(Result, ReadOnly):
+    """Harmonic response of a system to one or several sources.
+
+    All results are phasors x: the physical value is the real part of x exp(iωt). Their first axes
+    are those of `frequencies`.
+
+    Parameters
+    ----------
+    frequencies : ndarray, shape (k,) or (speeds, k)
+        Frequencies ω [rad/s].
+    speeds : ndarray, of the same shape
+        Speed of the reference shaft at each frequency [rad/s].
+    sources : tuple of str
+        Labels of the sources.
+    phasors : ndarray, shape (*frequencies, sources, n)
+        Displacement of each degree of freedom [m, rad].
+    residuals : ndarray, of the shape of the frequencies
+        Largest relative residual of the equations of motion over the sources, as in `Synchronous`.
+    axes : tuple of str
+        Names of the first axes of all results: "frequency", "speed" or "order".
+    coordinates : Coordinates
+        Degrees of freedom of the system.
+    description : mapping
+        The plain system.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables.
+
+    Examples
+    --------
+    A rotor on bearings, hit in its middle:
+
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e7, damping=100.0) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> hit = gb.Force(("rotor", 0.5), 1.0)
+    >>> response = system.frequency_response([1.0, 600.0], source=hit)
+    >>> np.abs(response.displacement(("rotor", 0.5))[:, 0, 0]).round(9)
+    array([3.780e-07, 2.672e-06])
+    """
+
+    frequencies: Array
+    speeds: Array
+    sources: tuple[str, ...]
+    phasors: ComplexArray
+    residuals: Array
+    axes: tuple[str, ...]
+    coordinates: Coordinates = field(repr=False)
+    description: Mapping[str, Plain] = field(repr=False)
+    _sources: list[dict[str, Plain]] = field(repr=False)
+    _bearings: tuple[tuple[str, float], ...] = field(repr=False)
+    _bearing_force: ComplexArray = field(repr=False)
+    _meshes: tuple[tuple[str, str], ...] = field(repr=False)
+    _mesh_force: ComplexArray = field(repr=False)
+    speed_unit: SpeedUnit = "rad/s"
+
+    _own_endings: ClassVar[tuple[str, ...]] = (".nc", ".uff", ".mat")
+
+    def _facts(self) -> dict[str, str]:
+        return {
+            "frequencies": f"{self.frequencies.size}, {span(self.frequencies)} rad/s",
+            "speeds": f"{span(self.speeds)} rad/s",
+            "sources": short(self.sources),
+        }
+
+    def displacement(self, at: At) -> ComplexArray:
+        """Lateral displacement of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]),
+            also between nodes.
+
+        Returns
+        -------
+        ndarray, shape (*frequencies, sources, 2)
+            Phasors along y and z [m].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        displacement: ComplexArray = self.coordinates.displacement(self.phasors, at)
+        return displacement
+
+    def velocity(self, at: At) -> ComplexArray:
+        """Lateral velocity of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            As for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (*frequencies, sources, 2)
+            Phasors along y and z [m/s].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        return self._derived(self.displacement(at), 1)
+
+    def acceleration(self, at: At) -> ComplexArray:
+        """Lateral acceleration of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            As for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (*frequencies, sources, 2)
+            Phasors along y and z [m/s²].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        return self._derived(self.displacement(at), 2)
+
+    def twist(self, at: At) -> ComplexArray:
+        """Twist of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]), also between nodes.
+
+        Returns
+        -------
+        ndarray, shape (*frequencies, sources)
+            Phasors [rad].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no torsion.
+        """
+        twist: ComplexArray = self.coordinates.twisted(self.phasors, at)
+        return twist
+
+    def axial_displacement(self, at: At) -> ComplexArray:
+        """Axial displacement of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            As for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (*frequencies, sources)
+            Phasors [m].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no axial motion.
+        """
+        displacement: ComplexArray = self.coordinates.axial_displacement(self.phasors, at)
+        return displacement
+
+    def mesh_force(self, at: str | tuple[str, str]) -> ComplexArray:
+        """Dynamic force of a mesh along its line of action.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, str)
+            The mesh, "driver/driven" or (driver, driven) in either order.
+
+        Returns
+        -------
+        ndarray, shape (*frequencies, sources)
+            Phasors (k + iωc)(δ − e) [N], positive where the drive flanks are pressed.
+
+        Raises
+        ------
+        ChannelError
+            If there is no such mesh.
+        """
+        known = Places("mesh", ([mesh] for mesh in self._meshes))
+        i = known.find(at)
+        if i is None:
+            raise ChannelError(f"no mesh is called {place(at)}; there are {known}")
+        force: ComplexArray = self._mesh_force[..., i]
+        return force
+
+    def bearing_force(self, at: tuple[str, float]) -> ComplexArray:
+        """Force of a shaft on a bearing.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (*frequencies, sources, 2)
+            Phasors along y and z [N].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such bearing.
+        """
+        known = Places("bearing", ([bearing] for bearing in self._bearings))
+        i = known.find(at)
+        if i is None:
+            raise ChannelError(f"no bearing at {place(at)}; there are {known}")
+        force: ComplexArray = self._bearing_force[..., 2 * i : 2 * i + 2]
+        return force
+
+    def measure(self, sensor: SignalSensor) -> ComplexArray:
+        """Signal of a sensor.
+
+        Parameters
+        ----------
+        sensor : Probe or Accelerometer
+            The sensor. The run-out of a probe has no part in the response to a source.
+
+        Returns
+        -------
+        ndarray, shape (*frequencies, sources)
+            Phasors in the unit of the sensor.
+
+        Raises
+        ------
+        SceneError
+            If the sensor gives no signal, as a tachometer.
+        GearbowError
+            If the system has no such place, or not the motion that the sensor measures.
+        """
+        if not isinstance(sensor, SignalSensor):
+            raise SceneError(f"sensor: must be a gb.Probe or gb.Accelerometer, got {sensor!r}")
+        signal: ComplexArray = sensor._sensed(self._motion)
+        return signal
+
+    def _motion(self, quantity: str, at: At) -> ComplexArray:
+        """Give a motion under its name in a recorded run."""
+        if quantity == "axial" or quantity.startswith("axial_"):
+            order = _DERIVATIVES[quantity.removeprefix("axial_").replace("axial", "displacement")]
+            return self._derived(self.axial_displacement(at), order)
+        return self._derived(self.displacement(at), _DERIVATIVES[quantity])
+
+    def _derived(self, phasors: ComplexArray, order: int) -> ComplexArray:
+        """Multiply by (iω)^order."""
+        rate = (1j * self.frequencies) ** order
+        derived: ComplexArray = phasors * rate.reshape(
+            rate.shape + (1,) * (phasors.ndim - rate.ndim)
+        )
+        return derived
+
+    def plot(
+        self,
+        at: Any,
+        quantity: str = "displacement",
+        *,
+        direction: str | None = None,
+        kind: str = "bode",
+        ax: Any = None,
+    ) -> "Figure":
+        """Draw the response of places.
+
+        Parameters
+        ----------
+        at : str, tuple, sensor, or sequence of them
+            Places, meshes or sensors.
+        quantity : {"displacement", "velocity", "acceleration", "twist", "bearing_force"}
+            What to draw of the places. A mesh has its force, and a sensor its signal.
+        direction : {"y", "z"}, optional
+            Direction of a lateral quantity; None is the one with the larger response.
+        kind : {"bode", "nyquist", "waterfall"}
+            Amplitude and phase over the frequency; the curve in the complex plane; or amplitudes
+            over frequency and speed, of a response with both axes.
+        ax : Axes or sequence of Axes, optional
+            Two panels for "bode", one for the others; None makes a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure. It is neither shown nor saved.
+
+        Raises
+        ------
+        SceneError
+            If an argument is invalid.
+        GearbowError
+            If there is no such place, or the response has not the axes of a waterfall.
+        """
+        with extra("plot"):
+            from gearbow.plotting import harmonic as figures  # noqa: PLC0415
+
+        one_of(kind, ("bode", "nyquist", "waterfall"), "kind")
+        lines, unit = self._lines(at, quantity, direction)
+        two = self.frequencies.ndim == 2
+        if kind == "waterfall":
+            if self.axes != ("speed", "frequency"):
+                raise GearbowError(
+                    "plot: a waterfall needs a response at several speeds; give "
+                    "frequency_response(frequencies, speed=[...])"
+                )
+            name, values = next(iter(lines.items()))
+            return figures.waterfall(
+                self.frequencies[0], self.speeds[:, 0], np.abs(values), f"{name} [{unit}]", ax=ax
+            )
+        if two:
+            parts = {
+                f"{name}, {text}": (own, values[index])
+                for name, values in lines.items()
+                for text, index, own in self._rows_of_axes()
+            }
+        else:
+            parts = {name: (self._along(), values) for name, values in lines.items()}
+        if kind == "nyquist":
+            return figures.nyquist(parts, unit, ax=ax)
+        over = "frequency" if self.axes[-1] == "frequency" else "speed"
+        return figures.bode(parts, unit, over, ax=ax)
+
+    def _along(self) -> Array:
+        """Give the values of the only axis."""
+        return self.speeds if self.axes == ("speed",) else self.frequencies
+
+    def _rows_of_axes(self) -> Iterator[tuple[str, Any, Array]]:
+        """Give label, index and horizontal axis of each line of a response with two axes."""
+        if self.axes == ("speed", "frequency"):
+            for i, speed in enumerate(self.speeds[:, 0]):
+                yield f"{speed:g} rad/s", i, self.frequencies[i]
+        else:
+            with np.errstate(invalid="ignore"):
+                orders = np.nanmax(self.frequencies / self.speeds, axis=0)
+            for j, order in enumerate(orders):
+                yield f"{order:g}×", (slice(None), j), self.speeds[:, j]
+
+    def _lines(
+        self, at: Any, quantity: str, direction: str | None
+    ) -> tuple[dict[str, ComplexArray], str]:
+        """Give label and phasors of each place and source, and their unit."""
+        known = {
+            "displacement": ("m", self.displacement),
+            "velocity": ("m/s", self.velocity),
+            "acceleration": ("m/s²", self.acceleration),
+            "twist": ("rad", self.twist),
+            "bearing_force": ("N", self.bearing_force),
+        }
+        one_of(quantity, known, "quantity")
+        if direction is not None:
+            one_of(direction, ("y", "z"), "direction")
+        single = isinstance(at, (str, SignalSensor)) or (isinstance(at, tuple) and len(at) == 2)
+        found: dict[str, ComplexArray] = {}
+        units = set()
+        listed = [at] if single else items(at, "at", "places, meshes and sensors")
+        if not listed:
+            raise SceneError("at: must name at least one place, mesh or sensor")
+        for one in listed:
+            if isinstance(one, SignalSensor):
+                label, unit, values = one.label, one.unit, self.measure(one)
+            elif is_pair(place(one)):
+                label, unit, values = f"mesh {'/'.join(place(one))}", "N", self.mesh_force(one)
+            else:
+                unit, method = known[quantity]
+                values = method(one)
+                label = place_label(place(one))
+                if quantity != "twist":
+                    axis = (
+                        direction
+                        or "yz"[int(np.argmax(np.abs(values).max((*range(values.ndim - 1),))))]
+                    )
+                    label, values = f"{label}, {axis}", values[..., "yz".index(axis)]
+            units.add(unit)
+            for number, source in enumerate(self.sources):
+                due = f", {source}" if len(self.sources) > 1 else ""
+                found[label + due] = values[..., number]
+        if len(units) > 1:
+            raise SceneError(f"at: one figure has one unit, got {', '.join(sorted(units))}")
+        return found, units.pop()
+
+    def _curves(self, at: Sequence[At] | None = None) -> "list[Curve]":
+        """Give the curves of places, or of everything that has a name."""
+        from gearbow.exchange.harmonic import Curve  # noqa: PLC0415
+
+        coordinates = self.coordinates
+        named = [*coordinates.bodies, *coordinates.points]
+        at_bodies = set(coordinates.bodies.values())
+        own = [bearing for bearing in self._bearings if bearing not in at_bodies]
+        curves = []
+        for one in [*named, *own] if at is None else places(at):
+            for kind, unit, directions in (
+                ("displacement", "m", ("y", "z")),
+                ("twist", "rad", ("twist",)),
+                ("axial_displacement", "m", ("x",)),
+            ):
+                try:
+                    values = getattr(self, kind)(one)
+                except SceneError:
+                    if at is not None and kind == "displacement":
+                        raise
+                    continue
+                except GearbowError:
+                    continue
+                for i, direction in enumerate(directions):
+                    part = values[..., i] if kind == "displacement" else values
+                    curves.append(Curve(one, "displacement", direction, unit, part))
+        if at is None:
+            for bearing in self._bearings:
+                force = self.bearing_force(bearing)
+                for i, direction in enumerate("yz"):
+                    curves.append(Curve(bearing, "bearing force", direction, "N", force[..., i]))
+            for mesh in self._meshes:
+                curves.append(Curve(mesh, "mesh force", "mesh", "N", self.mesh_force(mesh)))
+        return curves
+
+    def to_dataframe(self, at: Any = None) -> "pd.DataFrame":
+        """Give the response as a table with one row for each frequency and source.
+
+        Parameters
+        ----------
+        at : str, tuple of (str, float), or sequence of them, optional
+            Places; None is all gears, disks, supports, housings, bearings and meshes.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Frequency, speed and source, and complex columns with their unit.
+
+        Raises
+        ------
+        MissingExtraError
+            If pandas is not installed.
+        """
+        from gearbow.exchange import harmonic  # noqa: PLC0415
+
+        return harmonic.to_dataframe(self._curves(at), self.frequencies, self.speeds, self.sources)
+
+    def to_xarray(self, at: Any = None) -> "xr.Dataset":
+        """Give the response as a data set.
+
+        Parameters
+        ----------
+        at : str, tuple of (str, float), or sequence of them, optional
+            As for `to_dataframe`.
+
+        Returns
+        -------
+        xarray.Dataset
+            One complex variable for each curve over the `axes` and the source, with its unit.
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray is not installed.
+        """
+        return self._curve_dataset(at, parts=False)
+
+    def _curve_dataset(self, at: Any, *, parts: bool) -> "xr.Dataset":
+        """Give the data set of curves."""
+        from gearbow.exchange import harmonic  # noqa: PLC0415
+
+        coordinates = {"frequency": self.frequencies, "speed": self.speeds}
+        if self.axes == ("speed", "frequency"):
+            coordinates = {"frequency": self.frequencies[0], "speed": self.speeds[:, 0]}
+        elif self.axes == ("speed", "order"):
+            coordinates = {"speed": self.speeds[:, 0], "angular_frequency": self.frequencies}
+        return harmonic.to_xarray(
+            self._curves(at), self.axes, coordinates, self.sources, parts=parts
+        )
+
+    def save(self, path: str | os.PathLike[str], at: Any = None) -> None:
+        """Write the curves of places to a file, whose suffix means the format.
+
+        Parameters
+        ----------
+        path : str or path-like
+            ".nc" is netCDF (extra "netcdf"), in which a dimension "part" separates real and
+            imaginary parts. ".uff" is a universal file with one data set 58 for each curve and
+            source (extra "uff"). ".mat" is for MATLAB (extra "matlab"). ".csv" and ".xlsx" hold the
+            table of `to_dataframe`.
+        at : str, tuple of (str, float), or sequence of them, optional
+            As for `to_dataframe`.
+
+        Raises
+        ------
+        SceneError
+            If the suffix is unknown, or the response has two axes, which a universal file cannot
+            hold.
+        MissingExtraError
+            If a library of the format is not installed.
+        OSError
+            If the file cannot be written. An existing file is unchanged.
+        """
+        found, ending = check_name(path, (*self._own_endings, ".csv", ".xlsx"))
+        if ending in self._own_endings:
+            self._write(found, ending, at)
+            return
+        frame = self.to_dataframe(at)
+        with replacing(found) as file:
+            if ending == ".csv":
+                file.write(frame.to_csv(index=False).encode())
+            else:
+                frame.astype(str).to_excel(file, index=False, engine="openpyxl")
+
+    def _write(self, path: Any, ending: str, at: Any) -> None:
+        """Write a file with the curves of places."""
+        from gearbow.exchange import harmonic  # noqa: PLC0415
+
+        about = (self.frequencies, self.speeds, self.sources)
+        if ending == ".uff":
+            if self.axes != ("frequency",):
+                raise SceneError("path: a universal file holds a response at one speed")
+            harmonic.write_uff(path, self._curves(at), *about)
+        elif ending == ".mat":
+            curves = self._curves(at)
+            with replacing(path) as file:
+                harmonic.write_mat(file, curves, *about)
+        else:
+            from gearbow.recording.container import suffix, write_netcdf  # noqa: PLC0415
+
+            suffix(path)
+            dataset = self._curve_dataset(at, parts=True)
+            with replacing(path) as file:
+                write_netcdf(dataset, file)
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each frequency and source, with the amplitudes at a few places."""
+        count = len(self.sources)
+        columns = [
+            Column(
+                "frequency",
+                np.repeat(self.frequencies.ravel(), count),
+                "rad/s",
+                ".2f",
+                Written("Hz", 0.5 / np.pi),
+            ),
+            Column("speed", np.repeat(self.speeds.ravel(), count), "rad/s", ".2f"),
+            Column("source", list(self.sources) * self.frequencies.size),
+        ]
+        sizes: dict[str, Any] = {}
+        for curve in self._curves():
+            if curve.kind == "displacement" and curve.unit == "m":
+                size = np.abs(curve.values.ravel()) ** 2
+                sizes[curve.place] = sizes.get(curve.place, 0.0) + size
+        largest = sorted(sizes, key=lambda place: -float(np.max(sizes[place], initial=0.0)))
+        for name in largest[:_PRINTED_PLACES]:
+            columns.append(Column(f"{name} amplitude", np.sqrt(sizes[name]), "m", ".4g"))
+        return columns
+
+    def compare(
+        self,
+        measured: "str | os.PathLike[str] | Sequence[MeasuredCurve]",
+        *,
+        places: Mapping[int, At] | None = None,
+    ) -> FrequencyComparison:
+        """Compare with measured frequency response functions.
+
+        The response is computed again at the measured frequencies.
+
+        Parameters
+        ----------
+        measured : str, path-like or sequence of MeasuredCurve
+            A universal file (".uff", ".unv") with data sets 58; or a CSV file with the column
+            "frequency [Hz]" and pairs such as "pinion y re [m/s²]", "pinion y im [m/s²]" or
+            "input@0.2 z re [m]"; or the curves of another comparison.
+        places : mapping of int to place, optional
+            Place of each node of a universal file that gearbow did not write.
+
+        Returns
+        -------
+        FrequencyComparison
+            Both curves, FRAC of each curve, and MAC of the shapes at each frequency.
+
+        Raises
+        ------
+        SceneError
+            If the file is invalid, or the response has several speeds.
+        GearbowError
+            If there is no such place.
+        """
+        from gearbow.exchange.harmonic import MeasuredCurve, read_measured  # noqa: PLC0415
+
+        if self.axes != ("frequency",):
+            raise SceneError("measured: a comparison needs a response at one speed")
+        if places is not None and not isinstance(places, Mapping):
+            raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
+        if isinstance(measured, str | os.PathLike):
+            path, _ = check_name(measured, [".uff", ".unv", ".csv"], "measured")
+            curves = read_measured(path, places)
+        else:
+            curves = items(measured, "measured", "curves")
+        if not curves or not all(isinstance(curve, MeasuredCurve) for curve in curves):
+            raise SceneError(
+                "measured: must be a file, or measured curves of a comparison, got "
+                f"{shown(measured)}"
+            )
+        return FrequencyComparison(tuple(curves), tuple(map(self._computed, curves)))
+
+    def _computed(self, curve: "MeasuredCurve") -> ComplexArray:
+        """Compute a curve at the frequencies of a measured one."""
+        if not curve.source < len(self.sources):
+            raise SceneError(
+                f"measured: there are {len(self.sources)} sources, got a curve of more"
+            )
+        at = np.ascontiguousarray(curve.frequencies)
+        speeds = np.full(at.shape, self.speeds.ravel()[0])
+        sources = [self._sources[curve.source]]
+        found = Model(dict(self.description)).frequency_response(at, speeds, sources)
+        phasors = found["phasors"]
+        if curve.direction == "twist":
+            values = self.coordinates.twisted(phasors, curve.at)[:, 0]
+        elif curve.direction == "x":
+            values = self.coordinates.axial_displacement(phasors, curve.at)[:, 0]
+        else:
+            values = self.coordinates.displacement(phasors, curve.at)[:, 0]
+            values = values[:, "yz".index(curve.direction)]
+        computed: ComplexArray = values * (1j * at) ** _DERIVATIVES[curve.quantity]
+        return computed

@@ -1,0 +1,106 @@
+//! Harmonic response at any frequency and speed: S(iω, Ω) x = f for the forces f of several sources, with
+//! S(iω, Ω) = K + iω(C + ΩG) − ω²M.
+//!
+//! The motion is the real part of x e^{iωt}. One factorisation serves all sources of a frequency and speed.
+
+use nalgebra::{Complex, DVector};
+
+use super::AnalysisError;
+use super::sources::{Harmonic, Source};
+use super::synchronous::{MAX_DENSE, MAX_RESIDUAL, MIN_BANDS, SourceResponse, banded, solve_dense};
+use crate::modal::{CachedModel, DynamicKey, Highest, null_motions};
+use crate::model::Model;
+use crate::scene::EntryPath;
+
+/// Backward error up to which a response is not refined. Times the condition of the matrix it is the error of the response: at
+/// 2,000 frequencies of a rotor on bearings with little damping, below 5e-9 of it.
+const BACKWARD_ERROR: f64 = 1e-13;
+/// Work of a force on a rigid-body motion, relative to the product of their sizes, from which the force drives the motion.
+const DRIVES: f64 = 1e-9;
+
+/// Responses of a model to harmonic sources.
+pub struct FrequencyResponses<'a> {
+    cached: &'a CachedModel,
+    sources: &'a [Source],
+    /// Highest frequency in question.
+    highest: Highest,
+}
+
+impl<'a> FrequencyResponses<'a> {
+    /// The responses of a model to sources at `frequencies`, rad/s; nothing is computed yet.
+    pub fn new(cached: &'a CachedModel, sources: &'a [Source], frequencies: &[f64]) -> Self {
+        let highest = frequencies.iter().map(|frequency| frequency.abs()).fold(0.0, f64::max);
+        Self { cached, sources, highest: Highest::Frequency(highest) }
+    }
+
+    /// The response to every source. `index` is the number of the frequency in messages.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] if a response has no accurate solution, or a source drives a rigid-body motion at frequency zero.
+    pub fn at(&self, index: usize, at: Harmonic) -> Result<Vec<SourceResponse>, AnalysisError> {
+        let cached = &*self.cached.at_speed(at.speed)?;
+        let force = |source: &Source| DVector::from_vec(source.force(&cached.model, at));
+        let forces: Vec<_> = self.sources.iter().map(force).collect();
+        if at.frequency == 0.0 {
+            check_rigid_body_motion(&cached.model, index, at.speed, &forces)?;
+        }
+        forces.iter().map(|force| self.one(cached, index, at, force)).collect()
+    }
+
+    /// The response of a model with the coefficients of the speed.
+    fn one(
+        &self,
+        cached: &CachedModel,
+        index: usize,
+        at: Harmonic,
+        force: &DVector<Complex<f64>>,
+    ) -> Result<SourceResponse, AnalysisError> {
+        let model = &cached.model;
+        let Harmonic { frequency, speed } = at;
+        let key = DynamicKey { speed, spin: frequency, flank_speed: speed };
+        let is_damped = model.scene.modal_damping > 0.0 && frequency != 0.0;
+        let found = if !is_damped || model.len() >= MIN_BANDS {
+            banded(cached, key, is_damped.then_some(self.highest), BACKWARD_ERROR, force)?
+        } else {
+            None
+        };
+        let found = match found {
+            Some(found) => Some(found),
+            // At an undamped natural frequency the response is very large: the dense solution shows its size.
+            None if model.len() <= MAX_DENSE => Some(solve_dense(cached, key, force.clone())?),
+            None => None,
+        };
+        // A residual that is not a number is refused as well.
+        found.filter(|found| found.residual <= MAX_RESIDUAL).ok_or_else(|| {
+            AnalysisError::Convergence(format!(
+                "frequencies[{index}]: the response at {frequency} rad/s and the speed {speed} rad/s has no accurate solution: it is an undamped natural frequency; add damping or change the frequency"
+            ))
+        })
+    }
+}
+
+/// Refuses frequency zero if a force drives a rigid-body motion.
+fn check_rigid_body_motion(
+    model: &Model,
+    index: usize,
+    speed: f64,
+    forces: &[DVector<Complex<f64>>],
+) -> Result<(), AnalysisError> {
+    let null = null_motions(model, speed)?;
+    for (source, force) in forces.iter().enumerate() {
+        let drives = |motion: DVector<f64>| {
+            let work: Complex<f64> = motion.iter().zip(force.iter()).map(|(motion, force)| force * *motion).sum();
+            let size: f64 = motion.iter().zip(force.iter()).map(|(motion, force)| motion.abs() * force.norm()).sum();
+            work.norm() > DRIVES * size
+        };
+        if null.column_iter().any(|motion| drives(motion.into_owned())) {
+            let path = EntryPath::entry("frequencies", index);
+            return Err(path
+                    .error(format!(
+                        "source[{source}] accelerates a rigid-body motion, which has no stiffness, so that the response at 0 is infinite; leave 0 out, or hold the motion with a bearing or gb.Drive"
+                    ))
+                    .into());
+        }
+    }
+    Ok(())
+}

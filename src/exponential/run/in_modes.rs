@@ -1,0 +1,152 @@
+//! The motion ż = A z + Σ b p(t, w z) in modal coordinates, for Runge–Kutta methods.
+//!
+//! Modal damping is a dense matrix over the displacements, but block-diagonal in these coordinates.
+
+use num_complex::Complex64;
+use pulp::Arch;
+
+use crate::exponential::loads::Loads;
+use crate::exponential::propagator::{InterfaceMaps, kernel};
+use crate::exponential::within_step::OutputMap;
+use crate::integrate::{FirstOrderSystem, Halt, Span, Trajectory};
+use crate::mesh::Contact;
+use crate::modal::ModalStateSpace;
+
+/// The loads on the linear motion, as a first-order system in z.
+#[derive(Clone, Debug)]
+pub struct InModes<'m> {
+    loads: Loads<'m>,
+    linear: &'m ModalStateSpace,
+    maps: InterfaceMaps,
+    output: OutputMap,
+    /// Rows w, one after the other.
+    rows: Vec<f64>,
+    arch: Arch,
+    /// Indices of all slots: contact modes depend on every mode.
+    every_slot: Vec<usize>,
+    /// Scratch: interface state, loads, contacts and phasors of an evaluation.
+    interface_state: Vec<f64>,
+    load_values: Vec<f64>,
+    contacts: Vec<Contact>,
+    phasors: Vec<Complex64>,
+}
+
+impl<'m> InModes<'m> {
+    /// Creates the system; `output` maps z to the coordinates that observers read.
+    pub fn new(loads: Loads<'m>, linear: &'m ModalStateSpace, maps: InterfaceMaps, output: OutputMap) -> Self {
+        Self {
+            rows: maps.rows.concat(),
+            arch: Arch::new(),
+            every_slot: (0..linear.slots).collect(),
+            interface_state: vec![0.0; loads.interface_len()],
+            load_values: vec![0.0; loads.load_count()],
+            contacts: vec![Contact::default(); loads.connection_count()],
+            phasors: vec![Complex64::ZERO; loads.source_count()],
+            loads,
+            linear,
+            maps,
+            output: output.complete(),
+        }
+    }
+
+    /// Computes the interface state of a state z.
+    fn observe(&mut self, elapsed: f64, z: &[f64]) {
+        kernel::scalars(self.arch, &self.rows, z, &mut self.interface_state);
+        self.loads.phasors(elapsed, &mut self.phasors);
+        self.loads.add_synchronous(&self.phasors, &mut self.interface_state);
+    }
+
+    /// The loads on the linear motion.
+    pub fn loads(&self) -> &Loads<'m> {
+        &self.loads
+    }
+}
+
+impl FirstOrderSystem for InModes<'_> {
+    fn len(&self) -> usize {
+        self.linear.len()
+    }
+
+    fn derivative(&mut self, elapsed: f64, z: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
+        self.observe(elapsed, z);
+        self.loads.load(elapsed, &self.phasors, &self.interface_state, &mut self.load_values, &mut self.contacts)?;
+        self.linear.multiply(z, derivative);
+        for (p, column) in self.load_values.iter().zip(&self.maps.columns) {
+            for (derivative, b) in derivative.iter_mut().zip(column) {
+                *derivative += b * p;
+            }
+        }
+        Ok(())
+    }
+
+    fn switching(&self) -> Option<&[usize]> {
+        self.loads.motion.switching().map(|_| self.every_slot.as_slice())
+    }
+
+    fn within(&self, span: &Span<'_>, elapsed: f64, z: &mut [f64]) {
+        // The step resolves every mode, so that the cubic is accurate for all of them.
+        let weights = span.cubic(elapsed);
+        let sides = [span.before.0, span.before.1, span.after.0, span.after.1];
+        for (at, z) in z.iter_mut().enumerate() {
+            *z = weights.iter().zip(sides).map(|(weight, side)| weight * side[at]).sum();
+        }
+    }
+
+    fn trajectory<'a>(&'a mut self, span: Span<'a>) -> impl Trajectory + 'a {
+        ModalTrajectory { span, system: self }
+    }
+
+    fn physical(&mut self, elapsed: f64, z: &[f64], q: &mut [f64], v: &mut [f64]) {
+        self.output.read(&self.loads, elapsed, z, q, v);
+    }
+
+    fn contact_modes_at(&mut self, elapsed: f64, z: &[f64], contact_modes: &mut Vec<i64>) -> Result<(), Halt> {
+        self.observe(elapsed, z);
+        self.loads.contact_modes(elapsed, &self.interface_state, &[], contact_modes)
+    }
+
+    fn set_contact_modes(&mut self, contact_modes: &[i64]) {
+        self.loads.motion.set_contact_modes(contact_modes);
+    }
+
+    fn norm(&mut self, difference: &[f64]) -> f64 {
+        let mut square = [0.0];
+        kernel::scalars(self.arch, difference, difference, &mut square);
+        square[0].sqrt()
+    }
+
+    fn size(&mut self, z: &[f64]) -> f64 {
+        self.norm(z).hypot(self.loads.synchronous_size)
+    }
+}
+
+/// The motion over a step, for observers.
+struct ModalTrajectory<'a, 'm> {
+    span: Span<'a>,
+    system: &'a mut InModes<'m>,
+}
+
+impl Trajectory for ModalTrajectory<'_, '_> {
+    fn begin(&self) -> f64 {
+        self.span.start
+    }
+
+    fn end(&self) -> f64 {
+        self.span.start + self.span.step
+    }
+
+    fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
+        let system = &mut *self.system;
+        system.output.interpolate(&system.loads, &self.span, instants, q, v);
+    }
+
+    fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
+        let system = &mut *self.system;
+        let Some(map) = system.output.accelerations() else { return Ok(()) };
+        map.interpolate(&system.loads, &self.span, instants, a)
+    }
+
+    fn end_displacement(&self) -> Option<&[f64]> {
+        None
+    }
+}

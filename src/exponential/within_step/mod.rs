@@ -1,0 +1,18 @@
+//! The motion within a completed step, and what observers read of it.
+//!
+//! - `substep`: the state at instants within a step, with the modes of `substep_modes` under the polynomials of
+//!   `load_polynomials`.
+//! - `trajectory`: a completed step. `output`: displacements and velocities; `accelerations`; scalars of the motion
+//!   (`state_map`).
+
+mod accelerations;
+mod load_polynomials;
+mod output;
+mod state_map;
+mod substep;
+mod substep_modes;
+mod trajectory;
+
+pub use output::{OutputMap, Selection};
+pub use substep::SubstepSampler;
+pub use trajectory::{CompletedStep, StepTrajectory};

@@ -1,0 +1,14 @@
+//! Damped modes at a speed.
+//!
+//! - `modes`: the modes. `whirl`: their direction. `residual`: the force that they leave in the equations of motion.
+//! - `quadratic`: the eigenvalue problem as a function of frequency and speed.
+
+mod modes;
+mod quadratic;
+mod residual;
+mod whirl;
+
+pub use modes::{Mode, modes, structured_modes, whirl};
+pub use quadratic::Quadratic;
+pub use residual::{Residual, Residuals, residual};
+pub use whirl::Whirl;

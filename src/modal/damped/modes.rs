@@ -1,0 +1,136 @@
+//! Damped modes at a given speed: [λ²M + λ(C + ΩG) + K] φ = 0.
+//!
+//! Eigenvalues come from the first-order form in undamped modal coordinates ([`crate::modal::state_space`]). Without
+//! damping its matrix is skew-symmetric, so the eigenvalues are well conditioned. faer does not balance matrices: the
+//! unscaled matrix of M⁻¹K and M⁻¹C would give growth rates Re λ > 0 that do not exist.
+
+use nalgebra::{Complex, DVector};
+
+use super::residual::{Residual, Residuals};
+use super::whirl::{Classifier, Whirl};
+use crate::linalg::DecompositionError;
+use crate::modal::cache::{CachedModel, Forces};
+use crate::modal::lowest::{Eigenpair, Highest, Problem, lowest, lowest_damped};
+use crate::modal::state_space::{damped, physical, undamped};
+use crate::modal::undamped::ModalDamping;
+use crate::model::Model;
+
+/// Entries of a mode shape whose magnitudes differ by less than this ratio count as equal; the first one fixes the
+/// phase. Modes of mirrored systems then have mirrored shapes.
+const EQUAL_MAGNITUDE: f64 = 1e-9;
+
+/// One mode of vibration: a conjugate pair of eigenvalues, or one real eigenvalue.
+#[derive(Clone, Debug)]
+pub struct Mode {
+    /// Eigenvalue λ with Im λ ≥ 0, rad/s.
+    pub eigenvalue: Complex<f64>,
+    /// Mode shape φ, n entries in the order of the core: φᴴMφ = 1, the largest entry is real and positive.
+    pub shape: DVector<Complex<f64>>,
+    /// Type of motion.
+    pub whirl: Whirl,
+    /// Residual of the equations of motion.
+    pub residual: Residual,
+}
+
+impl Mode {
+    /// Damped frequency |Im λ|/2π, Hz.
+    pub fn frequency_hz(&self) -> f64 {
+        self.eigenvalue.im / (2.0 * std::f64::consts::PI)
+    }
+
+    /// Damping ratio −Re λ/|λ|; zero for a rigid-body mode.
+    pub fn damping_ratio(&self) -> f64 {
+        let size = self.eigenvalue.norm();
+        if size == 0.0 { 0.0 } else { -self.eigenvalue.re / size }
+    }
+
+    /// Re(φ̄_i (Mφ)_i), the share of each coordinate in the kinetic energy, n entries in the order of the core with the sum 1.
+    pub fn kinetic_shares(&self, model: &Model) -> DVector<f64> {
+        let part = |part: fn(&Complex<f64>) -> f64| {
+            let values = self.shape.map(|value| part(&value));
+            let mut momentum = DVector::zeros(values.len());
+            model.multiply_mass(values.as_slice(), momentum.as_mut_slice());
+            values.component_mul(&momentum)
+        };
+        part(|value| value.re) + part(|value| value.im)
+    }
+}
+
+/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from dense matrices.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub fn modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, DecompositionError> {
+    let real = cached.real_modes(speed)?;
+    let order = cached.first_order(speed)?;
+    let (eigenvalues, coordinates) = if order.undamped { undamped(real) } else { damped(real, &order)? };
+    let pair = |(value, coordinates): (Complex<f64>, &DVector<Complex<f64>>)| Eigenpair {
+        value,
+        shape: physical(real, coordinates),
+    };
+    let mut order: Vec<usize> = (0..eigenvalues.len()).collect();
+    let key = |index: &usize| (eigenvalues[*index].im, eigenvalues[*index].norm());
+    order.sort_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
+    order.truncate(count);
+    let modal = (cached.model.scene.modal_damping > 0.0)
+        .then(|| ModalDamping::new(&cached.model, real, real.frequencies.len()));
+    let pairs = order.into_iter().map(|index| pair((eigenvalues[index], &coordinates[index])));
+    modes_of(cached, speed, modal.as_ref(), pairs)
+}
+
+/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from the band
+/// matrices of the shafts. Time and memory are proportional to n.
+///
+/// `None` where the lowest modes cannot be told apart from the others, as with many overdamped ones.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub fn structured_modes(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+) -> Result<Option<Vec<Mode>>, DecompositionError> {
+    let modal = cached.modal_damping(speed, Highest::Mode(count))?;
+    let problem = Problem::new(&cached.model, speed, cached.spectral_range(speed)?, modal.as_deref())?;
+    let found = match lowest(&problem, count)? {
+        Some(found) => Some(found),
+        None => lowest_damped(&problem, count)?,
+    };
+    found.map(|pairs| modes_of(cached, speed, modal.as_deref(), pairs.into_iter())).transpose()
+}
+
+/// Modes with their whirl and their residuals.
+fn modes_of(
+    cached: &CachedModel,
+    speed: f64,
+    modal: Option<&ModalDamping>,
+    pairs: impl Iterator<Item = Eigenpair>,
+) -> Result<Vec<Mode>, DecompositionError> {
+    let classifier = Classifier::new(&cached.model, speed);
+    let mut residuals = Residuals::new(cached, speed, Forces::All(modal))?;
+    let mode = |Eigenpair { value, shape }: Eigenpair| {
+        let residual = residuals.of(value, &shape)?;
+        let shape = normalized(shape);
+        Ok(Mode { eigenvalue: value, whirl: classifier.classify(value, &shape), shape, residual })
+    };
+    pairs.map(mode).collect()
+}
+
+/// Type of motion of the mode with λ = `eigenvalue`, rad/s, and the shape φ = `shape`, n entries in the order of the core.
+pub fn whirl(model: &Model, speed: f64, eigenvalue: Complex<f64>, shape: &DVector<Complex<f64>>) -> Whirl {
+    Classifier::new(model, speed).classify(eigenvalue, shape)
+}
+
+/// Multiplies a shape by a phase factor that makes its largest entry real and positive.
+///
+/// The length needs no change: with φ = Φη, ηᴴη = 1 is equivalent to φᴴMφ = 1.
+fn normalized(shape: DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let mut largest = Complex::new(0.0, 0.0);
+    for value in shape.iter() {
+        if value.norm() > largest.norm() * (1.0 + EQUAL_MAGNITUDE) {
+            largest = *value;
+        }
+    }
+    let phase = largest.conj() / largest.norm();
+    shape.map(|value| value * phase)
+}

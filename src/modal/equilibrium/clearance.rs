@@ -1,0 +1,73 @@
+//! What the search of an equilibrium needs for nonlinear bearings: journals stay within their clearance, and rolling elements
+//! have a stiffness before they carry.
+
+use nalgebra::DVector;
+
+use crate::model::Model;
+use crate::scene::{EntryPath, SceneError};
+
+/// Row, column and value of a matrix entry. Entries with the same row and column add up.
+pub(in crate::modal) type Entry = (usize, usize, f64);
+
+/// Stiffness that is added to rolling elements, relative to the one under the weight of their shaft, where the residual is
+/// round-off: it constrains a shaft that moves freely in the clearance.
+const FREE: f64 = 1e-10;
+/// A Newton step may use this part of the clearance that is left between a journal and its bearing.
+const CLEARANCE_SHARE: f64 = 0.8;
+
+/// Stiffness that is added to rolling elements, which have none before they carry: the share of the residual in the load times
+/// the stiffness under the weight. It vanishes with the residual, so that the iteration converges as fast as Newton's method
+/// (Levenberg and Marquardt; Yamashita and Fukushima, Computing Suppl. 15, 2001).
+pub(in crate::modal) fn regularisation(model: &Model, part: f64) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for bearing in model.nonlinear_bearings.iter().filter(|bearing| bearing.rolling().is_some()) {
+        let stiffness = bearing.initial_stiffness * part.clamp(FREE, 1.0);
+        for row in &bearing.rows {
+            for (i, left) in row {
+                entries.extend(row.iter().map(|(j, right)| (*i, *j, stiffness * left * right)));
+            }
+        }
+    }
+    entries
+}
+
+/// Refuses eccentricity ratios outside a range: a journal that touches its bearing or carries no load.
+pub(in crate::modal) fn check_journals(
+    model: &Model,
+    q: &DVector<f64>,
+    range: std::ops::Range<f64>,
+) -> Result<(), SceneError> {
+    for journal in &model.nonlinear_bearings {
+        let Some(ratio) = journal.eccentricity_ratio(q.as_slice()) else {
+            continue;
+        };
+        let at = EntryPath::entry("bearings", journal.number);
+        if ratio < range.start {
+            let message = "no load acts on the journal bearing, so that its film has no stiffness and the shaft whirls; add gravity, a torque or another load";
+            return Err(at.error(message));
+        }
+        if ratio >= range.end || ratio.is_nan() {
+            let message = format!(
+                "no static equilibrium: the journal touches the bearing at this load and speed (eccentricity ratio {ratio:.3}); raise the speed, the viscosity or the length, or reduce the clearance or the load"
+            );
+            return Err(at.error(message));
+        }
+    }
+    Ok(())
+}
+
+/// Fraction of a Newton step that keeps journals off their bearings.
+pub(in crate::modal) fn within_clearances(model: &Model, q: &DVector<f64>, step: &DVector<f64>) -> f64 {
+    let mut fraction: f64 = 1.0;
+    for journal in &model.nonlinear_bearings {
+        let Some(ratio) = journal.eccentricity_ratio(q.as_slice()) else {
+            continue;
+        };
+        let limit = 1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - ratio).max(0.0);
+        let exceeds = |q: DVector<f64>| journal.eccentricity_ratio(q.as_slice()).is_some_and(|ratio| ratio > limit);
+        while fraction > f64::EPSILON && exceeds(q + step * fraction) {
+            fraction /= 2.0;
+        }
+    }
+    fraction
+}

@@ -1,0 +1,285 @@
+//! Number of eigenvalues within a contour that an iteration did not find.
+//!
+//! The determinant of the dynamic stiffness S(λ) is a polynomial whose zeros are the eigenvalues. By the argument
+//! principle, the change of its phase along a closed contour is 2π times the number of zeros inside. Here the determinant is
+//! divided by the factors λ − λ_k of the known eigenvalues: what remains has no zero inside if none is missing, and its
+//! phase changes slowly. S is real for real λ, so the upper half of a contour that is symmetric to the real axis is enough.
+//!
+//! The logarithm of the determinant is a smooth function of ln λ apart from the zeros. Its phase is known up to multiples
+//! of 2π. The polynomial through the previous points in ln λ predicts the next value and so selects the multiple; the step
+//! is halved where the prediction is uncertain or fails. The number of determinants hardly depends on the number of
+//! eigenvalues outside.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+
+use crate::linalg::Determinant;
+
+/// Angle from the real axis up to which the sectors reach: their eigenvalues have a damping ratio above one half.
+pub(in crate::modal) const SECTOR: f64 = std::f64::consts::FRAC_PI_3;
+
+/// Largest difference of the complex logarithm from its prediction.
+const MAX_ERROR: f64 = 0.5;
+/// Difference of the complex logarithm from its prediction below which the next step on the contour is longer.
+const SMALL_ERROR: f64 = 0.05;
+/// Largest difference of the predictions from all previous points and from one less. It bounds the error of the prediction
+/// by half a turn: a larger error could differ from its value between −π and π by whole turns.
+const MAX_UNCERTAINTY: f64 = 1.0;
+/// Ratio of the lengths of successive steps.
+const GROWTH: f64 = 8.0;
+/// First step in ln λ: the complex logarithm of a polynomial of degree 10⁵ changes by less than half a turn.
+const FIRST_STEP: f64 = 1e-5;
+/// Largest step in ln λ.
+const MAX_STEP: f64 = 0.35;
+/// Smallest step in ln λ: an eigenvalue lies on the contour.
+const MIN_STEP: f64 = 1e-9;
+/// Number of points of the polynomial that predicts the next value.
+const POINTS: usize = 6;
+/// Largest number of determinants of one contour.
+const MAX_DETERMINANTS: usize = 2000;
+/// Largest distance of the change of phase, in half turns, from an integer.
+const MAX_FRACTION: f64 = 0.05;
+
+/// Known eigenvalues.
+#[derive(Clone, Debug, Default)]
+pub(in crate::modal) struct Known {
+    /// Number of eigenvalues that are zero.
+    pub zeros: usize,
+    /// Other real eigenvalues, and one of each conjugate pair, rad/s.
+    pub values: Vec<Complex64>,
+}
+
+/// The upper half of a contour: corners in ln λ, from the real axis to the real axis.
+#[derive(Clone, Debug)]
+pub(in crate::modal) struct Contour(pub Vec<Complex64>);
+
+impl Contour {
+    /// The disk |λ| < `radius` and the sectors around the real axis up to |λ| < `left` for Re λ < 0 and |λ| < `right` for
+    /// Re λ > 0, if there is one: an eigenvalue outside of the disk is inside if |Im λ| < |λ| sin [`SECTOR`].
+    pub fn of_disk_and_sectors(radius: f64, left: f64, right: Option<f64>) -> Self {
+        let at = |radius: f64, angle: f64| Complex64::new(radius.ln(), angle);
+        let begin = if right.is_some() { SECTOR } else { 0.0 };
+        let outside = right.into_iter().flat_map(|right| [at(right, 0.0), at(right, SECTOR)]);
+        let inside = [at(radius, begin), at(radius, PI - SECTOR), at(left, PI - SECTOR), at(left, PI)];
+        Self(outside.chain(inside).collect())
+    }
+
+    /// The disk |λ| < `radius`.
+    pub fn of_disk(radius: f64) -> Self {
+        Self(vec![Complex64::new(radius.ln(), 0.0), Complex64::new(radius.ln(), PI)])
+    }
+}
+
+/// The sector of an annulus around the real axis, |Im λ| < |λ| sin [`SECTOR`].
+#[derive(Clone, Copy, Debug)]
+pub(in crate::modal) struct Annulus {
+    /// Inner and outer radius, rad/s.
+    pub radii: [f64; 2],
+    /// Whether Re λ < 0.
+    pub left: bool,
+}
+
+impl Annulus {
+    /// The real number in its middle, rad/s.
+    pub fn centre(&self) -> f64 {
+        let size = (self.radii[0] * self.radii[1]).sqrt();
+        if self.left { -size } else { size }
+    }
+
+    pub fn contains(&self, value: Complex64) -> bool {
+        let size = value.norm();
+        let is_left = value.re < 0.0;
+        size > self.radii[0] && size <= self.radii[1] && is_left == self.left && value.re.abs() > size * SECTOR.cos()
+    }
+
+    /// The inner and the outer half.
+    pub fn halves(&self) -> [Self; 2] {
+        let ([inner, outer], middle) = (self.radii, self.centre().abs());
+        [Self { radii: [inner, middle], ..*self }, Self { radii: [middle, outer], ..*self }]
+    }
+
+    pub fn contour(&self) -> Contour {
+        let [inner, outer] = self.radii.map(f64::ln);
+        let corners = [(inner, 0.0), (inner, SECTOR), (outer, SECTOR), (outer, 0.0)];
+        if self.left {
+            return Contour(corners.map(|(radius, angle)| Complex64::new(radius, PI - angle)).to_vec());
+        }
+        Contour(corners.into_iter().rev().map(|(radius, angle)| Complex64::new(radius, angle)).collect())
+    }
+}
+
+/// Logarithm, up to multiples of 2πi, of the determinant at λ without the factors of the known eigenvalues.
+fn deflated(determinant: Determinant, known: &Known, at: Complex64) -> Complex64 {
+    let factors = known.values.iter().flat_map(|value| {
+        let conjugate = (value.im != 0.0).then(|| at - value.conj());
+        [at - value].into_iter().chain(conjugate)
+    });
+    let product = Determinant::product(factors);
+    let zeros = at.ln() * known.zeros as f64;
+    Complex64::new(
+        determinant.logarithm - product.logarithm - zeros.re,
+        determinant.phase.arg() - product.phase.arg() - zeros.im,
+    )
+}
+
+/// Value at `z` of the polynomial through points (z, value), by Neville's algorithm.
+fn extrapolated(points: &[(Complex64, Complex64)], z: Complex64) -> Complex64 {
+    let mut values: Vec<Complex64> = points.iter().map(|(_, value)| *value).collect();
+    for order in 1..points.len() {
+        for index in 0..points.len() - order {
+            let (first, last) = (points[index].0, points[index + order].0);
+            values[index] = ((z - last) * values[index] + (first - z) * values[index + 1]) / (first - last);
+        }
+    }
+    values[0]
+}
+
+/// `value` with its imaginary part reduced to (−π, π].
+fn reduced(value: Complex64) -> Complex64 {
+    Complex64::new(value.re, Complex64::from_polar(1.0, value.im).arg())
+}
+
+/// Number of eigenvalues inside of `contour` that are missing in `known`, negative if a known value is none; `None` if it
+/// cannot be determined.
+pub(in crate::modal) fn missing(
+    determinant: impl Fn(Complex64) -> Option<Determinant>,
+    known: &Known,
+    contour: &Contour,
+) -> Option<i64> {
+    let value = |z: Complex64| determinant(z.exp()).map(|found| deflated(found, known, z.exp()));
+    let first = *contour.0.first()?;
+    let begin = value(first)?;
+    // S is real for real λ, so that the values are mirrored at the real axis.
+    let mirrored = |(z, value): (Complex64, Complex64)| {
+        let (z, value) = (z - first, value - begin);
+        (first + Complex64::new(z.re, -z.im), begin + Complex64::new(value.re, -value.im))
+    };
+    let mut points = vec![(first, begin)];
+    let (mut end, mut step, mut count) = (begin, FIRST_STEP, 0);
+    for side in contour.0.windows(2) {
+        let length = (side[1] - side[0]).norm();
+        let mut distance = 0.0;
+        while distance < length {
+            let next = if distance + step > (1.0 - MIN_STEP) * length { length } else { distance + step };
+            let z = side[0] + (side[1] - side[0]) * (next / length);
+            let predicted = extrapolated(&points, z);
+            let uncertainty = points
+                .get(1..)
+                .filter(|rest| !rest.is_empty())
+                .map_or(0.0, |rest| (predicted - extrapolated(rest, z)).norm());
+            if uncertainty > MAX_UNCERTAINTY {
+                step = (next - distance) / 2.0;
+                continue;
+            }
+            let error = reduced(value(z)? - predicted);
+            count += 1;
+            if count > MAX_DETERMINANTS || !error.is_finite() {
+                return None;
+            }
+            if error.norm() > MAX_ERROR {
+                step = (next - distance) / 2.0;
+                if step < MIN_STEP {
+                    return None;
+                }
+                continue;
+            }
+            end = predicted + error;
+            if points.len() == 1 {
+                points.insert(0, mirrored((z, end)));
+            }
+            points.push((z, end));
+            if points.len() > POINTS {
+                points.remove(0);
+            }
+            distance = next;
+            if error.norm() < SMALL_ERROR {
+                step = (step * GROWTH).min(MAX_STEP);
+            }
+        }
+    }
+    let half_turns = (end - begin).im / PI;
+    let missing = half_turns.round();
+    ((half_turns - missing).abs() < MAX_FRACTION).then_some(missing as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two oscillators without damping, a damped one and two real eigenvalues.
+    const VALUES: [Complex64; 5] = [
+        Complex64::new(0.0, 3.0),
+        Complex64::new(0.0, 3.0),
+        Complex64::new(-0.5, 7.0),
+        Complex64::new(-4.0, 0.0),
+        Complex64::new(-90.0, 0.0),
+    ];
+
+    /// Determinant with these zeros, two zeros at the origin, and `others` of high frequency.
+    fn determinant(others: usize) -> impl Fn(Complex64) -> Option<Determinant> {
+        let high = (0..others).map(|index| Complex64::new(-0.1 * index as f64, 200.0 + 30.0 * index as f64));
+        let values: Vec<Complex64> = VALUES.into_iter().chain(high).collect();
+        move |at| {
+            let factors = values.iter().flat_map(|value| {
+                let conjugate = (value.im != 0.0).then(|| at - value.conj());
+                [at - value].into_iter().chain(conjugate)
+            });
+            Some(Determinant::product(factors.chain([at, at])))
+        }
+    }
+
+    #[test]
+    fn every_missing_eigenvalue_is_counted() {
+        for right in [None, Some(20.0), Some(1000.0)] {
+            let contour = Contour::of_disk_and_sectors(5.0, 1000.0, right);
+            let missing = |zeros: usize, values: &[Complex64]| {
+                super::missing(determinant(0), &Known { zeros, values: values.to_vec() }, &contour)
+            };
+            assert_eq!(missing(2, &VALUES), Some(0));
+            // A pair counts twice; the third pair is outside.
+            assert_eq!(missing(2, &VALUES[1..]), Some(2));
+            assert_eq!(missing(2, &VALUES[2..4]), Some(5));
+            assert_eq!(missing(2, &VALUES[..2]), Some(2));
+            assert_eq!(missing(0, &[]), Some(8));
+            // A value that is no eigenvalue is a pole.
+            assert_eq!(missing(2, &[&VALUES[..], &[Complex64::new(0.0, 2.0)]].concat()), Some(-2));
+        }
+        let disk = super::missing(determinant(0), &Known { zeros: 2, values: vec![] }, &Contour::of_disk(5.0));
+        assert_eq!(disk, Some(5));
+        // Of an annular sector: −90, and nothing on the right.
+        for (left, number) in [(true, 1), (false, 0)] {
+            let contour = Annulus { radii: [20.0, 300.0], left }.contour();
+            assert_eq!(
+                super::missing(determinant(0), &Known { zeros: 2, values: VALUES[..3].to_vec() }, &contour),
+                Some(number)
+            );
+        }
+    }
+
+    #[test]
+    fn whole_turns_of_the_phase_are_not_lost() {
+        // The contour begins where the phase of a determinant of high degree changes most.
+        let contour = Contour::of_disk_and_sectors(5.0, 1e6, Some(1e6));
+        for others in [750, 1000, 1500, 3000] {
+            let missing =
+                super::missing(determinant(others), &Known { zeros: 2, values: VALUES[1..].to_vec() }, &contour);
+            assert_eq!(missing, Some(2), "{others}");
+        }
+    }
+
+    #[test]
+    fn many_other_eigenvalues_do_not_disturb_the_count() {
+        let contour = Contour::of_disk_and_sectors(5.0, 1e6, None);
+        for others in [10, 100, 1000] {
+            let calls = std::cell::Cell::new(0);
+            let determinant = determinant(others);
+            let counted = |at| {
+                calls.set(calls.get() + 1);
+                determinant(at)
+            };
+            assert_eq!(super::missing(counted, &Known { zeros: 2, values: VALUES[1..].to_vec() }, &contour), Some(2));
+            assert!(calls.get() < 250, "{} determinants for {others}", calls.get());
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Motion of any place: at a node, between the nodes of a shaft by the shape functions of its element, on a support or a
+//! point of a housing.
+//!
+//! A force at a place acts on the same coordinates with the same factors.
+
+use super::housing::point_rows;
+use super::{Model, Numbering};
+use crate::connection::Row;
+use crate::element::PlaceShape;
+use crate::scene::{EntryPath, Node, Scene, SceneError, Shaft, description, nearest};
+
+/// Displacements of a place as entries (index of a coordinate, factor).
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaceRows {
+    /// Displacements v and w, m; `None` without lateral motion.
+    pub displacement: Option<[Row; 2]>,
+    /// Twist θ, rad; `None` without torsion.
+    pub twist: Option<Row>,
+    /// Axial displacement u, m; `None` without axial motion.
+    pub axial: Option<Row>,
+}
+
+impl PlaceRows {
+    /// Indices of the coordinates.
+    pub fn coordinates(&self) -> impl Iterator<Item = usize> + '_ {
+        let rows = self.displacement.iter().flatten().chain(&self.twist).chain(&self.axial);
+        rows.flatten().map(|(index, _)| *index)
+    }
+}
+
+impl Model {
+    /// The displacements of the place `place`, which the entry `at` contains.
+    ///
+    /// # Errors
+    /// [`SceneError`] at `at` if there is no such place.
+    pub(crate) fn place_rows(&self, place: &description::Place, at: &EntryPath<'_>) -> Result<PlaceRows, SceneError> {
+        let scene = &self.scene;
+        match place {
+            description::Place::Body(name) => match (scene.body(name), scene.housing_point(name)) {
+                (Some(body), _) => Ok(self.node_rows(body.node)),
+                (None, Some((node, arm))) => Ok(self.housing_rows(node, arm)),
+                (None, None) => {
+                    let names = scene.bodies().map(|body| body.name.as_str()).chain(scene.housing_names());
+                    let hint = if scene.shaft(name).is_some() {
+                        format!("; it is a shaft: write (\"{name}\", x) with the position x on it, m")
+                    } else {
+                        nearest(name, names)
+                    };
+                    Err(at.error(format!("no gear, disk, support or housing is called \"{name}\"{hint}")))
+                }
+            },
+            description::Place::Shaft(name, position) => {
+                if let Some((node, arm)) = scene.housing_point(name) {
+                    return Ok(self.housing_rows(node, arm));
+                }
+                let index = scene.known_shaft(name, at)?;
+                let shaft = &scene.shafts[index];
+                match shaft.node_at(*position) {
+                    Some(node) => Ok(self.node_rows(Node { shaft: index, node })),
+                    None => Ok(between_nodes(scene, &self.numbering, index, element_at(shaft, *position, at)?)),
+                }
+            }
+        }
+    }
+
+    /// The displacements of a node of a shaft.
+    pub fn node_rows(&self, node: Node) -> PlaceRows {
+        let translation = self.numbering.translation(node);
+        PlaceRows {
+            displacement: translation.map(|v| [vec![(v, 1.0)], vec![(v + 1, 1.0)]]),
+            twist: self.numbering.twist(node).map(|index| vec![(index, 1.0)]),
+            axial: self.numbering.displacement_along(node).map(|index| vec![(index, 1.0)]),
+        }
+    }
+
+    /// The displacements of a point of a housing at the distance `arm` (x, y, z) from its centre of mass, m.
+    pub fn housing_rows(&self, node: Node, arm: [f64; 3]) -> PlaceRows {
+        let housing = &self.scene.housings[node.shaft - self.scene.shafts.len()];
+        let axial = self.axial_row(node, arm);
+        PlaceRows {
+            displacement: self.numbering.translation(node).map(|first| point_rows(housing, first, arm)),
+            twist: self.numbering.twist(node).map(|index| vec![(index, 1.0)]),
+            axial: (!axial.is_empty()).then_some(axial),
+        }
+    }
+}
+
+/// A place within an element.
+struct Within {
+    element: usize,
+    /// x/l, the share of the length of the element.
+    xi: f64,
+}
+
+/// The element at a position, m.
+fn element_at(shaft: &Shaft, position: f64, at: &EntryPath<'_>) -> Result<Within, SceneError> {
+    let inside = |ends: &[f64]| (ends[0]..=ends[1]).contains(&position);
+    let element = shaft.nodes.windows(2).position(inside).ok_or_else(|| {
+        let end = shaft.nodes.last().copied().unwrap_or_default();
+        at.error(format!(
+            "shaft \"{}\" reaches from 0 to {end} m; give a position on it in metres, got {position} m",
+            shaft.name
+        ))
+    })?;
+    Ok(Within { element, xi: (position - shaft.nodes[element]) / (shaft.nodes[element + 1] - shaft.nodes[element]) })
+}
+
+/// The displacements within an element of shaft `index`.
+fn between_nodes(scene: &Scene, numbering: &Numbering, index: usize, Within { element, xi }: Within) -> PlaceRows {
+    let shaft = &scene.shafts[index];
+    let shape = PlaceShape::new(&shaft.elements[element], &shaft.material, shaft.shear, shaft.degree, xi);
+    let nodes = shaft.nodes.len();
+    let bending = |start: usize| {
+        let lane = |lane: usize| {
+            // (u, φ) of a node has the coordinates (v, w, Γ, −B).
+            let nodal = shape.nodal.iter().enumerate();
+            let nodal = nodal.map(|(i, factor)| (start + 4 * element + 2 * i + lane, *factor));
+            let first = start + 4 * nodes + 2 * shape.internal.len() * element;
+            let internal = shape.internal.iter().enumerate();
+            nodal.chain(internal.map(|(i, factor)| (first + 2 * i + lane, *factor))).collect()
+        };
+        [lane(0), lane(1)]
+    };
+    let rod = |start: usize| {
+        let first = start + nodes + shape.rod.len() * element;
+        let nodal = [(start + element, 1.0 - xi), (start + element + 1, xi)];
+        nodal.into_iter().chain(shape.rod.iter().enumerate().map(|(i, factor)| (first + i, *factor))).collect()
+    };
+    PlaceRows {
+        displacement: numbering.lateral(index).map(bending),
+        twist: numbering.torsion(index).map(rod),
+        axial: numbering.axial(index).map(rod),
+    }
+}

@@ -1,0 +1,215 @@
+"""Frequency response: closed forms, reciprocity, simulated amplitudes, synchronous response, modes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference.receptance import Beam
+
+#: Names, and springs at the left and the right end, of a beam.
+ENDS = {
+    "free-free": ((0.0, 0.0), (0.0, 0.0)),
+    "pinned": ((1e11, 0.0), (1e11, 0.0)),
+    "cantilever": ((1e10, 1e7), (0.0, 0.0)),
+}
+
+
+def beam_system(beam: Beam, **options):
+    """Return the beam as a system of elements of degree 6."""
+    bearings = [
+        gb.Bearing("s", x, stiffness=lateral, tilting_stiffness=tilting)
+        for x, (lateral, tilting) in zip((0.0, beam.length), beam.springs, strict=True)
+        if lateral
+    ]
+    shaft = gb.Shaft(
+        "s",
+        length=beam.length,
+        outer_diameter=beam.diameter,
+        material=gb.Material(beam.youngs_modulus, beam.density, poisson_ratio=0.3),
+        shear=False,
+        **({"elements": 20, "degree": 6} | options),
+    )
+    return gb.RotorSystem(
+        [shaft], bearings=bearings, rayleigh=beam.rayleigh, motion="lateral", accuracy="reference"
+    )
+
+
+@pytest.mark.parametrize("ends", ENDS)
+@pytest.mark.parametrize("spin", [0.0, 400.0])
+def test_receptance_is_that_of_a_rayleigh_beam(ends: str, spin: float):
+    beam = Beam(springs=ENDS[ends], rayleigh=(3.0, 4e-6), spin=spin)
+    system = beam_system(beam)
+    # ten bending modes; the free beam without rotary inertia has the highest frequencies
+    wave = 10.5 * np.pi / beam.length
+    tenth = wave**2 * np.sqrt(beam.youngs_modulus / beam.density) * beam.diameter / 4.0
+    frequencies = np.linspace(30.0, tenth, 40)
+    if spin:
+        frequencies = np.concatenate([-frequencies, frequencies])
+    # nodes and places between nodes, of the force and of the response
+    for force_at, at in ((0.4, 0.9), (0.437, 0.437), (1.17, 0.013)):
+        source = gb.Force(("s", force_at), (1.0, -1j))
+        found = system.frequency_response(frequencies, source=source, speed=spin)
+        u = found.displacement(("s", at))[:, 0]
+        exact = [beam.receptance(at, force_at, w) for w in frequencies]
+        # The element in which a force acts lacks a part of its static deflection: degree 6 leaves less than 2 % of
+        # l³/(192 EI) = 8.5e-12 m/N.
+        lacking = 0.02 * 8.5e-12 if at == force_at else 0.0
+        assert u[:, 0] == pytest.approx(exact, rel=1e-6, abs=lacking + 1e-6 * np.abs(exact).min())
+        # a forward rotation: w = −i v
+        assert u[:, 1] == pytest.approx(-1j * u[:, 0], rel=1e-9, abs=1e-9 * np.abs(u).max())
+
+
+def train(**options):
+    """Return two geared shafts with unsymmetric bearings, one of them on a pedestal."""
+    shafts = [
+        gb.Shaft("in", length=0.4, outer_diameter=0.045, elements=4),
+        gb.Shaft("out", length=0.5, outer_diameter=0.05, elements=4, bow=gb.Bow.half_sine(5e-5)),
+    ]
+    gears = [
+        gb.Gear("pinion", "in", 0.15, teeth=23, module=3e-3, face_width=0.03, unbalance=2e-5),
+        gb.Gear("wheel", "out", 0.2, teeth=46, module=3e-3, face_width=0.03, unbalance=5e-5j),
+    ]
+    bearings = [
+        gb.Bearing("in", 0.0, stiffness=(8e7, 5e7), damping=(2e3, 1e3)),
+        gb.Bearing("in", 0.4, stiffness=[[6e7, 1e7], [1e7, 9e7]], damping=1.5e3),
+        gb.Bearing("out", 0.0, stiffness=1e8, damping=2e3, support="pedestal"),
+        gb.Bearing("out", 0.5, stiffness=1e8, damping=2e3),
+    ]
+    given = {
+        "shafts": shafts,
+        "gears": gears,
+        "meshes": [gb.Mesh("pinion", "wheel", stiffness=2e8, damping_ratio=0.06)],
+        "bearings": bearings,
+        "supports": [gb.Support("pedestal", mass=30.0, stiffness=2e8, damping=4e3)],
+        "drives": [gb.Drive(("in", 0.4), stiffness=2e4, damping=20.0)],
+        "rayleigh": (20.0, 1e-6),
+    }
+    return gb.RotorSystem(**(given | options))
+
+
+def test_a_response_is_reciprocal():
+    system = train()
+    places = [("in", 0.07), ("out", 0.33), "pinion"]
+    directions = [1.0, 1j]
+    sources = [gb.Force(at, direction) for at in places for direction in directions]
+    frequencies = np.array([300.0, 1234.0, 5000.0])
+
+    def receptance(speed: float) -> np.ndarray:
+        found = system.frequency_response(frequencies, source=sources, speed=speed)
+        return np.concatenate([found.displacement(at) for at in places], axis=-1)
+
+    rest = receptance(0.0)
+    scale = 1e-9 * np.abs(rest).max()
+    assert rest == pytest.approx(np.swapaxes(rest, 1, 2), rel=1e-9, abs=scale)
+    # The flanks in contact change with the sense of rotation: without meshes H_ij(Ω) = H_ji(−Ω).
+    coupling = gb.Coupling(
+        ("in", 0.4), ("out", 0.0), lateral_stiffness=1e7, torsional_stiffness=1e4
+    )
+    system = train(meshes=(), gears=(), couplings=[coupling])
+    places.pop()
+    sources = [gb.Force(at, direction) for at in places for direction in directions]
+    forward, backward = receptance(600.0), receptance(-600.0)
+    assert forward == pytest.approx(np.swapaxes(backward, 1, 2), rel=1e-9, abs=scale)
+    assert np.abs(forward - np.swapaxes(forward, 1, 2)).max() > 1e-3 * np.abs(forward).max()
+
+
+def test_negative_frequencies_give_conjugate_responses():
+    system = train()
+    source = [gb.Force("pinion", 1.0), gb.Torque("wheel", 2.0), gb.MeshExcitation("pinion/wheel")]
+    found = system.frequency_response([-800.0, 800.0], source=source, speed=90.0)
+    assert found.phasors[0] == pytest.approx(np.conj(found.phasors[1]), rel=1e-9, abs=1e-18)
+    force = found.mesh_force("wheel/pinion")
+    assert force[0] == pytest.approx(np.conj(force[1]), rel=1e-9)
+
+
+def test_unbalance_and_bow_at_order_one_are_the_synchronous_response():
+    system, speeds = train(), np.array([-250.0, 40.0, 300.0])
+    known = system.synchronous(speeds)
+    for index, (shaft, ratio) in enumerate(zip(("in", "out"), system.speed_ratios, strict=True)):
+        found = system.frequency_response(
+            order=ratio, speeds=speeds, source=gb.ShaftExcitation(shaft)
+        )
+        # one linear system, solved with the same factors
+        scale = 1e-12 * np.abs(known.amplitudes).max()
+        assert found.phasors[:, 0] == pytest.approx(known.amplitudes[:, index], abs=scale)
+        for at in (("in", 0.4), ("out", 0.0)):
+            assert found.bearing_force(at)[:, 0] == pytest.approx(
+                known.bearing_force(at)[:, index], rel=1e-9
+            )
+
+
+def test_residues_are_those_of_the_modes():
+    system = beam_system(Beam(springs=ENDS["pinned"], rayleigh=(2.0, 0.0)), elements=4, degree=3)
+    modes, speed = system.modes(0.0), 0.0
+    at, matrices = ("s", 0.6), system.matrices(0.0)
+    index = system.coordinates.lateral(at)[0]
+    w = 700.0
+    found = system.frequency_response([w], source=gb.Force(at, 1.0), speed=speed)
+    # Complex modes with symmetric matrices: H = Σ φφᵀ/(a(iω − λ)) + conjugate, a = φᵀ(2λM + C)φ.
+    total = 0.0
+    for value, shape in zip(modes.eigenvalues, modes.shapes, strict=True):
+        a = shape @ (2.0 * value * matrices.mass + matrices.damping) @ shape
+        term = shape[index] ** 2 / a
+        total += term / (1j * w - value) + np.conj(term) / (1j * w - np.conj(value))
+    # Equal modes of both planes have arbitrary shapes, which the sum over both does not depend on.
+    assert found.displacement(at)[0, 0, 0] == pytest.approx(total, rel=1e-6)
+
+
+def test_a_settled_run_has_the_amplitude_of_the_response():
+    random = np.random.default_rng(7)
+    system = train(
+        shafts=[
+            gb.Shaft("in", length=0.4, outer_diameter=0.045, elements=3, degree=4),
+            gb.Shaft("out", length=0.5, outer_diameter=0.05, elements=3, degree=4),
+        ],
+        gears=[
+            gb.Gear("pinion", "in", 0.15, teeth=23, module=3e-3, face_width=0.03),
+            gb.Gear("wheel", "out", 0.2, teeth=46, module=3e-3, face_width=0.03),
+        ],
+        rayleigh=(60.0, 2e-5),
+    )
+    for _ in range(4):
+        speed, w = random.uniform(-300.0, 300.0), random.uniform(300.0, 4000.0)
+        # The force acts at a node of the run. The response is that of any place between nodes.
+        place = ("in", float(random.choice([0.15, 0.4])))
+        shafts = [("in", random.uniform(0.0, 0.4)), ("out", random.uniform(0.0, 0.5))]
+        force = complex(*random.normal(size=2))
+        series = gb.Force(place, lambda t, w=w, force=force: force * np.cos(w * t))
+        run = system.replace(forces=[series]).simulate(
+            0.2, speed, geometry="frozen", rtol=1e-9, record=shafts, output_step=2e-5
+        )
+        found = system.frequency_response([w], source=gb.Force(place, force), speed=speed)
+        kept = run.time > 0.13
+        t = run.time[kept]
+        columns = np.stack([np.cos(w * t), -np.sin(w * t), np.ones_like(t)], axis=1)
+        for at in shafts:
+            a, b, _ = np.linalg.lstsq(columns, run.displacement(at)[kept], rcond=None)[0]
+            u = found.displacement(at)[0, 0]
+            # transients decay by e^{-60·0.13/2} at least; force samples of the run
+            assert a + 1j * b == pytest.approx(u, rel=1e-4, abs=1e-4 * np.abs(u).max())
+            twist = np.linalg.lstsq(columns, run.twist(at)[kept], rcond=None)[0]
+            assert complex(*twist[:2]) == pytest.approx(found.twist(at)[0, 0], rel=1e-3)
+
+
+def test_a_place_between_nodes_moves_as_a_node_there_would():
+    beam = Beam(springs=ENDS["pinned"], rayleigh=(2.0, 1e-6))
+    coarse = beam_system(beam, elements=4, degree=8)
+    fine = coarse.replace(
+        bearings=[*coarse.bearings, gb.Bearing("s", 0.41, stiffness=0.0)],
+        shafts=[replace(coarse.shafts[0], elements=4, degree=8)],
+    )
+    at = ("s", 0.41)
+    first, second = (system.modes(count=6).displacement(at) for system in (coarse, fine))
+    # shapes of equal modes of both planes are arbitrary: the sums over each pair are not
+    sizes = [
+        np.sum(np.abs(shapes.reshape(3, 2, 2)) ** 2, axis=(1, 2)) for shapes in (first, second)
+    ]
+    assert sizes[0] == pytest.approx(sizes[1], rel=1e-6)
+    unbalanced = [system.synchronous([100.0]) for system in (coarse, fine)]
+    assert unbalanced[0].displacement(at).shape == (1, 1, 2)
+    with pytest.raises(gb.SceneError, match=r"reaches from 0 to 1\.2 m"):
+        unbalanced[0].displacement(("s", 1.3))
