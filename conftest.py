@@ -2,8 +2,9 @@
 
 The Python blocks of a document run in order and share their names. A `text` block contains the
 expected output of the Python block before it. A `toml` block becomes the file `scene.toml`, an
-`xml` block the file `gearbox.rexs`, for the blocks after it. Each document runs in an empty folder.
-The cells of a notebook run in order; its outputs are not stored.
+`xml` block the file `gearbox.rexs`, for the blocks after it. Each document runs in a folder
+that has `examples/machines/` only. The cells of a notebook run in order; its outputs are not
+stored.
 """
 
 import contextlib
@@ -12,12 +13,15 @@ import io
 import json
 import os
 import re
+import shutil
 import tempfile
 from pathlib import Path
 
 import pytest
 
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+#: Scene files that documents load.
+MACHINES = Path(__file__).parent / "examples" / "machines"
 # They need the packages of the extra docs, and have no examples.
 collect_ignore_glob = ["docs/site/*.py"]
 #: File that a block becomes, by its language.
@@ -90,6 +94,8 @@ class Examples(pytest.Item):
         names = {"__name__": self.path.stem}
         printed = io.StringIO()
         with tempfile.TemporaryDirectory() as folder, inside(folder):
+            # Documents name the machines from the root of the repository.
+            shutil.copytree(MACHINES, "examples/machines")
             for language, text, line in self.blocks:
                 if language in FILES:
                     Path(FILES[language]).write_text(text, encoding="utf-8")

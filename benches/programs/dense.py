@@ -152,7 +152,8 @@ def torques(system: gb.RotorSystem, index: Mapping[Dof, int]) -> Array:
     for torque in system.torques:
         gear = gears[str(torque.at)]
         ratio = float(system.speed_ratios[names.index(gear.shaft)])
-        value = torque.value if isinstance(torque.value, float) else -power / ratio
+        given = torque.value
+        value = given.real if isinstance(given, (float, complex)) else -power / ratio
         force[index[gear.shaft, gear.position, "twist"]] += value
         power += value * ratio
     return force

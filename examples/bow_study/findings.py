@@ -206,7 +206,7 @@ def layouts(study: Study) -> str:
 
 def limits_of_bow(study: Study) -> str:
     """Tabulate the bow at which a mesh reaches each limit, divided by the shaft radius."""
-    found = limits(study)
+    found = limits(study.settings)
     rows = [
         [layout, where, *(found[layout, where, limit] for limit in LIMITS)]
         for layout in study.settings.layouts

@@ -100,8 +100,6 @@ class Teeth:
     centre_distance: float
     pressure_angle: float
     base_pitch: float
-    base_radii: tuple[float, float]
-    tip_radii: tuple[float, float]
     tip_clearance: float
 
     @classmethod
@@ -114,8 +112,6 @@ class Teeth:
             centre_distance=first + second,
             pressure_angle=angle,
             base_pitch=math.pi * module * math.cos(angle),
-            base_radii=(first * math.cos(angle), second * math.cos(angle)),
-            tip_radii=(first + module, second + module),
             tip_clearance=0.25 * module,
         )
 

@@ -25,6 +25,7 @@ from types import ModuleType as _ModuleType
 from gearbow import results as results
 from gearbow._core import __version__ as __version__
 from gearbow.description.bow import Bow as Bow
+from gearbow.description.bow_limit import BowLimit as BowLimit
 from gearbow.description.couplings import (
     Coupling as Coupling,
     Drive as Drive,

@@ -1,4 +1,4 @@
-"""``gearbow check``, ``plot``, ``modes`` and ``campbell``: commands without time integration."""
+"""``gearbow check``, ``plot``, ``modes``, ``campbell``, ``bow-limits``: commands without runs."""
 
 import argparse
 import warnings
@@ -17,6 +17,7 @@ from gearbow.cli.arguments import (
     figure,
     is_run,
     named_item,
+    quantity,
     read_run,
     speed,
     speed_line,
@@ -92,6 +93,24 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--out", type=figure, help="write the diagram to this file, for example .png"
     )
+
+    parser = add_command(
+        commands,
+        "bow-limits",
+        bow_limits,
+        "print the bow of a shaft at which teeth jam, interfere or lose contact",
+        '  gearbow bow-limits scene.toml --shaft input --speed "1500 rpm"\n'
+        '  gearbow bow-limits scene.toml --shaft input --speed "1500 rpm" --out bow.png',
+    )
+    add_scene(parser)
+    parser.add_argument("--shaft", nargs="+", required=True, help="one shaft, or several together")
+    parser.add_argument(
+        "--speed", type=speed, nargs="+", required=True, help='for example "1500 rpm"; or several'
+    )
+    parser.add_argument(
+        "--phase", type=quantity("phase"), help="angle in the shaft; default: the worst one"
+    )
+    parser.add_argument("--out", type=figure, help="write a figure to this file, for example .png")
 
 
 def check(given: argparse.Namespace) -> Answer:
@@ -175,3 +194,17 @@ def campbell(given: argparse.Namespace) -> Answer:
     }
     drawing = None if given.out is None else Drawing(found.plot, given.out)
     return Answer(f"{speed_line(given.first, given.last)}\n{found.table()}", data, drawing)
+
+
+def bow_limits(given: argparse.Namespace) -> Answer:
+    """Find the limits of a bow."""
+    system = RotorSystem.load(given.scene)
+    found = system.bow_limits(given.shaft, given.speed, phase=given.phase)
+    data = {
+        "shafts": found.shafts,
+        "present": found.present,
+        "limits": [asdict(one) for one in found.found],
+        "file": None if given.out is None else str(given.out),
+    }
+    drawing = None if given.out is None else Drawing(found.plot, given.out)
+    return Answer("\n".join([speed_line(*given.speed), found.table()]), data, drawing)

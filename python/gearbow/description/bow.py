@@ -8,7 +8,7 @@ q_b.
 import cmath
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -264,3 +264,28 @@ def _finite(curve: Callable[[float], complex], x: float, path: str) -> complex:
             f"{path}.function: must give a finite complex number, got {shown(value)} at x = {x:g} m"
         )
     return number
+
+
+def scaled(bow: Bow | None, factor: float, turn: float = 0.0) -> Bow | None:
+    """Multiply a bow by a factor, and turn its plane by an angle in the shaft [rad]."""
+    if bow is None:
+        return None
+    if bow.curve is not None:
+        raise SceneError("bow: a bow given by a function cannot be scaled; use Bow.points")
+    if bow.amplitudes is not None:
+        return replace(
+            bow,
+            amplitudes=[factor * each for each in bow.amplitudes],
+            phases=[turn + each for each in bow.phases or ()],
+        )
+    phase = bow.phase if turn == 0.0 else turn + (bow.phase or 0.0)
+    return replace(bow, amplitude=factor * (bow.amplitude or 0.0), phase=phase)
+
+
+def amplitude_of(bow: Bow | None) -> float:
+    """Give the size of a bow by which it is scaled: its amplitude, or the largest of its points."""
+    if bow is None:
+        return 0.0
+    if bow.amplitudes is not None:
+        return float(max(map(abs, bow.amplitudes)))
+    return abs(bow.amplitude or 0.0)

@@ -56,6 +56,12 @@ class LoadCase(Shown):
         Speed of the reference shaft, positive about +x [rad/s]; None if the file has none.
     torques : dict of str to float
         The given torques, positive about +x [N m], by the name of the load.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.results.LoadCase(1, speed=150.0, torques={"input": 50.0}).torques["input"]
+    50.0
     """
 
     number: int
@@ -81,6 +87,13 @@ class RexsContents(Shown):
         Values that the file does not contain and gearbow needs.
     notes : tuple of str
         What gearbow assumes or leaves out.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> case = gb.results.LoadCase(1, speed=100.0, torques={"input": 50.0})
+    >>> print(gb.results.RexsContents("example 1", "1.4", "input", (case,), (), ()))
+    load case 1: 954.93 rpm, "input" 50 N m
     """
 
     application: str
@@ -206,6 +219,29 @@ def rexs_contents(path: str | os.PathLike[str]) -> RexsContents:
     See Also
     --------
     RotorSystem.read_rexs : Make a system.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> import gearbow as gb
+    >>> sizes = {"u_coordinate_on_shaft": 0, "length": 200}
+    >>> sizes |= {"outer_diameter_begin": 40, "outer_diameter_end": 40}
+    >>> lines = [f'<attribute id="{name}" unit="mm">{x}</attribute>' for name, x in sizes.items()]
+    >>> model = (
+    ...     '<model version="1.4" applicationId="example"><relations>'
+    ...     '<relation id="1" type="assembly">'
+    ...     '<ref id="10" role="assembly"/><ref id="20" role="part"/></relation></relations>'
+    ...     '<components><component id="10" type="shaft" name="input"/>'
+    ...     f'<component id="20" type="shaft_section">{"".join(lines)}</component>'
+    ...     "</components></model>"
+    ... )
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "shaft.rexs")
+    ...     count = file.write_text(model)
+    ...     contents = gb.rexs_contents(file)
+    >>> contents.reference
+    'input'
     """
     return read_rexs(path)[1]
 

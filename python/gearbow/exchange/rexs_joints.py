@@ -61,6 +61,12 @@ class MissingValue(Shown):
         The parameters of `gearbow.Bearing`, `gearbow.RollingBearing` or `gearbow.Coupling`.
     hint : str
         What else to know, or an empty text.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> print(gb.results.MissingValue("bearings", "B1", "ball bearing at 0.1 m", ("stiffness",)))
+    stiffness of "B1" (ball bearing at 0.1 m)
     """
 
     argument: str

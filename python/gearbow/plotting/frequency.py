@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
+from gearbow.plotting.labels import Labels
 from gearbow.plotting.style import (
     MARKS,
     MICRO,
@@ -28,6 +29,8 @@ __all__ = ["bode", "critical_speed_map", "synchronous"]
 
 #: Smallest orbit of a figure, relative to the largest one of all panels.
 _VISIBLE = 1e-5
+#: Directions in which the amplification factor of a peak stands from it.
+_AROUND_A_PEAK = ((1.0, 0.5), (-1.0, 0.5), (1.0, -0.5), (-1.0, -0.5), (1.0, 1.0), (-1.0, 1.0))
 
 
 def critical_speed_map(
@@ -80,6 +83,7 @@ def bode(
         for panel in axes if operating is not None else ():
             shade_operating(panel, factor * np.array(operating))
         still: list[str] = []
+        marked: list[tuple[tuple[float, float], str, Any]] = []
         for number, (name, (phase, amplitude)) in enumerate(lines.items()):
             style: dict[str, Any] = {
                 "color": colour(number),
@@ -96,11 +100,7 @@ def bode(
             lower.plot(factor * speeds, size * amplitude, **style)
             for x, y, text in (peaks or {}).get(name, ()):
                 lower.plot(factor * x, size * y, "v", color=style["color"], markersize=8.0)
-                # Two places often have a peak at one speed: their factors stand on its two sides.
-                side = 1 if number % 2 == 0 else -1
-                place: dict[str, Any] = {"xytext": (8 * side, 4), "textcoords": "offset points"}
-                place |= {"ha": "left" if side > 0 else "right", "color": style["color"]}
-                lower.annotate(text, (factor * x, size * y), fontsize=text_size(0.79), **place)
+                marked.append(((factor * x, size * y), text, style["color"]))
         if still:
             remark(upper, f"not excited: {', '.join(still)}")
         upper.set(ylabel="phase [°]")
@@ -111,6 +111,12 @@ def bode(
             # The factors of the peaks stay within the panel.
             lower.set_ylim(top=1.08 * lower.get_ylim()[1])
         legend(figure, upper, ax=ax)
+    labels = Labels(lower, 0.0)
+    for at, text, shade in marked:
+        labels.add(
+            text, [(at, way) for way in _AROUND_A_PEAK], fontsize=text_size(0.79), color=shade
+        )
+    labels.place()
     return figure
 
 

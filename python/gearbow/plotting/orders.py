@@ -319,13 +319,14 @@ def waterfall(
     """Draw spectra against the speed."""
     factor, speed = speed_axis(speed_unit)
     top = float(amplitudes.max())
+    frequencies_hz = np.broadcast_to(frequencies_hz, amplitudes.shape)
     if highest is None:
-        highest = _highest(np.broadcast_to(frequencies_hz, amplitudes.shape), amplitudes, _COLOURS)
+        highest = _highest(frequencies_hz, amplitudes, _COLOURS)
     with panels(1, 6.0, columns=1, ax=ax) as (figure, (panel,)):
         # The segments of a run-up have frequencies of their own.
         rows = np.broadcast_to(factor * speeds[:, np.newaxis], amplitudes.shape)
         drawn = panel.pcolormesh(
-            np.broadcast_to(frequencies_hz, amplitudes.shape),
+            frequencies_hz,
             rows,
             np.maximum(amplitudes, _COLOURS * top),
             norm=LogNorm(_COLOURS * top, top) if top > 0.0 else None,
@@ -344,7 +345,7 @@ def waterfall(
 
 @dataclass(frozen=True, eq=False)
 class _Background:
-    """Cells of a waterfall without signal, shape (speeds, frequencies)."""
+    """Cells of a waterfall without signal; all arrays but `speeds` are (speeds, frequencies)."""
 
     frequencies_hz: Array
     speeds: Array
@@ -352,15 +353,17 @@ class _Background:
 
     def free(self, frequencies: Array, speeds: Array) -> NDArray[np.bool_]:
         """Tell which points lie on the background."""
-        column = _nearest(self.frequencies_hz, frequencies)
-        found: NDArray[np.bool_] = self.is_free[_nearest(self.speeds, speeds), column]
+        row = _nearest(self.speeds, speeds)
+        column = _nearest(self.frequencies_hz[row], frequencies)
+        found: NDArray[np.bool_] = self.is_free[row, column]
         return found
 
 
 def _nearest(ascending: Array, values: Array) -> NDArray[np.intp]:
-    """Give the index of the nearest of ascending numbers."""
-    middles = (ascending[1:] + ascending[:-1]) / 2.0
-    return np.searchsorted(middles, values)
+    """Give the index of the nearest of ascending numbers, of one row for all values or for each."""
+    middles = (ascending[..., 1:] + ascending[..., :-1]) / 2.0
+    found: NDArray[np.intp] = np.sum(middles < values[:, np.newaxis], axis=-1)
+    return found
 
 
 def _order_lines(

@@ -33,6 +33,8 @@ _MODULES = {
     "EnergyBalance": "gearbow.recording.energy",
     "Event": "gearbow.recording.record",
     "MeshResponse": "gearbow.recording.record",
+    "BowLimits": "gearbow.results.bow_limits",
+    "ReachedLimit": "gearbow.results.bow_limits",
     "Campbell": "gearbow.results.campbell",
     "ExcitationLine": "gearbow.results.campbell",
     "Intersection": "gearbow.results.campbell",
@@ -78,6 +80,7 @@ if _typing.TYPE_CHECKING:
         Event as Event,
         MeshResponse as MeshResponse,
     )
+    from gearbow.results.bow_limits import BowLimits as BowLimits, ReachedLimit as ReachedLimit
     from gearbow.results.campbell import (
         Campbell as Campbell,
         ExcitationLine as ExcitationLine,

@@ -22,7 +22,7 @@ __all__ = ["FrequencyComparison"]
 
 @dataclass(frozen=True, eq=False)
 class FrequencyComparison(Result, ReadOnly):
-    """MeasuredCurve curves, and the computed ones at the same frequencies.
+    """Measured curves, and the computed ones at the same frequencies.
 
     Parameters
     ----------
@@ -37,6 +37,23 @@ class FrequencyComparison(Result, ReadOnly):
     FRAC is the frequency response assurance criterion |Σ H_m* H_c|²/(Σ|H_m|² Σ|H_c|²) of one curve
     over its frequencies (Heylen and Lammens, 1996). MAC is the same ratio of the shapes at one
     frequency, over the curves (Allemang and Brown, 1982). Both are 1 for proportional functions.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> system = gb.RotorSystem(
+    ...     shafts=[gb.Shaft("rotor", length=1.0, outer_diameter=0.05)],
+    ...     bearings=[gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)],
+    ... )
+    >>> frequencies = np.linspace(100.0, 1000.0, 50)
+    >>> force = gb.Force(("rotor", 0.5), 1.0)
+    >>> response = system.frequency_response(frequencies, source=force)
+    >>> at = ("rotor", 0.5)
+    >>> values = response.displacement(at)[:, 0, 0]
+    >>> curve = gb.results.MeasuredCurve(at, "y", "displacement", frequencies, values)
+    >>> print(f"{response.compare([curve]).frac[0]:.3f}")
+    1.000
     """
 
     measured: "tuple[MeasuredCurve, ...]"

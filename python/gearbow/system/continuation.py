@@ -25,7 +25,7 @@ from gearbow.accuracy.levels import LEVELS, check_reduction
 from gearbow.analysis.arclength import Settings, branch
 from gearbow.analysis.branch_point import BranchPoint
 from gearbow.analysis.protocol import System, variant
-from gearbow.description.bow import Bow
+from gearbow.description.bow import scaled
 from gearbow.description.kinematics import Kinematics
 from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
 from gearbow.results.continuation import UNITS, BranchData, Continuation, summary
@@ -240,7 +240,7 @@ class _Family:
         if self.parameter == "bow":
             if all(shaft.bow is None for shaft in base.shafts):
                 raise SceneError("bow: no shaft has a bow; give one to a shaft")
-            shafts = [replace(each, bow=_scaled_bow(each.bow, value)) for each in base.shafts]
+            shafts = [replace(each, bow=scaled(each.bow, value)) for each in base.shafts]
             return {"shafts": shafts}
         if all(mesh.backlash is None for mesh in base.meshes):
             raise SceneError("backlash: no mesh has a backlash; give one to a mesh")
@@ -256,16 +256,6 @@ def _scaled_torque(torque: Any, factor: float) -> Any:
     if not isinstance(torque.value, (int, float)):
         return torque
     return replace(torque, value=factor * torque.value)
-
-
-def _scaled_bow(bow: Bow | None, factor: float) -> Bow | None:
-    if bow is None:
-        return None
-    if bow.curve is not None:
-        raise SceneError("bow: a bow given by a function cannot be scaled; use Bow.points")
-    if bow.amplitudes is not None:
-        return replace(bow, amplitudes=[factor * each for each in bow.amplitudes])
-    return replace(bow, amplitude=factor * (bow.amplitude or 0.0))
 
 
 @dataclass(frozen=True)

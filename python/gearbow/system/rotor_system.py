@@ -30,6 +30,7 @@ from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.results.discretisation import Discretisation
 from gearbow.sweeps.many import simulate_many
+from gearbow.system.bow_limits import bow_limits
 from gearbow.system.continuation import continuation
 from gearbow.system.drawing import plot
 from gearbow.system.frequency import frequency_response, mesh_response
@@ -623,6 +624,7 @@ class RotorSystem(CheckedKeywords, Shown):
     frequency_response = frequency_response
     mesh_response = mesh_response
     balance = balance
+    bow_limits = bow_limits
     simulate = simulate
     simulate_many = simulate_many
     default_output_step = default_output_step

@@ -124,6 +124,9 @@ def objects() -> dict[str, object]:
         measured,
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5)),
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5))[0],
+        rotor.bow_limits("s", 100.0, limits=[gb.BowLimit.displacement(("s", 0.5), 1e-4)]),
+        gb.BowLimit.displacement(("s", 0.5), 1e-4),
+        gb.results.ReachedLimit("backlash used up", "gear 0/gear 1", 100.0, 2e-4),
         pair.static(speed=100.0),
         response,
         response.mesh(("gear 0", "gear 1")),
@@ -147,6 +150,11 @@ def objects() -> dict[str, object]:
         if hasattr(gb, name)
     ]
     found += [
+        gb.results.LoadCase(1, 150.0, {f"load {i}": 50.0 for i in range(300)}),
+        gb.results.MissingValue("bearings", "B1", "ball bearing at 0.1 m", ("stiffness",)),
+        gb.results.RexsContents(
+            "example 1", "1.4", "input", (), (), ("a shaft has no material",) * 300
+        ),
         rotor.steady_state(100.0, record=[("s", 0.5)]),
         rotor.continuation("bow", 0.5, 1.0, speed=100.0, record=[("s", 0.5)], first_step=1.0),
     ]

@@ -50,6 +50,8 @@ def everything() -> dict[str, Any]:
         "measured": MEASURED[0],
         "peak": response.peaks(("rotor", 0.5))[0],
         "peaks": response.peaks(("rotor", 0.5)),
+        "limits": system.bow_limits(system.shafts[0].name, 100.0),
+        "limit": system.bow_limits(system.shafts[0].name, 100.0).limits[0],
         "orders": run.orders("g1", mesh_harmonics=0),
         "waterfall": gb.waterfall([run, system.simulate(0.07, 90.0, output_step=2e-4)], "g1"),
         "variable": system.simulate(1e-3, (np.array([0.0, 1e-3]), np.array([90.0, 95.0]))),

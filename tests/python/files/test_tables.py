@@ -21,7 +21,18 @@ from test_tradeoff_numbers import STUDY
 
 #: Names of `results`.
 RESULTS = [
-    *("modes", "campbell", "map", "synchronous", "peaks", "static", "run", "energy", "spectrum"),
+    *(
+        "modes",
+        "campbell",
+        "map",
+        "synchronous",
+        "peaks",
+        "limits",
+        "static",
+        "run",
+        "energy",
+        "spectrum",
+    ),
     *("waterfall", "orders", "balance", "steady", "branch", "sweep", "tradeoff"),
 ]
 
@@ -189,6 +200,7 @@ def results() -> dict[str, Any]:
         "map": jeffcott().critical_speed_map([1e6, 1e7, 1e8]),
         "synchronous": system.synchronous(speeds),
         "peaks": synchronous.peaks("disk", operating=gb.rpm(4000)),
+        "limits": system.bow_limits("input", speeds[:4]),
         "static": system.static(speed),
         "run": run,
         "energy": run.energy_balance(),

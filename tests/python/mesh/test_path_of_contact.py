@@ -66,6 +66,25 @@ def test_a_contact_ratio_below_one_warns(model: str):
     assert set(found.pairs_in_contact) == {0, 1}
 
 
+def test_an_event_has_the_time_at_which_the_contact_ratio_is_one():
+    system = pair(
+        bow=gb.Bow.half_sine(4e-4), centre_distance=0.1145, stiffness=gb.Stiffness.parabolic(2e8)
+    )
+    run = system.simulate(0.4, 60.0, output_step=1e-5)
+    margin = run.mesh(("pinion", "wheel")).contact_ratio - 1.0
+    (at,) = np.nonzero(margin[:-1] * margin[1:] < 0.0)
+    crossings = run.time[at] + 1e-5 * margin[at] / (margin[at] - margin[at + 1])
+    # The run begins below 1: its first event is at the time 0.
+    events = [
+        each.time
+        for each in run.events
+        if each.time > 0.0 and each.kind.startswith("contact ratio")
+    ]
+    # The bow of the wheel turns twice: four crossings. The ratio is nearly linear within a step.
+    np.testing.assert_allclose(events, crossings, rtol=0.0, atol=1e-6)
+    assert len(events) == 4
+
+
 def test_short_tips_are_named_as_the_cause():
     with pytest.warns(gb.SceneWarning, match=r"probable cause: the tip radii are 0\.038000 m and"):
         gb.RotorSystem(

@@ -110,6 +110,15 @@ def test_modes(scene: str, capsys):
     assert "modes at 1500 rpm" in out
 
 
+def test_bow_limits(scene: str, tmp_path: Path, capsys):
+    given = ["bow-limits", scene, "--shaft", "input", "--speed", "1500 rpm", "--phase", "0 deg"]
+    found = answer(capsys, *given, "--out", tmp_path / "limits.png")
+    expected = gb.RotorSystem.load(scene).bow_limits("input", gb.rpm(1500), phase=0.0)
+    assert [one["limit"] for one in found["limits"]] == [one.limit for one in expected.found]
+    assert found["present"] == expected.present
+    assert (tmp_path / "limits.png").stat().st_size > 1000
+
+
 def test_campbell(scene: str, tmp_path: Path, capsys):
     pytest.importorskip("matplotlib")
     given = ["campbell", scene, "--to", "6000 rpm", "--points", 5, "--count", 3, "--harmonics", 0]

@@ -65,6 +65,20 @@ def shown(system: gb.RotorSystem) -> list[str]:
     return places(system)[:6]
 
 
+def labels_of_bodies(system: gb.RotorSystem) -> list[str]:
+    """Labels of these bodies in the drawing of the machine, where "stage 1–16" is one label."""
+    from gearbow.plotting.labels import series
+
+    bodies = [*system.gears, *system.disks]
+    labels = {
+        name: label
+        for shaft in system.shafts
+        for label, own in series([body.name for body in bodies if body.shaft == shaft.name])
+        for name in own
+    }
+    return [labels[name] for name in shown(system)]
+
+
 OWN_ITEMS = ("mesh", "geometry", "bearings")
 
 
@@ -164,7 +178,7 @@ def check_printed_tradeoff(answer: dict[str, Any], _: Any, __: Machine, ___: Pat
 
 
 FIGURES = {
-    "train": Drawing(None, lambda _, s: s.plot(), lambda _: 2, shown),
+    "train": Drawing(None, lambda _, s: s.plot(), lambda _: 2, labels_of_bodies),
     "modes": Drawing(
         "modes",
         lambda r, _: r.plot(),

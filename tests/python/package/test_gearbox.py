@@ -118,5 +118,6 @@ def test_the_error_of_component_modes_is_that_of_a_stable_reduction(example, sys
     displacement, force = run.statistics.modes_error
     assert displacement < 1e-2
     assert force < 0.1
-    with pytest.raises(gb.GearbowError, match=r"'1× cage intermediate@0.02' and '1× output'"):
+    # The orders of the cages are too close to others in 0.1 s.
+    with pytest.warns(gb.AccuracyWarning, match="too close to each other"):
         run.orders("accelerometer", bearing_harmonics=1)

@@ -125,6 +125,16 @@ def in_shaft(name: str, **shaft: Any) -> Callable[..., object]:
     return make
 
 
+def as_limit(name: str) -> Callable[..., object]:
+    """Make a limit of a bow, and find the bow."""
+
+    def make(**given: Any) -> object:
+        one = getattr(gb.BowLimit, name)(**given)
+        return system().bow_limits("input", 100.0, limits=[one])
+
+    return make
+
+
 def of_source(name: str) -> Callable[..., object]:
     """Make a source, and a response to it."""
     return lambda **given: system().frequency_response([9.0], source=getattr(gb, name)(**given))
@@ -188,6 +198,16 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     ),
     "Bow.function": (in_shaft("bow", make=gb.Bow.function), {"f": lambda x: 1e-4 * x}),
     "Bow.read_table": (gb.Bow.read_table, {"path": "x.csv"}),
+    "BowLimit.displacement": (as_limit("displacement"), {"at": "g1", "limit": 1e-4}),
+    "BowLimit.velocity": (as_limit("velocity"), {"at": "g1", "limit": 1e-3}),
+    "BowLimit.contact_ratio": (as_limit("contact_ratio"), {"at": "g1/g2", "least": 1.2}),
+    "BowLimit.mesh_force": (gb.BowLimit.mesh_force, {"at": "g1/g2", "factor": 1.5}),
+    "BowLimit.bearing_force": (as_limit("bearing_force"), {"at": ("input", 0.0), "force": 1e4}),
+    "BowLimit.bearing_life": (
+        as_limit("bearing_life"),
+        {"at": ("input", 0.0), "hours": 1e4, "capacity": 5e4, "exponent": 3.0},
+    ),
+    "BowLimit.film": (gb.BowLimit.film, {"at": ("input", 0.0), "thickness": 1e-5}),
     "Gear": (
         with_part("Gear"),
         {
@@ -313,6 +333,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         system,
         {
             "balance": {"planes": ["g1"], "speed": 100.0},
+            "bow_limits": {"shaft": "input", "speed": 100.0},
             "campbell": {"speeds": [0.0, 100.0]},
             "continuation": {
                 "parameter": "speed",
@@ -511,6 +532,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
 }
 
 METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
+METHODS["BowLimits"] = (lambda: system().bow_limits("input", 100.0), {"plot": {}})
 METHODS["Peaks"] = (
     lambda: system().synchronous([0.0, 50.0, 100.0]).peaks("g1"),
     {"plot": {}},

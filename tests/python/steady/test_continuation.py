@@ -428,7 +428,7 @@ def test_an_interrupted_branch_keeps_its_points():
     assert "backlash" in repr(kept)
     kept.plot(MESH, "deflection").savefig(Path("/dev/null"), format="png")
     (panel,) = kept.plot(MESH, speed_unit="rpm").axes
-    assert panel.get_xlabel() == "backlash [m]"
+    assert panel.get_xlabel() == "backlash [µm]"
     table = kept.to_dataframe(MESH)
     assert len(table) == kept.values.size
     assert table.columns[1:3].tolist() == ["stable", "kind"]

@@ -1,0 +1,226 @@
+"""Limits of the bow of a shaft."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, in_degrees, in_micrometres
+from gearbow._shown import Shown
+from gearbow._types import Array
+from gearbow.units.speed import SpeedUnit, speed_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["BowLimits", "ReachedLimit"]
+
+
+@dataclass(frozen=True)
+class ReachedLimit(Shown):
+    """The bow at which one limit is reached at one speed.
+
+    Parameters
+    ----------
+    limit : str
+        The limit, for example "backlash used up".
+    at : str
+        Mesh, bearing or place.
+    speed : float
+        Speed of the reference shaft [rad/s].
+    bow : float
+        Size of the bow [m]: 0 if the limit is exceeded without bow, infinite if it is not reached.
+    phase : float
+        Angle by which the shape is turned in the shaft [rad], the worst one or the given one; NaN
+        where every phase has the same limit.
+    why : str
+        Value of the limit, or the reason why it is not reached.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> found = gb.results.ReachedLimit("backlash used up", "g1/g2", 100.0, 2e-4)
+    >>> found.is_reached
+    True
+    """
+
+    limit: str
+    at: str
+    speed: float
+    bow: float
+    phase: float = math.nan
+    why: str = ""
+
+    @property
+    def is_reached(self) -> bool:
+        """Whether some bow reaches the limit.
+
+        Returns
+        -------
+        bool
+            Whether the bow is finite.
+        """
+        return math.isfinite(self.bow)
+
+
+@dataclass(frozen=True, eq=False)
+class BowLimits(Result, ReadOnly):
+    """The bow at which each limit is reached, and the margin to the present bow.
+
+    Parameters
+    ----------
+    shafts : tuple of str
+        The bowed shafts.
+    present : float
+        Size of the present bow [m]: its amplitude, or the largest of its points.
+    speeds : ndarray, shape (speeds,)
+        Speeds of the reference shaft [rad/s].
+    found : tuple of ReachedLimit
+        Every limit at every speed, the speeds of a limit after each other.
+    phase : float or None
+        Given phase [rad]; None is the worst phase.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
+
+    Notes
+    -----
+    The table has the smallest bow of each limit over the speeds, the data frame every speed.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bow = gb.Bow.half_sine(3e-5)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> probe = gb.BowLimit.displacement(("rotor", 0.5), 100e-6)
+    >>> found = system.bow_limits("rotor", 1.0, limits=[probe])
+    >>> f"{1e6 * found.deciding.bow:.1f} µm"
+    '50.0 µm'
+    """
+
+    shafts: tuple[str, ...]
+    present: float
+    speeds: Array
+    found: tuple[ReachedLimit, ...]
+    phase: float | None = None
+    speed_unit: SpeedUnit = field(default="rad/s")
+
+    @property
+    def limits(self) -> tuple[ReachedLimit, ...]:
+        """Each limit at the speed with the smallest bow.
+
+        Returns
+        -------
+        tuple of ReachedLimit
+            By ascending bow.
+        """
+        return tuple(sorted(map(_smallest, self._series_of_limits()), key=lambda one: one.bow))
+
+    @property
+    def deciding(self) -> ReachedLimit | None:
+        """The limit with the smallest bow.
+
+        Returns
+        -------
+        ReachedLimit or None
+            The limit that decides; None if no bow reaches a limit.
+        """
+        first = min(self.found, key=lambda one: one.bow, default=None)
+        return first if first is not None and first.is_reached else None
+
+    @property
+    def margin(self) -> float:
+        """Distance of the present bow from the deciding limit.
+
+        Returns
+        -------
+        float
+            The bow of the deciding limit minus the present one [m], negative where it is exceeded.
+        """
+        return math.inf if self.deciding is None else self.deciding.bow - self.present
+
+    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
+        """Draw the limits against the speed, and the present bow.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            The panel; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which the speeds were given.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            One curve for each of the seven smallest limits that are reached.
+        """
+        with extra("plot"):
+            from gearbow.plotting import bow_limits as figures  # noqa: PLC0415
+
+        lines = {
+            f"{own[0].limit}, {own[0].at}": np.array([one.bow for one in own])
+            for own in self._series_of_limits()
+        }
+        order = [f"{one.limit}, {one.at}" for one in self.limits]
+        return figures.bow_limits(
+            self.speeds,
+            {name: lines[name] for name in order},
+            self.present,
+            label=f"bow of {', '.join(self.shafts)}",
+            speed_unit=self._speed_unit(speed_unit),
+            ax=ax,
+        )
+
+    def _series_of_limits(self) -> list[tuple[ReachedLimit, ...]]:
+        """Give the speeds of each limit."""
+        count = self.speeds.size
+        return [self.found[i : i + count] for i in range(0, len(self.found), count)]
+
+    def _columns(self) -> list[Column]:
+        return self._columns_of(self.limits)
+
+    def _series(self) -> list[Column]:
+        return self._columns_of(self.found)
+
+    def _columns_of(self, rows: Sequence[ReachedLimit]) -> list[Column]:
+        bows = np.array([one.bow for one in rows])
+        return [
+            Column("limit", [one.limit for one in rows]),
+            Column("at", [one.at for one in rows]),
+            Column("speed", np.array([one.speed for one in rows]), "rad/s", ".5g"),
+            Column("bow", _known(bows), "m", ".4g", in_micrometres()),
+            Column("margin", _known(bows - self.present), "m", ".4g", in_micrometres()),
+            Column("phase", np.array([one.phase for one in rows]), "rad", ".0f", in_degrees()),
+            Column("why", [one.why for one in rows]),
+        ]
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        ends = dict.fromkeys(speed_text(float(s), speed_unit) for s in self.speeds[[0, -1]])
+        phase = "worst phase" if self.phase is None else f"phase {math.degrees(self.phase):.4g}°"
+        first = f"limits of the bow of {', '.join(self.shafts)} at {' to '.join(ends)}, {phase}"
+        return [f"{first}; present bow {1e6 * self.present:.4g} µm"]
+
+    def _remarks(self) -> list[str]:
+        first = self.deciding
+        if first is None:
+            return ["no bow reaches a limit"]
+        return [f"decides: {first.limit}, {first.at}, at {1e6 * first.bow:.4g} µm"]
+
+    def __repr__(self) -> str:
+        reached = sum(one.is_reached for one in self.limits)
+        text = f"{', '.join(self.shafts)}: {reached} of {len(self.limits)} limits reached"
+        return f"BowLimits({text}; {self._remarks()[0]})"
+
+
+def _known(values: Array) -> Array:
+    """Give NaN for a limit that is not reached; tables write "–"."""
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def _smallest(own: Sequence[ReachedLimit]) -> ReachedLimit:
+    return min(own, key=lambda one: one.bow)

@@ -1,0 +1,193 @@
+"""The bow of a shaft at which each limit of a system is reached."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import array, number
+from gearbow._lookup import one_of
+from gearbow.analysis.bow_checks import Check, added_check, mesh_checks, mesh_rows
+from gearbow.analysis.bow_motion import BowMotion, Variants
+from gearbow.analysis.crossing import first_crossing
+from gearbow.analysis.protocol import System
+from gearbow.description.bow import Bow, amplitude_of
+from gearbow.description.bow_limit import BowLimit
+from gearbow.description.part import expect, parts
+from gearbow.errors import ContactError, ConvergenceError, SceneError, StabilityError
+from gearbow.results.bow_limits import BowLimits, ReachedLimit
+from gearbow.system.steady import steady_state
+from gearbow.units.speed import given_unit
+
+__all__ = ["bow_limits"]
+
+#: Relative tolerance of a bow from the linear motion, and from steady states, which cost more.
+_TOLERANCE, _STEADY_TOLERANCE = 1e-6, 2e-3
+#: First bow of a search among steady states, as a part of the bow at which the linear motion ends.
+_STEADY_PARTS = 8.0
+#: Bow of a steady state that counts as none, as a part of the largest one.
+_NO_BOW = 1e-6
+
+
+def bow_limits(
+    self: System,
+    shaft: str | Sequence[str],
+    speed: ArrayLike,
+    *,
+    shape: Bow | None = None,
+    phase: float | None = None,
+    limits: Sequence[BowLimit] = (),
+) -> BowLimits:
+    """Find the largest bow of a shaft for every limit.
+
+    Each mesh has four limits: the backlash is used up, so that the back flanks touch; tips touch
+    roots; tips pass the ends of the involutes; the contact ratio falls below 1. `limits` adds
+    others.
+
+    Parameters
+    ----------
+    shaft : str or sequence of str
+        The bowed shaft. The bows of several shafts grow together.
+    speed : float or array_like, shape (speeds,)
+        Speed of the reference shaft [rad/s], or several.
+    shape : Bow, optional
+        Shape and phase of the bow; its amplitude does not matter. None is the present bow of the
+        shaft, or a half sine if it has none.
+    phase : float, optional
+        Angle by which the shape is turned in the shaft [rad]; 0 keeps its own phase. None is the
+        worst phase relative to the other bows and unbalances.
+    limits : sequence of BowLimit
+        Further limits: displacement, velocity, contact ratio, mesh force, bearing force or life,
+        oil film.
+
+    Returns
+    -------
+    BowLimits
+        The bow at each limit and speed, its margin to the present bow, and the limit that decides.
+
+    Raises
+    ------
+    SceneError
+        If an argument is invalid, or the bow is given by a function.
+    ChannelError, GearbowError
+        If a limit names an unknown mesh, bearing or place.
+
+    Notes
+    -----
+    The limits of the teeth follow from the exact geometry of the moving centres. Their motion is
+    the static equilibrium plus the linear synchronous response to bow and unbalance, as are
+    vibrations and forces of bearings. Transmission errors and the changing number of tooth pairs
+    do not contribute. Mesh forces and oil films are found from steady states of the nonlinear
+    system; their worst phase is that with the smallest backlash (without one: tip clearance) or the
+    largest displacement of the journal in the linear motion.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> shafts = [gb.Shaft(name, length=0.4, outer_diameter=0.06) for name in ("input", "output")]
+    >>> tooth = {"position": 0.2, "module": 3e-3, "face_width": 0.03}
+    >>> pair = (("g1", "input", 25), ("g2", "output", 50))
+    >>> gears = [gb.Gear(name, shaft, teeth=z, **tooth) for name, shaft, z in pair]
+    >>> system = gb.RotorSystem(
+    ...     shafts=shafts,
+    ...     gears=gears,
+    ...     meshes=[gb.Mesh("g1", "g2", backlash=1e-4)],
+    ...     bearings=[
+    ...         gb.Bearing(shaft, x, stiffness=2e8, damping=1e3)
+    ...         for shaft in ("input", "output")
+    ...         for x in (0.0, 0.4)
+    ...     ],
+    ... )
+    >>> for one in system.bow_limits("input", 10.0).limits[:2]:
+    ...     print(f"{one.limit} {one.at}: {1e6 * one.bow:.0f} µm")
+    backlash used up g1/g2: 147 µm
+    tips touch roots g1/g2: 750 µm
+    """
+    unit = given_unit(speed) or self._speed_unit
+    speeds = np.atleast_1d(array(speed, "speed"))
+    names, bows, present = _bows(self, shaft, shape)
+    turned = None if phase is None else number(phase, "phase")
+    added = parts(limits, BowLimit, "limits")
+    variants = Variants(self, names, bows, turned)
+    rows = mesh_rows(variants) if any(mesh.backlash is not None for mesh in self.meshes) else {}
+    responses = variants.responses(speeds)
+    found: list[list[ReachedLimit]] = []
+    for index, each in enumerate(speeds):
+        motion = BowMotion(variants, float(each), index, responses)
+        checks = [*mesh_checks(motion, rows), *(added_check(motion, one, rows) for one in added)]
+        found.append([_reached(motion, check) for check in checks])
+    by_limit = tuple(one for own in zip(*found, strict=True) for one in own)
+    return BowLimits(names, present, speeds, by_limit, turned, unit)
+
+
+def _bows(
+    system: System, shaft: str | Sequence[str], shape: Bow | None
+) -> tuple[tuple[str, ...], list[Bow], float]:
+    """Give the shafts, their bows, and the size of the present bow."""
+    known = {each.name: each for each in system.shafts}
+    wanted = shaft if isinstance(shaft, list | tuple) else [shaft]
+    names = tuple(one_of(name, known, "shaft") for name in wanted)
+    if not names:
+        raise SceneError("shaft: name at least one shaft")
+    own = [known[name].bow for name in names]
+    present = max(map(amplitude_of, own))
+    given = None if shape is None else expect(shape, Bow, "shape")
+    if given is None and present == 0.0:
+        given = Bow.half_sine(1.0)
+    bows = [given or bow or Bow.half_sine(0.0) for bow in own]
+    if not max(map(amplitude_of, bows)) > 0.0:
+        raise SceneError("shape: the amplitude must be positive; it is scaled to each limit")
+    return names, bows, present
+
+
+def _reached(motion: BowMotion, check: Check) -> ReachedLimit:
+    """Find the bow at which one limit is reached."""
+    found = ReachedLimit(check.limit, check.at, motion.speed, math.inf, why=check.why)
+    if check.steady is not None:
+        return _steady(motion, check, found)
+    margin = check.margin
+    if margin is None:
+        return found
+    bow = first_crossing(lambda bow: float(margin(bow).min()), check.first, check.most, _TOLERANCE)
+    if bow is None:
+        return replace(found, why=f"{check.beyond} first, at {1e6 * check.most:.4g} µm")
+    if bow == 0.0:
+        return replace(found, bow=0.0, why=f"{check.why}; exceeded without bow")
+    return replace(found, bow=bow, phase=motion.worst(margin(bow), float(margin(0.0).min())))
+
+
+def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimit:
+    """Find the bow at which a limit of steady states is reached."""
+    proxy, steady = check.proxy, check.steady
+    assert proxy is not None
+    assert steady is not None
+    scale = first_crossing(
+        lambda bow: float(proxy(bow).min()), check.first, check.most, _STEADY_TOLERANCE
+    )
+    most = check.most if scale is None else check.stretch * scale
+    phase = motion.worst(proxy(scale or most), float(proxy(0.0).min()))
+    turn = 0.0 if math.isnan(phase) else phase
+    failures: dict[float, str] = {}
+
+    def margin(bow: float) -> float:
+        # A system that nothing excites has no period: a small bow stands for none.
+        system = motion.variants.bent(max(bow, _NO_BOW * most), turn)
+        try:
+            found = steady_state(
+                system, motion.speed, initial="static", record=["meshes", "bearings"]
+            )
+            return steady(found.response)
+        except (ConvergenceError, StabilityError, ContactError) as error:
+            failures[bow] = str(error)
+            return -math.inf
+
+    bow = first_crossing(margin, (scale or most) / _STEADY_PARTS, most, _STEADY_TOLERANCE)
+    if bow is None:
+        return replace(found, why=f"not reached up to {1e6 * most:.4g} µm: {check.beyond}")
+    if failures and min(failures) <= (1.0 + _STEADY_TOLERANCE) * bow:
+        text = f"no steady motion above {1e6 * bow:.4g} µm: {failures[min(failures)]}"
+        return replace(found, why=text)
+    why = f"{check.why}; exceeded without bow" if bow == 0.0 else check.why
+    return replace(found, bow=bow, phase=phase, why=why)

@@ -1,0 +1,240 @@
+"""Limits of the bow: closed forms of rigid shafts, and simulations 2 % below and above each limit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import gearbow as gb
+from reference.cases import each_case
+from reference.machines import bowed_pair, inertia, pair, rotor
+
+MESH = {"stiffness": 2e8, "damping_ratio": 0.05}
+BACKLASH = 1.5e-4
+
+
+def rigid_pair(helix: float = 0.0) -> gb.RotorSystem:
+    """Build a pair without load that does not deform at low speed."""
+    bearing = {"stiffness": 1e12, "damping": 1e4, "axial_stiffness": 1e12 if helix else 0.0}
+    own = {"input": {"bow": gb.Bow.half_sine(1e-5)}}
+    own |= {"g1": {"helix_angle": helix}, "g2": {"helix_angle": -helix}}
+    mesh = {**MESH, "backlash": BACKLASH}
+    return pair(own=own, mesh=mesh, bearing=bearing, torque=0.0)
+
+
+def bent(system: gb.RotorSystem, amplitude: float, name: str = "input") -> gb.RotorSystem:
+    """Give a shaft a half sine."""
+    bow = gb.Bow.half_sine(amplitude)
+    shafts = [replace(s, bow=bow) if s.name == name else s for s in system.shafts]
+    return system.replace(shafts=shafts)
+
+
+def limit(found: gb.results.BowLimits, name: str) -> gb.results.ReachedLimit:
+    """Find a limit by name."""
+    return next(one for one in found.limits if one.limit == name)
+
+
+def approach(backlash: float, helix: float) -> float:
+    """Solve j = m_t (z₁ + z₂) cos α_t cos β_b (inv α_w − inv α_w') for the approach."""
+    transverse = math.atan(math.tan(math.radians(20.0)) / math.cos(helix))
+    base = math.asin(math.sin(helix) * math.cos(math.radians(20.0)))
+    pitch = 3e-3 / math.cos(helix) * 75
+
+    def involute(angle: float) -> float:
+        return math.tan(angle) - angle
+
+    low, high = 0.0, transverse
+    for _ in range(200):
+        angle = (low + high) / 2.0
+        left = backlash - pitch * math.cos(transverse) * math.cos(base) * (
+            involute(transverse) - involute(angle)
+        )
+        low, high = (low, angle) if left > 0.0 else (angle, high)
+    return pitch / 2.0 * (1.0 - math.cos(transverse) / math.cos(angle))
+
+
+@pytest.mark.parametrize("helix", [0.0, math.radians(20.0)])
+def test_the_backlash_of_rigid_shafts_is_used_up_at_the_approach_of_the_involutes(helix: float):
+    found = limit(rigid_pair(helix).bow_limits("input", 1.0), "backlash used up")
+    # The bearings of 1e12 N/m and 72 instants a turn, of which one points to the other gear
+    assert found.bow == pytest.approx(approach(BACKLASH, helix), rel=2e-4)
+    assert found.bow == pytest.approx(first_order(BACKLASH, helix), rel=0.01)
+
+
+def first_order(backlash: float, helix: float) -> float:
+    """Give j/(2 sin α_wt cos β_b)."""
+    transverse = math.atan(math.tan(math.radians(20.0)) / math.cos(helix))
+    base = math.asin(math.sin(helix) * math.cos(math.radians(20.0)))
+    return backlash / (2.0 * math.sin(transverse) * math.cos(base))
+
+
+def test_the_bows_at_both_gears_share_the_backlash():
+    system = rigid_pair()
+    other = 4e-5
+    shared = limit(bent(system, other, "output").bow_limits("input", 1.0), "backlash used up")
+    alone = limit(system.bow_limits("input", 1.0), "backlash used up")
+    # 36 phases and 72 instants meet the worst one to 1 − cos 5° of the bows
+    assert shared.bow + other == pytest.approx(alone.bow, rel=5e-3)
+    together = system.bow_limits(["input", "output"], 1.0, shape=gb.Bow.half_sine(1.0))
+    # speeds 2:1: after half a turn of the output shaft the bows point to each other and apart
+    assert limit(together, "backlash used up").bow <= 0.61 * alone.bow
+
+
+def test_the_contact_ratio_of_rigid_shafts_is_one_at_the_centre_distance_of_the_path():
+    found = limit(rigid_pair().bow_limits("input", 1.0), "contact ratio")
+    base, tips = np.array([37.5, 75.0]) * 1e-3 * math.cos(math.radians(20.0)), [40.5e-3, 78e-3]
+    reach = np.sqrt(np.square(tips) - base**2).sum()
+    pitch = 2.0 * math.pi * base[0] / 25
+    distance = math.hypot(reach - pitch, base.sum())
+    assert found.bow == pytest.approx(distance - 112.5e-3, rel=1e-3)
+    tip = limit(rigid_pair().bow_limits("input", 1.0), "tips touch roots")
+    assert tip.bow == pytest.approx(0.25 * 3e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "event"),
+    [
+        ("backlash used up", "tight"),
+        ("tips touch roots", "tip interference"),
+        ("involutes end", "involute interference"),
+        ("contact ratio", "contact ratio below 1"),
+    ],
+)
+def test_a_simulation_reaches_a_limit_of_the_teeth_above_it_and_not_below(name: str, event: str):
+    # the damping ends the transient within a few turns
+    damped = {"bearing": {"stiffness": 1e8, "damping": 1e4}, "modal_damping": 0.05}
+    system, speed = bowed_pair(mesh={**MESH, "backlash": BACKLASH}, **damped), 150.0
+    found = limit(system.bow_limits("input", speed), name)
+    if name != "backlash used up":
+        # flanks that jam would keep the gears apart
+        system = system.replace(meshes=[replace(system.meshes[0], backlash=None)])
+    turn = 2.0 * math.pi / speed
+    for part, reached in ((0.98, False), (1.02, True)):
+        run = bent(system, part * found.bow).simulate(8 * turn, speed, output_step=turn / 50)
+        events = {one.kind for one in run.events if one.time > 4 * turn}
+        assert (event in events) == reached, (part, events)
+
+
+def test_a_simulation_reaches_the_limits_of_probes_and_bearings():
+    system, speed, bearing = bowed_pair(mesh=MESH), 150.0, ("input", 0.0)
+    probe, capacity = ("input", 0.25), 44e3
+    given = [
+        gb.BowLimit.displacement(probe, "ISO 20816-3 B/C"),
+        gb.BowLimit.velocity("g2", 2e-3),
+        gb.BowLimit.bearing_force(bearing, 4e3),
+        gb.BowLimit.bearing_life(bearing, 20e3, capacity=capacity, exponent=3.0),
+    ]
+    found = system.bow_limits("input", speed, limits=given, phase=0.0)
+    rpm = speed * 30.0 / math.pi
+    angles = np.radians(np.arange(180.0))
+    directions = np.array([np.cos(angles), np.sin(angles)])
+
+    def values(bow: float) -> dict[str, float]:
+        run = (
+            bent(system, bow)
+            .steady_state(
+                speed,
+                record=[probe, "g2", "velocity", ("bearing", *bearing)],
+                output_step=2.0 * math.pi / speed / 360,
+                geometry="frozen",
+            )
+            .response
+        )
+        force = np.hypot(*run.bearing_force(bearing).T)[:-1]
+        mean = np.mean(force**3) ** (1 / 3)
+        return {
+            "displacement": np.ptp(run.displacement(probe) @ directions, axis=0).max()
+            / 9000e-6
+            * rpm**0.5,
+            "velocity": np.linalg.eigvalsh(np.cov(run.velocity("g2")[:-1].T)).max() ** 0.5 / 2e-3,
+            "bearing force": force.max() / 4e3,
+            "bearing life": 20e3 * 60.0 * rpm / 1e6 * (mean / capacity) ** 3,
+        }
+
+    for one in found.limits:
+        if one.limit in ("displacement", "velocity", "bearing force", "bearing life"):
+            below, above = (values(part * one.bow)[one.limit] for part in (0.98, 1.02))
+            assert below < 1.0 < above, one
+
+
+def test_a_steady_state_reaches_the_limit_of_the_mesh_force():
+    system = bowed_pair(mesh=MESH)
+    added = gb.BowLimit.mesh_force("g1/g2", 1.01)
+    found = limit(system.bow_limits("input", 300.0, limits=[added]), "mesh force")
+    static = system.static().mesh("g1/g2").force
+    for part, reached in ((0.98, False), (1.02, True)):
+        steady = bent(system, part * found.bow).steady_state(300.0)
+        assert (steady.response.mesh("g1/g2").force.max() > 1.01 * static) == reached
+
+
+def test_the_worst_phase_is_the_worst_of_all_phases():
+    disk = inertia(20.0, 0.2, 0.3, unbalance=1e-3)
+    system = rotor(disk=disk, bearing={"stiffness": 1e7, "damping": 1e3})
+    probe = gb.BowLimit.displacement("disk", 2e-4)
+    worst = system.bow_limits("rotor", 150.0, limits=[probe])
+    bows = [
+        system.bow_limits("rotor", 150.0, limits=[probe], phase=phase).limits[0].bow
+        for phase in np.linspace(0.0, 2.0 * np.pi, 73)
+    ]
+    # the given phases are twice as fine
+    assert worst.limits[0].bow == pytest.approx(min(bows), rel=5e-3)
+    assert min(bows) < 0.9 * max(bows)
+    at = system.bow_limits("rotor", 150.0, limits=[probe], phase=worst.limits[0].phase)
+    assert at.limits[0].bow == pytest.approx(worst.limits[0].bow, rel=1e-9)
+
+
+def test_limits_that_are_not_reached_say_why():
+    straight = rigid_pair().replace(meshes=[gb.Mesh("g1", "g2", **MESH)])
+    found = limit(straight.bow_limits("input", 1.0), "backlash used up")
+    assert (found.bow, found.why) == (math.inf, "the mesh has no backlash")
+    probe = gb.BowLimit.displacement("g2", 1e-4)
+    still = bowed_pair(mesh=MESH).bow_limits("input", 10.0, limits=[probe])
+    assert limit(still, "displacement").is_reached
+    unbalanced = rotor(disk=inertia(20.0, 0.2, 0.3, unbalance=1e-1))
+    probe = gb.BowLimit.displacement("disk", 1e-6)
+    found = unbalanced.bow_limits("rotor", 100.0, limits=[probe])
+    assert found.deciding is not None
+    assert (found.deciding.bow, found.margin) == (0.0, 0.0)
+    assert found.deciding.why.endswith("exceeded without bow")
+    empty = rotor().bow_limits("rotor", 10.0)
+    assert empty.deciding is None
+    assert "none" in str(empty)
+
+
+def test_the_table_has_the_worst_speed_and_the_frame_all_of_them():
+    found = bowed_pair(mesh={**MESH, "backlash": BACKLASH}).bow_limits("input", gb.rpm([600, 1500]))
+    printed = str(found)
+    assert printed.startswith("limits of the bow of input at 600 rpm to 1500 rpm, worst phase")
+    assert printed.endswith(f"at {1e6 * found.deciding.bow:.4g} µm")
+    frame = found.to_dataframe()
+    assert len(frame) == 8
+    assert frame["bow [m]"].min() == found.deciding.bow
+    assert np.allclose(frame["margin [m]"], frame["bow [m]"] - 1e-4)
+    assert isinstance(found.plot(), Figure)
+    assert "decides: backlash used up" in repr(found)
+
+
+@each_case(
+    ("message", "given"),
+    [
+        ("shaft: must be one of input, output", {"shaft": "middle"}),
+        ("shaft: name at least one shaft", {"shaft": []}),
+        ("shape: the amplitude must be positive", {"shape": gb.Bow.half_sine(0.0)}),
+        (r"limits\[0\]: must be a gb.BowLimit", {"limits": [1.0]}),
+        ("no mesh of 'g1' with 'g3'", {"limits": [gb.BowLimit.contact_ratio("g1/g3", 1.2)]}),
+        ("no journal bearing", {"limits": [gb.BowLimit.film(("input", 0.0), 1e-5)]}),
+    ],
+)
+def test_wrong_arguments(message: str, given: dict):
+    with pytest.raises(gb.GearbowError, match=message):
+        bowed_pair(mesh=MESH).bow_limits(**{"shaft": "input", "speed": 10.0, **given})
+
+
+@each_case(("message", "value"), [("must be positive", -1.0), ("must be one of ISO", "API 618")])
+def test_wrong_limits(message: str, value: object):
+    with pytest.raises(gb.SceneError, match=message):
+        gb.BowLimit.displacement("g1", value)
