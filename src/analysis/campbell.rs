@@ -20,7 +20,7 @@ use std::sync::Arc;
 use nalgebra::Complex;
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
-use super::modes::{lowest_modes, require, uses_bands};
+use super::modes::{lowest_oscillating_modes, require, uses_bands};
 use super::{AnalysisError, Interrupt};
 use crate::modal::{self, AtSpeed, CachedModel, Forces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl};
 use crate::scene::EntryPath;
@@ -215,7 +215,7 @@ impl<'a> Tracker<'a> {
         // At speed zero too, the flanks in contact are those of a positive speed.
         let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
         let count = if self.is_partial() { self.wanted } else { usize::MAX };
-        let modes = lowest_modes(self.cached, speed, count)?;
+        let modes = lowest_oscillating_modes(self.cached, speed, count)?;
         Ok(Rc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
     }
 

@@ -73,7 +73,7 @@ pub fn modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>
     order.sort_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
     order.truncate(count);
     let modal = (cached.model.scene.modal_damping > 0.0)
-        .then(|| ModalDamping::new(&cached.model, real, real.frequencies.len()));
+        .then(|| ModalDamping::new(&cached.model, real, real.frequencies.len(), f64::INFINITY));
     let pairs = order.into_iter().map(|index| pair((eigenvalues[index], &coordinates[index])));
     modes_of(cached, speed, modal.as_ref(), pairs)
 }

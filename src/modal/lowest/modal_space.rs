@@ -64,6 +64,8 @@ pub struct ModalSpace {
     damped: usize,
     /// Highest frequency of the modes, rad/s.
     pub(in crate::modal) highest: f64,
+    /// As [`ModalDamping::reach`].
+    reach: f64,
 }
 
 impl UndampedSearch<'_> {
@@ -78,7 +80,7 @@ impl UndampedSearch<'_> {
     /// [`DecompositionError`] if the undamped modes cannot be found.
     pub(in crate::modal) fn damping(&self, highest: Highest) -> Result<ModalDamping, DecompositionError> {
         let modes = DampedModes::new(self, highest)?;
-        Ok(ModalDamping::new(self.model, &modes.shapes, modes.kept))
+        Ok(ModalDamping::new(self.model, &modes.shapes, modes.kept, modes.reach()))
     }
 }
 
@@ -143,7 +145,7 @@ impl ModalSpace {
         let shapes = DMatrix::from_columns(&columns);
         let momenta = Arc::new(model.mass_times(&shapes));
         let highest = modes.shapes.frequencies[modes.kept - 1];
-        Ok(Self { shapes, momenta, damped, highest })
+        Ok(Self { shapes, momenta, damped, highest, reach: modes.reach() })
     }
 
     /// A model in this space at `speed` of the reference shaft, rad/s.
@@ -172,7 +174,12 @@ impl ModalSpace {
         for (mut column, value) in scaled.column_iter_mut().zip(&modes.values) {
             column *= 2.0 * ratio * value.max(0.0).sqrt();
         }
-        Ok(ModalDamping { ratio, momenta: Arc::clone(&self.momenta), rates: scaled * kept.transpose() })
+        Ok(ModalDamping {
+            ratio,
+            momenta: Arc::clone(&self.momenta),
+            rates: scaled * kept.transpose(),
+            reach: self.reach,
+        })
     }
 }
 
@@ -213,6 +220,12 @@ impl DampedModes {
             }
             size *= 2;
         }
+    }
+
+    /// As [`ModalDamping::reach`].
+    fn reach(&self) -> f64 {
+        let is_all = self.kept == self.shapes.vectors.nrows();
+        if is_all { f64::INFINITY } else { self.shapes.frequencies[self.kept - 1] / FREQUENCY_MARGIN }
     }
 
     /// Number of elastic modes with damping.

@@ -25,16 +25,18 @@ pub struct ModalDamping {
     pub momenta: Arc<DMatrix<f64>>,
     /// R, m × m symmetric, 1/s.
     pub rates: DMatrix<f64>,
+    /// Largest |λ| of a mode that other damped modes would not change, rad/s; infinite if all modes have damping.
+    pub reach: f64,
 }
 
 impl ModalDamping {
-    /// Damping of the elastic modes among the first `kept` ones.
-    pub(in crate::modal) fn new(model: &Model, modes: &RealModes, kept: usize) -> Self {
+    /// Damping of the elastic modes among the first `kept` ones, for modes up to |λ| = `reach`, rad/s.
+    pub(in crate::modal) fn new(model: &Model, modes: &RealModes, kept: usize, reach: f64) -> Self {
         let (null, elastic) = (modes.null, kept.saturating_sub(modes.null));
         let momenta = model.mass_times(&modes.vectors.columns(null, elastic).into_owned());
         let ratio = model.scene.modal_damping;
         let rates = DMatrix::from_diagonal(&(modes.frequencies.rows(null, elastic) * (2.0 * ratio)));
-        Self { ratio, momenta: Arc::new(momenta), rates }
+        Self { ratio, momenta: Arc::new(momenta), rates, reach }
     }
 
     /// D X for real columns X, n × k.
