@@ -15,13 +15,14 @@ mod state;
 mod threshold;
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use nalgebra::Complex;
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
-use super::modes::{lowest_modes, require, uses_bands};
+use super::modes::{lowest_oscillating_modes, require, uses_bands};
 use super::{AnalysisError, Interrupt};
-use crate::modal::{self, AtSpeed, CachedModel, Forces, Mode, ModeAtSpeed, Quadratic, Whirl};
+use crate::modal::{self, AtSpeed, CachedModel, Forces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl};
 use crate::scene::EntryPath;
 use state::State;
 pub use threshold::Threshold;
@@ -214,7 +215,7 @@ impl<'a> Tracker<'a> {
         // At speed zero too, the flanks in contact are those of a positive speed.
         let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
         let count = if self.is_partial() { self.wanted } else { usize::MAX };
-        let modes = lowest_modes(self.cached, speed, count)?;
+        let modes = lowest_oscillating_modes(self.cached, speed, count)?;
         Ok(Rc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
     }
 
@@ -224,12 +225,13 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         let [low, high] = ends;
         let part = ((speed - low.0) / (high.0 - low.0)).clamp(0.0, 1.0);
-        if self.has_band_newton() {
+        if self.is_partial() {
             let nearest = if part < 0.5 { low.1 } else { high.1 };
             let eigenvalue = low.1.eigenvalue * (1.0 - part) + high.1.eigenvalue * part;
             let cached = self.cached.at_speed(speed)?;
             let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
-            if let Some(met) = modal::mode_near(&cached.model, &start) {
+            let modal = self.modal_damping(&cached, speed)?;
+            if let Some(met) = modal::mode_near(&cached.model, modal.as_deref(), &start) {
                 let found = self.state(&cached, met)?;
                 if found.residual.is_accurate() && is_like(ends, &found) {
                     return Ok(found);
@@ -243,7 +245,8 @@ impl<'a> Tracker<'a> {
     fn state(&self, cached: &CachedModel, met: ModeAtSpeed) -> Result<State, AnalysisError> {
         let ModeAtSpeed { speed, eigenvalue, shape } = met;
         let whirl = modal::whirl(&cached.model, speed, eigenvalue, &shape);
-        let residual = modal::residual(cached, speed, eigenvalue, &shape, Forces::All)?;
+        let modal = self.modal_damping(cached, speed)?;
+        let residual = modal::residual(cached, speed, eigenvalue, &shape, Forces::All(modal.as_deref()))?;
         Ok(State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual }))
     }
 
@@ -293,10 +296,11 @@ impl<'a> Tracker<'a> {
     fn followed(&self, speed: f64) -> Result<Option<Vec<State>>, AnalysisError> {
         self.interrupt.check()?;
         let cached = self.cached.at_speed(speed)?;
+        let modal = self.modal_damping(&cached, speed)?;
         let mut states: Vec<State> = Vec::new();
         for mode in &self.modes {
             let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape() };
-            let Some(met) = modal::mode_near(&cached.model, &start) else {
+            let Some(met) = modal::mode_near(&cached.model, modal.as_deref(), &start) else {
                 return Ok(None);
             };
             let found = self.state(&cached, met)?;
@@ -315,12 +319,13 @@ impl<'a> Tracker<'a> {
         let is_equal = |(index, mode): (usize, &State)| {
             self.modes[..index].iter().any(|other| equal(other.eigenvalue, mode.eigenvalue))
         };
-        self.has_band_newton() && !self.modes.iter().enumerate().any(is_equal)
+        self.is_partial() && !self.modes.iter().enumerate().any(is_equal)
     }
 
-    /// Whether Newton's method with band matrices finds a mode: they contain all damping but that of modes.
-    fn has_band_newton(&self) -> bool {
-        self.cached.model.scene.modal_damping == 0.0 && self.is_partial()
+    /// Modal damping of a model at `speed`: that of the lowest modes, or of all modes if all are computed.
+    fn modal_damping(&self, cached: &CachedModel, speed: f64) -> Result<Option<Arc<ModalDamping>>, AnalysisError> {
+        let highest = if self.is_partial() { Highest::Mode(self.wanted) } else { Highest::Frequency(f64::INFINITY) };
+        Ok(cached.modal_damping(speed, highest)?)
     }
 
     /// Tracks the modes to the states at `speed`.
@@ -374,6 +379,8 @@ impl<'a> Tracker<'a> {
 
     /// Stores the intersections of a mode with all lines between two speeds.
     fn add_intersections(&mut self, mode: usize, ends: [(f64, &State); 2]) -> Result<(), AnalysisError> {
+        // Where matrices depend on the speed, the modes between the ends that the searches find.
+        let mut known: Vec<(f64, State)> = ends.iter().map(|(speed, state)| (*speed, (*state).clone())).collect();
         for line in 0..self.lines.len() {
             let order = self.lines[line].order;
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
@@ -387,7 +394,7 @@ impl<'a> Tracker<'a> {
                 } else {
                     // Without Newton's method.
                     let gap = |speed: f64, state: &State| state.eigenvalue.im - order * speed;
-                    let (speed, state) = self.root_of(ends, gap)?;
+                    let (speed, state) = self.root_of(&mut known, gap)?;
                     (speed, state.eigenvalue, state.whirl, state.residual)
                 };
                 let residual = residual.with((eigenvalue.im / (order * speed) - 1.0).abs());
@@ -407,11 +414,9 @@ impl<'a> Tracker<'a> {
         Ok(())
     }
 
-    /// Whether Newton's method finds intersections: the matrices do not depend on the speed, and band matrices contain the
-    /// damping, or dense ones.
+    /// Whether Newton's method finds intersections: the matrices do not depend on the speed.
     fn has_newton(&self) -> bool {
-        let model = &self.cached.model;
-        !model.depends_on_speed() && (model.scene.modal_damping == 0.0 || self.quadratic.is_some())
+        !self.cached.model.depends_on_speed()
     }
 
     /// Finds the intersection of a mode with the line ω = `order`·Ω between two speeds on opposite sides of the line.
@@ -434,7 +439,10 @@ impl<'a> Tracker<'a> {
         };
         let met = match &self.quadratic {
             Some(quadratic) => quadratic.intersection(order, &start),
-            None => modal::intersection(&self.cached.model, order, &start),
+            None => {
+                let modal = self.modal_damping(self.cached, speed)?;
+                modal::intersection(&self.cached.model, modal.as_deref(), order, &start)
+            }
         };
         if let Some(met) = met.filter(within) {
             return Ok(met);

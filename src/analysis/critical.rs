@@ -60,7 +60,7 @@ pub fn critical_speeds(
 fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<ModeAtSpeed>, AnalysisError> {
     let mut found = None;
     if has_structure(&cached.model, count) {
-        found = modal::lowest_critical(cached, order, count)?;
+        found = modal::lowest_critical(&cached.model, order, count)?;
     }
     let mut found = match found {
         Some(found) => found,

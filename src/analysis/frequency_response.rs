@@ -3,16 +3,13 @@
 //!
 //! The motion is the real part of x e^{iωt}. One factorisation serves all sources of a frequency and speed.
 
-use std::cell::OnceCell;
-
 use nalgebra::{Complex, DVector};
 
 use super::AnalysisError;
-use super::responses::MIN_BANDS;
 use super::sources::{Harmonic, Source};
-use super::synchronous::{MAX_DENSE, MAX_RESIDUAL, SourceResponse, solve_dense, without_modal_damping};
-use crate::linalg::DecompositionError;
-use crate::modal::{AtSpeed, CachedModel, DynamicKey, RotatingResponse, null_motions};
+use super::synchronous::{MAX_DENSE, MAX_RESIDUAL, MIN_BANDS, SourceResponse, banded, solve_dense};
+use crate::modal::{CachedModel, DynamicKey, Highest, null_motions};
+use crate::model::Model;
 use crate::scene::EntryPath;
 
 /// Backward error up to which a response is not refined. Times the condition of the matrix it is the error of the response: at
@@ -25,14 +22,15 @@ const DRIVES: f64 = 1e-9;
 pub struct FrequencyResponses<'a> {
     cached: &'a CachedModel,
     sources: &'a [Source],
-    /// The model with modal damping for each [`crate::model::Rotation`].
-    damped: [OnceCell<Result<RotatingResponse<'a>, DecompositionError>>; 3],
+    /// Highest frequency in question.
+    highest: Highest,
 }
 
 impl<'a> FrequencyResponses<'a> {
-    /// The responses of a model to sources; nothing is computed yet.
-    pub fn new(cached: &'a CachedModel, sources: &'a [Source]) -> Self {
-        Self { cached, sources, damped: Default::default() }
+    /// The responses of a model to sources at `frequencies`, rad/s; nothing is computed yet.
+    pub fn new(cached: &'a CachedModel, sources: &'a [Source], frequencies: &[f64]) -> Self {
+        let highest = frequencies.iter().map(|frequency| frequency.abs()).fold(0.0, f64::max);
+        Self { cached, sources, highest: Highest::Frequency(highest) }
     }
 
     /// The response to every source. `index` is the number of the frequency in messages.
@@ -40,43 +38,36 @@ impl<'a> FrequencyResponses<'a> {
     /// # Errors
     /// [`AnalysisError`] if a response has no accurate solution, or a source drives a rigid-body motion at frequency zero.
     pub fn at(&self, index: usize, at: Harmonic) -> Result<Vec<SourceResponse>, AnalysisError> {
-        match self.cached.at_speed(at.speed)? {
-            AtSpeed::Same(_) => self.all(index, at),
-            // Bearings that depend on the speed change the undamped modes.
-            AtSpeed::Specialised(model) => FrequencyResponses::new(&model, self.sources).all(index, at),
-        }
-    }
-
-    /// The responses of a model with the coefficients of the speed.
-    fn all(&self, index: usize, at: Harmonic) -> Result<Vec<SourceResponse>, AnalysisError> {
-        let model = &self.cached.model;
-        let force = |source: &Source| DVector::from_vec(source.force(model, at));
+        let cached = &*self.cached.at_speed(at.speed)?;
+        let force = |source: &Source| DVector::from_vec(source.force(&cached.model, at));
         let forces: Vec<_> = self.sources.iter().map(force).collect();
         if at.frequency == 0.0 {
-            self.check_rigid_body_motion(index, at.speed, &forces)?;
+            check_rigid_body_motion(&cached.model, index, at.speed, &forces)?;
         }
-        forces.iter().map(|force| self.one(index, at, force)).collect()
+        forces.iter().map(|force| self.one(cached, index, at, force)).collect()
     }
 
-    fn one(&self, index: usize, at: Harmonic, force: &DVector<Complex<f64>>) -> Result<SourceResponse, AnalysisError> {
-        let model = &self.cached.model;
+    /// The response of a model with the coefficients of the speed.
+    fn one(
+        &self,
+        cached: &CachedModel,
+        index: usize,
+        at: Harmonic,
+        force: &DVector<Complex<f64>>,
+    ) -> Result<SourceResponse, AnalysisError> {
+        let model = &cached.model;
         let Harmonic { frequency, speed } = at;
         let key = DynamicKey { speed, spin: frequency, flank_speed: speed };
         let is_damped = model.scene.modal_damping > 0.0 && frequency != 0.0;
-        let found = if !is_damped {
-            without_modal_damping(self.cached, key, BACKWARD_ERROR, force)?
-        } else if model.len() >= MIN_BANDS {
-            let damped = self.damped[model.rotation(speed) as usize]
-                .get_or_init(|| RotatingResponse::new(model, speed, self.cached.spectral_range(speed)?));
-            let solved = damped.as_ref().map_err(|error| *error)?.solve([speed, frequency], force);
-            solved.map(|solved| SourceResponse { phasors: solved.phasors, residual: solved.residual })
+        let found = if !is_damped || model.len() >= MIN_BANDS {
+            banded(cached, key, is_damped.then_some(self.highest), BACKWARD_ERROR, force)?
         } else {
             None
         };
         let found = match found {
             Some(found) => Some(found),
             // At an undamped natural frequency the response is very large: the dense solution shows its size.
-            None if model.len() <= MAX_DENSE => Some(solve_dense(self.cached, key, force.clone())?),
+            None if model.len() <= MAX_DENSE => Some(solve_dense(cached, key, force.clone())?),
             None => None,
         };
         // A residual that is not a number is refused as well.
@@ -86,31 +77,30 @@ impl<'a> FrequencyResponses<'a> {
             ))
         })
     }
+}
 
-    /// Refuses frequency zero if a force drives a rigid-body motion.
-    fn check_rigid_body_motion(
-        &self,
-        index: usize,
-        speed: f64,
-        forces: &[DVector<Complex<f64>>],
-    ) -> Result<(), AnalysisError> {
-        let null = null_motions(&self.cached.model, speed)?;
-        for (source, force) in forces.iter().enumerate() {
-            let drives = |motion: DVector<f64>| {
-                let work: Complex<f64> = motion.iter().zip(force.iter()).map(|(motion, force)| force * *motion).sum();
-                let size: f64 =
-                    motion.iter().zip(force.iter()).map(|(motion, force)| motion.abs() * force.norm()).sum();
-                work.norm() > DRIVES * size
-            };
-            if null.column_iter().any(|motion| drives(motion.into_owned())) {
-                let path = EntryPath::entry("frequencies", index);
-                return Err(path
+/// Refuses frequency zero if a force drives a rigid-body motion.
+fn check_rigid_body_motion(
+    model: &Model,
+    index: usize,
+    speed: f64,
+    forces: &[DVector<Complex<f64>>],
+) -> Result<(), AnalysisError> {
+    let null = null_motions(model, speed)?;
+    for (source, force) in forces.iter().enumerate() {
+        let drives = |motion: DVector<f64>| {
+            let work: Complex<f64> = motion.iter().zip(force.iter()).map(|(motion, force)| force * *motion).sum();
+            let size: f64 = motion.iter().zip(force.iter()).map(|(motion, force)| motion.abs() * force.norm()).sum();
+            work.norm() > DRIVES * size
+        };
+        if null.column_iter().any(|motion| drives(motion.into_owned())) {
+            let path = EntryPath::entry("frequencies", index);
+            return Err(path
                     .error(format!(
                         "source[{source}] accelerates a rigid-body motion, which has no stiffness, so that the response at 0 is infinite; leave 0 out, or hold the motion with a bearing or gb.Drive"
                     ))
                     .into());
-            }
         }
-        Ok(())
     }
+    Ok(())
 }

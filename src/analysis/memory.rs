@@ -14,8 +14,6 @@ use crate::scene::SceneError;
 pub enum Dense {
     /// Band matrices of the shafts and vectors of a Krylov space: no dense matrix.
     Bands,
-    /// The same, and the factors of the square root for modal damping: no dense matrix.
-    SquareRoot,
     /// Mass, stiffness, damping and gyroscopic matrix.
     Matrices,
     /// Undamped modes, also for critical speeds.
@@ -29,7 +27,7 @@ impl Dense {
     /// cross-coupled bearings: 5; 18 (critical speeds); 42 (modes) to 52 (Campbell diagram).
     const fn count(self) -> u64 {
         match self {
-            Self::Bands | Self::SquareRoot => 0,
+            Self::Bands => 0,
             Self::Matrices => 6,
             Self::Undamped => 20,
             Self::Damped => 56,
@@ -39,10 +37,8 @@ impl Dense {
     /// Memory of the matrices for `n` degrees of freedom, bytes.
     pub const fn bytes(self, n: usize) -> u64 {
         let n = n as u64;
-        match self {
-            Self::Bands => return BYTES_OF_BANDS.saturating_mul(n),
-            Self::SquareRoot => return BYTES_OF_ROOT.saturating_mul(n),
-            _ => {}
+        if matches!(self, Self::Bands) {
+            return BYTES_OF_BANDS.saturating_mul(n);
         }
         self.count().saturating_mul(8).saturating_mul(n.saturating_mul(n))
     }
@@ -116,8 +112,6 @@ fn gigabytes(bytes: u64) -> f64 {
 
 /// Memory of band matrices, their factors and 300 vectors of 2n entries, for each degree of freedom, bytes.
 const BYTES_OF_BANDS: u64 = 8192;
-/// Memory of the factors of up to 45 band matrices with up to 13 entries in a row, for each degree of freedom, bytes.
-const BYTES_OF_ROOT: u64 = 32_768;
 /// Required memory up to which nothing is checked, and memory that is left for the work beside the results, bytes.
 const UNCHECKED_BYTES: u64 = 64 << 20;
 /// Assumed available memory if the system does not provide it, bytes.
@@ -182,7 +176,6 @@ mod tests {
         assert!(Dense::Damped.bytes(45_005) > 700_000_000_000);
         assert_eq!(Dense::Damped.bytes(usize::MAX), u64::MAX);
         assert_eq!(Dense::Bands.bytes(45_005), 45_005 * 8192);
-        assert_eq!(Dense::SquareRoot.bytes(45_005), 45_005 * 32_768);
     }
 
     #[test]

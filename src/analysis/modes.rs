@@ -2,7 +2,7 @@
 
 use super::synchronous::MAX_DENSE;
 use super::{AnalysisError, Dense};
-use crate::modal::{self, CachedModel, Mode, Residual};
+use crate::modal::{self, CachedModel, Highest, Mode, Residual};
 use crate::model::Model;
 
 /// Smallest number of degrees of freedom for which band matrices are faster than dense ones.
@@ -28,12 +28,35 @@ pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
 /// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order.
 ///
 /// Among very many overdamped modes, as Rayleigh damping causes them, a few cannot be told apart from the others; they come
-/// from dense matrices, which take minutes with 2000 degrees of freedom.
+/// from dense matrices, which take minutes with 2000 degrees of freedom. So do overdamped modes with a large |λ|, which the modal
+/// damping of all modes changes, up to this size.
 ///
 /// # Errors
 /// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, dense matrices are needed and
 /// are too large, or a mode does not satisfy the equations of motion.
 pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
+    let modes = lowest_oscillating_modes(cached, speed, count)?;
+    let cached = cached.at_speed(speed)?;
+    if !uses_bands(&cached.model, count) || cached.model.len() > MAX_DENSE {
+        return Ok(modes);
+    }
+    let reach = cached.modal_damping(speed, Highest::Mode(count))?.map_or(f64::INFINITY, |modal| modal.reach);
+    if modes.iter().all(|mode| mode.eigenvalue.norm() <= reach) {
+        return Ok(modes);
+    }
+    Dense::Damped.require(&cached.model)?;
+    accurate(modal::modes(&cached, speed, count)?, speed)
+}
+
+/// The same, where modal damping may act only on the undamped modes of low frequency also in overdamped modes.
+///
+/// # Errors
+/// As [`lowest_modes`].
+pub(super) fn lowest_oscillating_modes(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+) -> Result<Vec<Mode>, AnalysisError> {
     let cached = cached.at_speed(speed)?;
     if uses_bands(&cached.model, count) {
         if let Some(modes) = modal::structured_modes(&cached, speed, count)? {

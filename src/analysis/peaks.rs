@@ -56,7 +56,7 @@ pub fn peaks(
     speeds: &[f64],
     interrupt: &Interrupt,
 ) -> Result<Vec<Peak>, AnalysisError> {
-    let responses = Responses::new(cached);
+    let responses = Responses::new(cached, speeds);
     let displacement = |speed: f64| -> Result<[Complex<f64>; 2], AnalysisError> {
         interrupt.check()?;
         let amplitudes = &responses.at(speed, &[probe.source], probe.part)?[0].phasors;

@@ -1,27 +1,15 @@
-//! Synchronous responses at several speeds, which share what modal damping needs.
-
-use std::cell::OnceCell;
+//! Synchronous responses at several speeds.
 
 use nalgebra::{Complex, DMatrix};
 
-use super::synchronous::{MAX_DENSE, SourceResponse, rotating_force, synchronous_of};
+use super::synchronous::{MIN_BANDS, SourceResponse, synchronous_of};
 use super::{AnalysisError, Dense, ExcitationPart};
-use crate::linalg::DecompositionError;
-use crate::modal::{AtSpeed, CachedModel, RotatingResponse};
+use crate::modal::{CachedModel, Highest};
 use crate::model::Model;
-
-/// Smallest number of degrees of freedom for which band matrices are faster than dense ones with modal damping.
-pub(super) const MIN_BANDS: usize = 100;
 
 /// Memory that synchronous responses need.
 pub fn memory_of_responses(model: &Model) -> Dense {
-    if model.scene.modal_damping == 0.0 {
-        Dense::Bands
-    } else if model.len() < MIN_BANDS {
-        Dense::Undamped
-    } else {
-        Dense::SquareRoot
-    }
+    if model.scene.modal_damping > 0.0 && model.len() < MIN_BANDS { Dense::Undamped } else { Dense::Bands }
 }
 
 /// Phasors of the synchronous response at one speed, as [`Responses::all`].
@@ -33,7 +21,7 @@ pub fn synchronous(
     speed: f64,
     part: ExcitationPart,
 ) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    Ok(Responses::new(cached).all(speed, part)?.amplitudes)
+    Ok(Responses::new(cached, &[speed]).all(speed, part)?.amplitudes)
 }
 
 /// Synchronous response at one speed.
@@ -45,17 +33,18 @@ pub struct Response {
     pub residual: f64,
 }
 
-/// Synchronous responses of a model. The meshes are linearised at rest.
+/// Synchronous responses of a model at some speeds. The meshes are linearised at rest.
 pub struct Responses<'a> {
     cached: &'a CachedModel,
-    /// The model with modal damping for each [`crate::model::Rotation`].
-    damped: [OnceCell<Result<RotatingResponse<'a>, DecompositionError>>; 3],
+    /// Highest spin of a shaft at these speeds.
+    highest: Highest,
 }
 
 impl<'a> Responses<'a> {
-    /// The responses of a model; nothing is computed yet.
-    pub fn new(cached: &'a CachedModel) -> Self {
-        Self { cached, damped: Default::default() }
+    /// The responses of a model at `speeds` of the reference shaft, rad/s; nothing is computed yet.
+    pub fn new(cached: &'a CachedModel, speeds: &[f64]) -> Self {
+        let fastest = speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max);
+        Self { cached, highest: Highest::Frequency(cached.model.max_speed_ratio() * fastest) }
     }
 
     /// The response at `speed`, rad/s.
@@ -80,38 +69,7 @@ impl<'a> Responses<'a> {
         sources: &[usize],
         part: ExcitationPart,
     ) -> Result<Vec<SourceResponse>, AnalysisError> {
-        match self.cached.at_speed(speed)? {
-            AtSpeed::Same(_) => sources.iter().map(|source| self.one(speed, *source, part)).collect(),
-            // Bearings that depend on the speed change the undamped modes.
-            AtSpeed::Specialised(model) => {
-                let own = Responses::new(&model);
-                sources.iter().map(|source| own.one(speed, *source, part)).collect()
-            }
-        }
-    }
-
-    /// The response to one source shaft of a model with the coefficients of `speed`, rad/s.
-    fn one(&self, speed: f64, source: usize, part: ExcitationPart) -> Result<SourceResponse, AnalysisError> {
-        let model = &self.cached.model;
-        let spin = model.shafts[source].ratio * speed;
-        // At standstill modal damping has no effect.
-        if model.scene.modal_damping == 0.0 || model.len() < MIN_BANDS || spin == 0.0 {
-            return synchronous_of(self.cached, speed, speed, source, part);
-        }
-        let Some(force) = rotating_force(model, spin, source, part) else {
-            return Ok(SourceResponse::zero(model));
-        };
-        let damped = self.damped[model.rotation(speed) as usize]
-            .get_or_init(|| RotatingResponse::new(model, speed, self.cached.spectral_range(speed)?));
-        match damped.as_ref().map_err(|error| *error)?.solve([speed, spin], &force) {
-            Some(found) => {
-                let response = SourceResponse { phasors: found.phasors, residual: found.residual };
-                response.checked(speed, &model.scene.shafts[source].name)
-            }
-            None if model.len() <= MAX_DENSE => synchronous_of(self.cached, speed, speed, source, part),
-            None => Err(AnalysisError::Convergence(format!(
-                "the synchronous response at {speed} rad/s with modal damping has no accurate solution; change the speed or the modal damping, or use at most {MAX_DENSE} degrees of freedom, for which dense matrices are used"
-            ))),
-        }
+        let one = |source: &usize| synchronous_of(self.cached, speed, speed, *source, part, self.highest);
+        sources.iter().map(one).collect()
     }
 }

@@ -6,8 +6,8 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::{AnalysisError, Dense};
-use crate::linalg::{CoupledFactors, Singular, backward_error, solve_complex};
-use crate::modal::{CachedModel, DynamicKey, Projected};
+use crate::linalg::{backward_error, solve_complex};
+use crate::modal::{CachedModel, DynamicKey, Highest, Solved};
 use crate::model::{Excitation, Model};
 use crate::scene::{EntryPath, SceneError};
 
@@ -40,6 +40,9 @@ impl ExcitationPart {
 
 /// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
 pub(super) const MAX_DENSE: usize = 2000;
+
+/// Smallest number of degrees of freedom for which band matrices are faster than dense ones with modal damping.
+pub(super) const MIN_BANDS: usize = 100;
 
 /// Largest relative residual of a response. Machines reach 1e-11, and scenes with stiffnesses of very different size 2e-6; a
 /// response that is wrong has a residual near one.
@@ -98,7 +101,8 @@ pub fn bow(model: &Model) -> DVector<Complex<f64>> {
     amplitudes
 }
 
-/// Response at `speed` to one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s.
+/// Response at `speed` to one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s, and with the modal
+/// damping for the `highest` frequency in question.
 ///
 /// # Errors
 /// [`AnalysisError`] if the undamped modes cannot be found, or the response does not satisfy the equations.
@@ -108,6 +112,7 @@ pub(super) fn synchronous_of(
     flank_speed: f64,
     source: usize,
     part: ExcitationPart,
+    highest: Highest,
 ) -> Result<SourceResponse, AnalysisError> {
     let cached = cached.at_speed(speed)?;
     let model = &cached.model;
@@ -117,9 +122,10 @@ pub(super) fn synchronous_of(
     };
     let name = &model.scene.shafts[source].name;
     let key = DynamicKey { speed, spin, flank_speed };
-    // The matrix of modal damping is full; at standstill it has no effect.
-    if model.scene.modal_damping == 0.0 || spin == 0.0 {
-        match without_modal_damping(&cached, key, 0.0, &force)? {
+    // At standstill modal damping has no effect.
+    let is_damped = model.scene.modal_damping > 0.0 && spin != 0.0;
+    if !is_damped || model.len() >= MIN_BANDS {
+        match banded(&cached, key, is_damped.then_some(highest), 0.0, &force)? {
             Some(found) => return found.checked(speed, name),
             // At an undamped critical speed the response is very large: the dense solution shows its size.
             None if model.len() <= MAX_DENSE => {}
@@ -127,30 +133,6 @@ pub(super) fn synchronous_of(
         }
     }
     solve_dense(&cached, key, force)?.checked(speed, name)
-}
-
-/// Phasors a at `speed` for one source shaft of a run in a `subspace`, whose modes modal damping acts on.
-///
-/// # Errors
-/// [`AnalysisError`] if the undamped modes cannot be found.
-pub(super) fn synchronous_in(
-    subspace: &Projected,
-    cached: &CachedModel,
-    speed: f64,
-    flank_speed: f64,
-    source: usize,
-) -> Result<DVector<Complex<f64>>, AnalysisError> {
-    let at_speed = cached.at_speed(speed)?;
-    let model = &at_speed.model;
-    let spin = model.shafts[source].ratio * speed;
-    let Some(force) = rotating_force(model, spin, source, ExcitationPart::Both) else {
-        return Ok(DVector::zeros(model.len()));
-    };
-    match without_modal_damping(&at_speed, DynamicKey { speed, spin, flank_speed }, 0.0, &force)? {
-        Some(found) if model.scene.modal_damping == 0.0 => Ok(found.phasors),
-        Some(found) => Ok(subspace.with_modal_damping(model, spin, found.phasors)),
-        None => Ok(synchronous_of(cached, speed, flank_speed, source, ExcitationPart::Both)?.phasors),
-    }
 }
 
 /// Phasors of the force of a source shaft of speed `spin`, rad/s; `None` without force.
@@ -179,35 +161,18 @@ pub(super) fn rotating_force(
     Some(force)
 }
 
-/// Solves S x = f without modal damping to a backward error, or to round-off if it is zero; `None` if round-off leaves no
-/// accurate solution.
-pub(super) fn without_modal_damping(
+/// Solves S x = f with the band matrices of the shafts, without modal damping to a backward error or, if it is zero, to
+/// round-off; `None` if round-off leaves no accurate solution.
+pub(super) fn banded(
     cached: &CachedModel,
     key: DynamicKey,
+    highest: Option<Highest>,
     tolerance: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<Option<SourceResponse>, AnalysisError> {
-    let found = cached.dynamic_factors(key)?;
-    let Ok(factors) = &found.factors else {
-        return Ok(None);
-    };
-    let Ok(mut solution) = solve_structured(&cached.model, factors, tolerance, force) else {
-        return Ok(None);
-    };
-    found.pins.remove_null_motions(&mut solution.phasors);
-    Ok(Some(solution))
-}
-
-/// Solves S x = f with the factors of the band matrices of the shafts.
-fn solve_structured(
-    model: &Model,
-    factors: &CoupledFactors,
-    tolerance: f64,
-    force: &DVector<Complex<f64>>,
-) -> Result<SourceResponse, Singular> {
-    let mut x = model.to_circular(force.as_slice());
-    let residual = factors.solve_to(tolerance, &mut x)?;
-    Ok(SourceResponse { phasors: DVector::from_vec(model.from_circular(&x)), residual })
+    let solver = cached.dynamic_solver(key, highest)?;
+    let found = solver.as_ref().as_ref().ok().and_then(|solver| solver.solve(&cached.model, tolerance, force).ok());
+    Ok(found.map(|Solved { phasors, residual, .. }| SourceResponse { phasors, residual }))
 }
 
 /// The same with the dense matrix, which may contain modal damping.

@@ -131,30 +131,51 @@ impl CoupledBands {
         let Some(chains) = chains.into_iter().map(factors).collect::<Option<Vec<_>>>() else {
             return false;
         };
+        let receptance = self.receptance(&chains);
+        negative_pivots(self.form(&receptance)) == Some(0)
+    }
+
+    /// Number of negative eigenvalues of the matrix, Hermitian but for the scale of the coordinates; `None` where a pivot does not
+    /// tell its sign.
+    ///
+    /// With the inertia of A, that of S follows from Z of the solution above: motions x with EᵀA⁻¹x = 0 have the same form with
+    /// both inverses, so that S has as many negative eigenvalues more than A as Z + ZΔZ has more than Z.
+    pub fn negative_eigenvalues(&self) -> Option<usize> {
+        match self.chains.iter().map(BandChain::real).collect::<Option<Vec<_>>>() {
+            Some(real) => self.negative_with(real),
+            None => self.negative_with(self.chains.clone()),
+        }
+    }
+
+    /// The same with the matrices of the chains.
+    fn negative_with<T: Number>(&self, chains: Vec<Band<T>>) -> Option<usize> {
+        let chains: Vec<BandLu<T>> =
+            chains.into_iter().map(Band::factor_without_exchanges).collect::<Result<_, _>>().ok()?;
+        let mut count = 0;
+        for pivot in chains.iter().flat_map(BandLu::pivots) {
+            count += usize::from(is_negative(pivot)?);
+        }
+        let receptance = self.receptance(&chains);
+        (count + negative_pivots(self.form(&receptance))?).checked_sub(negative_pivots(receptance)?)
+    }
+
+    /// Z.
+    fn receptance<T: Number>(&self, chains: &[BandLu<T>]) -> DMatrix<Complex64> {
         let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::ZERO);
-        let columns = couplings.columns(&chains, |chain| couplings.first_row(chain));
+        let columns = couplings.columns(chains, |chain| couplings.first_row(chain));
         let mut receptance = DMatrix::zeros(columns.len(), columns.len());
         for (j, column) in columns.iter().enumerate() {
             for (i, row) in couplings.in_chain(couplings.places[j].0) {
                 receptance[(i, j)] = Complex64::new(column[row].real(), column[row].imaginary());
             }
         }
-        let mut form = &receptance + &receptance * &couplings.matrix * &receptance;
-        // Pivots of Gaussian elimination do not depend on the scale of the coordinates.
-        for k in 0..form.nrows() {
-            let pivot = form[(k, k)];
-            if !is_positive(pivot) {
-                return false;
-            }
-            for i in k + 1..form.nrows() {
-                let factor = form[(i, k)] / pivot;
-                for j in k + 1..form.nrows() {
-                    let change = factor * form[(k, j)];
-                    form[(i, j)] -= change;
-                }
-            }
-        }
-        true
+        receptance
+    }
+
+    /// Z + ZΔZ.
+    fn form(&self, receptance: &DMatrix<Complex64>) -> DMatrix<Complex64> {
+        let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::ZERO);
+        receptance + receptance * &couplings.matrix * receptance
     }
 
     /// Sum of the magnitudes of the entries of each row.
@@ -164,6 +185,29 @@ impl CoupledBands {
         self.couplings.iter().for_each(|((row, _), value)| sizes[*row] += value.l1_norm());
         sizes
     }
+}
+
+/// Number of negative eigenvalues of a matrix, Hermitian but for the scale of the coordinates, of which the pivots of Gaussian
+/// elimination do not depend.
+fn negative_pivots(mut form: DMatrix<Complex64>) -> Option<usize> {
+    let mut count = 0;
+    for k in 0..form.nrows() {
+        let pivot = form[(k, k)];
+        count += usize::from(is_negative(pivot)?);
+        for i in k + 1..form.nrows() {
+            let factor = form[(i, k)] / pivot;
+            for j in k + 1..form.nrows() {
+                let change = factor * form[(k, j)];
+                form[(i, j)] -= change;
+            }
+        }
+    }
+    Some(count)
+}
+
+/// Whether a pivot of a Hermitian matrix is negative; `None` where its imaginary part, which is round-off, hides the sign.
+fn is_negative<T: Number>(pivot: T) -> Option<bool> {
+    (pivot.is_finite() && pivot.real().abs() > pivot.imaginary().abs()).then(|| pivot.real() < 0.0)
 }
 
 /// Whether a pivot of a Hermitian matrix is positive: its imaginary part is round-off.
@@ -314,11 +358,13 @@ mod tests {
     #[test]
     fn positive_definite_matrices_are_recognised() {
         let mut counts = [0, 0];
-        for stiffness in [1.5, 2.0, 2.5, 4.0] {
+        for stiffness in [-0.3, 0.7, 1.5, 2.0, 2.5, 4.0] {
             for couplings in [[0.0; 3], [0.3, -0.1, 0.0], [-0.5, 2.0, 1.0], [-1.0, -1.0, 0.2], [5.0, 5.0, -0.3]] {
                 let (sum, dense) = matrix(stiffness, couplings);
                 let is_definite = dense.symmetric_eigenvalues().min() > 0.0;
                 assert_eq!(sum.is_positive_definite(), is_definite, "{stiffness} {couplings:?}");
+                let negative = dense.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count();
+                assert_eq!(sum.negative_eigenvalues(), Some(negative), "{stiffness} {couplings:?}");
                 counts[usize::from(is_definite)] += 1;
             }
         }

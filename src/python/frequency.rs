@@ -157,7 +157,7 @@ pub fn synchronous<'py>(
     let found = model.run(py, memory, move |cached, interrupt| {
         let mut found =
             ResponseTable { amplitudes, forces, residuals: Vec::new(), largest: Vec::new(), unstable: Ok(Vec::new()) };
-        let responses = analysis::Responses::new(cached);
+        let responses = analysis::Responses::new(cached, &speeds);
         for speed in &speeds {
             interrupt.check()?;
             found.add(cached, *speed, &responses.all(*speed, part)?, &nodes)?;
@@ -342,7 +342,7 @@ pub fn frequency_response<'py>(
     };
     let nodes = bearings.clone();
     let table = model.run(py, memory, move |cached, interrupt| {
-        let responses = analysis::FrequencyResponses::new(cached, &sources);
+        let responses = analysis::FrequencyResponses::new(cached, &sources, &frequencies);
         for (index, (frequency, speed)) in frequencies.iter().zip(&speeds).enumerate() {
             interrupt.check()?;
             let at = Harmonic { frequency: *frequency, speed: *speed };

@@ -185,11 +185,15 @@ def check_synchronous(system: gb.RotorSystem, _: float, found: gb.results.Synchr
             excited = True
             scale = equations.scale(spin)
             residual = equations.dynamic_stiffness(1j * spin) @ given - force
-            # 4e-11 is reached
-            assert np.linalg.norm(residual / scale) < 1e-9 * np.linalg.norm(force / scale)
+            # of large trains, only modes of low frequency have modal damping: responses are known to 1e-5
+            is_partial = system.modal_damping is not None and len(system.dofs) >= 100
+            # 4e-11 is reached, and 4e-5 with modal damping
+            limit = 1e-4 if is_partial else 1e-9
+            assert np.linalg.norm(residual / scale) < limit * np.linalg.norm(force / scale)
             difference = scale * (given - equations.response(spin, force))
             # the direct solution loses digits where the train nearly rotates freely: 3e-9 is reached
-            assert np.linalg.norm(difference) < 1e-7 * np.linalg.norm(scale * given)
+            limit = 1e-5 if is_partial else 1e-7
+            assert np.linalg.norm(difference) < limit * np.linalg.norm(scale * given)
     assert excited
 
 

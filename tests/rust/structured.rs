@@ -1,7 +1,7 @@
 //! The modes of lowest frequency and responses with modal damping from the band matrices of the shafts, against those of
 //! dense matrices.
 
-use gearbow::modal::{self, CachedModel, Mode, RotatingResponse, Solved};
+use gearbow::modal::{self, CachedModel, DynamicKey, DynamicStiffnessSolver, Highest, Mode, Solved};
 use gearbow::model::Model;
 use gearbow::scene::{Scene, SceneDescription};
 use nalgebra::{DMatrix, DVector};
@@ -176,7 +176,7 @@ fn strong_dampers_with_modal_damping_need_no_dense_matrices_on_fine_meshes() {
 fn critical_speeds_are_those_of_dense_matrices() {
     for cached in [rotor(24, "stiffness = 1e8"), rotor(24, "stiffness = [1e7, 3e8]"), train(8, |text| text)] {
         for order in [1.0, 0.5, 3.0] {
-            let found = modal::lowest_critical(&cached, order, 9).unwrap().unwrap();
+            let found = modal::lowest_critical(&cached.model, order, 9).unwrap().unwrap();
             let wanted = modal::Quadratic::new(&cached, 1.0).unwrap().critical(order).unwrap();
             assert_eq!(found.len(), 9);
             for (one, other) in found.iter().zip(&wanted) {
@@ -192,7 +192,7 @@ fn an_intersection_is_the_same_in_physical_and_in_modal_coordinates() {
     let quadratic = modal::Quadratic::new(&cached, 1.0).unwrap();
     let critical = quadratic.critical(1.0).unwrap();
     for start in &critical[..6] {
-        let one = modal::intersection(&cached.model, 1.0, start).unwrap();
+        let one = modal::intersection(&cached.model, None, 1.0, start).unwrap();
         let other = quadratic.intersection(1.0, start).unwrap();
         assert!((one.speed - other.speed).abs() < 1e-9 * other.speed, "{} is not {}", one.speed, other.speed);
         assert!((one.eigenvalue - other.eigenvalue).norm() < 1e-9 * other.speed);
@@ -220,12 +220,15 @@ fn responses_with_modal_damping_take_as_many_iterations_on_fine_as_on_coarse_mes
             let model = &cached.model;
             for speed in [-800.0, 1.0, 150.0, 2000.0] {
                 let range = cached.spectral_range(speed).unwrap();
-                let damped = RotatingResponse::new(model, speed, range).unwrap();
+                // All modes have damping, as in the dense matrix.
+                let damping = cached.modal_damping(speed, Highest::Frequency(f64::INFINITY)).unwrap();
+                let at = DynamicKey { speed, spin: speed, flank_speed: speed };
+                let damped = DynamicStiffnessSolver::new(model, at, damping).unwrap().unwrap();
                 let mut force = DVector::zeros(model.len());
                 let place = model.translations().next().unwrap();
                 (force[place], force[place + 1]) = (Complex64::ONE, -Complex64::I);
                 let Solved { phasors: found, products: iterations, residual } =
-                    damped.solve([speed, speed], &force).unwrap();
+                    damped.solve(model, 0.0, &force).unwrap();
                 assert!(residual < 1e-10, "{residual:e}");
                 assert!(
                     iterations <= most,

@@ -1,5 +1,7 @@
 //! Speeds at which the damping of a tracked mode changes its sign.
 
+use std::cell::RefCell;
+
 use nalgebra::Complex;
 
 use super::super::AnalysisError;
@@ -39,7 +41,8 @@ impl Tracker<'_> {
             let (speed, state) = ends[usize::from(grows[0])];
             (speed, state.clone())
         } else {
-            self.root_of(ends, |_, state| state.eigenvalue.re)?
+            let mut known = ends.map(|(speed, state)| (speed, state.clone())).to_vec();
+            self.root_of(&mut known, |_, state| state.eigenvalue.re)?
         };
         let (eigenvalue, whirl) = (state.eigenvalue, state.whirl);
         let residual = state.residual.with(eigenvalue.re.abs() / eigenvalue.norm());
@@ -49,16 +52,33 @@ impl Tracker<'_> {
         Ok(())
     }
 
-    /// The speed between two speeds at which a `value` (speed, mode) of a tracked mode is zero, and the mode there, by the
-    /// method of Illinois.
+    /// The speed at which a `value` (speed, mode) of a tracked mode is zero, and the mode there, by the method of Illinois. `known`
+    /// are modes at ascending speeds, with values of different signs at the first and the last one; those that the search
+    /// finds are added.
     pub(super) fn root_of(
         &self,
-        ends: [(f64, &State); 2],
+        known: &mut Vec<(f64, State)>,
         value: impl Fn(f64, &State) -> f64,
     ) -> Result<(f64, State), AnalysisError> {
+        let sign = |(speed, state): &(f64, State)| value(*speed, state) > 0.0;
+        let change = known.windows(2).position(|pair| sign(&pair[0]) != sign(&pair[1])).unwrap_or_default();
+        let ends = [&known[change], &known[change + 1]].map(|(speed, state)| (*speed, state.clone()));
+        let ends = ends.each_ref().map(|(speed, state)| (*speed, state));
         let values = ends.map(|(speed, state)| Sample { at: speed, value: value(speed, state) });
-        let mode = |speed: f64| self.between(ends, speed);
-        let speed = root(values, |speed| mode(speed).map(|state| value(speed, &state)))?;
-        Ok((speed, mode(speed)?))
+        let found = RefCell::new(Vec::new());
+        let speed = root(values, |speed| -> Result<f64, AnalysisError> {
+            let state = self.between(ends, speed)?;
+            let value = value(speed, &state);
+            found.borrow_mut().push((speed, state));
+            Ok(value)
+        })?;
+        let found = found.into_inner();
+        let state = match found.iter().chain(known.iter()).find(|(at, _)| *at == speed) {
+            Some((_, state)) => state.clone(),
+            None => self.between(ends, speed)?,
+        };
+        known.extend(found);
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok((speed, state))
     }
 }

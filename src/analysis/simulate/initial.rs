@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
-use super::super::synchronous::{motion, synchronous_in, synchronous_of};
+use super::super::synchronous::{motion, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart, Spectrum};
 use super::run_cache::{Amplitudes, RunCache, StartKey};
 use super::{Final, Initial, Options, explain};
@@ -14,7 +14,7 @@ use crate::integrate::{
     FirstOrderSystem as _, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
 };
 use crate::mesh::Geometry;
-use crate::modal::{CachedModel, EquilibriumSpeeds, SubspaceKey};
+use crate::modal::{CachedModel, EquilibriumSpeeds, Highest};
 use crate::model::Model;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
@@ -26,10 +26,6 @@ const FLOOR_FRACTION: f64 = 1e-9;
 /// can contain many periods of the fastest mode, so that the limit is wide. It rejects an invalid state whose end would
 /// never be reached.
 const MAX_REMAINING_ROTATION: f64 = 1e12;
-
-/// Highest frequency of the modes that are damped in the synchronous motion of a reduced run, in multiples of the fastest
-/// speed. The damping of a mode of frequency ω changes its part of the motion by 2ζΩ/ω.
-const MAX_DAMPED_FREQUENCY: f64 = 100.0;
 
 /// Initial conditions of a run.
 #[derive(Clone, Debug)]
@@ -187,28 +183,12 @@ fn amplitudes(cached: &CachedModel, key: StartKey) -> Result<DMatrix<Complex<f64
     let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
     let sources: Vec<usize> =
         (0..model.shafts.len()).filter(|shaft| !model.shafts[*shaft].excitations.is_empty()).collect();
-    // The matrix of modal damping is full. In a reduced run it acts on few modes.
-    let subspace = if uses_components && model.scene.modal_damping > 0.0 && !sources.is_empty() {
-        let at_speed = cached.at_speed(speed)?;
-        let highest = MAX_DAMPED_FREQUENCY * model.max_speed_ratio() * speed.abs();
-        Some(at_speed.subspace(SubspaceKey {
-            speeds: vec![speed],
-            excited: highest,
-            rotation: 0.0,
-            highest: Some(highest),
-            interfaces: Vec::new(),
-            distributed: Vec::new(),
-            extent: None,
-        })?)
-    } else {
-        None
-    };
+    // A reduced run has modal damping on few modes.
+    let fastest = model.max_speed_ratio() * speed.abs();
+    let highest = Highest::Frequency(if uses_components { fastest } else { f64::INFINITY });
     for shaft in sources {
-        let column = match &subspace {
-            Some(subspace) => synchronous_in(subspace, cached, speed, flank_speed, shaft)?,
-            None => synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Both)?.phasors,
-        };
-        amplitudes.set_column(shaft, &column);
+        let found = synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Both, highest)?;
+        amplitudes.set_column(shaft, &found.phasors);
     }
     Ok(amplitudes)
 }

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use nalgebra::{Complex, DMatrix};
 
-use super::super::AnalysisError;
-use super::super::synchronous::synchronous_in;
+use super::super::synchronous::synchronous_of;
+use super::super::{AnalysisError, ExcitationPart};
 use super::initial::{Start, start_amplitudes};
 use super::run_cache::{ResponseKey, RunCache, StartKey};
 use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, Loads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
-use crate::modal::{CachedModel, ModalStateSpace, Projected};
+use crate::modal::{CachedModel, Highest, ModalStateSpace, Projected};
 use crate::motion::{EquationOfMotion, RotatingLoad, Speed};
 
 /// The parts of a run in modal coordinates.
@@ -58,9 +58,11 @@ impl<'m> ModalSetup<'m> {
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
         let sources: Vec<&RotatingLoad> =
             motion.sources().iter().filter(|source| !is_resonant(&linear, source.spin)).collect();
-        if let Some(subspace) = subspace {
+        if subspace.is_some() {
+            let highest = Highest::Frequency(cached.model.max_speed_ratio() * speed.abs());
             for RotatingLoad { shaft, .. } in sources {
-                amplitudes.set_column(*shaft, &synchronous_in(subspace, cached, speed, speed, *shaft)?);
+                let found = synchronous_of(cached, speed, speed, *shaft, ExcitationPart::Both, highest)?;
+                amplitudes.set_column(*shaft, &found.phasors);
             }
         } else {
             let key = ResponseKey {

@@ -6,11 +6,13 @@
 
 use nalgebra::{Complex, DVector};
 
-use super::residual::{Forces, Residual, Residuals};
+use super::residual::{Residual, Residuals};
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::DecompositionError;
-use crate::modal::lowest::{Eigenpair, lowest, lowest_damped};
-use crate::modal::state_space::{CachedModel, damped, physical, undamped};
+use crate::modal::cache::{CachedModel, Forces};
+use crate::modal::lowest::{Eigenpair, Highest, Problem, lowest, lowest_damped};
+use crate::modal::state_space::{damped, physical, undamped};
+use crate::modal::undamped::ModalDamping;
 use crate::model::Model;
 
 /// Entries of a mode shape whose magnitudes differ by less than this ratio count as equal; the first one fixes the
@@ -62,17 +64,18 @@ pub fn modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>
     let real = cached.real_modes(speed)?;
     let order = cached.first_order(speed)?;
     let (eigenvalues, coordinates) = if order.undamped { undamped(real) } else { damped(real, &order)? };
-    let ratio = cached.model.scene.modal_damping;
-    let pair = |(value, coordinates): (Complex<f64>, &DVector<Complex<f64>>)| {
-        let shape = physical(real, coordinates);
-        let modal_damping = (ratio > 0.0).then(|| real.damping_force(&cached.model, ratio, &shape));
-        Eigenpair { value, shape, modal_damping }
+    let pair = |(value, coordinates): (Complex<f64>, &DVector<Complex<f64>>)| Eigenpair {
+        value,
+        shape: physical(real, coordinates),
     };
     let mut order: Vec<usize> = (0..eigenvalues.len()).collect();
     let key = |index: &usize| (eigenvalues[*index].im, eigenvalues[*index].norm());
     order.sort_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
     order.truncate(count);
-    modes_of(cached, speed, order.into_iter().map(|index| pair((eigenvalues[index], &coordinates[index]))))
+    let modal = (cached.model.scene.modal_damping > 0.0)
+        .then(|| ModalDamping::new(&cached.model, real, real.frequencies.len(), f64::INFINITY));
+    let pairs = order.into_iter().map(|index| pair((eigenvalues[index], &coordinates[index])));
+    modes_of(cached, speed, modal.as_ref(), pairs)
 }
 
 /// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from the band
@@ -87,24 +90,26 @@ pub fn structured_modes(
     speed: f64,
     count: usize,
 ) -> Result<Option<Vec<Mode>>, DecompositionError> {
-    let lightly_damped = if cached.model.scene.modal_damping > 0.0 { None } else { lowest(cached, speed, count)? };
-    let found = match lightly_damped {
+    let modal = cached.modal_damping(speed, Highest::Mode(count))?;
+    let problem = Problem::new(&cached.model, speed, cached.spectral_range(speed)?, modal.as_deref())?;
+    let found = match lowest(&problem, count)? {
         Some(found) => Some(found),
-        None => lowest_damped(cached, speed, count)?,
+        None => lowest_damped(&problem, count)?,
     };
-    found.map(|pairs| modes_of(cached, speed, pairs.into_iter())).transpose()
+    found.map(|pairs| modes_of(cached, speed, modal.as_deref(), pairs.into_iter())).transpose()
 }
 
 /// Modes with their whirl and their residuals.
 fn modes_of(
     cached: &CachedModel,
     speed: f64,
+    modal: Option<&ModalDamping>,
     pairs: impl Iterator<Item = Eigenpair>,
 ) -> Result<Vec<Mode>, DecompositionError> {
     let classifier = Classifier::new(&cached.model, speed);
-    let mut residuals = Residuals::new(cached, speed, Forces::All)?;
-    let mode = |Eigenpair { value, shape, modal_damping }: Eigenpair| {
-        let residual = residuals.of(value, &shape, modal_damping.as_ref())?;
+    let mut residuals = Residuals::new(cached, speed, Forces::All(modal))?;
+    let mode = |Eigenpair { value, shape }: Eigenpair| {
+        let residual = residuals.of(value, &shape)?;
         let shape = normalized(shape);
         Ok(Mode { eigenvalue: value, whirl: classifier.classify(value, &shape), shape, residual })
     };

@@ -10,8 +10,8 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::linalg::{DecompositionError, hermitian_eigen, solve, solve_complex};
+use crate::modal::cache::CachedModel;
 use crate::modal::lowest::ModeAtSpeed;
-use crate::modal::state_space::CachedModel;
 
 /// Newton's method converges quadratically; if it needs more iterations, it diverges.
 const MAX_ITERATIONS: usize = 20;

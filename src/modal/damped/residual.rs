@@ -14,7 +14,7 @@ use nalgebra::DVector;
 use num_complex::Complex64;
 
 use crate::linalg::DecompositionError;
-use crate::modal::state_space::CachedModel;
+use crate::modal::cache::{CachedModel, Forces, dynamic_force};
 use crate::modal::undamped::ShiftInverse;
 use crate::model::Model;
 
@@ -50,21 +50,12 @@ impl Residual {
     }
 }
 
-/// Which forces the equations of motion contain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Forces {
-    /// All.
-    All,
-    /// Without damping and without circulatory forces.
-    Undamped,
-}
-
 /// Residuals of modes of one model at one speed.
 pub struct Residuals<'m> {
     model: &'m Model,
     /// Speed of the reference shaft, rad/s.
     speed: f64,
-    forces: Forces,
+    forces: Forces<'m>,
     /// s of a rigid-body mode, rad/s: the lowest frequency above zero.
     slowest: f64,
     /// Highest undamped frequency ω_max, rad/s.
@@ -78,28 +69,20 @@ impl<'m> Residuals<'m> {
     ///
     /// # Errors
     /// [`DecompositionError`] if the range of the frequencies cannot be found.
-    pub fn new(cached: &'m CachedModel, speed: f64, forces: Forces) -> Result<Self, DecompositionError> {
+    pub fn new(cached: &'m CachedModel, speed: f64, forces: Forces<'m>) -> Result<Self, DecompositionError> {
         let range = cached.spectral_range(speed)?;
         let fastest = if range.fastest > 0.0 { range.fastest } else { 1.0 };
         let slowest = range.slowest.filter(|slowest| *slowest > 0.0).unwrap_or(fastest);
         Ok(Self { model: &cached.model, speed, forces, slowest, fastest, inverse: None })
     }
 
-    /// Residual of the mode with λ = `eigenvalue`, rad/s, and the shape φ = `shape`; `modal_damping` is C φ of modal damping.
-    /// Both have n entries in the order of the core.
+    /// Residual of the mode with λ = `eigenvalue`, rad/s, and the shape φ = `shape`, n entries in the order of
+    /// the core.
     ///
     /// # Errors
     /// [`DecompositionError`] if K + s²M has no factors.
-    pub fn of(
-        &mut self,
-        eigenvalue: Complex64,
-        shape: &DVector<Complex64>,
-        modal_damping: Option<&DVector<Complex64>>,
-    ) -> Result<Residual, DecompositionError> {
-        let mut force = dynamic_force(self.model, self.speed, eigenvalue, shape, self.forces);
-        if let Some(damping) = modal_damping {
-            force += damping * eigenvalue;
-        }
+    pub fn of(&mut self, eigenvalue: Complex64, shape: &DVector<Complex64>) -> Result<Residual, DecompositionError> {
+        let force = dynamic_force(self.model, [self.speed; 2], eigenvalue, shape, self.forces);
         let size = if eigenvalue == Complex64::ZERO { self.slowest } else { eigenvalue.norm() };
         let inverse = match self.inverse.take() {
             Some(known) if known.shift <= SHARED * size && size <= SHARED * known.shift => known,
@@ -122,8 +105,7 @@ impl<'m> Residuals<'m> {
     }
 }
 
-/// Residual of one mode with λ = `eigenvalue`, rad/s, and the shape φ = `shape`, n entries in the order of the core; modal
-/// damping needs dense matrices.
+/// Residual of one mode with λ = `eigenvalue`, rad/s, and the shape φ = `shape`, n entries in the order of the core.
 ///
 /// # Errors
 /// [`DecompositionError`] if a decomposition fails.
@@ -132,32 +114,7 @@ pub fn residual(
     speed: f64,
     eigenvalue: Complex64,
     shape: &DVector<Complex64>,
-    forces: Forces,
+    forces: Forces<'_>,
 ) -> Result<Residual, DecompositionError> {
-    let ratio = cached.model.scene.modal_damping;
-    let modal_damping = if ratio > 0.0 && forces == Forces::All {
-        Some(cached.real_modes(speed)?.damping_force(&cached.model, ratio, shape))
-    } else {
-        None
-    };
-    Residuals::new(cached, speed, forces)?.of(eigenvalue, shape, modal_damping.as_ref())
-}
-
-/// The force S(λ)φ without modal damping, n entries. Elastic forces come from strains, so that stiff elements cause no
-/// round-off in soft motions.
-pub(in crate::modal) fn dynamic_force(
-    model: &Model,
-    speed: f64,
-    eigenvalue: Complex64,
-    shape: &DVector<Complex64>,
-    forces: Forces,
-) -> DVector<Complex64> {
-    let is_undamped = forces == Forces::Undamped;
-    let mass = model.product(shape, |x, out| model.multiply_mass(x, out));
-    let elastic = model.product(shape, |x, out| model.multiply_stiffness(speed, is_undamped, x, out));
-    let mut rate = model.product(shape, |x, out| model.multiply_gyroscopic(x, out)) * Complex64::from(speed);
-    if !is_undamped {
-        rate += model.product(shape, |x, out| model.multiply_damping(speed, x, out));
-    }
-    elastic + rate * eigenvalue + mass * (eigenvalue * eigenvalue)
+    Residuals::new(cached, speed, forces)?.of(eigenvalue, shape)
 }

@@ -13,10 +13,9 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::contour::{Annulus, Contour, SECTOR};
+use super::contour::{Annulus, SECTOR};
 use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, Problem};
 use crate::linalg::{DecompositionError, Krylov, RitzPair};
-use crate::modal::state_space::CachedModel;
 use crate::modal::undamped::{RealModes, ShiftInverse};
 
 /// Relative residual of an accurate mode.
@@ -41,20 +40,18 @@ const CHECK_INTERVAL: usize = 12;
 /// Number of strongly damped eigenvalues up to which they are sought one by one.
 const MAX_MISSING: i64 = 120;
 
-/// The `count` modes of lowest |Im λ| at `speed` of the reference shaft, rad/s, rigid-body modes first; `None` if too many
+/// The `count` modes of lowest |Im λ| of a problem, rigid-body modes first; `None` if too many
 /// overdamped modes have to be told apart from them.
 ///
 /// # Errors
 /// [`DecompositionError`] if a linear system has no accurate solution, or an eigenvalue iteration fails.
-pub fn lowest(cached: &CachedModel, speed: f64, count: usize) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
-    let model = &cached.model;
-    let problem = Problem::new(model, speed, cached.spectral_range(speed)?)?;
+pub fn lowest(problem: &Problem<'_>, count: usize) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
     let elastic = count.saturating_sub(problem.null.ncols());
     if problem.undamped {
-        return lowest_undamped(&problem, count);
+        return lowest_undamped(problem, count);
     }
-    let operator = |shift: f64| FirstOrderInverse::new(&problem, shift);
-    Search { problem: &problem, count, elastic, locked: problem.rigid_states().collect() }.run(operator)
+    let operator = |shift: f64| FirstOrderInverse::new(problem, shift);
+    Search { problem, count, elastic, locked: problem.rigid_states().collect() }.run(operator)
 }
 
 /// The same for an undamped problem.
@@ -69,6 +66,22 @@ pub(in crate::modal) fn lowest_undamped(
     let operator = |shift: f64| ShiftInverse::new(problem.model, problem.speed, shift);
     let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
     Search { problem, count, elastic, locked: locked.collect() }.run(operator)
+}
+
+/// The `count` lowest modes of an undamped problem.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub(in crate::modal) fn undamped_modes(
+    problem: &Problem<'_>,
+    count: usize,
+) -> Result<Option<RealModes>, DecompositionError> {
+    let Some(pairs) = lowest_undamped(problem, count)? else {
+        return Ok(None);
+    };
+    let columns: Vec<DVector<f64>> = pairs.iter().map(|pair| pair.shape.map(|value| value.re)).collect();
+    let vectors = DMatrix::from_columns(&columns);
+    Ok(Some(RealModes::of_shapes(problem.model, problem.speed, vectors, problem.null.ncols())))
 }
 
 /// An approximation of an eigenvalue.
@@ -144,7 +157,7 @@ impl Search<'_, '_> {
                 target = steps + (steps / 8).max(8);
                 continue;
             };
-            let missing = self.problem.missing(values(&found), &self.problem.contour(radius));
+            let missing = self.problem.missing_lowest(values(&found), radius);
             let chosen = self.chosen(&found, radius);
             if missing == Some(0) && chosen.iter().all(|found| found.is_accurate()) {
                 return Ok(Some(self.eigenpairs(&space, &found, &chosen)));
@@ -153,7 +166,7 @@ impl Search<'_, '_> {
                 return Ok(None);
             }
             restarts += 1;
-            if self.problem.missing(values(&found), &Contour::of_disk(radius)) != Some(0) {
+            if self.problem.missing_in_disk(values(&found), radius) != Some(0) {
                 // Further start vectors find further vectors of equal eigenvalues.
                 space.add_start()?;
                 space.add_start()?;
@@ -294,7 +307,7 @@ impl Search<'_, '_> {
             let real = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
             let shapes = real.vectors.column_iter().map(|column| column.map(Complex::from));
             let values = real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));
-            values.zip(shapes).map(|(value, shape)| Eigenpair::without_modal_damping(value, shape)).collect()
+            values.zip(shapes).map(|(value, shape)| Eigenpair { value, shape }).collect()
         } else {
             let pair = |found: &&Found| {
                 let shape = shape(found);
@@ -302,7 +315,7 @@ impl Search<'_, '_> {
                 let shape = shape.unscale(size);
                 let value = without_round_off(problem.rayleigh(found.value, &shape));
                 // A real eigenvalue has no sign of zero, which would count in the order.
-                Eigenpair::without_modal_damping(Complex64::new(value.re, value.im.abs()), shape)
+                Eigenpair { value: Complex64::new(value.re, value.im.abs()), shape }
             };
             chosen.iter().map(pair).collect()
         };
@@ -336,7 +349,7 @@ fn weight<'f>(found: impl Iterator<Item = &'f Found>) -> i64 {
     found.map(|found| if found.value.im == 0.0 { 1 } else { 2 }).sum()
 }
 
-fn values(found: &[Found]) -> impl Iterator<Item = Complex64> + '_ {
+fn values(found: &[Found]) -> impl Iterator<Item = Complex64> + Clone + '_ {
     found.iter().map(|found| found.value)
 }
 

@@ -13,8 +13,10 @@ const NARROW: f64 = 1.5;
 /// Bound of all eigenvalues: |λ| ≤ c + Ωg + √(k + κ) follows from xᴴS(λ)x = 0, where c, g, k and κ bound the damping, the
 /// gyroscopic matrix, the symmetric and the skew part of the stiffness relative to the mass.
 pub(in crate::modal) struct Bound {
-    /// c, 1/s.
+    /// c, 1/s, without modal damping.
     pub damping: f64,
+    /// ζ of modal damping: its matrix is at most ζ(rM + K/r) for every rate r.
+    modal: f64,
     /// Ωg, 1/s.
     pub gyroscopic: f64,
     /// κ, 1/s².
@@ -28,10 +30,13 @@ pub(in crate::modal) struct Bound {
 }
 
 impl Bound {
-    pub fn new(model: &Model, speed: f64, fastest: f64) -> Self {
+    /// The bound at a speed of the reference shaft, rad/s, for the highest undamped frequency, rad/s, and the ratio of modal
+    /// damping.
+    pub fn new(model: &Model, speed: f64, fastest: f64, modal: f64) -> Self {
         let [alpha, beta] = model.scene.rayleigh;
         let mut bound = Self {
             damping: alpha.abs() + beta.abs() * fastest * fastest,
+            modal,
             gyroscopic: 0.0,
             circulatory: 0.0,
             fastest,
@@ -81,6 +86,7 @@ impl Bound {
     pub fn without_damping(&self) -> Self {
         Self {
             damping: 0.0,
+            modal: 0.0,
             gyroscopic: 0.0,
             circulatory: 0.0,
             fastest: self.fastest,
@@ -97,19 +103,21 @@ impl Bound {
 
     /// Bound of |λ|, rad/s.
     pub fn largest(&self) -> f64 {
-        2.0 * (self.damping + self.gyroscopic + (self.fastest * self.fastest + self.circulatory).sqrt())
+        let modal = 2.0 * self.modal * self.fastest;
+        2.0 * (self.damping + modal + self.gyroscopic + (self.fastest * self.fastest + self.circulatory).sqrt())
     }
 
     /// Damping ratio that no eigenvalue with |λ| ≥ `lowest` (rad/s) exceeds: the first of [`LIGHT`] that is certain.
     ///
     /// With λ = r e^{iφ}, the Hermitian part of S(λ)/λ is C + cos φ (rM + K/r) if K and C are symmetric. It is positive
     /// definite for cos φ > 0 if C is positive semidefinite, and negative definite for cos φ ≤ −ζ where ζ(rM + K/r) − C is
-    /// positive definite.
+    /// positive definite. Modal damping takes its own ratio of ζ.
     pub fn largest_ratio(&self, model: &Model, speed: f64, lowest: f64) -> Option<f64> {
         let is_certain = |ratio: &f64| {
             // The mass alone is larger than C at higher rates.
-            let highest = self.damping / ratio;
-            highest <= lowest || is_definite(model, speed, *ratio, [lowest, highest])
+            let left = ratio - self.modal;
+            let highest = self.damping / left;
+            left > 0.0 && (highest <= lowest || is_definite(model, speed, left, [lowest, highest]))
         };
         LIGHT.into_iter().filter(|_| self.is_dissipative()).find(is_certain)
     }
@@ -184,7 +192,7 @@ mod tests {
             let cached = rotor(bearing)?;
             for speed in [0.0, 500.0] {
                 let range = cached.spectral_range(speed)?;
-                let problem = Problem::new(&cached.model, speed, range)?;
+                let problem = Problem::new(&cached.model, speed, range, None)?;
                 let ratio = problem.largest_ratio_above(problem.shift);
                 known.push(ratio);
                 for mode in modes(&cached, speed, usize::MAX)? {

@@ -12,7 +12,6 @@ use num_complex::Complex64;
 use super::contour::{self, Contour, Known};
 use super::intersection::ModeAtSpeed;
 use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, RitzPair, solve_complex};
-use crate::modal::state_space::CachedModel;
 use crate::modal::undamped::{Pins, null_motions};
 use crate::model::{Model, Weights};
 
@@ -34,11 +33,11 @@ const MAX_RESTARTS: usize = 4;
 /// # Errors
 /// [`DecompositionError`] if a linear system has no accurate solution, or an eigenvalue iteration fails.
 pub fn lowest_critical(
-    cached: &CachedModel,
+    model: &Model,
     order: f64,
     count: usize,
 ) -> Result<Option<Vec<ModeAtSpeed>>, DecompositionError> {
-    let inverse = CriticalInverse::new(&cached.model, order)?;
+    let inverse = CriticalInverse::new(model, order)?;
     let mut space = Krylov::new(&inverse, []);
     // Forward and backward modes, or equal shafts, may have equal critical speeds.
     for _ in 0..2 {

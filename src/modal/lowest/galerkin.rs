@@ -1,7 +1,6 @@
-//! Galerkin projection of the eigenvalue problem with modal damping on a growing space.
+//! Galerkin projection of the eigenvalue problem on a growing space.
 //!
-//! The space has undamped modes Φ of low frequency, on which modal damping is known, and further directions W. The basis is
-//! orthonormal in M.
+//! The space has undamped modes Φ of low frequency, and further directions W. The basis is orthonormal in M.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
@@ -10,8 +9,7 @@ use super::shift_invert::{Problem, corrected};
 use crate::connection::Row;
 use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
 use crate::modal::state_space::{FirstOrder, damped};
-use crate::modal::undamped::{RealModes, ShiftInverse, SquareRoot, mass_times, times};
-use crate::model::Weights;
+use crate::modal::undamped::{RealModes, ShiftInverse, mass_times, times};
 
 /// A direction that loses more than this factor in orthogonalization lies in the space.
 const DEPENDENT: f64 = 1e-10;
@@ -20,24 +18,18 @@ const DEPENDENT: f64 = 1e-10;
 const EFFECTIVE: f64 = 8.0;
 /// Eigenvalue of the scaled flexibility of the dampers, relative to the largest one, below which dampers share a direction.
 const SHARED: f64 = 1e-10;
-/// Ratio of the shift of a refinement to the eigenvalue: without modal damping, the matrix of an eigenvalue is singular.
+/// Ratio of the shift of a refinement to the eigenvalue: the matrix of an eigenvalue is singular.
 const OFFSET: f64 = 1.01;
-/// The frequencies of the square root reach so much farther than those of the other directions.
-const RANGE: f64 = 1.01;
 
 /// The space.
 pub(in crate::modal) struct Galerkin<'p, 'm> {
     problem: &'p Problem<'m>,
     /// K − K_symmetric.
     skew_part: Sparse,
-    /// √(M⁻¹K) above the frequencies of Φ; `None` without modal damping.
-    root: Option<SquareRoot<'m>>,
     /// V = [Φ, W], n × k; the first columns are rigid-body modes.
     basis: DMatrix<f64>,
     /// M V, n × k.
     momenta: DMatrix<f64>,
-    /// M √(M⁻¹K) V, n × k.
-    images: DMatrix<f64>,
     /// Number of rigid-body modes.
     null: usize,
 }
@@ -52,24 +44,15 @@ pub(in crate::modal) struct Approximation {
 }
 
 impl<'p, 'm> Galerkin<'p, 'm> {
-    /// The space of the undamped `modes`; `highest` is the highest undamped frequency, rad/s.
-    pub fn new(problem: &'p Problem<'m>, modes: RealModes, highest: f64) -> Result<Self, DecompositionError> {
-        let (model, mut images) = (problem.model, problem.model.mass_times(&modes.vectors));
-        let momenta = images.clone();
-        images.column_iter_mut().zip(&modes.frequencies).for_each(|(mut column, frequency)| column *= *frequency);
-        Ok(Self {
-            root: if model.scene.modal_damping > 0.0 {
-                Some(SquareRoot::new(model, problem.speed, [modes.highest() / RANGE, highest * RANGE])?)
-            } else {
-                None
-            },
-            skew_part: model.sparse_skew_part(),
+    /// The space of the undamped `modes`.
+    pub fn new(problem: &'p Problem<'m>, modes: RealModes) -> Self {
+        Self {
+            skew_part: problem.model.sparse_skew_part(),
+            momenta: problem.model.mass_times(&modes.vectors),
             basis: modes.vectors,
-            momenta,
-            images,
             null: modes.null,
             problem,
-        })
+        }
     }
 
     /// Number of directions.
@@ -78,9 +61,8 @@ impl<'p, 'm> Galerkin<'p, 'm> {
     }
 
     /// Adds directions, n entries each.
-    pub fn add(&mut self, directions: &[DVector<f64>]) -> Result<(), DecompositionError> {
+    pub fn add(&mut self, directions: &[DVector<f64>]) {
         let model = self.problem.model;
-        let first = self.basis.ncols();
         for direction in directions {
             let mut vector = direction.clone();
             let mut momentum = DVector::from_vec(mass_times(model, vector.as_slice()));
@@ -99,15 +81,6 @@ impl<'p, 'm> Galerkin<'p, 'm> {
                 self.momenta.set_column(column, &momentum.unscale(after));
             }
         }
-        let added = self.basis.columns(first, self.basis.ncols() - first).into_owned();
-        let images = match &self.root {
-            Some(root) => root.times(&added)?,
-            None => DMatrix::zeros(added.nrows(), added.ncols()),
-        };
-        let count = self.images.ncols();
-        self.images = std::mem::take(&mut self.images).insert_columns(count, images.ncols(), 0.0);
-        self.images.columns_mut(count, images.ncols()).copy_from(&images);
-        Ok(())
     }
 
     /// Adds the responses to the forces of dampers and circulatory springs at the rates s (1/s) at which these are effective.
@@ -128,7 +101,8 @@ impl<'p, 'm> Galerkin<'p, 'm> {
             let responses = ShiftInverse::new(model, speed, rate)?.solve_columns(&forces)?;
             directions.extend(self.effective(rate, &forces, &responses));
         }
-        self.add(&directions)
+        self.add(&directions);
+        Ok(())
     }
 
     /// The combinations of responses (K + s²M)⁻¹ f to forces at a rate s, 1/s, in which the forces of dampers and circulatory
@@ -153,8 +127,8 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         (0..kept.len()).filter(is_effective).map(|index| &normal * ratio.eigenvectors.column(index)).collect()
     }
 
-    /// Eigenpairs of the projected problem apart from rigid-body modes, with or without modal damping.
-    pub fn eigenpairs(&self, with_modal_damping: bool) -> Result<Vec<Approximation>, DecompositionError> {
+    /// Eigenpairs of the projected problem apart from rigid-body modes.
+    pub fn eigenpairs(&self) -> Result<Vec<Approximation>, DecompositionError> {
         let model = self.problem.model;
         let (null, elastic) = (self.null, self.basis.ncols() - self.null);
         let columns = self.basis.columns(null, elastic).into_owned();
@@ -169,10 +143,8 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         // Ψ = V R.
         let rotation = self.momenta.transpose() * &modes.vectors;
         let mut damping = modes.project_sparse(&self.problem.rate);
-        if with_modal_damping {
-            let images = self.basis.transpose() * &self.images;
-            let images = (&images + images.transpose()) * model.scene.modal_damping;
-            damping += rotation.transpose() * (images * &rotation);
+        if let Some(modal) = self.problem.modal {
+            damping += modes.vectors.tr_mul(&modal.times(&modes.vectors));
         }
         let skew_part = modes.project_sparse(&self.skew_part);
         let order = FirstOrder::projected(&modes, &damping, &skew_part, false);
@@ -196,34 +168,22 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         product(&self.basis, &of.components)
     }
 
-    /// M √(M⁻¹K) φ of the mode shape φ, n entries.
-    fn image(&self, of: &Approximation) -> DVector<Complex64> {
-        product(&self.images, &of.components)
-    }
-
-    /// Force of modal damping per velocity on the mode shape, n entries; `None` without modal damping.
-    pub fn modal_damping(&self, of: &Approximation) -> Option<DVector<Complex64>> {
-        let ratio = self.problem.model.scene.modal_damping;
-        (ratio > 0.0).then(|| self.image(of) * Complex64::from(2.0 * ratio))
-    }
-
-    /// S₀(σ)⁻¹ r for the residual r of an approximation, with the dynamic stiffness S₀ without modal damping and a shift σ close
-    /// to the eigenvalue, of the problem with or without modal damping: the error of the mode shape, outside of the space. Second: its size relative to the mode shape in
-    /// the energy norm xᴴ(K_symmetric + |λ|²M)x.
-    pub fn error(
-        &self,
-        of: &Approximation,
-        with_modal_damping: bool,
-    ) -> Result<(DVector<Complex64>, f64), DecompositionError> {
+    /// S(σ)⁻¹ r for the residual r of an approximation, with the dynamic stiffness S as a band matrix and a shift σ close to
+    /// the eigenvalue: the error of the mode shape, outside of the space. Second: its size relative to the mode shape in the
+    /// energy norm xᴴ(K_symmetric + |λ|²M)x.
+    pub fn error(&self, of: &Approximation) -> Result<(DVector<Complex64>, f64), DecompositionError> {
         let Problem { model, speed, .. } = *self.problem;
         let (value, shape) = (of.value, self.shape(of));
-        let ratio = if with_modal_damping { model.scene.modal_damping } else { 0.0 };
-        let modal = self.image(of) * (value * 2.0 * ratio);
         let mass = model.product(&shape, |x, out| model.multiply_mass(x, out)) * (value * value);
-        let rate = model.product(&shape, |x, out| self.problem.rate.multiply_add(1.0, x, out)) * value;
+        let rate = model.product(&shape, |x, out| {
+            self.problem.rate.multiply_add(1.0, x, out);
+            if let Some(modal) = self.problem.modal {
+                modal.multiply_add(1.0, x, out);
+            }
+        }) * value;
         let elastic = model.product(&shape, |x, out| model.multiply_stiffness(speed, false, x, out));
-        let mut error = model.to_circular((elastic + mass + rate + modal).as_slice());
-        let weights = Weights::dynamic(value * OFFSET, speed);
+        let mut error = model.to_circular((elastic + mass + rate).as_slice());
+        let weights = self.problem.weights(value * OFFSET);
         let factors = model.dynamic_stiffness(&weights, speed).factor(if value.re < 0.0 { -1.0 } else { 1.0 })?;
         factors.solve(&mut error)?;
         let mut error = DVector::from_vec(model.from_circular(&error));

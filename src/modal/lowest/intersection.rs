@@ -5,9 +5,11 @@ use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
 use crate::linalg::{Singular, solve};
+use crate::modal::undamped::ModalDamping;
 use crate::model::{Model, Weights};
 
-/// Newton's method converges quadratically; if it needs more iterations, it diverges.
+/// Newton's method converges quadratically, and with modal damping by the damping ratio in each iteration; if it needs more
+/// iterations, it diverges.
 const MAX_ITERATIONS: usize = 20;
 /// Change of φ, λ and Ω, relative to each, after which the error of the next iterate, its square, is below round-off.
 const CONVERGED: f64 = 1e-9;
@@ -36,26 +38,32 @@ enum Unknown {
 
 /// Mode with Im λ = `order`·Ω near `start`, its intersection with the line of this order in the Campbell diagram, with the
 /// flanks in contact at positive speeds; `None` if the iteration does not converge. Matrices must not depend on the speed.
-pub fn intersection(model: &Model, order: f64, start: &ModeAtSpeed) -> Option<ModeAtSpeed> {
+pub fn intersection(
+    model: &Model,
+    modal: Option<&ModalDamping>,
+    order: f64,
+    start: &ModeAtSpeed,
+) -> Option<ModeAtSpeed> {
     let mut at = start.clone();
     at.eigenvalue.im = order * at.speed;
-    newton(model, Unknown::Speed(order), at)
+    newton(model, modal, Unknown::Speed(order), at)
 }
 
 /// Mode near `start` at its speed, with the flanks in contact there; `None` if the iteration does not converge.
-pub fn mode_near(model: &Model, start: &ModeAtSpeed) -> Option<ModeAtSpeed> {
-    newton(model, Unknown::Frequency, start.clone())
+pub fn mode_near(model: &Model, modal: Option<&ModalDamping>, start: &ModeAtSpeed) -> Option<ModeAtSpeed> {
+    newton(model, modal, Unknown::Frequency, start.clone())
 }
 
 /// A mode, from the approximation `at`, by Newton's method.
 ///
 /// Each iteration solves S Δφ = −Sφ − (∂S/∂Re λ φ) ΔRe λ − (∂S/∂p φ) Δp with φᴴMΔφ = 0 and the further unknown p: the
 /// bordered system of Spence and Poulton (J. Comput. Phys. 204, 2005). The residual Sφ comes from the strains, so that the
-/// stiff modes cause no round-off in the soft ones.
-fn newton(model: &Model, unknown: Unknown, mut at: ModeAtSpeed) -> Option<ModeAtSpeed> {
+/// stiff modes cause no round-off in the soft ones. With modal damping, S is a band matrix close to the dynamic stiffness, and
+/// the error decreases by the damping ratio in each iteration.
+fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at: ModeAtSpeed) -> Option<ModeAtSpeed> {
     let (mut previous, mut is_close) = (f64::INFINITY, false);
     for _ in 0..MAX_ITERATIONS {
-        let change = newton_step(model, unknown, &at).ok()?;
+        let change = newton_step(model, modal, unknown, &at).ok()?;
         let size = match unknown {
             Unknown::Frequency => at.eigenvalue.norm(),
             Unknown::Speed(_) => at.speed.abs(),
@@ -98,13 +106,21 @@ struct Change {
 }
 
 /// One iteration of Newton's method.
-fn newton_step(model: &Model, unknown: Unknown, at: &ModeAtSpeed) -> Result<Change, Singular> {
+fn newton_step(
+    model: &Model,
+    modal: Option<&ModalDamping>,
+    unknown: Unknown,
+    at: &ModeAtSpeed,
+) -> Result<Change, Singular> {
     let (lambda, phi) = (at.eigenvalue, &at.shape);
-    let [inertia, damping, gyroscopic] = [
+    let [inertia, mut damping, gyroscopic] = [
         model.product(phi, |x, out| model.multiply_mass(x, out)),
         model.product(phi, |x, out| model.multiply_damping(at.speed, x, out)),
         model.product(phi, |x, out| model.multiply_gyroscopic(x, out)),
     ];
+    if let Some(modal) = modal {
+        damping += modal.product(model, phi);
+    }
     let elastic = model.product(phi, |x, out| model.multiply_stiffness(at.speed, false, x, out));
     let rate = &damping + &gyroscopic * Complex64::from(at.speed);
     let residual = elastic + &rate * lambda + &inertia * (lambda * lambda);
@@ -114,7 +130,9 @@ fn newton_step(model: &Model, unknown: Unknown, at: &ModeAtSpeed) -> Result<Chan
         Unknown::Speed(order) => &by_decay * Complex64::new(0.0, order) + gyroscopic * lambda,
     };
     let sense = if lambda.re < 0.0 { -1.0 } else { 1.0 };
-    let factors = model.dynamic_stiffness(&Weights::dynamic(lambda, at.speed), at.speed).factor(sense)?;
+    let weights = Weights::dynamic(lambda, at.speed);
+    let weights = modal.map_or(weights, |modal| modal.banded(lambda, weights));
+    let factors = model.dynamic_stiffness(&weights, at.speed).factor(sense)?;
     let [by_decay, by_further, residual] = [by_decay, by_further, residual].map(|right| {
         let mut x = model.to_circular(right.as_slice());
         factors.solve_once(&mut x);

@@ -1,24 +1,21 @@
-//! The lowest modes with strong or modal damping, in time proportional to n: Galerkin projection, a count, and refinement.
+//! The lowest modes with strong damping, in time proportional to n: Galerkin projection, a count, and refinement.
 //!
-//! The matrix of modal damping, 2ζ M √(M⁻¹K), is full, but diagonal in undamped modes. The space of [`super::galerkin`] has
+//! The space of [`super::galerkin`] has
 //! the undamped modes up to a frequency ω_m, several times the highest wanted frequency ω, and the responses to forces of the
 //! dampers. In all other motions the elastic and inertial forces, K + |λ|²M, exceed the damping and gyroscopic forces.
 //! These motions therefore have no eigenvalue of low frequency, and they change the eigenvalues of the space by a relative
-//! amount of about (ω/ω_m)⁴. To check that the space misses no mode, [`super::contour`] counts the eigenvalues of the
-//! problem without modal damping.
+//! amount of about (ω/ω_m)⁴. To check that the space misses no mode, [`super::contour`] counts the eigenvalues.
 //!
 //! Each refinement adds the errors of the wanted modes to the space, and multiplies them by about ζω/ω_m.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use num_complex::Complex64;
 
-use super::arnoldi::lowest_undamped;
+use super::arnoldi::undamped_modes;
 use super::contour::SECTOR;
 use super::galerkin::{Approximation, Galerkin};
 use super::shift_invert::{Eigenpair, Problem};
 use crate::linalg::DecompositionError;
-use crate::modal::state_space::CachedModel;
-use crate::modal::undamped::RealModes;
 
 /// Part of all motions up to which a space is faster than dense matrices.
 const FEW: f64 = 0.3;
@@ -38,7 +35,7 @@ const UNCHANGED: f64 = 1e-9;
 const SAME: f64 = 1e-9;
 /// Relative distance of close eigenvalues.
 const CLOSE: f64 = 0.1;
-/// Part of a mode shape outside of the space, without modal damping, below which its eigenvalue is on the right side of a
+/// Part of a mode shape outside of the space below which its eigenvalue is on the right side of a
 /// contour.
 const RECOGNISED: f64 = 1e-4;
 /// Cosine of the angle from the real axis up to which approximations may belong to eigenvalues in the sectors, 84°.
@@ -50,42 +47,35 @@ const MAX_CORRECTIONS: usize = 4;
 /// Largest number of refinements.
 const MAX_REFINEMENTS: usize = 8;
 
-/// The `count` modes of lowest |Im λ| at `speed` of the reference shaft, rad/s, rigid-body modes first; `None` if dense
-/// matrices are needed.
+/// The `count` modes of lowest |Im λ| of a problem, rigid-body modes first; `None` if dense matrices are needed.
 ///
 /// # Errors
 /// [`DecompositionError`] if a linear system has no accurate solution, or an eigenvalue iteration fails.
-pub fn lowest_damped(
-    cached: &CachedModel,
-    speed: f64,
-    count: usize,
-) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
-    let (model, range) = (&cached.model, cached.spectral_range(speed)?);
-    let problem = Problem::new(model, speed, range)?;
+pub fn lowest_damped(problem: &Problem<'_>, count: usize) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
     let undamped = problem.without_damping();
     let null = problem.null.ncols();
     let elastic = count.saturating_sub(null);
     let mut size = count + elastic / 2 + FURTHER_MODES;
     for _ in 0..=MAX_EXTENSIONS {
-        if size as f64 > FEW * model.len() as f64 {
+        if size as f64 > FEW * problem.model.len() as f64 {
             return Ok(None);
         }
         let Some(modes) = undamped_modes(&undamped, size)? else {
             return Ok(None);
         };
         let top = modes.highest();
-        let mut space = Galerkin::new(&problem, modes, range.fastest)?;
+        let mut space = Galerkin::new(problem, modes);
         space.add_dampers(problem.rates(top / 8.0))?;
-        if let Some(found) = counted(&mut space, elastic, top, &problem)? {
-            return refined(&mut space, found, count, &problem);
+        if let Some(found) = counted(&mut space, elastic, top, problem)? {
+            return refined(&mut space, found, count, problem);
         }
         size += size / 2;
     }
     Ok(None)
 }
 
-/// Approximations of all modes with modal damping, if the space without modal damping misses no eigenvalue of the region of
-/// the count, which contains the `elastic` lowest modes; `top` is the highest frequency of the undamped modes, rad/s.
+/// Approximations of all modes, if the space misses no eigenvalue of the region of the count, which contains the `elastic`
+/// lowest modes; `top` is the highest frequency of the undamped modes, rad/s.
 ///
 /// An approximation in the sectors may belong to an eigenvalue outside of them, and the other way round. Where the count
 /// differs, the errors of the inaccurate approximations in and near the region are therefore added to the space.
@@ -96,20 +86,20 @@ fn counted(
     problem: &Problem<'_>,
 ) -> Result<Option<Vec<Approximation>>, DecompositionError> {
     for _ in 0..=MAX_CORRECTIONS {
-        let [without, with] = [space.eigenpairs(false)?, space.eigenpairs(true)?];
-        let Some(radius) = radius([&without, &with], elastic).filter(|radius| MARGIN * radius <= top) else {
+        let found = space.eigenpairs()?;
+        let Some(radius) = radius(&found, elastic).filter(|radius| MARGIN * radius <= top) else {
             return Ok(None);
         };
-        let missing = problem.missing(without.iter().map(|pair| pair.value), &problem.contour(radius));
+        let missing = problem.missing_lowest(found.iter().map(|pair| pair.value), radius);
         match missing {
-            Some(0) => return Ok(Some(with)),
+            Some(0) => return Ok(Some(found)),
             Some(missing) if missing.abs() <= MAX_MISSING => {}
             _ => return Ok(None),
         }
         let is_near = |value: Complex64| value.norm() < radius || value.re.abs() > NEAR * value.norm();
         let mut directions = Vec::new();
-        for mode in without.iter().filter(|mode| is_near(mode.value)) {
-            let (error, size) = space.error(mode, false)?;
+        for mode in found.iter().filter(|mode| is_near(mode.value)) {
+            let (error, size) = space.error(mode)?;
             if size > RECOGNISED {
                 directions.extend(parts(mode, &error));
             }
@@ -118,7 +108,7 @@ fn counted(
         if directions.is_empty() || grown > FEW * problem.model.len() as f64 {
             return Ok(None);
         }
-        space.add(&directions)?;
+        space.add(&directions);
     }
     Ok(None)
 }
@@ -129,23 +119,12 @@ fn parts(mode: &Approximation, error: &DVector<Complex64>) -> impl Iterator<Item
     std::iter::once(error.map(|value| value.re)).chain(imaginary)
 }
 
-/// The `count` lowest undamped modes.
-fn undamped_modes(problem: &Problem<'_>, count: usize) -> Result<Option<RealModes>, DecompositionError> {
-    let Some(pairs) = lowest_undamped(problem, count)? else {
-        return Ok(None);
-    };
-    let columns: Vec<DVector<f64>> = pairs.iter().map(|pair| pair.shape.map(|value| value.re)).collect();
-    let vectors = DMatrix::from_columns(&columns);
-    Ok(Some(RealModes::of_shapes(problem.model, problem.speed, vectors, problem.null.ncols())))
-}
-
-/// Radius in a gap of the magnitudes of all approximations, rad/s, so that the `number` wanted modes `with` modal damping have
-/// lower frequencies than every mode outside of the count.
-fn radius(approximations: [&[Approximation]; 2], number: usize) -> Option<f64> {
-    let mut sizes: Vec<f64> =
-        approximations.iter().flat_map(|pairs| pairs.iter().map(|pair| pair.value.norm())).collect();
+/// Radius in a gap of the magnitudes of all approximations, rad/s, so that the `number` wanted modes have lower frequencies
+/// than every mode outside of the count.
+fn radius(approximations: &[Approximation], number: usize) -> Option<f64> {
+    let mut sizes: Vec<f64> = approximations.iter().map(|pair| pair.value.norm()).collect();
     sizes.sort_by(f64::total_cmp);
-    let below = |radius: f64| approximations[1].iter().filter(|pair| pair.value.im < radius * SECTOR.sin()).count();
+    let below = |radius: f64| approximations.iter().filter(|pair| pair.value.im < radius * SECTOR.sin()).count();
     let gaps = sizes.windows(2).filter(|pair| pair[1] > (1.0 + GAP) * pair[0]);
     gaps.map(|pair| f64::midpoint(pair[0], pair[1])).find(|radius| below(*radius) >= number)
 }
@@ -169,7 +148,7 @@ fn refined(
                 accurate.push(known.swap_remove(index));
                 continue;
             }
-            let (error, size) = space.error(mode, true)?;
+            let (error, size) = space.error(mode)?;
             if size <= ACCURATE || previous.iter().any(|value| is_near(*value, mode.value, UNCHANGED)) {
                 accurate.push(mode.value);
                 continue;
@@ -182,11 +161,11 @@ fn refined(
         }
         // The errors of close modes, such as those of many equal dampers, contain each other.
         for mode in others.iter().filter(|mode| inaccurate.iter().any(|value| is_near(*value, mode.value, CLOSE))) {
-            directions.extend(parts(mode, &space.error(mode, true)?.0));
+            directions.extend(parts(mode, &space.error(mode)?.0));
         }
         previous = wanted.iter().map(|mode| mode.value).collect();
-        space.add(&directions)?;
-        found = space.eigenpairs(true)?;
+        space.add(&directions);
+        found = space.eigenpairs()?;
     }
     Ok(None)
 }
@@ -206,8 +185,7 @@ fn eigenpairs(
     let elastic = found.iter().map(|mode| {
         let shape = space.shape(mode);
         let size = problem.model.complex_kinetic_form(&shape).sqrt();
-        let modal_damping = space.modal_damping(mode).map(|force| force.unscale(size));
-        Eigenpair { value: mode.value, shape: shape.unscale(size), modal_damping }
+        Eigenpair { value: mode.value, shape: shape.unscale(size) }
     });
     Eigenpair::lowest(problem.rigid_body_modes().chain(elastic).collect(), count)
 }

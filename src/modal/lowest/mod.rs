@@ -4,6 +4,7 @@
 //!   projection of `galerkin`.
 //! - `shift_invert`: the eigenvalue problem inverted at a shift.
 //! - `contour` counts the eigenvalues within a contour, `bound` bounds them.
+//! - `modal_space`: the modes with modal damping, of one model or at all speeds.
 //! - `critical`: the lowest critical speeds. `intersection`: one mode at a speed or on a line of the Campbell diagram.
 
 mod arnoldi;
@@ -13,10 +14,12 @@ mod critical;
 mod galerkin;
 mod intersection;
 mod lowest_damped;
+mod modal_space;
 mod shift_invert;
 
 pub use arnoldi::lowest;
 pub use critical::lowest_critical;
 pub use intersection::{ModeAtSpeed, intersection, mode_near};
 pub use lowest_damped::lowest_damped;
-pub use shift_invert::Eigenpair;
+pub use modal_space::{Highest, ModalSpace, UndampedSearch};
+pub use shift_invert::{Eigenpair, Problem};

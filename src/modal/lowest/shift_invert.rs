@@ -1,4 +1,4 @@
-//! The eigenvalue problem [λ²M + λD + K] x = 0 with D = C + ΩG, and its first-order form inverted at a shift s.
+//! The eigenvalue problem [λ²M + λD + K] x = 0 with D = C + ΩG and modal damping, and its first-order form inverted at a shift s.
 //!
 //! ```text
 //! T (x, z) = (u, x + s u),    S(s) u = −M z − (D + sM) x,    λ = s + 1/θ    for an eigenvalue θ of T
@@ -8,14 +8,14 @@
 //! damping, gyroscopic and circulatory forces T = (K + s²M)⁻¹M is half as large, and symmetric. The inner product is that
 //! of the energy, in which T is normal if nothing damps.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorViewMut};
 use num_complex::Complex64;
 
 use super::bound::Bound;
 use super::contour::{self, Annulus, Contour, Known};
 use crate::connection::Row;
-use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse};
-use crate::modal::undamped::{ShiftInverse, SpectralRange, mass_times, null_motions};
+use crate::linalg::{CoupledFactors, DecompositionError, LuFactors, Operator, Sparse};
+use crate::modal::undamped::{ModalDamping, ShiftInverse, SpectralRange, mass_times, null_motions};
 use crate::model::{Model, Support, Weights};
 
 /// A smaller force of D on a rigid-body mode, relative to the largest entry of D, is round-off.
@@ -31,16 +31,9 @@ pub struct Eigenpair {
     pub value: Complex64,
     /// φ with φᴴMφ = 1, n entries in the order of the core.
     pub shape: DVector<Complex64>,
-    /// C φ of modal damping, n entries; `None` without modal damping.
-    pub modal_damping: Option<DVector<Complex64>>,
 }
 
 impl Eigenpair {
-    /// A mode without modal damping.
-    pub fn without_modal_damping(value: Complex64, shape: DVector<Complex64>) -> Self {
-        Self { value, shape, modal_damping: None }
-    }
-
     /// The first `count` modes, in ascending order of frequency and magnitude.
     pub fn lowest(mut all: Vec<Self>, count: usize) -> Vec<Self> {
         all.sort_by(|a, b| a.value.im.total_cmp(&b.value.im).then(a.value.norm().total_cmp(&b.value.norm())));
@@ -50,14 +43,16 @@ impl Eigenpair {
 }
 
 /// Matrices of the problem and its rigid-body modes.
-pub(in crate::modal) struct Problem<'m> {
+pub struct Problem<'m> {
     pub model: &'m Model,
     /// Speed of the reference shaft, rad/s.
     pub speed: f64,
     /// s, rad/s.
     pub shift: f64,
-    /// D = C + ΩG.
+    /// C + ΩG, the part of D without modal damping.
     pub rate: Sparse,
+    /// Modal damping, the other part of D.
+    pub modal: Option<&'m ModalDamping>,
     /// Symmetric part of K.
     pub stiffness: Sparse,
     /// Whether K has a skew part.
@@ -75,7 +70,16 @@ pub(in crate::modal) struct Problem<'m> {
 }
 
 impl<'m> Problem<'m> {
-    pub fn new(model: &'m Model, speed: f64, range: &SpectralRange) -> Result<Self, DecompositionError> {
+    /// The problem at a speed of the reference shaft, rad/s.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the rigid-body modes cannot be found.
+    pub fn new(
+        model: &'m Model,
+        speed: f64,
+        range: &SpectralRange,
+        modal: Option<&'m ModalDamping>,
+    ) -> Result<Self, DecompositionError> {
         let rate = model.sparse_rate(speed);
         let circulates =
             model.local_elements().any(|element| element.skew_part().as_flattened().iter().any(|k| *k != 0.0));
@@ -92,18 +96,19 @@ impl<'m> Problem<'m> {
             force.iter().zip(&inertia).any(|(force, m)| force.abs() / m.sqrt() > UNCOUPLED * largest * size)
         };
         let shift = range.slowest.unwrap_or(range.fastest.max(1.0));
-        let bound = Bound::new(model, speed, range.fastest);
+        let bound = Bound::new(model, speed, range.fastest, modal.map_or(0.0, |modal| modal.ratio));
         Ok(Self {
             largest_ratio: bound.largest_ratio(model, speed, shift),
             bound,
             shift,
-            undamped: rate.is_zero() && !circulates,
+            undamped: rate.is_zero() && !circulates && modal.is_none(),
             circulates,
             free: (0..null.ncols()).filter(|column| !acts(*column)).collect(),
             stiffness: model.sparse_symmetric_stiffness(speed),
             model,
             speed,
             rate,
+            modal,
             null,
         })
     }
@@ -122,8 +127,8 @@ impl<'m> Problem<'m> {
 
     /// The rigid-body modes, on which modal damping has no effect.
     pub fn rigid_body_modes(&self) -> impl Iterator<Item = Eigenpair> + '_ {
-        let mode = |shape: DVector<Complex64>| Eigenpair::without_modal_damping(Complex64::ZERO, shape);
-        self.null.column_iter().map(move |column| mode(column.map(Complex64::from)))
+        let shapes = self.null.column_iter().map(|column| column.map(Complex64::from));
+        shapes.map(|shape| Eigenpair { value: Complex64::ZERO, shape })
     }
 
     /// Adds the part of a motion in the rigid-body modes to `sum`, both with n entries.
@@ -142,6 +147,7 @@ impl<'m> Problem<'m> {
             speed: self.speed,
             shift: self.shift,
             rate: Sparse::new(self.model.len(), Vec::new()),
+            modal: None,
             stiffness: self.stiffness.clone(),
             circulates: false,
             undamped: true,
@@ -182,13 +188,17 @@ impl<'m> Problem<'m> {
         rows
     }
 
-    /// Weights of S(λ).
+    /// Weights of S(λ); of a band matrix close to it with modal damping. Nowhere between them is a matrix singular, apart from
+    /// the neighbourhood of eigenvalues.
     pub fn weights(&self, at: Complex64) -> Weights {
         let weights = Weights::dynamic(at, self.speed);
         if self.undamped {
             return Weights { damping: Complex64::ZERO, gyroscopic: Complex64::ZERO, symmetric: true, ..weights };
         }
-        weights
+        match self.modal {
+            Some(modal) => modal.banded(at, weights),
+            None => weights,
+        }
     }
 
     /// Number of eigenvalues inside of a contour that are missing in `found`; `None` if it cannot be determined.
@@ -203,9 +213,29 @@ impl<'m> Problem<'m> {
         contour::missing(determinant, &known, contour)
     }
 
+    /// Number of eigenvalues with |λ| < `radius` that are missing in `found`; `None` if it cannot be determined. Without damping it
+    /// is the inertia of K − radius²·M (Sturm sequence; Golub and Van Loan, section 8.4).
+    pub fn missing_in_disk(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
+        let count = || {
+            let matrix = self.model.dynamic_stiffness(&self.weights(Complex64::new(0.0, radius)), self.speed);
+            let known = self.null.ncols() + found.clone().filter(|value| value.norm() < radius).count();
+            matrix.negative_eigenvalues().map(|negative| negative as i64 - known as i64)
+        };
+        let inertia = if self.undamped { count() } else { None };
+        inertia.or_else(|| self.missing(found.clone(), &Contour::of_disk(radius)))
+    }
+
+    /// Number of eigenvalues inside of [`Self::contour`] that are missing in `found`; `None` if it cannot be determined.
+    pub fn missing_lowest(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
+        if self.undamped {
+            return self.missing_in_disk(found, radius);
+        }
+        self.missing(found, &self.contour(radius))
+    }
+
     /// The contour of the eigenvalues with |λ| < `radius` and, if something damps, of those with a damping ratio above one
     /// half.
-    pub fn contour(&self, radius: f64) -> Contour {
+    fn contour(&self, radius: f64) -> Contour {
         if self.is_undamped() || self.largest_ratio_above(radius).is_some() {
             return Contour::of_disk(radius);
         }
@@ -224,7 +254,7 @@ impl<'m> Problem<'m> {
 
     /// Whether nothing damps or drives a motion.
     fn is_undamped(&self) -> bool {
-        self.bound.damping == 0.0 && self.bound.circulatory == 0.0
+        self.bound.damping == 0.0 && self.bound.circulatory == 0.0 && self.modal.is_none()
     }
 
     /// Annular sectors of the eigenvalues with |λ| > `radius` and a damping ratio above one half.
@@ -262,6 +292,9 @@ impl<'m> Problem<'m> {
         let images = parts.each_ref().map(|part| {
             let mut image = DVector::zeros(part.len());
             self.rate.multiply_add(1.0, part.as_slice(), image.as_mut_slice());
+            if let Some(modal) = self.modal {
+                modal.multiply_add(1.0, part.as_slice(), image.as_mut_slice());
+            }
             image
         });
         let rate = Complex64::new(
@@ -289,8 +322,21 @@ pub(in crate::modal) fn corrected(value: Complex64, rate: Complex64, stiffness: 
 pub(in crate::modal) struct FirstOrderInverse<'p, 'm> {
     problem: &'p Problem<'m>,
     factors: CoupledFactors,
+    /// Modal damping.
+    update: Option<Update>,
     /// s, rad/s.
     shift: f64,
+}
+
+/// Change of the inverse of S by modal damping (Woodbury; Golub and Van Loan, Matrix Computations, 4th ed., section 2.1.4):
+/// (S + sBRBᵀ)⁻¹ = S⁻¹ − X (I + sR BᵀX)⁻¹ sR Bᵀ S⁻¹ with X = S⁻¹B.
+struct Update {
+    /// X, n × m.
+    responses: DMatrix<f64>,
+    /// sR, m × m.
+    rates: DMatrix<f64>,
+    /// Factors of I + sR BᵀX, m × m.
+    capacity: LuFactors<f64>,
 }
 
 impl<'p, 'm> FirstOrderInverse<'p, 'm> {
@@ -299,7 +345,25 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
         let weights = Weights::dynamic(Complex64::from(shift), problem.speed);
         let matrix = problem.model.dynamic_stiffness(&weights, problem.speed);
         let factors = matrix.factor(shift.signum())?;
-        Ok(Self { problem, factors, shift })
+        let update = problem.modal.map(|modal| -> Result<_, DecompositionError> {
+            let mut responses = DMatrix::zeros(modal.momenta.nrows(), modal.momenta.ncols());
+            // The matrix is real: real and imaginary part are two columns.
+            for first in (0..modal.momenta.ncols()).step_by(2) {
+                let second = (first + 1).min(modal.momenta.ncols() - 1);
+                let pair = modal.momenta.column(first).zip_map(&modal.momenta.column(second), Complex64::new);
+                let mut x = problem.model.to_circular(pair.as_slice());
+                factors.solve(&mut x)?;
+                for (row, value) in problem.model.from_circular(&x).iter().enumerate() {
+                    responses[(row, second)] = value.im;
+                    responses[(row, first)] = value.re;
+                }
+            }
+            let rates = &modal.rates * shift;
+            let mut capacity = &rates * modal.momenta.tr_mul(&responses);
+            (0..capacity.nrows()).for_each(|index| capacity[(index, index)] += 1.0);
+            Ok(Update { responses, rates, capacity: LuFactors::new(&capacity) })
+        });
+        Ok(Self { problem, factors, update: update.transpose()?, shift })
     }
 }
 
@@ -312,12 +376,20 @@ impl Operator for FirstOrderInverse<'_, '_> {
     }
 
     fn apply(&self, state: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        let (Problem { model, rate, .. }, shift) = (self.problem, self.shift);
+        let (Problem { model, rate, modal, .. }, shift) = (self.problem, self.shift);
         let (x, z) = state.split_at(model.len());
         let momentum: Vec<f64> = x.iter().zip(z).map(|(x, z)| -(z + shift * x)).collect();
         let mut force = mass_times(model, &momentum);
         rate.multiply_add(-1.0, x, &mut force);
+        if let Some(modal) = modal {
+            modal.multiply_add(-1.0, x, &mut force);
+        }
         let mut image = model.solve_real(&self.factors, 0.0, &force)?;
+        if let (Some(modal), Some(Update { responses, rates, capacity })) = (modal, &self.update) {
+            let image = &mut DVectorViewMut::from_slice(&mut image, model.len());
+            let modal = DMatrix::from_columns(&[rates * modal.momenta.tr_mul(image)]);
+            image.gemv(-1.0, responses, &capacity.solve(&modal).column(0), 1.0);
+        }
         for index in 0..model.len() {
             image.push(x[index] + shift * image[index]);
         }

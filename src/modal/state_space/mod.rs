@@ -1,13 +1,11 @@
-//! State-space models in modal coordinates, and the cache of all that follows from a model.
+//! State-space models in modal coordinates.
 //!
 //! - `first_order`: the first-order matrix. `eigenpairs`: its eigenvalues with real eigenvectors. `eigenvectors`: the
 //!   eigenvectors of damped modes.
 //! - `rigid_body`: positions of undamped rigid-body motions. `pairs`: decoupled pairs of real coordinates.
 //! - `model`: the state-space model at one speed. `growth`: which modes grow.
 //! - `projected`: the model in a subspace of the displacements.
-//! - `cached`: a model with all of these, computed at first use. `recent`: a list of the last results.
 
-mod cached;
 mod eigenpairs;
 mod eigenvectors;
 mod first_order;
@@ -15,14 +13,11 @@ mod growth;
 mod model;
 mod pairs;
 mod projected;
-mod recent;
 mod rigid_body;
 
-pub use cached::{AtSpeed, CachedModel, DynamicKey};
 pub use eigenvectors::{damped, physical, undamped};
 pub use first_order::FirstOrder;
 pub use growth::is_growing;
 pub use model::{LANES, MAX_CONDITION, ModalStateSpace, StateMatrix};
 pub use pairs::ModePair;
 pub use projected::Projected;
-pub use recent::Recent;

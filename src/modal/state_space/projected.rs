@@ -6,12 +6,13 @@
 
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::DMatrix;
+use num_complex::Complex64;
 
+use super::eigenvectors::{damped, undamped};
 use super::first_order::FirstOrder;
 use super::model::ModalStateSpace;
-use super::recent::Recent;
-use crate::linalg::{DecompositionError, LuFactors};
+use crate::linalg::DecompositionError;
 use crate::modal::undamped::RealModes;
 use crate::model::Model;
 
@@ -28,8 +29,6 @@ pub struct Projected {
     undamped: bool,
     /// State-space model, computed at the first use.
     linear: OnceLock<Arc<ModalStateSpace>>,
-    /// Factors of the dynamic stiffness with modal damping at the last spins, rad/s.
-    dynamic: Arc<Recent<f64, Arc<LuFactors<Complex<f64>>>>>,
 }
 
 impl Projected {
@@ -46,33 +45,16 @@ impl Projected {
             undamped: rate.is_zero() && skew_part.is_zero() && ratio == 0.0,
             modes,
             linear: OnceLock::new(),
-            dynamic: Arc::default(),
         }
     }
 
-    /// Adds the effect of modal damping, in this subspace, to the synchronous motion `bare` of the complete model without
-    /// it: complex displacement amplitudes, n entries, under a force that rotates with `spin`, rad/s.
+    /// Eigenvalues with Im λ ≥ 0, rad/s.
     ///
-    /// Both satisfy S x = f with S = K − Ω²M + iΩ(C + ΩG); modal damping D adds iΩD to S, so that their difference y solves
-    /// (S + iΩD) y = −iΩD x.
-    pub fn with_modal_damping(&self, model: &Model, spin: f64, bare: DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        let (ratio, size) = (model.scene.modal_damping, self.modes.frequencies.len());
-        let part = |of: fn(&Complex<f64>) -> f64| {
-            self.modes.vectors.tr_mul(&model.mass_times(&DMatrix::from_columns(&[bare.map(|value| of(&value))])))
-        };
-        let (re, im) = (part(|value| value.re), part(|value| value.im));
-        let force = DMatrix::from_fn(size, 1, |mode, _| {
-            Complex::new(im[mode], -re[mode]) * (spin * 2.0 * ratio * self.modes.frequencies[mode])
-        });
-        let entry = |i: usize, j: usize| {
-            let diagonal = if i == j { self.modes.frequencies[i].powi(2) - spin * spin } else { 0.0 };
-            Complex::new(diagonal + self.skew_part[(i, j)], spin * self.damping[(i, j)])
-        };
-        let factors = || LuFactors::new(&DMatrix::from_fn(size, size, entry));
-        let change = self.dynamic.get_or(spin, || Arc::new(factors())).solve(&force);
-        let [re, im] = [|value: Complex<f64>| value.re, |value: Complex<f64>| value.im]
-            .map(|of| &self.modes.vectors * change.map(of));
-        bare.zip_zip_map(&re.column(0), &im.column(0), |value, re, im| value + Complex::new(re, im))
+    /// # Errors
+    /// [`DecompositionError`] if the eigenvalue iteration fails.
+    pub fn eigenvalues(&self) -> Result<Vec<Complex64>, DecompositionError> {
+        let order = FirstOrder::projected(&self.modes, &self.damping, &self.skew_part, self.undamped);
+        Ok(if self.undamped { undamped(&self.modes).0 } else { damped(&self.modes, &order)?.0 })
     }
 
     /// The same with a known state-space model.

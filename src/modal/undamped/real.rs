@@ -17,7 +17,6 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, RowDVector};
-use num_complex::Complex64;
 
 use crate::connection::Connection;
 use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
@@ -144,23 +143,6 @@ impl RealModes {
             column *= 2.0 * ratio * frequency;
         }
         scaled * weighted.transpose()
-    }
-
-    /// The same matrix times a motion x = `shape`, n entries.
-    pub(in crate::modal) fn damping_force(
-        &self,
-        model: &Model,
-        ratio: f64,
-        shape: &DVector<Complex64>,
-    ) -> DVector<Complex64> {
-        let force = |x: &[f64], out: &mut [f64]| {
-            let mut momentum = DVector::zeros(x.len());
-            model.multiply_mass(x, momentum.as_mut_slice());
-            let mut rates = self.vectors.tr_mul(&momentum);
-            rates.iter_mut().zip(&self.frequencies).for_each(|(rate, frequency)| *rate *= 2.0 * ratio * frequency);
-            model.multiply_mass((&self.vectors * rates).as_slice(), out);
-        };
-        model.product(shape, force)
     }
 }
 

@@ -198,7 +198,8 @@ def test_campbell_and_critical_speed_map_take_journal_bearings():
     for k in (0, 6):
         eigenvalues = system.modes(diagram.speeds[k]).eigenvalues
         for value in diagram.eigenvalues[k]:
-            assert np.abs(eigenvalues - value).min() < 1e-9 * abs(value)
+            # eigenvalues up to 5e9 rad/s leave round-off of 2e-8 in these: a speed that differs by 1e-10 has it as well
+            assert np.abs(eigenvalues - value).min() < 1e-7 * abs(value)
     found = system.critical_speed_map([1e7])
     constant = [gb.Bearing("s", x, stiffness=1e7) for x in (0.0, LENGTH)]
     expected = system.replace(bearings=constant).critical_speed_map([1e7])

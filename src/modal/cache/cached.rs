@@ -5,24 +5,30 @@ use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
-use super::first_order::FirstOrder;
-use super::model::{ModalStateSpace, StateMatrix};
-use super::projected::Projected;
+use super::dynamic_solver::{DynamicKey, DynamicStiffnessSolver};
 use super::recent::Recent;
-use crate::linalg::{CoupledFactors, DecompositionError, Singular};
+use crate::connection::Row;
+use crate::linalg::{DecompositionError, Singular};
 use crate::mesh::Geometry;
 use crate::modal::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
+use crate::modal::lowest::{Highest, ModalSpace, UndampedSearch};
+use crate::modal::state_space::{FirstOrder, ModalStateSpace, Projected, StateMatrix};
 use crate::modal::undamped::{
-    ComponentModes, Pins, RealModes, SpectralRange, SubspaceKey, kept_modes, modes_of_loads, null_motions,
+    ComponentModes, ModalDamping, RealModes, SpectralRange, SubspaceKey, kept_modes, modes_of_loads,
 };
-use crate::model::{Model, Weights};
+use crate::model::Model;
 
 /// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
 const MIN_KRYLOV: usize = 100;
 /// Multiple of the highest frequency that the teeth excite up to which undamped modes show the growing modes. Oil films and
 /// circulating forces let modes below the speed of rotation grow.
 const GROWTH_LIMIT: f64 = 2.0;
+
+/// Part of the highest frequency of a space of undamped modes up to which it approximates the eigenvalues of a model. The
+/// relative error is about the fourth power of this part.
+const MAX_APPROXIMATED: f64 = 0.4;
 
 /// What a state-space model reads beside its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +37,24 @@ struct LinearKey {
     speed: f64,
     /// Whether the meshes are included.
     includes_meshes: bool,
+}
+
+/// What the solver of a dynamic stiffness reads beside its model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SolverKey {
+    /// Speed and frequency.
+    at: DynamicKey,
+    /// Highest frequency in question for modal damping; none without.
+    highest: Option<Highest>,
+}
+
+/// What modal damping reads beside its model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct DampingKey {
+    /// Direction of rotation.
+    rotation: usize,
+    /// Highest frequency in question.
+    highest: Highest,
 }
 
 /// What the undamped modes of a large model up to a frequency read beside it.
@@ -62,17 +86,6 @@ struct GrowthKey {
     highest: Option<f64>,
 }
 
-/// The inputs, besides the model, on which the dynamic stiffness without modal damping depends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DynamicKey {
-    /// Speed of the reference shaft, rad/s.
-    pub speed: f64,
-    /// Spin of the source shaft, rad/s.
-    pub spin: f64,
-    /// Speed of the reference shaft that determines the flanks in contact, rad/s.
-    pub flank_speed: f64,
-}
-
 /// What a static equilibrium reads beside its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct EquilibriumKey {
@@ -80,15 +93,6 @@ struct EquilibriumKey {
     geometry: Geometry,
     /// Speeds of bearings and flanks.
     speeds: EquilibriumSpeeds,
-}
-
-/// Factors of the dynamic stiffness without modal damping.
-#[derive(Debug)]
-pub struct DynamicFactors {
-    /// Factors of the matrix; none where it is singular.
-    pub factors: Result<CoupledFactors, Singular>,
-    /// Springs on the null motions, which a spin of zero needs.
-    pub pins: Pins,
 }
 
 /// What follows from the linear part of a model alone, computed on first use: of the loads, only torques over the speed have an
@@ -99,6 +103,8 @@ struct LinearPart {
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
     /// Lowest and highest frequency for each [`crate::model::Rotation`].
     ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
+    /// Modal damping.
+    damping: Recent<DampingKey, Arc<ModalDamping>>,
     /// State-space models; `None` marks a model that modes cannot represent.
     linear: Recent<LinearKey, Option<Arc<ModalStateSpace>>>,
     /// Undamped modes of the components.
@@ -111,8 +117,8 @@ struct LinearPart {
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
     /// The model in the modes of another speed, or of a system with the same coordinates.
     in_given_modes: Recent<GivenModesKey, Arc<Projected>>,
-    /// Factors of the dynamic stiffness at the last speeds.
-    dynamic: Recent<DynamicKey, Arc<DynamicFactors>>,
+    /// Dynamic stiffness at the last speeds; a singular one has no solver.
+    dynamic: Recent<SolverKey, Arc<Result<DynamicStiffnessSolver, Singular>>>,
     /// The linear parts at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<LinearPart>>,
 }
@@ -126,12 +132,26 @@ pub struct CachedModel {
     linear_part: OnceLock<Arc<LinearPart>>,
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<CachedModel>>,
+    /// What the models at all speeds share, if bearings depend on the speed.
+    nominal: OnceLock<Arc<Nominal>>,
     /// Displacements of the last static equilibria.
     equilibria: Recent<EquilibriumKey, DVector<f64>>,
     /// Results of runs; their type belongs to a later folder.
     run_results: OnceLock<Arc<dyn Any + Send + Sync>>,
     /// The model of which this one is a variation.
     base: Option<Arc<CachedModel>>,
+}
+
+/// A model whose undamped modes are close to those at any speed.
+#[derive(Debug)]
+struct Nominal {
+    cached: CachedModel,
+    /// Loads on the bearings that depend on the speed.
+    rows: Vec<Row>,
+    /// Spaces of few undamped modes at all speeds, by direction of rotation and number of modes.
+    small_spaces: Recent<[usize; 2], Option<Arc<ModalSpace>>>,
+    /// Spaces of the undamped modes at all speeds.
+    spaces: Recent<DampingKey, Arc<ModalSpace>>,
 }
 
 /// A model at a constant speed: the model itself if nothing in it depends on the speed.
@@ -161,6 +181,7 @@ impl CachedModel {
             model,
             linear_part: OnceLock::new(),
             at_speeds: Recent::default(),
+            nominal: OnceLock::new(),
             equilibria: Recent::default(),
             run_results: OnceLock::new(),
             base: None,
@@ -206,11 +227,31 @@ impl CachedModel {
         }
         self.model.check_speed(speed)?;
         let model = self.model.with_tables_at(speed)?;
-        let model = if model.is_at_speed(speed) { Self::new(model) } else { at_equilibrium(model, speed)? };
+        let model = if model.is_at_speed(speed) {
+            Self::new(model)
+        } else {
+            let previous = self.at_speeds.last().and_then(|known| known.equilibria.last());
+            at_equilibrium(model, speed, previous.as_ref())?
+        };
+        model.nominal.get_or_init(|| Arc::clone(self.nominal.get_or_init(|| Arc::new(self.nominal_at(&model.model)))));
         model.linear_part.get_or_init(|| self.linear_part().at_speed(speed));
         let model = Arc::new(model);
         self.at_speeds.insert(speed, Arc::clone(&model));
         Ok(AtSpeed::Specialised(model))
+    }
+
+    /// The model whose nonlinear bearings have their initial stiffness; with bearings that have tables over the speed, the first
+    /// model at a speed, `first`.
+    fn nominal_at(&self, first: &Model) -> Nominal {
+        let tables = self.model.bearings.iter().flat_map(|bearing| bearing.rows.iter().cloned());
+        let nonlinear = self.model.nonlinear_bearings.iter().flat_map(|bearing| bearing.rows.iter().cloned());
+        let rows = tables.chain(nonlinear).collect();
+        let model = if self.model.bearings.is_empty() {
+            self.model.clone().with_initial_operating_points()
+        } else {
+            first.clone()
+        };
+        Nominal { cached: Self::new(model), rows, spaces: Recent::default(), small_spaces: Recent::default() }
     }
 
     /// The model whose nonlinear bearings have the coefficients of a speed of the reference shaft, rad/s, while tables of
@@ -237,7 +278,7 @@ impl CachedModel {
     /// As [`equilibrium`].
     pub fn equilibrium(&self, geometry: Geometry, speeds: EquilibriumSpeeds) -> Result<DVector<f64>, EquilibriumError> {
         let key = EquilibriumKey { geometry, speeds };
-        self.equilibria.get_or_try(key, || equilibrium(&self.model, key.geometry, key.speeds))
+        self.equilibria.get_or_try(key, || equilibrium(&self.model, key.geometry, key.speeds, None))
     }
 
     /// The results that runs of this model share, in a type of a later folder.
@@ -432,18 +473,19 @@ impl CachedModel {
         })
     }
 
-    /// Factors of the dynamic stiffness K + iωC − ω²M + iωΩG of the spin ω, without modal damping.
+    /// Solver of the dynamic stiffness, with modal damping for a highest frequency in question or without; a singular one has
+    /// none.
     ///
     /// # Errors
-    /// [`DecompositionError`] if the null motions cannot be found.
-    pub fn dynamic_factors(&self, key: DynamicKey) -> Result<Arc<DynamicFactors>, DecompositionError> {
-        let model = &self.model;
-        self.linear_part().dynamic.get_or_try(key, || {
-            let DynamicKey { speed, spin, flank_speed } = key;
-            let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
-            let mut matrix = model.dynamic_stiffness(&Weights::harmonic(spin, speed), flank_speed);
-            pins.add_to(model, &mut matrix);
-            Ok(Arc::new(DynamicFactors { factors: matrix.factor(if spin < 0.0 { -1.0 } else { 1.0 }), pins }))
+    /// [`DecompositionError`] if the null motions or the undamped modes cannot be found.
+    pub fn dynamic_solver(
+        &self,
+        at: DynamicKey,
+        highest: Option<Highest>,
+    ) -> Result<Arc<Result<DynamicStiffnessSolver, Singular>>, DecompositionError> {
+        self.linear_part().dynamic.get_or_try(SolverKey { at, highest }, || {
+            let modal = highest.map(|highest| self.modal_damping(at.flank_speed, highest)).transpose()?;
+            DynamicStiffnessSolver::new(&self.model, at, modal.flatten()).map(Arc::new)
         })
     }
 
@@ -466,7 +508,71 @@ impl CachedModel {
         Ok(matrix)
     }
 
-    /// Modal damping matrix MΦ·diag(2ζω)·ΦᵀM, n × n; `None` if the scene has no modal damping.
+    /// Approximations of the eigenvalues with Im λ ≥ 0 of lowest magnitude, rad/s, in the space of the `count` lowest undamped
+    /// modes and of static displacements under loads on the bearings; `None` for a model that is the same at every speed.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub fn approximate_eigenvalues(
+        &self,
+        speed: f64,
+        count: usize,
+    ) -> Result<Option<Vec<Complex64>>, DecompositionError> {
+        let Some(nominal) = self.nominal.get() else {
+            return Ok(None);
+        };
+        let rotation = self.model.rotation(speed);
+        let find = || -> Result<_, DecompositionError> {
+            let found = nominal
+                .cached
+                .undamped_search(rotation.speed(), |search| ModalSpace::of_lowest(search, &nominal.rows, count))?;
+            Ok(found.map(Arc::new))
+        };
+        let Some(space) = nominal.small_spaces.get_or_try([rotation as usize, count], find)? else {
+            return Ok(None);
+        };
+        let mut values = space.project(&self.model, speed)?.eigenvalues()?;
+        values.retain(|value| value.norm() < MAX_APPROXIMATED * space.highest);
+        Ok(Some(values))
+    }
+
+    /// Calls `find` with the search for undamped modes at `speed` of the reference shaft, rad/s.
+    fn undamped_search<T>(
+        &self,
+        speed: f64,
+        find: impl FnOnce(&UndampedSearch<'_>) -> Result<T, DecompositionError>,
+    ) -> Result<T, DecompositionError> {
+        let all = || self.real_modes(speed);
+        find(&UndampedSearch { model: &self.model, speed, range: self.spectral_range(speed)?, all: &all })
+    }
+
+    /// Modal damping for a highest frequency in question; `None` if the scene has none.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the undamped modes cannot be found.
+    pub fn modal_damping(&self, speed: f64, highest: Highest) -> Result<Option<Arc<ModalDamping>>, DecompositionError> {
+        if self.model.scene.modal_damping == 0.0 {
+            return Ok(None);
+        }
+        let rotation = self.model.rotation(speed);
+        let key = DampingKey { rotation: rotation as usize, highest };
+        let find = || match self.nominal.get() {
+            // All modes are those of this speed.
+            Some(nominal) if highest != Highest::Frequency(f64::INFINITY) => {
+                let space = || {
+                    nominal.cached.undamped_search(rotation.speed(), |search| {
+                        ModalSpace::new(search, &nominal.rows, highest).map(Arc::new)
+                    })
+                };
+                let space = nominal.spaces.get_or_try(key, space)?;
+                space.damping(&self.model, rotation.speed()).map(Arc::new)
+            }
+            _ => self.undamped_search(rotation.speed(), |search| search.damping(highest).map(Arc::new)),
+        };
+        self.linear_part().damping.get_or_try(key, find).map(Some)
+    }
+
+    /// Modal damping matrix MΦ·diag(2ζω)·ΦᵀM of all modes, n × n; `None` if the scene has no modal damping.
     ///
     /// # Errors
     /// [`DecompositionError`] if the modes cannot be computed.
@@ -479,10 +585,11 @@ impl CachedModel {
     }
 }
 
-/// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s, which it keeps.
-fn at_equilibrium(model: Model, speed: f64) -> Result<CachedModel, EquilibriumError> {
+/// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s, which it keeps. The
+/// search begins at `start`, the equilibrium of another speed, if it is known.
+fn at_equilibrium(model: Model, speed: f64, start: Option<&DVector<f64>>) -> Result<CachedModel, EquilibriumError> {
     let model = model.with_initial_operating_points();
-    let q = equilibrium(&model, Geometry::Live, speed.into())?;
+    let q = equilibrium(&model, Geometry::Live, speed.into(), start)?;
     let cached = CachedModel::new(model.with_operating_points_at(speed, q.as_slice()));
     cached.equilibria.insert(EquilibriumKey { geometry: Geometry::Live, speeds: speed.into() }, q);
     Ok(cached)

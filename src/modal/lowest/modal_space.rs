@@ -1,0 +1,235 @@
+//! The undamped modes of low frequency with modal damping, of one model or at all speeds.
+//!
+//! If bearings change with the speed, D = MV R VᵀM with a space V that contains the modes at every speed, and R
+//! = Q diag(2ζω) Qᵀ for the modes Φ = VQ: a new speed takes a small eigenproblem.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::arnoldi::undamped_modes;
+use super::shift_invert::Problem;
+use crate::connection::Row;
+use crate::linalg::{DecompositionError, symmetric_pencil};
+use crate::modal::state_space::Projected;
+use crate::modal::undamped::{ModalDamping, RealModes, ShiftInverse, SpectralRange, null_motions, times};
+use crate::model::Model;
+
+/// Smallest number of elastic modes with damping. In the machines of `examples/machines` with a ratio of 0.01, the others change
+/// responses to bow and unbalance by less than 1e-5 of their size.
+const MIN_DAMPED_MODES: usize = 60;
+/// Smallest ratio of the highest frequency with damping to the highest one in question. In the same machines, modes beyond this
+/// limit change eigenvalues by less than 1e-7 of their size.
+const FREQUENCY_MARGIN: f64 = 8.0;
+/// Part of all modes up to which a Krylov space gives the lowest ones faster than dense matrices give all.
+const MAX_KRYLOV_FRACTION: f64 = 0.3;
+/// Largest number of degrees of freedom for which dense matrices give all modes.
+const MAX_DENSE: usize = 2000;
+/// Smallest relative distance of the frequency of a mode that is left out from that of a damped one: the modes of both planes of a
+/// shaft stay together.
+const GAP: f64 = 1e-3;
+/// Part of a static displacement outside of the others below which it is left out.
+const DEPENDENCE_TOLERANCE: f64 = 1e-8;
+
+/// Highest frequency in question.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Highest {
+    /// This frequency, rad/s.
+    Frequency(f64),
+    /// The undamped frequency of the mode with this number, rigid-body modes included.
+    Mode(usize),
+}
+
+/// A search for the lowest undamped modes of a model.
+pub struct UndampedSearch<'m> {
+    /// The model.
+    pub model: &'m Model,
+    /// Speed of the reference shaft whose loaded tooth flanks are in contact, rad/s.
+    pub speed: f64,
+    /// Lowest and highest frequency.
+    pub range: &'m SpectralRange,
+    /// All modes, where band matrices do not give the lowest ones.
+    pub all: &'m dyn Fn() -> Result<&'m RealModes, DecompositionError>,
+}
+
+/// A space of displacements V that contains the undamped modes of low frequency at all speeds, because it contains those of one
+/// model and the static displacements of the others under loads on the bearings (MacNeal 1971, Rubin 1975).
+#[derive(Debug)]
+pub struct ModalSpace {
+    /// V, n × m, elastic motions orthonormal in M.
+    shapes: DMatrix<f64>,
+    /// MV.
+    momenta: Arc<DMatrix<f64>>,
+    /// Number of damped modes.
+    damped: usize,
+    /// Highest frequency of the modes, rad/s.
+    pub(in crate::modal) highest: f64,
+    /// As [`ModalDamping::reach`].
+    reach: f64,
+}
+
+impl UndampedSearch<'_> {
+    /// The `count` lowest modes from band matrices; `None` if these do not give them.
+    fn lowest(&self, count: usize) -> Result<Option<RealModes>, DecompositionError> {
+        undamped_modes(&Problem::new(self.model, self.speed, self.range, None)?.without_damping(), count)
+    }
+
+    /// The modal damping of the model for a highest frequency in question.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the undamped modes cannot be found.
+    pub(in crate::modal) fn damping(&self, highest: Highest) -> Result<ModalDamping, DecompositionError> {
+        let modes = DampedModes::new(self, highest)?;
+        Ok(ModalDamping::new(self.model, &modes.shapes, modes.kept, modes.reach()))
+    }
+}
+
+impl ModalSpace {
+    /// The space for a highest frequency in question: modes of `search`, and static displacements under the loads `rows`.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the undamped modes cannot be found.
+    pub(in crate::modal) fn new(
+        search: &UndampedSearch<'_>,
+        rows: &[Row],
+        highest: Highest,
+    ) -> Result<Self, DecompositionError> {
+        Self::of_modes(search, rows, &DampedModes::new(search, highest)?)
+    }
+
+    /// The same with the `count` lowest modes; `None` if band matrices do not give them.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub(in crate::modal) fn of_lowest(
+        search: &UndampedSearch<'_>,
+        rows: &[Row],
+        count: usize,
+    ) -> Result<Option<Self>, DecompositionError> {
+        let Some(shapes) = search.lowest(count)? else {
+            return Ok(None);
+        };
+        Self::of_modes(search, rows, &DampedModes { kept: shapes.frequencies.len(), shapes }).map(Some)
+    }
+
+    /// The space of known modes and of static displacements.
+    fn of_modes(search: &UndampedSearch<'_>, rows: &[Row], modes: &DampedModes) -> Result<Self, DecompositionError> {
+        let (model, speed) = (search.model, search.speed);
+        let (null, damped) = (modes.shapes.null, modes.elastic());
+        let known = modes.shapes.vectors.columns(0, null + damped).into_owned();
+        let mut loads = DMatrix::zeros(model.len(), rows.len());
+        for (row, mut load) in rows.iter().zip(loads.column_iter_mut()) {
+            row.iter().for_each(|(index, coefficient)| load[*index] += coefficient);
+        }
+        let shift = search.range.slowest.unwrap_or(1.0);
+        let mut statics = ShiftInverse::new(model, speed, shift)?.solve_columns(&loads)?;
+        let norm = |x: nalgebra::DVectorView<'_, f64>| model.kinetic_form(x.into_owned().as_slice()).sqrt();
+        let scale =
+            DVector::from_iterator(rows.len(), statics.column_iter().map(|x| 1.0 / norm(x).max(f64::MIN_POSITIVE)));
+        // The known modes are orthonormal in M.
+        for _ in 0..2 {
+            statics -= &known * known.tr_mul(&model.mass_times(&statics));
+        }
+        let mut form = statics.tr_mul(&model.mass_times(&statics));
+        form.iter_mut().enumerate().for_each(|(place, value)| {
+            *value *= scale[place % rows.len()] * scale[place / rows.len()];
+        });
+        let found = form.symmetric_eigen();
+        let independent = (0..rows.len()).filter(|index| found.eigenvalues[*index] > DEPENDENCE_TOLERANCE);
+        let scaled = DMatrix::from_diagonal(&scale);
+        let mut columns: Vec<DVector<f64>> = known.column_iter().skip(null).map(|column| column.into_owned()).collect();
+        columns
+            .extend(independent.map(|index| {
+                &statics * (&scaled * found.eigenvectors.column(index)) / found.eigenvalues[index].sqrt()
+            }));
+        let shapes = DMatrix::from_columns(&columns);
+        let momenta = Arc::new(model.mass_times(&shapes));
+        let highest = modes.shapes.frequencies[modes.kept - 1];
+        Ok(Self { shapes, momenta, damped, highest, reach: modes.reach() })
+    }
+
+    /// A model in this space at `speed` of the reference shaft, rad/s.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a decomposition fails.
+    pub(in crate::modal) fn project(&self, model: &Model, speed: f64) -> Result<Projected, DecompositionError> {
+        let null = null_motions(model, speed)?;
+        let columns: Vec<_> = null.column_iter().chain(self.shapes.column_iter()).map(|x| x.into_owned()).collect();
+        let modes = RealModes::in_subspace(model, speed, &DMatrix::from_columns(&columns))?;
+        Ok(Projected::new(model, modes, speed))
+    }
+
+    /// Damping of the modes of a model in this space, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the decomposition of the projected stiffness fails.
+    pub(in crate::modal) fn damping(&self, model: &Model, speed: f64) -> Result<ModalDamping, DecompositionError> {
+        let stiffness = self.shapes.tr_mul(&times(&model.sparse_symmetric_stiffness(speed), &self.shapes));
+        let size = stiffness.nrows();
+        let symmetric = (&stiffness + stiffness.transpose()) / 2.0;
+        let modes = symmetric_pencil(&symmetric, &DMatrix::identity(size, size), &DMatrix::zeros(size, 0))?;
+        let ratio = model.scene.modal_damping;
+        let kept = modes.vectors.columns(0, self.damped.min(size)).into_owned();
+        let mut scaled = kept.clone();
+        for (mut column, value) in scaled.column_iter_mut().zip(&modes.values) {
+            column *= 2.0 * ratio * value.max(0.0).sqrt();
+        }
+        Ok(ModalDamping {
+            ratio,
+            momenta: Arc::clone(&self.momenta),
+            rates: scaled * kept.transpose(),
+            reach: self.reach,
+        })
+    }
+}
+
+/// The lowest undamped modes, of which the first `kept` ones have damping.
+struct DampedModes {
+    shapes: RealModes,
+    kept: usize,
+}
+
+impl DampedModes {
+    fn new(search: &UndampedSearch<'_>, highest: Highest) -> Result<Self, DecompositionError> {
+        let model = search.model;
+        let all = || -> Result<Self, DecompositionError> {
+            let shapes = (search.all)()?.clone();
+            Ok(Self { kept: shapes.frequencies.len(), shapes })
+        };
+        let largest = (MAX_KRYLOV_FRACTION * model.len() as f64) as usize;
+        let mut size = MIN_DAMPED_MODES;
+        loop {
+            let is_last = 2 * size > largest;
+            if size > largest && model.len() <= MAX_DENSE {
+                return all();
+            }
+            let Some(shapes) = search.lowest(size.min(largest))? else {
+                return all();
+            };
+            let limit = match highest {
+                Highest::Frequency(frequency) => frequency,
+                Highest::Mode(number) => shapes.frequencies.get(number).copied().unwrap_or(f64::INFINITY),
+            };
+            let frequencies = shapes.frequencies.as_slice();
+            let kept = (1..frequencies.len())
+                .rev()
+                .find(|index| frequencies[*index] > (1.0 + GAP) * frequencies[index - 1])
+                .unwrap_or(frequencies.len());
+            if frequencies[kept - 1] >= FREQUENCY_MARGIN * limit || is_last && model.len() > MAX_DENSE {
+                return Ok(Self { shapes, kept });
+            }
+            size *= 2;
+        }
+    }
+
+    /// As [`ModalDamping::reach`].
+    fn reach(&self) -> f64 {
+        let is_all = self.kept == self.shapes.vectors.nrows();
+        if is_all { f64::INFINITY } else { self.shapes.frequencies[self.kept - 1] / FREQUENCY_MARGIN }
+    }
+
+    /// Number of elastic modes with damping.
+    fn elastic(&self) -> usize {
+        self.kept.saturating_sub(self.shapes.null)
+    }
+}

@@ -1,0 +1,68 @@
+//! Modal damping: a damping ratio ζ on the undamped modes of low frequency.
+//!
+//! ```text
+//! D = B R Bᵀ,    B = MΦ,    R = diag(2ζω)
+//! ```
+//!
+//! D has a low rank. The modes that are left out respond without damping; far above the frequencies in question they respond
+//! as springs. A band matrix replaces D where only an approximation is needed: for motions of the frequency |λ|, the matrix
+//! ζ(|λ|M + K/|λ|) has the same damping, and for others the difference is at most ζ(|λ|M + K/|λ|) itself.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+
+use super::real::RealModes;
+use crate::model::{Model, Weights};
+
+/// Damping of undamped modes.
+#[derive(Debug)]
+pub struct ModalDamping {
+    /// ζ.
+    pub ratio: f64,
+    /// B = MV, n × m in the order of the core.
+    pub momenta: Arc<DMatrix<f64>>,
+    /// R, m × m symmetric, 1/s.
+    pub rates: DMatrix<f64>,
+    /// Largest |λ| of a mode that other damped modes would not change, rad/s; infinite if all modes have damping.
+    pub reach: f64,
+}
+
+impl ModalDamping {
+    /// Damping of the elastic modes among the first `kept` ones, for modes up to |λ| = `reach`, rad/s.
+    pub(in crate::modal) fn new(model: &Model, modes: &RealModes, kept: usize, reach: f64) -> Self {
+        let (null, elastic) = (modes.null, kept.saturating_sub(modes.null));
+        let momenta = model.mass_times(&modes.vectors.columns(null, elastic).into_owned());
+        let ratio = model.scene.modal_damping;
+        let rates = DMatrix::from_diagonal(&(modes.frequencies.rows(null, elastic) * (2.0 * ratio)));
+        Self { ratio, momenta: Arc::new(momenta), rates, reach }
+    }
+
+    /// D X for real columns X, n × k.
+    pub(in crate::modal) fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        &*self.momenta * (&self.rates * self.momenta.tr_mul(columns))
+    }
+
+    /// Adds `factor`·D x to `sum`, both with n entries.
+    pub(in crate::modal) fn multiply_add(&self, factor: f64, x: &[f64], sum: &mut [f64]) {
+        let modal = &self.rates * self.momenta.tr_mul(&nalgebra::DVectorView::from_slice(x, x.len()));
+        let length = sum.len();
+        nalgebra::DVectorViewMut::from_slice(sum, length).gemv(factor, &self.momenta, &modal, 1.0);
+    }
+
+    /// D x, n entries.
+    pub fn product(&self, model: &Model, x: &DVector<Complex64>) -> DVector<Complex64> {
+        model.product(x, |x, out| {
+            out.fill(0.0);
+            self.multiply_add(1.0, x, out);
+        })
+    }
+
+    /// Weights of a band matrix close to S(λ) + λD for the weights of S(λ).
+    pub(in crate::modal) fn banded(&self, eigenvalue: Complex64, weights: Weights) -> Weights {
+        let size = eigenvalue.norm();
+        let damping = eigenvalue / size * self.ratio;
+        Weights { stiffness: weights.stiffness + damping, mass: weights.mass + damping * (size * size), ..weights }
+    }
+}
