@@ -8,7 +8,7 @@ use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions, Tang
 use gearbow::integrate::Statistics;
 use gearbow::mesh::{Contact, ContactMode, Geometry, ShaftPhase};
 use gearbow::modal::{CachedModel, modes};
-use gearbow::motion::{Energies, Profile, Speed};
+use gearbow::motion::{Energies, Profile, SourceTerms, Speed};
 use gearbow::scene::SceneDescription;
 use gearbow::scene::description::Gravity;
 
@@ -162,7 +162,7 @@ fn runs_of_every_method_contain_connections() {
         };
         assert!(difference(&energy(&matrices), &energy(&table)) < tolerance, "{}", method.name());
         let works = |response: &Response| -> Vec<f64> {
-            response.record.energy.iter().map(|(_, works)| works.iter().sum::<f64>()).collect()
+            response.record.energy.iter().map(|(_, works)| works.values().iter().sum::<f64>()).collect()
         };
         assert!(difference(&works(&matrices), &works(&table)) < 10.0 * tolerance, "{}", method.name());
     }
@@ -183,7 +183,8 @@ fn connections_act_as_loads_if_the_linear_motion_excludes_the_meshes() {
 /// Largest difference between the sum of the works and the change of energy, relative to the initial energy.
 fn imbalance(response: &Response) -> f64 {
     let first = response.record.energy[0].0.total();
-    let left = |(energies, works): &(Energies, [f64; 6])| energies.total() - first - works.iter().sum::<f64>();
+    let left =
+        |(energies, works): &(Energies, SourceTerms)| energies.total() - first - works.values().iter().sum::<f64>();
     response.record.energy.iter().map(left).fold(0.0_f64, |most, left| most.max(left.abs())) / first.abs()
 }
 
