@@ -2,7 +2,7 @@
 //!
 //! A Krylov space of the inverse at a small shift ([`super::shift_invert`]) finds the eigenvalues of smallest magnitude.
 //! Rigid-body modes are known and left out of the space. Strongly damped eigenvalues may be far from the origin and still
-//! have a low frequency; they are found at further shifts on the real axis, or by [`super::lowest_damped`] with
+//! have a low frequency; they are found at further shifts on the real axis, or by [`super::lowest_damped()`] with
 //! cross-coupled stiffness.
 //!
 //! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] counts the eigenvalues with |λ| below a
