@@ -8,7 +8,7 @@ from numpydoc.xref import DEFAULT_LINKS
 import gearbow
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))  # gallery_figures.py, flowchart.py, numbers_in_tables.py
+sys.path.insert(0, str(HERE))  # gallery_figures.py, flowchart.py, index_entries.py, …
 
 project = "gearbow"
 author = "The gearbow maintainers"
@@ -25,6 +25,7 @@ extensions = [
     "sphinx_copybutton",
     "flowchart",
     "numbers_in_tables",
+    "index_entries",
 ]
 exclude_patterns = [
     "examples/*.*",

@@ -116,14 +116,18 @@ class Waterfall(Result, ReadOnly):
             ax=ax,
         )
 
+    def _frequencies(self) -> Array:
+        """Give the frequency of each amplitude [Hz]; those of a run-up differ from row to row."""
+        return np.broadcast_to(self.frequencies_hz, self.amplitudes.shape)
+
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:
         speeds = span(speed_factor(speed_unit) * self.speeds)
         return [f"spectra of {self.label}, {self.speeds.size} speeds, {speeds} {speed_unit}"]
 
     def _columns(self) -> list[Column]:
         """Give a row for each speed, with its largest amplitude."""
-        largest = self.amplitudes.argmax(axis=1)
-        frequencies = self.frequencies_hz[largest]
+        largest = self.amplitudes.argmax(axis=1, keepdims=True)
+        frequencies = np.take_along_axis(self._frequencies(), largest, axis=1)[:, 0]
         amplitudes, written = self.amplitudes.max(axis=1), in_micrometres(self.unit)
         orders = np.divide(
             2.0 * np.pi * frequencies,
@@ -139,10 +143,9 @@ class Waterfall(Result, ReadOnly):
         ]
 
     def _series(self) -> list[Column]:
-        count = self.frequencies_hz.size
         return [
-            Column("speed", np.repeat(self.speeds, count), "rad/s"),
-            Column("frequency", np.tile(self.frequencies_hz, self.speeds.size), "Hz"),
+            Column("speed", np.repeat(self.speeds, self.amplitudes.shape[1]), "rad/s"),
+            Column("frequency", self._frequencies().ravel(), "Hz"),
             Column("amplitude", self.amplitudes.ravel(), self.unit),
         ]
 

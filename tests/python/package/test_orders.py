@@ -299,6 +299,10 @@ def test_a_waterfall_of_a_run_up_has_the_amplitudes_of_its_orders():
     assert 280.0 < found.speeds[-1] < 300.0
     panel = found.plot(speed_unit="rpm").axes[0]
     assert "1× input" in {text.get_text() for text in panel.texts}
+    printed = [float(row.split()[-1]) for row in found.table().splitlines()[2:]]
+    assert printed == pytest.approx(61 * [1.0], abs=0.02)  # half the distance of its lines
+    table = found.to_dataframe()
+    assert table["frequency [Hz]"].to_numpy() == pytest.approx(found.frequencies_hz.ravel())
     fine = gb.waterfall(run, "g1", "y", revolutions=50.0)
     assert fine.frequencies_hz[0, 0] * 2.0 * np.pi / fine.speeds[0] == pytest.approx(1 / 50)
     for call, message in (

@@ -23,7 +23,7 @@ def site(monkeypatch: pytest.MonkeyPatch):
     """Make the modules of the site importable."""
     monkeypatch.syspath_prepend(SITE)
     yield
-    for name in ("links", "flowchart", "numbers_in_tables"):
+    for name in ("links", "flowchart", "index_entries", "numbers_in_tables"):
         sys.modules.pop(name, None)
 
 
@@ -121,3 +121,44 @@ def test_cells_with_numbers_are_recognised():
         assert NUMBER.fullmatch(text), text
     for text in ("", "rtol 0.1", "at 200, 400 rad/s", "Rao 1998"):
         assert not NUMBER.fullmatch(text), text
+
+
+#: Words that a user searches for, and a page that the search of the site has to find.
+SEARCHED = {
+    "Excel": "using",
+    "FRF": "frequency",
+    "3D": "frequency",
+    "6308": "gearbox",
+    "log decrement": "using",
+    "waterfall": "signals",
+    "hammer test": "frequency",
+}
+
+
+@pytest.mark.parametrize("word", SEARCHED)
+@pytest.mark.usefixtures("site")
+def test_the_search_finds_a_word_in_its_page(word: str):
+    pytest.importorskip("sphinx")
+    from index_entries import with_entries
+
+    text = with_entries((ROOT / "docs" / f"{SEARCHED[word]}.md").read_text(encoding="utf-8"))
+    listed = re.findall(r"^```\{index\} (.+)\n```$", text, flags=re.M)
+    assert word in ", ".join(listed).split(", ")
+    assert "<!-- index" not in text
+
+
+@pytest.mark.usefixtures("site")
+def test_a_comment_becomes_an_entry_of_the_built_index(tmp_path: Path):
+    pytest.importorskip("myst_parser")
+    from sphinx.cmd.build import main
+
+    source, html = tmp_path / "source", tmp_path / "html"
+    source.mkdir()
+    (source / "conf.py").write_text('extensions = ["myst_parser", "index_entries"]')
+    text = "# Bearings\n\n<!-- index: 6308, ball pass -->\n\nText.\n"
+    (source / "index.md").write_text(text)
+    assert main(["-q", "-W", str(source), str(html)]) == 0
+    built = (html / "searchindex.js").read_text(encoding="utf-8")
+    entries = built.partition('"indexentries":')[2].partition('"objects"')[0]
+    assert '"6308"' in entries
+    assert '"ball pass"' in entries
