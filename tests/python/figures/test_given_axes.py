@@ -41,6 +41,7 @@ def results() -> dict:
         "campbell": jeffcott(damping=4e3).campbell([0.0, 100.0, 200.0], count=4),
         "map": jeffcott().critical_speed_map([1e6, 1e7]),
         "synchronous": system.synchronous([10.0, 20.0]),
+        "sensitivity": system.sensitivity("bearings[0].stiffness", system.modes(count=3)),
         "bow limits": system.bow_limits("input", [10.0, 20.0]),
         "response": system.frequency_response(
             [10.0, 20.0], source=gb.Force("g1", 1.0), speed=[5.0, 9.0]
@@ -71,6 +72,7 @@ FIGURES = {
     "modes": (3, lambda r, ax: r["modes"].plot(count=3, ax=ax)),
     "campbell": (2, lambda r, ax: r["campbell"].plot(ax=ax)),
     "map": (1, lambda r, ax: r["map"].plot(ax=ax)),
+    "sensitivity": (2, lambda r, ax: r["sensitivity"].plot(ax=ax)),
     "synchronous": (2, lambda r, ax: r["synchronous"].plot(["g1", "g2"], ax=ax)),
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
     "bow limits": (1, lambda r, ax: r["bow limits"].plot(ax=ax)),
