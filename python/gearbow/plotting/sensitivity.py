@@ -39,7 +39,8 @@ def tornado(
             # Round-off is no effect: the axis shows at least a thousandth of a percent.
             most = max(float(np.max(np.abs(values), initial=0.0)), 1e-3)
             panel.set_xlim(-1.1 * most, 1.1 * most)
-            panel.set(title=output, xlabel=f"change of the {of} [%] for 1 % of the parameter")
+            axis = f"change of the {of} [%] for 1 % of the parameter"
+            panel.set(title=output, xlabel=axis, ylabel="parameter")
             if len(parameters) > _BARS:
                 remark(panel, f"{len(parameters) - _BARS} further parameters have less effect")
     return figure

@@ -62,8 +62,8 @@ class Sensitivity(Result, ReadOnly):
     >>> system = gb.RotorSystem([rotor], bearings=bearings)
     >>> modes = system.modes(count=1)
     >>> found = system.sensitivity(["shafts['rotor'].outer_diameter"], modes)
-    >>> f"1 % more diameter raises the frequency by {found.relative[0, 0]:.2f} %"
-    '1 % more diameter raises the frequency by 0.56 %'
+    >>> f"1 % more diameter raises the frequency by {found.relative[0, 0]:.1f} %"
+    '1 % more diameter raises the frequency by 0.6 %'
     """
 
     kind: str

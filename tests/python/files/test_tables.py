@@ -28,6 +28,7 @@ RESULTS = [
         "synchronous",
         "peaks",
         "limits",
+        "sensitivity",
         "static",
         "run",
         "energy",
