@@ -22,7 +22,7 @@ from numpydoc.validate import validate
 import gearbow
 
 #: Public modules.
-MODULES = ("gearbow", "gearbow.results")
+MODULES = ("gearbow", "gearbow.results", "gearbow.identification.unknown")
 #: Checks of numpydoc that do not apply.
 IGNORED = {
     "ES01",  # an extended summary only where there is more to say

@@ -77,6 +77,8 @@ from gearbow.errors import (
     SceneWarning as SceneWarning,
     StabilityError as StabilityError,
 )
+from gearbow.identification import unknown as unknown
+from gearbow.identification.measurement import Measurement as Measurement
 from gearbow.orders.waterfall import waterfall as waterfall
 from gearbow.results.continuation import Continuation as Continuation
 from gearbow.results.response import Response as Response
@@ -94,12 +96,14 @@ from gearbow.units.values import (
 #: Modules of the names that are imported at their first use, with the libraries that they need.
 _LAZY = {
     "Sweep": "gearbow.sweeps.result",
+    "identify": "gearbow.identification.identify",
     "rexs_contents": "gearbow.exchange.rexs",
     "sweep": "gearbow.sweeps.run",
 }
 
 if _typing.TYPE_CHECKING:
     from gearbow.exchange.rexs import rexs_contents as rexs_contents
+    from gearbow.identification.identify import identify as identify
     from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep
 else:  # a type checker would accept every name

@@ -15,6 +15,7 @@ _PACKAGES = {
     "dataframe": {"pandas", "openpyxl"},
     "matlab": {"scipy"},
     "sparse": {"scipy"},
+    "identify": {"scipy"},
     "uff": {"pyuff"},
     "units": {"pint"},
     "sweep": {"xarray", "pandas", "dask", "distributed"},

@@ -193,6 +193,15 @@ def check_synchronous(system: gb.RotorSystem, _: float, found: gb.results.Synchr
     assert excited
 
 
+def check_limits(system: gb.RotorSystem, speed: float, found: gb.results.BowLimits) -> None:
+    """Require that no given phase of the bow is worse than the worst one."""
+    given = system.bow_limits(found.shafts, speed, phase=0.7)
+    for worst, one in zip(found.found, given.found, strict=True):
+        assert (worst.limit, worst.at) == (one.limit, one.at)
+        # The phases and instants meet the worst motion to 1 − cos 5° of the orbits.
+        assert one.bow >= (1.0 - 5e-3) * worst.bow
+
+
 def compute_peaks(
     system: gb.RotorSystem, speed: float
 ) -> tuple[gb.results.Synchronous, list[gb.results.Peak]]:
@@ -545,6 +554,12 @@ ANALYSES = {
         lambda s, speed: s.synchronous(SHARES * speed),
         check_synchronous,
         largest=1000,
+        applies=lateral,
+    ),
+    "limits": Analysis(
+        lambda s, speed: s.bow_limits(s.shafts[0].name, speed),
+        check_limits,
+        largest=350,
         applies=lateral,
     ),
     "peaks": Analysis(compute_peaks, check_peaks, (1,), 350, lateral),

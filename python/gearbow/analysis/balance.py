@@ -1,6 +1,6 @@
 """Balancing of a bowed rotor by least squares."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic
@@ -26,7 +26,15 @@ from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Balance", "balance"]
+__all__ = [
+    "Balance",
+    "balance",
+    "body_of",
+    "semi_axes",
+    "shaft_of_planes",
+    "shafts_of_bodies",
+    "with_unbalances",
+]
 
 #: Unbalance of a trial run [kg m]. The response is linear; this one is small on every rotor,
 #: so that no displacement looks too large.
@@ -53,6 +61,8 @@ class Balance(Result, ReadOnly, Generic[S]):
         Amplitudes along y and z [m] without the correction, the shaft of the planes as the source.
     residual : ndarray, shape (speeds, points, 2)
         Predicted amplitudes with the correction [m].
+    influence : ndarray, shape (speeds, points, 2, planes)
+        Influence coefficients: amplitudes per unbalance [m/(kg m)].
     system : RotorSystem
         The system with the correction.
     speed_unit : {"rad/s", "rpm"}
@@ -88,8 +98,20 @@ class Balance(Result, ReadOnly, Generic[S]):
     target: str
     before: ComplexArray
     residual: ComplexArray
+    influence: ComplexArray
     system: S = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
+
+    @property
+    def shaft(self) -> str:
+        """Shaft of the planes.
+
+        Returns
+        -------
+        str
+            Its name.
+        """
+        return shaft_of_planes(self.system, self.planes)
 
     @property
     def residual_ratio(self) -> float:
@@ -124,8 +146,8 @@ class Balance(Result, ReadOnly, Generic[S]):
         return figures.balance(
             [f"{speed_factor(unit) * speed:.6g} {unit}" for speed in self.speeds],
             [point if isinstance(point, str) else float(point[1]) for point in self.points],
-            _semi_axes(self.before),
-            _semi_axes(self.residual),
+            semi_axes(self.before),
+            semi_axes(self.residual),
             label=f"{self.target} deflection [µm]",
             ax=ax,
         )
@@ -144,7 +166,7 @@ class Balance(Result, ReadOnly, Generic[S]):
         ]
 
 
-def _semi_axes(amplitudes: ComplexArray) -> Array:
+def semi_axes(amplitudes: ComplexArray) -> Array:
     """Give the major semi-axes of orbits with amplitudes along y and z on the last axis."""
     v, w = np.moveaxis(amplitudes, -1, 0)
     semi_axes: Array = (np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0
@@ -189,13 +211,15 @@ def balance(  # numpydoc ignore=PR01
     """
     one_of(target, ("total", "elastic"), "target")
     chosen = places(planes, "planes")
-    shaft = _shaft(self, chosen)
+    if len(set(chosen)) < len(chosen):
+        raise SceneError(f"planes: must be different, got {list(chosen)}")
+    shaft = shaft_of_planes(self, chosen)
     speeds = array(speed, "speed")
     if not np.all(speeds):
         raise SceneError(f"speed: must not be zero, got {speed!r}")
 
     # Influence coefficients are amplitudes per unbalance, in a system with a node at every plane.
-    base = _corrected(self, chosen, np.zeros(len(chosen), dtype=np.complex128))
+    base = with_unbalances(self, dict.fromkeys(chosen, 0.0))
     if points is None:
         nodes = dict.fromkeys(x for name, x, _ in nodal(base.dofs) if name == shaft)
         measured: tuple[At, ...] = tuple((shaft, x) for x in nodes)
@@ -215,9 +239,11 @@ def balance(  # numpydoc ignore=PR01
     with working(progress, "balancing"):
         before = read(base, "both")
         alone = _without_unbalance(base)
-        trial = np.full(1, _TRIAL, dtype=np.complex128)
         influence = np.stack(
-            [read(_corrected(alone, (plane,), trial), "unbalance") / _TRIAL for plane in chosen],
+            [
+                read(with_unbalances(alone, {plane: _TRIAL}), "unbalance") / _TRIAL
+                for plane in chosen
+            ],
             axis=-1,
         )
     table = influence.reshape(-1, len(chosen))
@@ -231,7 +257,8 @@ def balance(  # numpydoc ignore=PR01
         target=target,
         before=before,
         residual=before + influence @ unbalances,
-        system=_corrected(base, chosen, unbalances),
+        influence=influence,
+        system=with_unbalances(base, dict(zip(chosen, unbalances.tolist(), strict=True))),
         speed_unit=given_unit(speed) or self._speed_unit,
     )
 
@@ -252,14 +279,14 @@ def _deflection(
     return np.stack([at(point)[:, source] for point in points], axis=1)
 
 
-def _corrected(system: S, planes: Iterable[At], unbalances: ComplexArray) -> S:
+def with_unbalances(system: S, unbalances: Mapping[At, complex]) -> S:
     """Add unbalances in planes. Corrections are not checked for plausibility."""
     bodies: dict[str, list[Gear | Disk]] = {"gears": [*system.gears], "disks": [*system.disks]}
     at: dict[str, tuple[str, int]] = {}
     for kind, given in bodies.items():
         at |= {body.name: (kind, i) for i, body in enumerate(given)}
-    for plane, unbalance in zip(planes, unbalances.tolist(), strict=True):
-        name = plane if isinstance(plane, str) else f"balance {plane[0]} {plane[1]:g}"
+    for plane, unbalance in unbalances.items():
+        name = body_of(plane)
         if name not in at:
             at[name] = ("disks", len(bodies["disks"]))
             bodies["disks"].append(Disk(name, plane[0], float(plane[1]), 0.0, 0.0, 0.0))
@@ -269,6 +296,11 @@ def _corrected(system: S, planes: Iterable[At], unbalances: ComplexArray) -> S:
     return variant(system, **bodies)
 
 
+def body_of(plane: At) -> str:
+    """Give the name of the gear or disk of a plane; between them, of a disk without mass."""
+    return plane if isinstance(plane, str) else f"balance {plane[0]} {plane[1]:g}"
+
+
 def _without_unbalance(system: S) -> S:
     """Remove the unbalances of all bodies, so that a trial unbalance is not a small difference."""
     gears = [replace(gear, unbalance=0.0) for gear in system.gears]
@@ -276,10 +308,15 @@ def _without_unbalance(system: S) -> S:
     return variant(system, gears=gears, disks=disks)
 
 
-def _shaft(system: System, planes: Sequence[At]) -> str:
+def shafts_of_bodies(system: System) -> dict[str, str]:
+    """Give the shaft of each gear and disk."""
+    own = {gear.name: gear.shaft for gear in system.gears}
+    return own | {disk.name: disk.shaft for disk in system.disks}
+
+
+def shaft_of_planes(system: System, planes: Sequence[At]) -> str:
     """Find the shaft that has all planes."""
-    bodies: dict[str, Gear | Disk] = {gear.name: gear for gear in system.gears}
-    bodies |= {disk.name: disk for disk in system.disks}
+    bodies = shafts_of_bodies(system)
     shafts = []
     for i, plane in enumerate(planes):
         if isinstance(plane, str):
@@ -287,7 +324,7 @@ def _shaft(system: System, planes: Sequence[At]) -> str:
                 raise SceneError(
                     f'planes[{i}]: no gear or disk is called "{plane}"{nearest(plane, bodies)}'
                 )
-            shafts.append(bodies[plane].shaft)
+            shafts.append(bodies[plane])
         else:
             shafts.append(plane[0])
     if len(set(shafts)) != 1:

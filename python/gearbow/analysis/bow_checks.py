@@ -28,7 +28,7 @@ _DIRECTIONS = 36
 #: Number of doubled steps in which a limit is sought up to the largest bow.
 _STEPS = 8
 #: Smallest displacement of gear centres relative to the bow that counts as motion.
-_MIN_MOTION = 1e-6
+_MIN_MOTION = 1e-3
 #: Largest bow at which an oil film is examined, over that at which the journal touches in the
 #: linear motion.
 _STRETCH = 16.0
@@ -204,7 +204,8 @@ def _geometric(limit: str, teeth: _Teeth, margin: Callable[[float], Array], why:
     moved = teeth.centres.size
     shortest = teeth.geometry["centre_distance"] - sum(teeth.geometry["base_radii"])
     if moved < _MIN_MOTION:
-        return Check(limit, teeth.at, "the bow does not move these gears")
+        why = f"the bow moves these gears by less than {_MIN_MOTION:g} of its size"
+        return Check(limit, teeth.at, why)
     most = shortest / moved
     return Check(limit, teeth.at, why, margin, most / 2**_STEPS, most, "the base circles overlap")
 

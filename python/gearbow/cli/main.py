@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from gearbow._core import __version__
-from gearbow.cli import files, foreign, linear, new, response, runs
+from gearbow.cli import files, foreign, identify, linear, new, response, runs
 from gearbow.cli.answer import Answer
 from gearbow.errors import GearbowError, SceneError
 
@@ -97,7 +97,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"gearbow {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for module in (new, foreign, linear, response, runs, files):
+    for module in (new, foreign, linear, response, runs, files, identify):
         module.add(commands)
     return parser
 

@@ -24,7 +24,7 @@ from gearbow.errors import SceneError
 from gearbow.units.fields import unit_of
 from gearbow.units.parse import parsed
 
-__all__ = ["read_columns"]
+__all__ = ["Columns", "read_columns", "read_table"]
 
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 
@@ -43,6 +43,16 @@ class _Line:
     cells: Sequence[str]
 
 
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Columns of a table: numbers in SI units, names, units of the headings, places of lines."""
+
+    numbers: dict[str, Array]
+    names: dict[str, list[str]]
+    units: dict[str, str]
+    lines: list[str]
+
+
 def read_columns(
     path: str | os.PathLike[str],
     known: Mapping[str, str],
@@ -54,24 +64,41 @@ def read_columns(
     `known` gives the field of each column, `hints` the end of a message for other headings, and
     `units` the unit of columns without one.
     """
+    return read_table(path, known, (), hints, units).numbers
+
+
+def read_table(
+    path: str | os.PathLike[str],
+    known: Mapping[str, str],
+    texts: Sequence[str],
+    hints: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+) -> Columns:
+    """Read columns of numbers, as `read_columns`, and of names."""
     readers = {".xlsx": _from_excel, ".mat": _from_matlab}
     path = as_path(path, "path")
     lines = readers.get(path.suffix.lower(), _from_text)(path)
     if len(lines) < 2:
         raise SceneError(f"{path}: needs a line of headings and lines of numbers")
     head, *body = lines
-    found_units = _headings(head.cells, known, hints or {}, units or {}, f"{path}: {head.where}")
-    found: dict[str, list[float]] = {name: [] for name in found_units}
+    fields = {**known, **dict.fromkeys(texts, "")}
+    found_units = _headings(head.cells, fields, hints or {}, units or {}, f"{path}: {head.where}")
+    found: dict[str, list[float]] = {name: [] for name in found_units if name in known}
+    names: dict[str, list[str]] = {name: [] for name in found_units if name not in known}
     for line in body:
         if len(line.cells) != len(found_units):
             raise SceneError(
-                f"{path}: {line.where}: must have {len(found_units)} numbers, as the headings, got "
-                f"{len(line.cells)}"
+                f"{path}: {line.where}: must have {len(found_units)} "
+                f"{'entries' if names else 'numbers'}, as the headings, got {len(line.cells)}"
             )
         for (name, unit), cell in zip(found_units.items(), line.cells, strict=True):
+            if name in names:
+                names[name].append(cell.strip())
+                continue
             where = f'{path}: {line.where}, column "{name}"'
             found[name].append(_number(cell, unit, known[name], where))
-    return {name: np.array(values) for name, values in found.items()}
+    numbers = {name: np.array(values) for name, values in found.items()}
+    return Columns(numbers, names, found_units, [line.where for line in body])
 
 
 def _from_text(path: Path) -> list[_Line]:

@@ -19,6 +19,7 @@ def balance(
     residual: Array,
     *,
     label: str,
+    limits: tuple[Array, Array] | None = None,
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the deflection at the points before and after the correction, a panel for each speed."""
@@ -35,6 +36,10 @@ def balance(
                     panel.plot(x, MICRO * values, "o-", markersize=4.0, **style)
             if named:
                 panel.set_xticks(x, [str(point) for point in points])
+            if limits is not None:
+                low, high = (MICRO * each[number] for each in limits)
+                place = x + 0.2 if named else x
+                panel.vlines(place, low, high, color="black", label="95 % interval")
             panel.set(ylabel=label)
             panel.set_ylim(bottom=0.0)
             panel.set_title(f"at {speed}", loc="left", fontsize=text_size(1.0))

@@ -20,6 +20,9 @@ _MODULES = {
     "FilmCoefficients": "gearbow.description.journal",
     "Order": "gearbow.description.kinematics",
     "RollingCoefficients": "gearbow.description.rolling",
+    "Correction": "gearbow.identification.correction",
+    "Identification": "gearbow.identification.result",
+    "ProbeResidual": "gearbow.identification.result",
     "MeasuredCurve": "gearbow.exchange.harmonic",
     "LoadCase": "gearbow.exchange.rexs",
     "RexsContents": "gearbow.exchange.rexs",
@@ -68,6 +71,11 @@ if _typing.TYPE_CHECKING:
     from gearbow.exchange.harmonic import MeasuredCurve as MeasuredCurve
     from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
     from gearbow.exchange.rexs_joints import MissingValue as MissingValue
+    from gearbow.identification.correction import Correction as Correction
+    from gearbow.identification.result import (
+        Identification as Identification,
+        ProbeResidual as ProbeResidual,
+    )
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall

@@ -154,7 +154,7 @@ def _reached(motion: BowMotion, check: Check) -> ReachedLimit:
     if bow is None:
         return replace(found, why=f"{check.beyond} first, at {1e6 * check.most:.4g} µm")
     if bow == 0.0:
-        return replace(found, bow=0.0, why=f"{check.why}; exceeded without bow")
+        return replace(found, bow=0.0, why=f"{check.why}; exceeded without this bow")
     return replace(found, bow=bow, phase=motion.worst(margin(bow), float(margin(0.0).min())))
 
 
@@ -189,5 +189,5 @@ def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimi
     if failures and min(failures) <= (1.0 + _STEADY_TOLERANCE) * bow:
         text = f"no steady motion above {1e6 * bow:.4g} µm: {failures[min(failures)]}"
         return replace(found, why=text)
-    why = f"{check.why}; exceeded without bow" if bow == 0.0 else check.why
+    why = f"{check.why}; exceeded without this bow" if bow == 0.0 else check.why
     return replace(found, bow=bow, phase=phase, why=why)

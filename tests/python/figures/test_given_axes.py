@@ -32,6 +32,9 @@ def results() -> dict:
     """Return one result of each kind."""
     system, run = bowed_pair(), response(TIME)
     time = 1e-3 * np.arange(6000)
+    probes = [gb.Probe("input", 0.15), gb.Probe("input", 0.15, angle=1.5)]
+    vectors = 1e-6 * np.array([[3.0, -3j], [4.0 - 1j, -1.0 - 4j], [5.0, -5j], [6.0, -6j]])
+    measured = gb.Measurement([10.0, 50.0, 90.0, 130.0], vectors, probes)
     series = of_series(time, 1e-6 * np.cos(100.0 * time))
     runs = [of_series(1e-3 * np.arange(500), np.zeros(500), speed) for speed in (90.0, 120.0)]
     return {
@@ -42,6 +45,8 @@ def results() -> dict:
         "map": jeffcott().critical_speed_map([1e6, 1e7]),
         "synchronous": system.synchronous([10.0, 20.0]),
         "sensitivity": system.sensitivity("bearings[0].stiffness", system.modes(count=3)),
+        "measurement": measured,
+        "identification": gb.identify(system, measured, [gb.unknown.bow("input")], runout=False),
         "bow limits": system.bow_limits("input", [10.0, 20.0]),
         "response": system.frequency_response(
             [10.0, 20.0], source=gb.Force("g1", 1.0), speed=[5.0, 9.0]
@@ -75,6 +80,8 @@ FIGURES = {
     "sensitivity": (2, lambda r, ax: r["sensitivity"].plot(ax=ax)),
     "synchronous": (2, lambda r, ax: r["synchronous"].plot(["g1", "g2"], ax=ax)),
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
+    "measurement": (2, lambda r, ax: r["measurement"].plot(ax=ax)),
+    "identification": (5, lambda r, ax: r["identification"].plot(ax=ax)),
     "bow limits": (1, lambda r, ax: r["bow limits"].plot(ax=ax)),
     "frequency response": (2, lambda r, ax: r["response"].plot("g1", ax=ax)),
     "nyquist": (1, lambda r, ax: r["response"].plot("g1", kind="nyquist", ax=ax)),

@@ -73,7 +73,13 @@ def objects() -> dict[str, object]:
         repeats=1,
     )
     sweep = gb.sweep(dict, {"number": list(range(300))}, lambda system, number: number)  # noqa: ARG005
+    measured = gb.Measurement(MANY[1:], np.ones(MANY.size - 1), [gb.Probe("s", 0.5)])
+    identified = gb.identify(rotor, measured, [gb.unknown.bow("s")], runout=False)
     found = [
+        measured,
+        identified,
+        identified.probes[0],
+        identified.balance(("s", 0.5), 100.0),
         system,
         *shafts,
         *gears,

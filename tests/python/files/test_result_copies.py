@@ -19,7 +19,7 @@ from test_read_only import results, writable
 from test_response import recorded
 
 #: Results that contain systems on purpose: the corrected system, and the systems of the trials.
-WITH_SYSTEMS = ("balance", "tradeoff")
+WITH_SYSTEMS = ("balance", "tradeoff", "identification", "correction")
 
 
 MEASURED = [
@@ -41,6 +41,8 @@ def everything() -> dict[str, Any]:
     rolling = bowed.replace(bearings=[balls, bowed.bearings[1]], gravity=(0.0, -9.81))
     campbell, response = results()["campbell"], bowed.synchronous(np.linspace(100.0, 900.0, 9))
     study = bowed.tradeoff(2e-3, 100.0, signals=[("rotor", 0.5)], tolerances=[1e-3], repeats=1)
+    measured = gb.Measurement([10.0, 50.0], [[3e-6], [4e-6j]], [gb.Probe("input", 0.25)])
+    identified = gb.identify(system, measured, [gb.unknown.bow("input")], runout=False)
     return {
         **results(),
         "mesh state": system.static().mesh(("g1", "g2")),
@@ -55,6 +57,8 @@ def everything() -> dict[str, Any]:
         "orders": run.orders("g1", mesh_harmonics=0),
         "waterfall": gb.waterfall([run, system.simulate(0.07, 90.0, output_step=2e-4)], "g1"),
         "variable": system.simulate(1e-3, (np.array([0.0, 1e-3]), np.array([90.0, 95.0]))),
+        "identification": identified,
+        "correction": identified.balance("g1", 100.0),
         "event": gb.results.Event(0.0, "contact", "a", "b"),
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),

@@ -35,6 +35,7 @@ RESULTS = [
         "spectrum",
     ),
     *("waterfall", "orders", "balance", "steady", "branch", "sweep", "tradeoff"),
+    *("measurement", "identification", "correction"),
 ]
 
 MASS = 50.0 + scenes.DENSITY * np.pi / 4 * 0.1**2 * 0.2  # of disk and shaft
@@ -194,6 +195,10 @@ def results() -> dict[str, Any]:
     run = system.simulate(0.02, speed, output_step=1e-4, record=["gears", "meshes", "energy"])
     speeds, time = gb.rpm(np.linspace(100.0, 3000.0, 20)), 1e-3 * np.arange(6000)
     synchronous = jeffcott(damping=5e2).synchronous(gb.rpm(np.linspace(500.0, 9000.0, 90)))
+    measured = gb.Measurement(
+        gb.rpm([100.0, 500.0, 900.0]), [[3e-6], [4e-6j], [5e-6]], [gb.Probe("input", 0.25)]
+    )
+    identified = gb.identify(system, measured, [gb.unknown.bow("input")], runout=False)
     sweep = gb.sweep(dict, {"a": list(range(20))}, lambda system, a: 2.0 * a)  # noqa: ARG005
     return {
         "modes": system.modes(speed),
@@ -220,6 +225,9 @@ def results() -> dict[str, Any]:
         ),
         "sweep": sweep,
         "tradeoff": STUDY,
+        "measurement": measured,
+        "identification": identified,
+        "correction": identified.balance("g1", speed),
     }
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 import gearbow as gb
 from reference.cases import each_case
-from reference.machines import bowed_pair, inertia, pair, rotor
+from reference.machines import bowed_pair, inertia, pair, rotor, rotor_on_films
 
 MESH = {"stiffness": 2e8, "damping_ratio": 0.05}
 BACKLASH = 1.5e-4
@@ -171,6 +171,17 @@ def test_a_steady_state_reaches_the_limit_of_the_mesh_force():
         assert (steady.response.mesh("g1/g2").force.max() > 1.01 * static) == reached
 
 
+def test_a_steady_state_reaches_the_limit_of_the_oil_film():
+    disk = gb.Disk("d", "r", 0.25, **inertia(40.0, 0.5, 0.3))
+    system, bearing = rotor_on_films(disks=[disk]), ("r", 0.0)
+    found = system.bow_limits("r", 200.0, limits=[gb.BowLimit.film(bearing, 1.5e-5)], phase=0.0)
+    for part, reached in ((0.98, False), (1.02, True)):
+        bow = part * found.limits[0].bow
+        steady = bent(system, bow, "r").steady_state(200.0, record=["bearings"])
+        ratio = steady.response.journal(bearing).eccentricity_ratio.max()
+        assert (5e-5 * (1.0 - ratio) < 1.5e-5) == reached
+
+
 def test_the_worst_phase_is_the_worst_of_all_phases():
     disk = inertia(20.0, 0.2, 0.3, unbalance=1e-3)
     system = rotor(disk=disk, bearing={"stiffness": 1e7, "damping": 1e3})
@@ -199,7 +210,7 @@ def test_limits_that_are_not_reached_say_why():
     found = unbalanced.bow_limits("rotor", 100.0, limits=[probe])
     assert found.deciding is not None
     assert (found.deciding.bow, found.margin) == (0.0, 0.0)
-    assert found.deciding.why.endswith("exceeded without bow")
+    assert found.deciding.why.endswith("exceeded without this bow")
     empty = rotor().bow_limits("rotor", 10.0)
     assert empty.deciding is None
     assert "none" in str(empty)

@@ -172,6 +172,30 @@ def test_steady_prints_and_saves_the_periodic_motion(scene: str, tmp_path: Path,
     assert "\nstable; magnitude of the largest multiplier " in out
 
 
+def test_identify_prints_and_draws(scene: str, tmp_path: Path, capsys):
+    system = gb.RotorSystem.load(scene)
+    shaft, gear = system.shafts[0].name, system.gears[0].name
+    head = "speed [rpm], shaft, position, amplitude [um], phase [deg]"
+    rows = [
+        f"{100 * k}, {shaft}, {system.gears[0].position}, {50 + k}, {k % 3}" for k in range(1, 9)
+    ]
+    path, figure = tmp_path / "run_down.csv", tmp_path / "fit.png"
+    path.write_text("\n".join([head, *rows]))
+    given = ["identify", scene, path, "--unknown", f"bow:{shaft}", "--no-runout", "--plot", figure]
+    found = answer(capsys, *given, "--noise", "1 um")
+    measured = gb.Measurement.read_csv(path)
+    expected = gb.identify(system, measured, [gb.unknown.bow(shaft)], runout=False, noise=1e-6)
+    assert found["unknowns"][0]["re"] == expected.values[0].real
+    assert figure.stat().st_size > 0
+    code, out, _ = called(capsys, *given, "--unknown", f"unbalance:{gear}")
+    assert code == 0
+    assert f"unbalance of {gear}" in out
+    code, _, err = called(capsys, *given, "--unknown", f"bows:{shaft}")
+    assert code == 2
+    assert err.startswith("identify: --unknown: must be bow:SHAFT, ")
+    assert 'did you mean "bow"?' in err
+
+
 def test_run_shows_progress_on_stderr_only(scene: str, capsys):
     code, out, err = called(
         capsys, "run", scene, "--duration", 1e-3, "--speed", 100, "--json", "--progress"
@@ -282,6 +306,7 @@ def test_every_command_has_examples_in_its_help(capsys):
         "tradeoff",
         "orders",
         "export",
+        "identify",
     ]
     for command in commands:
         _, out, _ = called(capsys, command, "--help")

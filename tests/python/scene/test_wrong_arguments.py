@@ -147,6 +147,17 @@ def in_mesh(name: str, make: Callable[..., Any], **more: Any) -> Callable[..., o
     )
 
 
+def measurement() -> gb.Measurement:
+    """Return a measurement beside the input shaft."""
+    return gb.Measurement([10.0, 50.0, 90.0], [[1e-6], [2e-6], [3e-6]], [gb.Probe("input", 0.25)])
+
+
+def identification() -> dict[str, Any]:
+    """Return the arguments of an identification."""
+    unknowns = [gb.unknown.bow("input")]
+    return {"system": system(), "measured": measurement(), "unknowns": unknowns, "runout": False}
+
+
 AT: dict[str, Any] = {"shaft": "input", "position": 0.0}
 PROFILE = gb.SpeedProfile.ramp(0.0, 1.0, 1.0)
 JOURNAL: dict[str, Any] = {
@@ -173,6 +184,28 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "sweep": (
         gb.sweep,
         {"make": lambda x: system(), "parameters": {"x": [1.0]}, "measure": measure},  # noqa: ARG005
+    ),
+    "Measurement": (
+        gb.Measurement,
+        {
+            "speeds": [10.0, 50.0],
+            "amplitudes": [[1e-6], [2e-6]],
+            "probes": [gb.Probe("input", 0.25)],
+        },
+    ),
+    "Measurement.read_csv": (gb.Measurement.read_csv, {"path": "x.csv"}),
+    "Measurement.from_signals": (
+        gb.Measurement.from_signals,
+        {
+            "time": 0.1 * np.arange(1000),
+            "signals": {gb.Probe("input", 0.25): np.sin(0.1 * np.arange(1000))},
+            "pulses": {gb.Tacho("input"): 2.0 * np.pi * np.arange(16)},
+            "revolutions": 5,
+        },
+    ),
+    "identify": (
+        lambda **given: gb.identify(**{**identification(), **given}),
+        {},
     ),
     "waterfall": (
         lambda responses=None, **given: gb.waterfall(
@@ -533,6 +566,29 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "Tacho": (lambda: gb.Tacho("input"), {"measure": {"recording": None}}),
 }
 
+METHODS["Measurement"] = (
+    measurement,
+    {
+        "plot": {},
+        "save": {"path": "x.csv"},
+        "subtract_slow_roll": {"speed": 10.0},
+        "table": {},
+        "to_dataframe": {},
+    },
+)
+METHODS["Identification"] = (
+    lambda: gb.identify(**identification()),
+    {
+        "balance": {"planes": ["g1"], "speeds": [100.0]},
+        "plot": {},
+        "to_dict": {},
+        "value": {"name": "bow of input, half wave 1"},
+    },
+)
+METHODS["Correction"] = (
+    lambda: gb.identify(**identification()).balance("g1", [100.0]),
+    {"plot": {}},
+)
 METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
 METHODS["BowLimits"] = (lambda: system().bow_limits("input", 100.0), {"plot": {}})
 METHODS["Sensitivity"] = (
@@ -552,7 +608,7 @@ METHODS["Static"][1]["plot"] = {}
 #: Values that no other argument takes: the error names the argument. Numbers, texts and arrays are of the right type for
 #: some arguments; each gives a result or an error of gearbow.
 OF_WRONG_TYPE = {
-    "True": {"progress", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
+    "True": {"progress", "runout", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
     | {"damping_in_separation", "axial", "foundation"},
     "function": {"progress", "make", "measure", "f", "speed", "value", "runout"},
     "object": set(),

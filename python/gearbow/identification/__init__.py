@@ -1,0 +1,1 @@
+"""Bow, unbalance, run-out and parameters from measured vibration, with their uncertainty."""

@@ -1,0 +1,469 @@
+"""Measured once-per-revolution vibration: amplitudes and phases of probes over the speed."""
+
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import array, complex_number, items, number, shown, text
+from gearbow._extras import extra
+from gearbow._lookup import one_of
+from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, in_degrees, in_micrometres
+from gearbow._shown import span
+from gearbow._types import Array, At, ComplexArray
+from gearbow.description.places import place
+from gearbow.errors import AccuracyWarning, SceneError, outside
+from gearbow.sensors.probe import Probe
+from gearbow.sensors.tacho import Tacho
+from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Measurement"]
+
+#: Columns of a file with numbers, and the fields that give their units.
+_NUMBERS = {
+    "speed": "speed",
+    "position": "position",
+    "angle": "angle",
+    "amplitude": "amplitude",
+    "phase": "phase",
+    "phase_lag": "phase",
+    "real": "amplitude",
+    "imaginary": "amplitude",
+}
+#: Columns of a file with names.
+_NAMES = ("probe", "shaft", "reference")
+#: Largest phase of a file in radians [rad]: one turn and some round-off.
+_LARGEST_PHASE = 7.0
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement(Result, ReadOnly):
+    """Once-per-revolution (1×) vibration of probes over the speed.
+
+    The signal of a probe is ``Re(A exp(iφ))``. Its phase reference φ grows by 2π with every turn
+    of the reference shaft of the probe, in either sense of rotation; it is zero where this shaft
+    stands at the angle `phase_angle`, for example where its mark passes the tachometer.
+
+    Parameters
+    ----------
+    speeds : array_like, shape (k,)
+        Speeds of the shaft `speed_shaft` [rad/s], not zero; at least two over all measurements.
+        Negative ones are a rotation against that of the positive speeds of the system.
+    amplitudes : array_like of complex, shape (k, probes)
+        Amplitudes A towards the probes [m]; their argument is the lead of phase. NaN is missing.
+    probes : sequence of Probe
+        The probes. The same place and angle mean the same probe, also in several measurements.
+    references : str or sequence of str, optional
+        Shaft of the phase reference of each probe: its amplitudes are those at once per revolution
+        of this shaft. None is the shaft of the probe itself.
+    phase_angle : float
+        Angle of the reference shafts at phase zero [rad].
+    speed_shaft : str, optional
+        Shaft of the speeds; None is the reference shaft of the system.
+    trial_weights : mapping, optional
+        Known unbalances [kg m, complex] in this measurement beyond those in the system, by gear,
+        disk or (shaft, position [m]).
+    slow_roll : float, optional
+        Speed whose amplitudes were subtracted from all others [rad/s].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures.
+
+    Raises
+    ------
+    SceneError
+        If an argument is invalid.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> speeds = np.array([50.0, 100.0, 150.0])
+    >>> vectors = np.array([[80e-6], [83e-6 - 1e-6j], [90e-6 - 3e-6j]])
+    >>> measured = gb.Measurement(speeds, vectors, [gb.Probe("input", 0.3)])
+    >>> print(measured.table(count=1))
+    1× vibration of 1 probe at 3 speeds
+    speed [rad/s]                          probe  reference  amplitude [µm]  phase [°]
+               50  probe input at 0.3 m, 0°  input                  80        0.0
+    """
+
+    speeds: Array
+    amplitudes: ComplexArray
+    probes: tuple[Probe, ...]
+    references: tuple[str, ...]
+    phase_angle: float
+    speed_shaft: str | None
+    trial_weights: Mapping[At, complex]
+    slow_roll: float | None
+    speed_unit: SpeedUnit
+
+    def __init__(
+        self,
+        speeds: ArrayLike,
+        amplitudes: ArrayLike,
+        probes: Sequence[Probe],
+        *,
+        references: str | Sequence[str] | None = None,
+        phase_angle: float = 0.0,
+        speed_shaft: str | None = None,
+        trial_weights: Mapping[At, complex] | None = None,
+        slow_roll: float | None = None,
+        speed_unit: SpeedUnit | None = None,
+    ) -> None:
+        own = tuple(items(probes, "probes", "gb.Probe"))
+        for i, probe in enumerate(own):
+            if not isinstance(probe, Probe) or probe.axial:
+                raise SceneError(f"probes[{i}]: must be a lateral gb.Probe, got {shown(probe)}")
+        wanted_speeds = array(speeds, "speeds")
+        zero = np.flatnonzero(wanted_speeds == 0.0)
+        if zero.size:
+            raise SceneError(f"speeds[{zero[0]}]: must not be zero, a shaft at rest has no phase")
+        names: Any = [probe.shaft for probe in own] if references is None else references
+        names = [names] * len(own) if isinstance(names, str) else names
+        listed = items(names, "references", "names of shafts")
+        if len(listed) != len(own):
+            raise SceneError(
+                f"references: must be one shaft for each of {len(own)} probes, got {len(listed)}"
+            )
+        unit = given_unit(speeds) or "rad/s" if speed_unit is None else speed_unit
+        given: dict[str, Any] = {
+            "speeds": wanted_speeds,
+            "amplitudes": _checked_amplitudes(amplitudes, (wanted_speeds.size, len(own))),
+            "probes": own,
+            "references": tuple(text(n, f"references[{i}]") for i, n in enumerate(listed)),
+            "phase_angle": number(phase_angle, "phase_angle"),
+            "speed_shaft": None if speed_shaft is None else text(speed_shaft, "speed_shaft"),
+            "trial_weights": _checked_weights(trial_weights),
+            "slow_roll": None if slow_roll is None else number(slow_roll, "slow_roll"),
+            "speed_unit": one_of(unit, get_args(SpeedUnit), "speed_unit"),
+        }
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+        ReadOnly.__post_init__(self)
+
+    @classmethod
+    def read_csv(
+        cls,
+        path: str | os.PathLike[str],
+        probes: Mapping[str, Probe] | None = None,
+        **options: Any,
+    ) -> "Measurement":
+        r"""Read amplitudes and phases from a CSV file, a line for each speed and probe.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A file with the column "speed"; "shaft", "position" and optionally "angle" of a probe,
+            or its name "probe"; and "amplitude" with "phase" (lead) or "phase_lag", or "real" with
+            "imaginary". The column "reference" is the shaft of the phase reference. A heading has
+            the unit in brackets: "speed [rpm]", "amplitude [um]", "phase [deg]"; without one it is
+            the SI unit. Amplitudes are from zero to peak.
+        probes : mapping, optional
+            Probes by the names in the column "probe".
+        **options
+            `phase_angle`, `speed_shaft`, `trial_weights` or `slow_roll` of `Measurement`.
+
+        Returns
+        -------
+        Measurement
+            The measurement, ordered by speed.
+
+        Raises
+        ------
+        SceneError
+            If a heading, a unit or a number is invalid, a column is missing, a probe occurs twice
+            at one speed, or phases without a unit are no radians.
+        OSError
+            If the file cannot be opened.
+
+        Warns
+        -----
+        AccuracyWarning
+            If a probe has no line at some of the speeds.
+
+        Examples
+        --------
+        >>> from pathlib import Path
+        >>> import gearbow as gb
+        >>> lines = ["speed [rpm], shaft, position [mm], amplitude [um], phase [deg]"]
+        >>> lines += ["500, input, 300, 80, 0", "1000, input, 300, 84, -2"]
+        >>> written = Path("run_down.csv").write_text("\n".join(lines))
+        >>> gb.Measurement.read_csv("run_down.csv")
+        Measurement(speeds=2, 500 to 1000 rpm, probes=1)
+        >>> Path("run_down.csv").unlink()
+        """
+        from gearbow.exchange.columns import read_table  # noqa: PLC0415  # few runs need it
+
+        if probes is not None and not isinstance(probes, Mapping):
+            raise SceneError(f"probes: must be a mapping of names to gb.Probe, got {shown(probes)}")
+        found = read_table(path, _NUMBERS, _NAMES)
+        vectors = _vectors(found.numbers, found.units, str(path))
+        channels: dict[tuple[Any, ...], int] = {}
+        known: list[Probe] = []
+        references: list[str] = []
+        columns = []
+        for i in range(vectors.size):
+            probe, key = _probe_of(found.names, found.numbers, i, probes, str(path))
+            named = found.names.get("reference")
+            reference = probe.shaft if named is None else named[i]
+            own = (*key, reference)
+            if own not in channels:
+                channels[own] = len(known)
+                known.append(probe)
+                references.append(reference)
+            columns.append(channels[own])
+        speeds, rows = np.unique(found.numbers["speed"], return_inverse=True)
+        table = np.full((speeds.size, len(known)), np.nan, dtype=np.complex128)
+        lines: dict[tuple[int, int], int] = {}
+        for i, (row, column) in enumerate(zip(rows.tolist(), columns, strict=True)):
+            if (row, column) in lines:
+                raise SceneError(
+                    f"{path}: {found.lines[lines[row, column]]} and {found.lines[i]}: "
+                    f"{known[column].label} occurs twice at {speeds[row]:.6g} rad/s; put the "
+                    "second series into a file of its own, and give both to identify"
+                )
+            lines[row, column] = i
+            table[row, column] = vectors[i]
+        _warn_of_missing(table, speeds, known, str(path))
+        unit: SpeedUnit = "rpm" if found.units["speed"].strip() == "rpm" else "rad/s"
+        return cls(speeds, table, known, references=references, speed_unit=unit, **options)
+
+    @classmethod
+    def from_signals(
+        cls,
+        time: ArrayLike,
+        signals: Mapping[Probe, ArrayLike],
+        pulses: Mapping[Tacho, ArrayLike],
+        *,
+        revolutions: int = 20,
+        trial_weights: Mapping[At, complex] | None = None,
+    ) -> "Measurement":
+        """Find the 1× vibration in signals of probes with the pulses of a tachometer.
+
+        Each amplitude is the least-squares fit of a mean and the 1× vibration of all reference
+        shafts to a window of whole revolutions. The angle within a window is a polynomial through
+        the pulses, so that the speed may change.
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            Times of the samples [s], ascending.
+        signals : mapping of Probe to array_like, shape (n,)
+            Signals [m], as from ``response.measure(probe)``.
+        pulses : mapping of Tacho to array_like
+            Times of the pulses [s] of one tachometer for each shaft whose 1× vibration is wanted,
+            as from ``response.measure(tacho)``. Those of the first one give the speed. A probe
+            beside a shaft without a tachometer has the first one as its phase reference.
+        revolutions : int
+            Revolutions of the first shaft in a window.
+        trial_weights : mapping, optional
+            As for `Measurement`.
+
+        Returns
+        -------
+        Measurement
+            One row for each window.
+
+        Raises
+        ------
+        SceneError
+            If there are too few pulses or samples, or the angles of the tachometers differ.
+        """
+        from gearbow.identification.signals import windows  # noqa: PLC0415  # few runs need it
+
+        return cls(**windows(time, signals, pulses, revolutions), trial_weights=trial_weights)
+
+    def subtract_slow_roll(self, speed: float) -> "Measurement":
+        """Subtract the amplitudes at the measured speed that is nearest to a slow-roll speed.
+
+        The slow-roll amplitudes contain the bow, not only the run-out. `gearbow.identify` therefore
+        needs no subtraction; with it, the run-out that it finds is what remains of both.
+
+        Parameters
+        ----------
+        speed : float
+            Slow-roll speed [rad/s].
+
+        Returns
+        -------
+        Measurement
+            The other rows, minus the amplitudes at this speed.
+        """
+        row = int(np.argmin(np.abs(self.speeds - number(speed, "speed"))))
+        kept = np.arange(self.speeds.size) != row
+        return Measurement(
+            self.speeds[kept],
+            self.amplitudes[kept] - self.amplitudes[row],
+            self.probes,
+            references=self.references,
+            phase_angle=self.phase_angle,
+            speed_shaft=self.speed_shaft,
+            trial_weights=self.trial_weights,
+            slow_roll=float(self.speeds[row]),
+            speed_unit=self.speed_unit,
+        )
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the probes; with their reference shaft where it is not their own.
+
+        Returns
+        -------
+        tuple of str
+            A label for each probe.
+        """
+        return tuple(
+            probe.label + ("" if name == probe.shaft else f", 1× {name}")
+            for probe, name in zip(self.probes, self.references, strict=True)
+        )
+
+    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
+        """Draw amplitude and phase of every probe against the speed.
+
+        Parameters
+        ----------
+        ax : sequence of two Axes, optional
+            Panels for phase and amplitude; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which they were given.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Phase above, amplitude below.
+        """
+        with extra("plot"):
+            from gearbow.plotting import identification as figures  # noqa: PLC0415
+
+        unit = self._speed_unit(speed_unit)
+        factor = speed_factor(unit)
+        series = dict(zip(self.labels, self.amplitudes.T, strict=True))
+        return figures.bode(factor * self.speeds, series, {}, unit=unit, ax=ax)
+
+    def _facts(self) -> dict[str, str]:
+        unit = self.speed_unit
+        speeds = f"{self.speeds.size}, {span(speed_factor(unit) * self.speeds)} {unit}"
+        return {"speeds": speeds, "probes": str(len(self.probes))}
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002  # in the column
+        count = len(self.probes)
+        plural = "" if count == 1 else "s"
+        return [f"1× vibration of {count} probe{plural} at {self.speeds.size} speeds"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each speed and probe."""
+        count = len(self.probes)
+        vectors = self.amplitudes.ravel()
+        return [
+            Column("speed", np.repeat(self.speeds, count), "rad/s", ".6g"),
+            Column("probe", [probe.label for probe in self.probes] * self.speeds.size),
+            Column("reference", list(self.references) * self.speeds.size),
+            Column("amplitude", np.abs(vectors), "m", ".4g", in_micrometres()),
+            Column("phase", np.angle(vectors), "rad", ".1f", in_degrees()),
+        ]
+
+
+def _checked_amplitudes(given: ArrayLike, wanted: tuple[int, int]) -> ComplexArray:
+    """Convert amplitudes to a table of complex numbers."""
+    try:
+        vectors = np.array(given)
+        if vectors.dtype.kind not in "iufc":
+            raise TypeError
+        vectors = vectors.astype(np.complex128)
+    except (TypeError, ValueError):
+        raise SceneError(
+            f"amplitudes: must be complex numbers in rows of equal lengths, got {shown(given)}"
+        ) from None
+    if vectors.ndim == 1 and wanted[1] == 1:
+        vectors = vectors[:, None]
+    if vectors.shape != wanted:
+        raise SceneError(
+            f"amplitudes: must have the shape (speeds, probes) = {wanted}, got {vectors.shape}"
+        )
+    if np.isinf(vectors).any() or not np.isfinite(vectors).any():
+        raise SceneError("amplitudes: must be finite, or NaN where they are missing")
+    return vectors
+
+
+def _checked_weights(given: Mapping[At, complex] | None) -> dict[At, complex]:
+    """Convert trial weights to complex numbers by place."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise SceneError(f"trial_weights: must be a mapping of planes, got {shown(given)}")
+    weights: dict[At, complex] = {}
+    for at, value in given.items():
+        plain = complex_number(value, "trial_weights")
+        weights[place(at, "trial_weights", "place")] = complex(*np.ravel(plain))
+    return weights
+
+
+def _vectors(numbers: Mapping[str, Array], units: Mapping[str, str], path: str) -> ComplexArray:
+    """Make complex amplitudes of the columns of a file."""
+    if "speed" not in numbers:
+        raise SceneError(f'{path}: needs the column "speed", got {", ".join(numbers)}')
+    phases = [name for name in ("phase", "phase_lag") if name in numbers]
+    if {"real", "imaginary"} <= numbers.keys() and not phases and "amplitude" not in numbers:
+        return numbers["real"] + 1j * numbers["imaginary"]
+    if "amplitude" not in numbers or len(phases) != 1:
+        raise SceneError(
+            f'{path}: needs the columns "amplitude" and one of "phase" and "phase_lag", or "real" '
+            f'and "imaginary", got {", ".join(numbers)}'
+        )
+    phase = numbers[phases[0]]
+    largest = float(np.abs(phase).max())
+    if not units[phases[0]] and largest > _LARGEST_PHASE:
+        raise SceneError(
+            f'{path}: column "{phases[0]}": has no unit, which means rad, but reaches {largest:g}; '
+            f'write "{phases[0]} [deg]" if these are degrees'
+        )
+    negative = np.flatnonzero(numbers["amplitude"] < 0.0)
+    if negative.size:
+        value = numbers["amplitude"][negative[0]]
+        raise SceneError(f'{path}: column "amplitude": must not be negative, got {value:g} m')
+    sense = -1.0 if phases[0] == "phase_lag" else 1.0
+    vectors: ComplexArray = numbers["amplitude"] * np.exp(1j * sense * phase)
+    return vectors
+
+
+def _probe_of(
+    names: Mapping[str, Sequence[str]],
+    numbers: Mapping[str, Array],
+    row: int,
+    probes: Mapping[str, Probe] | None,
+    path: str,
+) -> tuple[Probe, tuple[Any, ...]]:
+    """Find the probe of a line, and what tells it from others."""
+    if "shaft" in names and "position" in numbers:
+        angle = float(numbers["angle"][row]) if "angle" in numbers else 0.0
+        key = (names["shaft"][row], float(numbers["position"][row]), angle)
+        return Probe(key[0], key[1], angle=angle), key
+    if "probe" not in names:
+        raise SceneError(f'{path}: needs the columns "shaft" and "position", or "probe"')
+    name = names["probe"][row]
+    if probes is None or name not in probes:
+        raise SceneError(
+            f"{path}: the place of probe {name!r} is unknown; give "
+            f"probes={{{name!r}: gb.Probe(shaft, position)}}, or the columns shaft and position"
+        )
+    return probes[name], (name,)
+
+
+def _warn_of_missing(table: ComplexArray, speeds: Array, probes: list[Probe], path: str) -> None:
+    """Warn of probes without a line at some of the speeds."""
+    missing = np.argwhere(np.isnan(table))
+    if missing.size:
+        row, column = missing[0]
+        warnings.warn(
+            f"{path}: {len(missing)} of {table.size} amplitudes are missing, the first that of "
+            f"{probes[column].label} at {speeds[row]:.6g} rad/s",
+            AccuracyWarning,
+            stacklevel=outside(),
+        )
