@@ -71,6 +71,15 @@ def main() -> None:
             source=gb.Force(("input", 0.35), 1.0),
             speed=150.0,
         ).plot(["pinion", ("output", 0.65)]),
+        "sensitivity": pair.sensitivity(
+            [
+                "shafts['output'].outer_diameter",
+                "shafts['input'].outer_diameter",
+                "bearings[3].stiffness",
+                "disks['flywheel'].mass",
+            ],
+            pair.campbell(np.linspace(0.0, 1000.0, 5), count=2, harmonics=0),
+        ).plot(count=2),
         "mode_shape": pair.modes(speed=300.0).plot(2),
     }
     for name, figure in figures.items():

@@ -51,6 +51,7 @@ _MODULES = {
     "Peak": "gearbow.results.peak",
     "Peaks": "gearbow.results.peak",
     "Response": "gearbow.results.response",
+    "Sensitivity": "gearbow.results.sensitivity",
     "Static": "gearbow.results.static",
     "SteadyState": "gearbow.results.steady",
     "Synchronous": "gearbow.results.synchronous",
@@ -108,6 +109,7 @@ if _typing.TYPE_CHECKING:
         Peaks as Peaks,
     )
     from gearbow.results.response import Response as Response
+    from gearbow.results.sensitivity import Sensitivity as Sensitivity
     from gearbow.results.static import Static as Static
     from gearbow.results.steady import SteadyState as SteadyState
     from gearbow.results.synchronous import Synchronous as Synchronous

@@ -42,6 +42,7 @@ from gearbow.system.linear import (
     static,
     synchronous,
 )
+from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
 from gearbow.tradeoff.ask import tradeoff
@@ -623,6 +624,7 @@ class RotorSystem(CheckedKeywords, Shown):
     synchronous = synchronous
     frequency_response = frequency_response
     mesh_response = mesh_response
+    sensitivity = sensitivity
     balance = balance
     bow_limits = bow_limits
     simulate = simulate

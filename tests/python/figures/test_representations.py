@@ -121,6 +121,9 @@ def objects() -> dict[str, object]:
         pair.replace(
             bearings=[gb.Bearing(b.shaft, b.position, stiffness=1e8) for b in bearings[:4]]
         ).critical_speed_map(np.linspace(1e7, 1e8, 12), count=4),
+        pair.sensitivity(
+            [f"bearings[{i}].damping" for i in range(4)] * 20, pair.modes(20.0, count=8)
+        ),
         synchronous,
         gb.MeshExcitation("gear 0/gear 1"),
         gb.GroundMotion(1e-6),

@@ -28,6 +28,7 @@ RESULTS = [
         "synchronous",
         "peaks",
         "limits",
+        "sensitivity",
         "static",
         "run",
         "energy",
@@ -206,6 +207,9 @@ def results() -> dict[str, Any]:
         "synchronous": system.synchronous(speeds),
         "peaks": synchronous.peaks("disk", operating=gb.rpm(4000)),
         "limits": system.bow_limits("input", speeds[:4]),
+        "sensitivity": system.sensitivity(
+            [f"bearings[{i}].stiffness" for i in range(4)], system.modes(speed, count=5)
+        ),
         "static": system.static(speed),
         "run": run,
         "energy": run.energy_balance(),

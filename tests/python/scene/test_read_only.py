@@ -36,6 +36,7 @@ def results():
         "campbell": system.campbell(speeds, count=3),
         "synchronous": system.synchronous(speeds),
         "frequency response": system.frequency_response([10.0], source=gb.Force("g1", 1.0)),
+        "sensitivity": system.sensitivity("bearings[0].stiffness", system.modes(10.0, count=3)),
         "less": system.synchronous(speeds).subtract_slow_roll(1.0),
         "static": system.static(),
         "critical": bowed.critical_speed_map(speeds * 1e6),
@@ -56,7 +57,17 @@ def made():
 @pytest.mark.parametrize(
     "name",
     [
-        *("matrices", "modes", "campbell", "synchronous", "less", "static", "critical", "balance"),
+        *(
+            "matrices",
+            "modes",
+            "campbell",
+            "synchronous",
+            "less",
+            "static",
+            "critical",
+            "balance",
+            "sensitivity",
+        ),
         *("response", "unsorted", "mesh", "energy", "spectrum"),
     ],
 )

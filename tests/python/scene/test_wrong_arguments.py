@@ -360,6 +360,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
 REXS = Path(__file__).parents[1] / "files" / "gearbox.rexs"
 BEARING = {"at": ("input", 0.0)}
 MESH = {"at": ("g1", "g2")}
+PARAMETERS = ["bearings[0].stiffness"]
 #: A value of each class, and valid required arguments of its methods.
 METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "RotorSystem": (
@@ -384,6 +385,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "modes": {},
             "plot": {},
             "save": {"path": "x.toml"},
+            "sensitivity": {"parameters": PARAMETERS, "of": system().modes(100.0, count=2)},
             "simulate": {"duration": 1e-3, "speed": 100.0},
             "simulate_many": {"variations": [{}], "duration": 1e-3, "speed": 100.0},
             "static": {},
@@ -589,6 +591,10 @@ METHODS["Correction"] = (
 )
 METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
 METHODS["BowLimits"] = (lambda: system().bow_limits("input", 100.0), {"plot": {}})
+METHODS["Sensitivity"] = (
+    lambda: system().sensitivity(PARAMETERS, system().modes(100.0, count=2)),
+    {"plot": {}},
+)
 METHODS["Peaks"] = (
     lambda: system().synchronous([0.0, 50.0, 100.0]).peaks("g1"),
     {"plot": {}},

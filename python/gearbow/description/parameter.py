@@ -1,0 +1,150 @@
+"""A number in a description, by its path: "shafts['input'].segments[1].outer_diameter"."""
+
+import dataclasses
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, get_args, get_type_hints
+
+import numpy as np
+
+from gearbow._convert import shown, text
+from gearbow._lookup import nearest
+from gearbow.errors import SceneError
+from gearbow.units.fields import unit_of
+
+__all__ = ["Parameter"]
+
+#: A step of a path: a field, the number of an entry, or its name in quotes.
+_STEP = re.compile(r"\.?([A-Za-z_]\w*)|\[(\d+)\]|\[(?:'([^']*)'|\"([^\"]*)\")\]")
+#: Gives the entry of a list of parts or the option of a system with this name.
+Entry = Callable[[str], Any]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """The path of a number in a system: a list of parts or an option, and the steps from there."""
+
+    path: str
+    key: str
+    steps: tuple[str | int, ...]
+    value: float
+    unit: str
+
+    @classmethod
+    def find(cls, entry: Entry, names: Sequence[str], path: object, where: str) -> "Parameter":
+        """Find a number by its path, or say what there is instead."""
+        written = text(path, where)
+        first, *steps = _steps(written, where)
+        if first not in names:
+            near = nearest(str(first), names)
+            known = ", ".join(names)
+            raise SceneError(f"{where}: {written!r} must begin with one of {known}{near}")
+        value, at = entry(str(first)), str(first)
+        kind: Any = None
+        numbered = str(first)
+        for step in steps:
+            value, kind = _inner(value, step, f"{where}: {at}"), _type_of(value, step)
+            at += f".{step}" if isinstance(step, str) and kind is not None else f"[{step!r}]"
+            numbered += f".{step}" if isinstance(step, str) and kind is not None else ""
+            numbered += f"[{step}]" if isinstance(step, int) else ""
+        number = _number(value, kind, f"{where}: {at}")
+        return cls(written, str(first), tuple(steps), number, unit_of(numbered) or "1")
+
+    def changed(self, owner: Any, value: float) -> Any:
+        """Give the list of parts or the option with another value of this number."""
+        return _changed(owner, self.steps, value)
+
+
+def _steps(path: str, where: str) -> list[str | int]:
+    """Take a path apart."""
+    found: list[str | int] = []
+    end = 0
+    while end < len(path) and (step := _STEP.match(path, end)):
+        field, number, *quoted = step.groups()
+        name = field if field is not None else quoted[0] if quoted[0] is not None else quoted[1]
+        found.append(int(number) if number is not None else name)
+        end = step.end()
+    if end < len(path) or not found:
+        raise SceneError(
+            f'{where}: must be a path such as "bearings[0].stiffness" or '
+            f"\"shafts['input'].outer_diameter\", got {shown(path)}"
+        )
+    return found
+
+
+def _inner(value: Any, step: str | int, at: str) -> Any:
+    """Give a field of a part, or an entry of a list or mapping."""
+    if dataclasses.is_dataclass(value):
+        known = [field.name for field in dataclasses.fields(value) if field.name != "_"]
+        if step in known:
+            return getattr(value, str(step))
+    elif isinstance(value, Mapping):
+        known = [str(key) for key in value]
+        if step in known:
+            return value[step]
+    elif _is_list(value):
+        if isinstance(step, int) and step < len(value):
+            return value[step]
+        named = [str(each.name) for each in value if getattr(each, "name", None) is not None]
+        if step in named:
+            return value[_place(value, step)]
+        known = [repr(name) for name in named] or [
+            f"[0] to [{len(value) - 1}]" if len(value) else "none"
+        ]
+    else:
+        raise SceneError(f"{at}: has no {step!r}; it is {shown(value)}")
+    near = nearest(step, known) if isinstance(step, str) else ""
+    wanted = repr(step) if isinstance(step, str) else f"[{step}]"
+    raise SceneError(f"{at}: has no {wanted}, only {', '.join(known)}{near}")
+
+
+def _place(values: Sequence[Any], step: str | int) -> int:
+    """Give the number of an entry of a list, which can be given by its name."""
+    if isinstance(step, int):
+        return step
+    return [getattr(each, "name", None) for each in values].index(step)
+
+
+def _type_of(owner: Any, step: str | int) -> Any:
+    """Give the type of a field of a part; None for entries of lists and mappings."""
+    return get_type_hints(type(owner))[str(step)] if dataclasses.is_dataclass(owner) else None
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, list | tuple | np.ndarray)
+
+
+def _number(value: Any, kind: Any, at: str) -> float:
+    """Check that the value is a real number that can change continuously."""
+    if value is None:
+        raise SceneError(f"{at}: is not given; give the system a number there")
+    if kind is int or (kind is not None and int in get_args(kind) and float not in get_args(kind)):
+        raise SceneError(f"{at}: is a whole number, which has no derivative, got {shown(value)}")
+    number = isinstance(value, int | float | np.floating | np.integer)
+    if isinstance(value, bool) or not number:
+        inner = ""
+        if dataclasses.is_dataclass(value):
+            own = (field.name for field in dataclasses.fields(value) if field.name != "_")
+            inner = f"; continue with one of {', '.join(f'.{name}' for name in own)}"
+        elif isinstance(value, Mapping):
+            inner = f"; continue with one of {', '.join(f'[{key!r}]' for key in value)}"
+        elif _is_list(value):
+            inner = f"; continue with [0] to [{len(value) - 1}]" if len(value) else ""
+        raise SceneError(f"{at}: must be one real number, got {shown(value)}{inner}")
+    return float(value)
+
+
+def _changed(owner: Any, steps: tuple[str | int, ...], value: float) -> Any:
+    if not steps:
+        return value
+    step, rest = steps[0], steps[1:]
+    if dataclasses.is_dataclass(owner) and not isinstance(owner, type):
+        name = str(step)
+        return replace(owner, **{name: _changed(getattr(owner, name), rest, value)})
+    if isinstance(owner, Mapping):
+        return {**owner, step: _changed(owner[step], rest, value)}
+    at = _place(owner, step)
+    entries = list(owner)
+    entries[at] = _changed(entries[at], rest, value)
+    return entries

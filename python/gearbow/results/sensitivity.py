@@ -1,0 +1,166 @@
+"""Derivatives of natural frequencies or critical speeds with respect to parameters."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearbow._convert import whole
+from gearbow._extras import extra
+from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Result, in_percent
+from gearbow._types import Array
+from gearbow.units.speed import SpeedUnit, speed_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Sensitivity"]
+
+#: Unit of each kind of output.
+_UNITS = {"frequency": "Hz", "critical speed": "rad/s"}
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity(Result, ReadOnly):
+    """Derivatives of natural frequencies or critical speeds with respect to parameters.
+
+    Parameters
+    ----------
+    kind : {"frequency", "critical speed"}
+        What is differentiated: natural frequencies [Hz] at one speed, or speeds of intersections
+        with excitation lines [rad/s].
+    parameters : tuple of str
+        Paths of the parameters.
+    parameter_values : ndarray, shape (p,)
+        Their values.
+    units : tuple of str
+        Their SI units.
+    outputs : tuple of str
+        Name of each mode or intersection.
+    output_values : ndarray, shape (m,)
+        Natural frequencies [Hz] or speeds [rad/s].
+    derivatives : ndarray, shape (p, m)
+        Derivative of each output with respect to each parameter [Hz or rad/s over the unit of the
+        parameter]. NaN for a motion without stiffness.
+    damping_ratios : ndarray, shape (p, m)
+        Derivative of each damping ratio [1 over the unit of the parameter]; of an intersection,
+        along its line.
+    equal : tuple of tuple of int
+        Numbers of the modes with equal eigenvalues, from 1. Their derivatives ascend and are those
+        for an increase of one parameter alone; they do not add up over parameters.
+    speed : float or None
+        Speed of the reference shaft [rad/s] of natural frequencies.
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=(1e7, 2e7)) for x in (0.0, 1.0)]
+    >>> system = gb.RotorSystem([rotor], bearings=bearings)
+    >>> modes = system.modes(count=1)
+    >>> found = system.sensitivity(["shafts['rotor'].outer_diameter"], modes)
+    >>> f"1 % more diameter raises the frequency by {found.relative[0, 0]:.1f} %"
+    '1 % more diameter raises the frequency by 0.6 %'
+    """
+
+    kind: str
+    parameters: tuple[str, ...]
+    parameter_values: Array
+    units: tuple[str, ...]
+    outputs: tuple[str, ...]
+    output_values: Array
+    derivatives: Array
+    damping_ratios: Array
+    equal: tuple[tuple[int, ...], ...] = ()
+    speed: float | None = None
+    speed_unit: SpeedUnit = "rad/s"
+
+    @property
+    def relative(self) -> Array:
+        """Relative change of each output over the relative change of each parameter.
+
+        Returns
+        -------
+        ndarray, shape (p, m)
+            (p/f) df/dp: the change in percent for 1 % of the parameter. 0 for a parameter of the
+            value 0; NaN for an output that is 0.
+        """
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found: Array = self.parameter_values[:, None] * self.derivatives / self.output_values
+        return np.where(np.isfinite(found), found, np.nan)
+
+    def plot(self, *, count: int = 4, ax: Any = None) -> "Figure":
+        """Draw the effect of the parameters on the first outputs as bars, the largest on top.
+
+        Parameters
+        ----------
+        count : int
+            Largest number of outputs, each with a panel.
+        ax : Axes or sequence of Axes, optional
+            One panel for each output; None makes a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The relative change of each output for 1 % of each parameter (tornado diagram).
+        """
+        with extra("plot"):
+            from gearbow.plotting import sensitivity as figures  # noqa: PLC0415
+
+        shown = np.flatnonzero(np.isfinite(self.relative).any(axis=0))[: whole(count, "count")]
+        return figures.tornado(
+            self.parameters,
+            [self.outputs[i] for i in shown],
+            self.relative[:, shown],
+            of=self.kind,
+            ax=ax,
+        )
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each output and parameter."""
+        p, m = self.derivatives.shape
+        unit = _UNITS[self.kind]
+        values = np.repeat(self.output_values, p)
+        return [
+            Column(
+                "mode" if self.kind == "frequency" else "intersection", _repeated(self.outputs, p)
+            ),
+            Column(self.kind, values, unit, ".3f" if unit == "Hz" else ".2f"),
+            Column("parameter", list(self.parameters) * m),
+            Column("value", np.tile(self.parameter_values, m), "", ".5g"),
+            Column("unit", list(self.units) * m),
+            Column(f"derivative, {unit}/unit", self.derivatives.T.ravel(), "", ".4g"),
+            Column("% for 1 %", self.relative.T.ravel(), "", ".3f"),
+            Column(
+                "damping ratio for 1 %",
+                0.01 * (self.parameter_values[:, None] * self.damping_ratios).T.ravel(),
+                "",
+                ".2g",
+                in_percent("damping for 1 %"),
+            ),
+        ]
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+        at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
+        what = "natural frequencies" if self.kind == "frequency" else "critical speeds"
+        return [f"derivatives of {what}{at}"]
+
+    def _remarks(self) -> list[str]:
+        return [
+            f"modes {', '.join(map(str, own))} have equal eigenvalues: their derivatives ascend, "
+            "each for an increase of one parameter alone"
+            for own in self.equal
+        ]
+
+    def __repr__(self) -> str:
+        p, m = self.derivatives.shape
+        first = ", ".join(self.parameters[:2]) + (", …" if p > 2 else "")
+        outputs = "frequencies" if self.kind == "frequency" else "critical speeds"
+        return f"Sensitivity({m} {outputs}; {p} parameters: {first[:100]})"
+
+
+def _repeated(names: tuple[str, ...], times: int) -> list[str]:
+    return [name for name in names for _ in range(times)]
