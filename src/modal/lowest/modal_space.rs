@@ -17,7 +17,7 @@ use crate::model::Model;
 
 /// Smallest number of elastic modes with damping. In the machines of `examples/machines` with a ratio of 0.01, the others change
 /// responses to bow and unbalance by less than 1e-5 of their size.
-const MIN_DAMPED_MODES: usize = 60;
+const MIN_DAMPED_MODES: usize = 80;
 /// Smallest ratio of the highest frequency with damping to the highest one in question. In the same machines, modes beyond this
 /// limit change eigenvalues by less than 1e-7 of their size.
 const FREQUENCY_MARGIN: f64 = 8.0;
