@@ -59,11 +59,7 @@ def read_columns(
     hints: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> dict[str, Array]:
-    """Read the columns of a table in SI units.
-
-    `known` gives the field of each column, `hints` the end of a message for other headings, and
-    `units` the unit of columns without one.
-    """
+    """Read the columns of a table, whose fields `known` gives, in SI units."""
     return read_table(path, known, (), hints, units).numbers
 
 

@@ -202,7 +202,7 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
     >>> print(response.peaks("disk", operating=300.0))
     peaks of disk, excited by rotor; operating speed 300 rad/s
     speed [rad/s]  amplitude [µm]  amplification factor  margin [%]  required margin [%]  verdict
-           212.88            2416                 24.12       29.04                16.25  acceptable
+           227.90        2.87e+04                 286.5       24.03                16.94  acceptable
     """
 
     peaks: tuple[Peak, ...]

@@ -438,10 +438,8 @@ def _damping_slopes(values: ComplexArray, slopes: ComplexArray) -> Array:
 def _of_intersections(
     family: _Family, parameters: Sequence[Parameter], of: Campbell
 ) -> Sensitivity:
-    """Give the derivatives of the intersections of a Campbell diagram.
-
-    An eigenvalue λ = σ + i n Ω of order n moves by a dp + b dΩ, so that dΩ/dp = Im a/(n - Im b).
-    """
+    """Give the derivatives of the intersections of a Campbell diagram."""
+    # An eigenvalue λ = σ + i n Ω of order n moves by a dp + b dΩ, so that dΩ/dp = Im a/(n - Im b).
     crossings = of.intersections
     values, groups, along = [], [], []
     for i, crossing in enumerate(crossings):

@@ -52,7 +52,7 @@ def objects() -> dict[str, object]:
     campbell = pair.campbell([10.0, 20.0, 30.0], count=12)
     synchronous = pair.synchronous(MANY[1:])
     frequency = pair.frequency_response(MANY[1:], source=gb.Force("gear 0", 1.0))
-    measured = gb.results.MeasuredCurve("gear 0", "y", "velocity", MANY[1:], 1j * MANY[1:])
+    curve = gb.results.MeasuredCurve("gear 0", "y", "velocity", MANY[1:], 1j * MANY[1:])
     bent = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=4, bow=gb.Bow.half_sine(1e-4))
     soft = [gb.Bearing("s", x, stiffness=1e8, damping=1e4) for x in (0.0, 1.0)]
     rotor = gb.RotorSystem([bent], bearings=soft)
@@ -129,8 +129,8 @@ def objects() -> dict[str, object]:
         gb.GroundMotion(1e-6),
         gb.ShaftExcitation("shaft 0"),
         frequency,
-        frequency.compare([measured]),
-        measured,
+        frequency.compare([curve]),
+        curve,
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5)),
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5))[0],
         rotor.bow_limits("s", 100.0, limits=[gb.BowLimit.displacement(("s", 0.5), 1e-4)]),
