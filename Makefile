@@ -77,13 +77,9 @@ fuzz: $(VENV)/.dev
 	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/scene/test_fuzz.py tests/python/files/test_rexs.py \
 		tests/python/runs/test_random_run_up.py -k "every"
 
-# Takes up to five hours on two cores and needs cargo-mutants. Parts that another design replaces are left out.
+# Takes hours on two cores and needs cargo-mutants. All mutants of the core are compiled into one program.
 mutants: $(VENV)/.mutants
-	$(BIN)/python tools/mutants.py --seed 1 --left-out tradeoff/ accuracy/ recording/motion.py \
-		simulate/reduc simulate/variation simulate/pilot simulate/known simulate/ports simulate/component simulate/audit \
-		undamped/components state_space/projected undamped/square_root lowest/galerkin within_step/substep \
-		run/contact_change steady/quasi steady/harmonics steady/turning \
-		steady/anderson steady/gmres linalg/band linalg/coup linalg/conjugate connection/spring
+	$(BIN)/python tools/mutants.py --seed 1
 
 check: lint types documents docs test
 

@@ -4,9 +4,10 @@
 
 The mutants are drawn at random from those of cosmic-ray (Python) and of `cargo mutants` (Rust). All
 work happens in a copy of the repository in target/mutants. A Python mutant runs the tests that
-execute its line; one run of all tests with coverage finds them. A Rust mutant runs the Rust tests,
-then the Python tests of `TESTS_OF`. The script prints each mutant that no test catches, and the
-share of caught mutants with its standard deviation.
+execute its line; one run of all tests with coverage finds them. All Rust mutants are compiled into
+one program, and the environment variable GEARBOW_MUTANT switches one of them on; a mutant runs the
+Rust tests, then the Python tests of `TESTS_OF`. The script prints each mutant that no test catches,
+and the share of caught mutants with its standard deviation.
 """
 
 from __future__ import annotations
@@ -20,19 +21,31 @@ import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
+from typing import Any
 
+import tree_sitter_rust
 from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator, operator_names
 from coverage import CoverageData
+from tree_sitter import Language, Parser, Tree
 
 COPY = Path("target/mutants")
 #: Time limit of the tests of one mutant [s]. A mutant that exceeds it counts as caught.
 TIME_LIMIT = 900.0
 #: Largest number of tests for one Python mutant.
 MAX_TESTS = 300
+#: The number of the mutant of a process; no number in a program without mutants.
+SWITCH = """
+pub(crate) fn is_active(mutant: u32) -> bool {
+    static ACTIVE: std::sync::LazyLock<Option<u32>> =
+        std::sync::LazyLock::new(|| std::env::var("GEARBOW_MUTANT").ok()?.parse().ok());
+    *ACTIVE == Some(mutant)
+}
+"""
 #: Parts of the names of operators that nearly every test catches: they change the type of a value.
 CRUDE = ("Shift", "Bit", "Decorator", "Variable", "Invert", "Exception", "_Is", "Mod", "FloorDiv")
 #: Patterns of the Python tests of a folder of the Rust core.
@@ -58,19 +71,23 @@ TESTS_OF = {
 }
 
 
-def passes(command: list[str], limit: float | None = TIME_LIMIT) -> bool:
-    """Return whether a command succeeds in the copy within a time limit [s]."""
-    environment = os.environ | {
+def environment() -> dict[str, str]:
+    """Return the environment of the commands."""
+    return os.environ | {
         "CARGO_INCREMENTAL": "1",
         "CARGO_TARGET_DIR": str(Path("target").resolve()),
         "PYO3_PYTHON": sys.executable,
         "PYTHONDONTWRITEBYTECODE": "1",
         "PYTHONPATH": str((COPY / "python").resolve()),
     }
+
+
+def passes(command: list[str], limit: float | None = TIME_LIMIT) -> bool:
+    """Return whether a command succeeds in the copy within a time limit [s]."""
     process = subprocess.Popen(
         command,
         cwd=COPY,
-        env=environment,
+        env=environment(),
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
@@ -88,10 +105,10 @@ def pytest(*arguments: str, limit: float | None = TIME_LIMIT) -> bool:
     return passes([sys.executable, "-m", "pytest", "-q", "-x", "-n2", *arguments], limit)
 
 
-def cargo(*arguments: str) -> bool:
+def cargo(*arguments: str, limit: float | None = None) -> bool:
     """Return whether a cargo command succeeds in the copy; more parts compile faster."""
     parts = "profile.release.package.gearbow.codegen-units=64"
-    return passes(["cargo", *arguments, "--release", "--locked", "--config", parts], None)
+    return passes(["cargo", *arguments, "--release", "--locked", "--config", parts], limit)
 
 
 def build() -> bool:
@@ -145,32 +162,163 @@ def python_mutants(count: int, chance: random.Random, left_out: list[str]) -> li
     return survivors
 
 
-def rust_mutants(count: int, chance: random.Random, left_out: list[str]) -> list[str]:
-    """Return the differences of the Rust mutants that no test catches."""
-    survivors = []
+@dataclass(frozen=True)
+class RustMutant:
+    """A mutant of the Rust core, as a place in a file and the text there that both programs share.
+
+    Parameters
+    ----------
+    file : str
+        Path of the file in the repository.
+    start, end : int
+        First byte of the text that is replaced, and the byte after it.
+    text : str
+        Text with `{active}` where the condition of the mutant belongs.
+    name : str
+        Description by cargo-mutants.
+    """
+
+    file: str
+    start: int
+    end: int
+    text: str
+    name: str
+
+
+def rust_mutant(listed: dict[str, Any], source: bytes, tree: Tree) -> RustMutant | None:
+    """Return a mutant that a variable can switch on, or none for a genre without an expression."""
+    place, new = listed["span"], listed["replacement"]
+    start = (place["start"]["line"] - 1, place["start"]["column"] - 1)
+    end = (place["end"]["line"] - 1, place["end"]["column"] - 1)
+    node = tree.root_node.descendant_for_point_range(start, end)
+    genre = listed["genre"]
+    if genre == "FnValue":
+        while node and node.type != "function_item":
+            node = node.parent
+        body = node and node.child_by_field_name("body")
+        if not body:
+            return None
+        first = body.start_byte + 1
+        return RustMutant(
+            listed["file"], first, first, f" if {{active}} {{{{ return {new}; }}}}", listed["name"]
+        )
+    if genre in ("BinaryOperator", "UnaryOperator"):
+        node = node and node.parent
+    elif genre != "MatchArmGuard":
+        return None
+    if not node:
+        return None
+    old = source[node.start_byte : node.end_byte]
+    if b"//" in old:
+        return None
+    if genre == "MatchArmGuard":
+        changed = new.encode()
+    else:
+        operator = node.children[0 if genre == "UnaryOperator" else 1]
+        first, last = operator.start_byte - node.start_byte, operator.end_byte - node.start_byte
+        changed = old[:first] + new.encode() + old[last:]
+    keep, change = (text.decode().replace("{", "{{").replace("}", "}}") for text in (old, changed))
+    change = change.replace("\n", " ")
+    text = f"(if {{active}} {{{{ {change} }}}} else {{{{ {keep} }}}})"
+    return RustMutant(listed["file"], node.start_byte, node.end_byte, text, listed["name"])
+
+
+def draw_rust(count: int, chance: random.Random, left_out: list[str]) -> list[RustMutant]:
+    """Draw mutants of the Rust core that do not overlap."""
     listed = subprocess.run(
-        ["cargo", "mutants", "--list", "--diff", "--json"],
-        cwd=COPY,
-        check=True,
-        capture_output=True,
+        ["cargo", "mutants", "--list", "--json"], cwd=COPY, check=True, capture_output=True
     )
     mutants = [m for m in json.loads(listed.stdout) if not any(p in m["file"] for p in left_out)]
     chance.shuffle(mutants)
-    while count > 0:
-        mutant = mutants.pop()
-        header, changed = mutant["diff"].split("\n@@", 1)
-        difference = f"{header.splitlines()[0]}\n+++ {mutant['file']}\n@@{changed}"
-        apply = ["git", "apply", "-p0", "-"]
-        subprocess.run(apply, input=difference.encode(), cwd=COPY, check=True)
-        # Code that does not compile is no mutant.
-        if cargo("test", "--no-run") and build():
-            pattern = next(
-                (p for f, p in TESTS_OF.items() if mutant["file"].startswith(f"src/{f}")), ""
-            )
-            caught = not cargo("test") or not pytest("tests/python", "-k", pattern)
-            survivors += report(caught, mutant["diff"])
-            count -= 1
-        subprocess.run(["git", "checkout", "--quiet", "src"], cwd=COPY, check=True)
+    parser = Parser(Language(tree_sitter_rust.language()))
+    drawn: list[RustMutant] = []
+    while len(drawn) < count:
+        found = mutants.pop()
+        source = (COPY / found["file"]).read_bytes()
+        mutant = rust_mutant(found, source, parser.parse(source))
+        if mutant and not any(
+            other.file == mutant.file and mutant.start < other.end and other.start < mutant.end
+            for other in drawn
+        ):
+            drawn.append(mutant)
+    return drawn
+
+
+def write_rust(mutants: dict[int, RustMutant]) -> None:
+    """Write all mutants into the sources of the copy, each behind its number."""
+    subprocess.run(["git", "checkout", "--quiet", "src"], cwd=COPY, check=True)
+    library = COPY / "src/lib.rs"
+    library.write_text(library.read_text(encoding="utf-8") + SWITCH, encoding="utf-8")
+    for number, mutant in sorted(mutants.items(), key=lambda item: -item[1].start):
+        path = COPY / mutant.file
+        source = path.read_bytes()
+        text = mutant.text.format(active=f"crate::is_active({number})").encode()
+        path.write_bytes(source[: mutant.start] + text + source[mutant.end :])
+
+
+def compile_rust(mutants: list[RustMutant]) -> dict[int, RustMutant]:
+    """Compile a program with all mutants, and return those that compile, by number."""
+    kept = dict(enumerate(mutants, start=1))
+    while True:
+        write_rust(kept)
+        check = subprocess.run(
+            [
+                "cargo",
+                "check",
+                "--release",
+                "--locked",
+                "--message-format=json",
+                "--features",
+                "python",
+            ],
+            check=False,
+            cwd=COPY,
+            env=environment(),
+            capture_output=True,
+        )
+        if check.returncode == 0:
+            return kept
+        places = set()
+        for line in check.stdout.splitlines():
+            message = json.loads(line).get("message") or {}
+            if message.get("level") == "error":
+                places |= {
+                    (span["file_name"], line_number)
+                    for span in message["spans"]
+                    for line_number in range(span["line_start"], span["line_end"] + 1)
+                }
+        # The changed texts have no line breaks, so that lines keep their numbers.
+        wrong = []
+        for number, mutant in kept.items():
+            source = subprocess.run(
+                ["git", "show", f"HEAD:{mutant.file}"], cwd=COPY, capture_output=True, check=True
+            ).stdout
+            first = source[: mutant.start].count(b"\n") + 1
+            last = source[: mutant.end].count(b"\n") + 1
+            if any((mutant.file, line) in places for line in range(first, last + 1)):
+                wrong.append(number)
+        if not wrong:
+            raise SystemExit(check.stderr.decode())
+        for number in wrong:
+            del kept[number]
+
+
+def rust_mutants(count: int, chance: random.Random, left_out: list[str]) -> list[str]:
+    """Return the descriptions of the Rust mutants that no test catches."""
+    survivors: list[str] = []
+    if not count:
+        return survivors
+    # About one of three does not compile.
+    kept = compile_rust(draw_rust(2 * count, chance, left_out))
+    if not (cargo("test", "--no-run") and build() and cargo("test")):
+        raise SystemExit("The program fails without any change: mend it first.")
+    for number in sorted(kept)[:count]:
+        mutant = kept[number]
+        pattern = next((p for f, p in TESTS_OF.items() if mutant.file.startswith(f"src/{f}")), "")
+        os.environ["GEARBOW_MUTANT"] = str(number)
+        caught = not cargo("test", limit=TIME_LIMIT) or not pytest("tests/python", "-k", pattern)
+        del os.environ["GEARBOW_MUTANT"]
+        survivors += report(caught, mutant.name)
     return survivors
 
 
