@@ -43,7 +43,7 @@ class FrequencyResponse(Result, ReadOnly):
     """Harmonic response of a system to one or several sources.
 
     All results are phasors x: the physical value is the real part of x exp(iωt). Their first axes
-    are those of `frequencies`.
+    are those of `frequencies`: k in the shapes below stands for both of them where there are two.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class FrequencyResponse(Result, ReadOnly):
         Speed of the reference shaft at each frequency [rad/s].
     sources : tuple of str
         Labels of the sources.
-    phasors : ndarray, shape (*frequencies, sources, n)
+    phasors : ndarray, shape (k, sources, n)
         Displacement of each degree of freedom [m, rad].
     residuals : ndarray, of the shape of the frequencies
         Largest relative residual of the equations of motion over the sources, as in `Synchronous`.
@@ -116,7 +116,7 @@ class FrequencyResponse(Result, ReadOnly):
 
         Returns
         -------
-        ndarray, shape (*frequencies, sources, 2)
+        ndarray, shape (k, sources, 2)
             Phasors along y and z [m].
 
         Raises
@@ -137,7 +137,7 @@ class FrequencyResponse(Result, ReadOnly):
 
         Returns
         -------
-        ndarray, shape (*frequencies, sources, 2)
+        ndarray, shape (k, sources, 2)
             Phasors along y and z [m/s].
 
         Raises
@@ -157,7 +157,7 @@ class FrequencyResponse(Result, ReadOnly):
 
         Returns
         -------
-        ndarray, shape (*frequencies, sources, 2)
+        ndarray, shape (k, sources, 2)
             Phasors along y and z [m/s²].
 
         Raises
@@ -177,7 +177,7 @@ class FrequencyResponse(Result, ReadOnly):
 
         Returns
         -------
-        ndarray, shape (*frequencies, sources)
+        ndarray, shape (k, sources)
             Phasors [rad].
 
         Raises
@@ -198,7 +198,7 @@ class FrequencyResponse(Result, ReadOnly):
 
         Returns
         -------
-        ndarray, shape (*frequencies, sources)
+        ndarray, shape (k, sources)
             Phasors [m].
 
         Raises
@@ -219,7 +219,7 @@ class FrequencyResponse(Result, ReadOnly):
 
         Returns
         -------
-        ndarray, shape (*frequencies, sources)
+        ndarray, shape (k, sources)
             Phasors (k + iωc)(δ − e) [N], positive where the drive flanks are pressed.
 
         Raises
@@ -244,7 +244,7 @@ class FrequencyResponse(Result, ReadOnly):
 
         Returns
         -------
-        ndarray, shape (*frequencies, sources, 2)
+        ndarray, shape (k, sources, 2)
             Phasors along y and z [N].
 
         Raises
@@ -269,7 +269,7 @@ class FrequencyResponse(Result, ReadOnly):
 
         Returns
         -------
-        ndarray, shape (*frequencies, sources)
+        ndarray, shape (k, sources)
             Phasors in the unit of the sensor.
 
         Raises
