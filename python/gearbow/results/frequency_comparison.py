@@ -34,9 +34,10 @@ class FrequencyComparison(Result, ReadOnly):
 
     Notes
     -----
-    FRAC is the frequency response assurance criterion abs(Σ conj(H_m) H_c)²/(Σ abs(H_m)² Σ abs(H_c)²) of one curve
-    over its frequencies (Heylen and Lammens, 1996). MAC is the same ratio of the shapes at one
-    frequency, over the curves (Allemang and Brown, 1982). Both are 1 for proportional functions.
+    FRAC is the frequency response assurance criterion
+    abs(Σ conj(H_m) H_c)²/(Σ abs(H_m)² Σ abs(H_c)²) of one curve over its frequencies (Heylen and
+    Lammens, 1996). MAC is the same ratio of the shapes at one frequency, over the curves (Allemang
+    and Brown, 1982). Both are 1 for proportional functions.
 
     Examples
     --------
