@@ -22,7 +22,9 @@ use nalgebra::Complex;
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{lowest_oscillating_modes, require, uses_bands};
 use super::{AnalysisError, Interrupt};
-use crate::modal::{self, AtSpeed, CachedModel, Forces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl};
+use crate::modal::{
+    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl,
+};
 use crate::scene::EntryPath;
 use state::State;
 pub use threshold::Threshold;
@@ -246,7 +248,7 @@ impl<'a> Tracker<'a> {
         let ModeAtSpeed { speed, eigenvalue, shape } = met;
         let whirl = modal::whirl(&cached.model, speed, eigenvalue, &shape);
         let modal = self.modal_damping(cached, speed)?;
-        let residual = modal::residual(cached, speed, eigenvalue, &shape, Forces::All(modal.as_deref()))?;
+        let residual = modal::residual(cached, speed, eigenvalue, &shape, EquationForces::All(modal.as_deref()))?;
         Ok(State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual }))
     }
 

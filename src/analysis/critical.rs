@@ -3,9 +3,9 @@
 mod map;
 mod speed_dependent;
 
-use super::modes::{has_structure, require};
+use super::modes::{require, uses_bands};
 use super::{AnalysisError, Dense, Interrupt};
-use crate::modal::{self, CachedModel, Forces, ModeAtSpeed, Quadratic, Whirl};
+use crate::modal::{self, CachedModel, EquationForces, ModeAtSpeed, Quadratic, Whirl};
 use crate::model::Model;
 use crate::scene::EntryPath;
 pub use map::{CriticalPoint, critical_speed_map};
@@ -59,7 +59,7 @@ pub fn critical_speeds(
 /// The `count` lowest critical speeds of a model whose coefficients do not depend on the speed, with their modes.
 fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<ModeAtSpeed>, AnalysisError> {
     let mut found = None;
-    if has_structure(&cached.model, count) {
+    if uses_bands(&cached.model, count) {
         found = modal::lowest_critical(&cached.model, order, count)?;
     }
     let mut found = match found {
@@ -75,14 +75,14 @@ fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<ModeAtSpe
 
 /// Memory that [`critical_speeds`] needs at first.
 pub fn memory_of_critical_speeds(model: &Model, count: usize) -> Dense {
-    if model.bearings.is_empty() && has_structure(model, count) { Dense::Bands } else { Dense::Undamped }
+    if model.bearings.is_empty() && uses_bands(model, count) { Dense::Bands } else { Dense::Undamped }
 }
 
 /// A critical speed with whirl and residual of its mode.
 fn named(cached: &CachedModel, met: &ModeAtSpeed, interrupt: &Interrupt) -> Result<Critical, AnalysisError> {
     interrupt.check()?;
     let ModeAtSpeed { speed, eigenvalue, shape } = met;
-    let residual = modal::residual(cached, *speed, *eigenvalue, shape, Forces::Undamped)?;
+    let residual = modal::residual(cached, *speed, *eigenvalue, shape, EquationForces::Undamped)?;
     require(residual, || format!("the mode at the critical speed {speed} rad/s"))?;
     let whirl = modal::whirl(&cached.model, *speed, *eigenvalue, shape);
     Ok(Critical { speed: *speed, whirl, residual: residual.value })

@@ -6,8 +6,8 @@
 use nalgebra::{Complex, DVector};
 
 use super::AnalysisError;
-use super::sources::{Harmonic, Source};
-use super::synchronous::{MAX_DENSE, MAX_RESIDUAL, MIN_BANDS, SourceResponse, banded, solve_dense};
+use super::sources::{Harmonic, HarmonicSource};
+use super::synchronous::{MAX_RESIDUAL, SourceResponse, solve};
 use crate::modal::{CachedModel, DynamicKey, Highest, null_motions};
 use crate::model::Model;
 use crate::scene::EntryPath;
@@ -21,14 +21,14 @@ const DRIVES: f64 = 1e-9;
 /// Responses of a model to harmonic sources.
 pub struct FrequencyResponses<'a> {
     cached: &'a CachedModel,
-    sources: &'a [Source],
+    sources: &'a [HarmonicSource],
     /// Highest frequency in question.
     highest: Highest,
 }
 
 impl<'a> FrequencyResponses<'a> {
     /// The responses of a model to sources at `frequencies`, rad/s; nothing is computed yet.
-    pub fn new(cached: &'a CachedModel, sources: &'a [Source], frequencies: &[f64]) -> Self {
+    pub fn new(cached: &'a CachedModel, sources: &'a [HarmonicSource], frequencies: &[f64]) -> Self {
         let highest = frequencies.iter().map(|frequency| frequency.abs()).fold(0.0, f64::max);
         Self { cached, sources, highest: Highest::Frequency(highest) }
     }
@@ -39,7 +39,7 @@ impl<'a> FrequencyResponses<'a> {
     /// [`AnalysisError`] if a response has no accurate solution, or a source drives a rigid-body motion at frequency zero.
     pub fn at(&self, index: usize, at: Harmonic) -> Result<Vec<SourceResponse>, AnalysisError> {
         let cached = &*self.cached.at_speed(at.speed)?;
-        let force = |source: &Source| DVector::from_vec(source.force(&cached.model, at));
+        let force = |source: &HarmonicSource| DVector::from_vec(source.force(&cached.model, at));
         let forces: Vec<_> = self.sources.iter().map(force).collect();
         if at.frequency == 0.0 {
             check_rigid_body_motion(&cached.model, index, at.speed, &forces)?;
@@ -55,21 +55,9 @@ impl<'a> FrequencyResponses<'a> {
         at: Harmonic,
         force: &DVector<Complex<f64>>,
     ) -> Result<SourceResponse, AnalysisError> {
-        let model = &cached.model;
         let Harmonic { frequency, speed } = at;
         let key = DynamicKey { speed, spin: frequency, flank_speed: speed };
-        let is_damped = model.scene.modal_damping > 0.0 && frequency != 0.0;
-        let found = if !is_damped || model.len() >= MIN_BANDS {
-            banded(cached, key, is_damped.then_some(self.highest), BACKWARD_ERROR, force)?
-        } else {
-            None
-        };
-        let found = match found {
-            Some(found) => Some(found),
-            // At an undamped natural frequency the response is very large: the dense solution shows its size.
-            None if model.len() <= MAX_DENSE => Some(solve_dense(cached, key, force.clone())?),
-            None => None,
-        };
+        let found = solve(cached, key, self.highest, BACKWARD_ERROR, force)?;
         // A residual that is not a number is refused as well.
         found.filter(|found| found.residual <= MAX_RESIDUAL).ok_or_else(|| {
             AnalysisError::Convergence(format!(

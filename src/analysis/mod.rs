@@ -41,6 +41,6 @@ pub use memory::{Dense, Kept, product};
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
 pub use responses::{Response, Responses, memory_of_responses, synchronous};
-pub use sources::{Forces, Harmonic, Source};
+pub use sources::{Harmonic, HarmonicForces, HarmonicSource};
 pub use stability::Spectrum;
 pub use synchronous::{ExcitationPart, SourceResponse, bow};

@@ -1,8 +1,7 @@
 //! The modes of lowest frequency: from band matrices for a few modes of a large model, otherwise from dense matrices.
 
-use super::synchronous::MAX_DENSE;
 use super::{AnalysisError, Dense};
-use crate::modal::{self, CachedModel, Highest, Mode, Residual};
+use crate::modal::{self, CachedModel, Highest, MAX_DENSE, Mode, Residual};
 use crate::model::Model;
 
 /// Smallest number of degrees of freedom for which band matrices are faster than dense ones.
@@ -10,14 +9,14 @@ const MIN_BAND_COORDINATES: usize = 100;
 /// Part of all modes up to which they are a few: band matrices are then faster, and the gaps between modes are wide.
 const MAX_BAND_MODE_FRACTION: f64 = 0.15;
 
-/// Whether band matrices are faster than dense ones for `count` undamped modes.
-pub(super) fn has_structure(model: &Model, count: usize) -> bool {
-    model.len() >= MIN_BAND_COORDINATES && count as f64 <= MAX_BAND_MODE_FRACTION * model.len() as f64
+/// Whether band matrices are faster than dense ones for one response.
+pub(super) fn is_banded(model: &Model) -> bool {
+    model.len() >= MIN_BAND_COORDINATES
 }
 
-/// Whether band matrices give these modes, if `count` of them are wanted.
+/// Whether band matrices are faster than dense ones for `count` modes.
 pub(super) fn uses_bands(model: &Model, count: usize) -> bool {
-    has_structure(model, count)
+    is_banded(model) && count as f64 <= MAX_BAND_MODE_FRACTION * model.len() as f64
 }
 
 /// Memory that [`lowest_modes`] needs at first.

@@ -2,14 +2,15 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::synchronous::{MIN_BANDS, SourceResponse, synchronous_of};
+use super::modes::is_banded;
+use super::synchronous::{SourceResponse, synchronous_of};
 use super::{AnalysisError, Dense, ExcitationPart};
 use crate::modal::{CachedModel, Highest};
 use crate::model::Model;
 
 /// Memory that synchronous responses need.
 pub fn memory_of_responses(model: &Model) -> Dense {
-    if model.scene.modal_damping > 0.0 && model.len() < MIN_BANDS { Dense::Undamped } else { Dense::Bands }
+    if model.scene.modal_damping > 0.0 && !is_banded(model) { Dense::Undamped } else { Dense::Bands }
 }
 
 /// Phasors of the synchronous response at one speed, as [`Responses::all`].

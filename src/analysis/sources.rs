@@ -94,7 +94,7 @@ impl GroundMotion {
 
 /// A harmonic source.
 #[derive(Clone, Debug)]
-pub enum Source {
+pub enum HarmonicSource {
     /// Forces and moments on coordinates, N or N m.
     Load(Vec<(usize, Complex64)>),
     /// A transmission error, m, of a mesh.
@@ -115,7 +115,7 @@ pub enum Source {
     },
 }
 
-impl Source {
+impl HarmonicSource {
     /// Checks the description of a source, which the entry `at` contains.
     ///
     /// # Errors
@@ -201,18 +201,18 @@ impl Source {
 }
 
 /// Forces of meshes and bearings in a harmonic motion.
-pub struct Forces<'a> {
+pub struct HarmonicForces<'a> {
     /// The model at the speed of the motion.
     pub model: &'a Model,
     /// Frequency and speed.
     pub at: Harmonic,
     /// The source of the motion, if it is a relative displacement in a mesh or a bearing.
-    pub source: Option<&'a Source>,
+    pub source: Option<&'a HarmonicSource>,
     /// Phasors of the displacements, n entries in the order of the core, m and rad.
     pub phasors: &'a [Complex64],
 }
 
-impl Forces<'_> {
+impl HarmonicForces<'_> {
     /// Phasors of the force of each mesh, positive in compression of the drive flank, N.
     pub fn meshes(&self) -> impl Iterator<Item = Complex64> + '_ {
         (0..self.model.meshes.len()).map(|mesh| {

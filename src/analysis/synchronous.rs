@@ -5,9 +5,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::modes::is_banded;
 use super::{AnalysisError, Dense};
 use crate::linalg::{backward_error, solve_complex};
-use crate::modal::{CachedModel, DynamicKey, Highest, Solved};
+use crate::modal::{CachedModel, DynamicKey, Highest, MAX_DENSE, Solved};
 use crate::model::{Excitation, Model};
 use crate::scene::{EntryPath, SceneError};
 
@@ -37,12 +38,6 @@ impl ExcitationPart {
         }
     }
 }
-
-/// Largest number of degrees of freedom for which the dense matrix replaces band matrices without an accurate solution.
-pub(super) const MAX_DENSE: usize = 2000;
-
-/// Smallest number of degrees of freedom for which band matrices are faster than dense ones with modal damping.
-pub(super) const MIN_BANDS: usize = 100;
 
 /// Largest relative residual of a response. Machines reach 1e-11, and scenes with stiffnesses of very different size 2e-6; a
 /// response that is wrong has a residual near one.
@@ -122,17 +117,33 @@ pub(super) fn synchronous_of(
     };
     let name = &model.scene.shafts[source].name;
     let key = DynamicKey { speed, spin, flank_speed };
-    // At standstill modal damping has no effect.
-    let is_damped = model.scene.modal_damping > 0.0 && spin != 0.0;
-    if !is_damped || model.len() >= MIN_BANDS {
-        match banded(&cached, key, is_damped.then_some(highest), 0.0, &force)? {
-            Some(found) => return found.checked(speed, name),
-            // At an undamped critical speed the response is very large: the dense solution shows its size.
-            None if model.len() <= MAX_DENSE => {}
-            None => return Err(unsolved(speed)),
+    let found = solve(&cached, key, highest, 0.0, &force)?;
+    found.ok_or_else(|| unsolved(speed))?.checked(speed, name)
+}
+
+/// Solves S x = f. The response of band matrices without modal damping has at most the backward error `tolerance`; zero asks for
+/// round-off. `None` at an undamped natural frequency of a model that is too large for dense matrices.
+///
+/// # Errors
+/// [`AnalysisError`] if the undamped modes cannot be found.
+pub(super) fn solve(
+    cached: &CachedModel,
+    key: DynamicKey,
+    highest: Highest,
+    tolerance: f64,
+    force: &DVector<Complex<f64>>,
+) -> Result<Option<SourceResponse>, AnalysisError> {
+    let model = &cached.model;
+    // Modal damping has no force without velocity.
+    let is_damped = model.scene.modal_damping > 0.0 && key.spin != 0.0;
+    if !is_damped || is_banded(model) {
+        let found = banded(cached, key, is_damped.then_some(highest), tolerance, force)?;
+        // At an undamped natural frequency the response is very large: the dense solution shows its size.
+        if found.is_some() || model.len() > MAX_DENSE {
+            return Ok(found);
         }
     }
-    solve_dense(&cached, key, force)?.checked(speed, name)
+    solve_dense(cached, key, force).map(Some)
 }
 
 /// Phasors of the force of a source shaft of speed `spin`, rad/s; `None` without force.
@@ -163,7 +174,7 @@ pub(super) fn rotating_force(
 
 /// Solves S x = f with the band matrices of the shafts, without modal damping to a backward error or, if it is zero, to
 /// round-off; `None` if round-off leaves no accurate solution.
-pub(super) fn banded(
+fn banded(
     cached: &CachedModel,
     key: DynamicKey,
     highest: Option<Highest>,
@@ -176,10 +187,10 @@ pub(super) fn banded(
 }
 
 /// The same with the dense matrix, which may contain modal damping.
-pub(super) fn solve_dense(
+fn solve_dense(
     cached: &CachedModel,
     DynamicKey { speed, spin, flank_speed }: DynamicKey,
-    force: DVector<Complex<f64>>,
+    force: &DVector<Complex<f64>>,
 ) -> Result<SourceResponse, AnalysisError> {
     let model = &cached.model;
     Dense::Undamped.require(model)?;
@@ -204,7 +215,7 @@ pub(super) fn solve_dense(
     }
     let right = DMatrix::from_column_slice(model.len(), 1, force.as_slice());
     let phasors = solve_complex(&dynamic, &right).column(0).into_owned();
-    let residual = backward_error(&dynamic, &force, &phasors);
+    let residual = backward_error(&dynamic, force, &phasors);
     Ok(SourceResponse { phasors, residual })
 }
 

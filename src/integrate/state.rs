@@ -57,18 +57,18 @@ pub struct ForceVariation {
     pub duration: f64,
     /// Mean, N.
     pub mean: f64,
-    /// Integral of the squared difference to the mean, N²·s.
+    /// Integral over time of the squared difference from the mean, N²·s.
     pub squares: f64,
 }
 
 impl ForceVariation {
-    /// That of a force at the beginning, N.
+    /// Mean and variation at the beginning of a run, when the force is `force`, N.
     pub fn of(force: f64) -> Self {
         Self { duration: 0.0, mean: force, squares: 0.0 }
     }
 
-    /// That with a step of `length`, s, at whose end the force is `force`, N. The sums are those of West (1979), which do
-    /// not subtract large numbers.
+    /// Mean and variation after one more step of `length`, s, at whose end the force is `force`, N. The sums follow West
+    /// (1979): they do not subtract large numbers.
     pub fn with(self, force: f64, length: f64) -> Self {
         let duration = self.duration + length;
         let difference = force - self.mean;
@@ -76,7 +76,7 @@ impl ForceVariation {
         Self { duration, mean, squares: self.squares + length * difference * (force - mean) }
     }
 
-    /// The standard deviation, N.
+    /// Standard deviation over the time of the run, N.
     pub fn deviation(self) -> f64 {
         if self.duration > 0.0 { (self.squares / self.duration).sqrt() } else { 0.0 }
     }

@@ -8,7 +8,9 @@ use pyo3::types::PyDict;
 use super::convert::{mesh_names, stack, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
-use crate::analysis::{self, AnalysisError, ExcitationPart, ExcitationSource, Forces, Harmonic, Kept, Source, product};
+use crate::analysis::{
+    self, AnalysisError, ExcitationPart, ExcitationSource, Harmonic, HarmonicForces, HarmonicSource, Kept, product,
+};
 use crate::modal::{self, CachedModel};
 use crate::model::Model;
 use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, description, range_with_rpm, with_rpm};
@@ -217,7 +219,7 @@ impl ResponseTable {
             let phasors = column.as_slice();
             self.amplitudes.extend(cached.model.numbering.to_user_order(phasors));
             let at = Harmonic { frequency: shaft.ratio * speed, speed };
-            let forces = Forces { model: &at_speed.model, at, source: None, phasors };
+            let forces = HarmonicForces { model: &at_speed.model, at, source: None, phasors };
             self.forces.extend(bearings.iter().flat_map(|node| forces.bearing(*node)));
         }
         Ok(())
@@ -318,7 +320,7 @@ pub fn frequency_response<'py>(
         EntryPath::entry("frequencies", index).finite(*frequency)?;
     }
     let assembled = model.model();
-    let source = |(index, given): (usize, &description::Source)| Source::new(assembled, given, index);
+    let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(assembled, given, index);
     let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
     let memory = analysis::memory_of_responses(assembled);
     model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
@@ -379,7 +381,7 @@ impl HarmonicTable {
         &mut self,
         model: &Model,
         at: Harmonic,
-        sources: &[Source],
+        sources: &[HarmonicSource],
         found: &[analysis::SourceResponse],
         bearings: &[Node],
     ) {
@@ -387,7 +389,7 @@ impl HarmonicTable {
         for (source, response) in sources.iter().zip(found) {
             let phasors = response.phasors.as_slice();
             self.phasors.extend(model.numbering.to_user_order(phasors));
-            let forces = Forces { model, at, source: Some(source), phasors };
+            let forces = HarmonicForces { model, at, source: Some(source), phasors };
             self.bearing_force.extend(bearings.iter().flat_map(|node| forces.bearing(*node)));
             self.mesh_force.extend(forces.meshes());
         }

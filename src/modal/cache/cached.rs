@@ -115,7 +115,7 @@ struct LinearPart {
     growing: Recent<GrowthKey, Option<Arc<DMatrix<f64>>>>,
     /// The modes that runs keep.
     subspaces: Recent<SubspaceKey, Arc<Projected>>,
-    /// The model in the modes of another speed, or of a system with the same coordinates.
+    /// Reduced models whose modes the caller gives: those of another speed, or of another system with the same coordinates.
     in_given_modes: Recent<GivenModesKey, Arc<Projected>>,
     /// Dynamic stiffness at the last speeds; a singular one has no solver.
     dynamic: Recent<SolverKey, Arc<Result<DynamicStiffnessSolver, Singular>>>,

@@ -24,7 +24,7 @@ const CONVERGED: f64 = 1e-11;
 
 /// Which forces the equations of motion contain.
 #[derive(Clone, Copy, Debug)]
-pub enum Forces<'m> {
+pub enum EquationForces<'m> {
     /// All, with modal damping if it is given.
     All(Option<&'m ModalDamping>),
     /// Without damping and without circulatory forces.
@@ -122,7 +122,7 @@ impl DynamicStiffnessSolver {
         let loss = Complex64::new(0.0, self.at.spin.signum());
         // P⁻¹S x.
         let apply = |x: &DVector<Complex64>| {
-            let mut force = dynamic_force(model, speeds, eigenvalue, x, Forces::All(Some(modal)));
+            let mut force = dynamic_force(model, speeds, eigenvalue, x, EquationForces::All(Some(modal)));
             if let Some(structural) = &self.structural {
                 force += model.product(x, |x, out| {
                     out.fill(0.0);
@@ -152,13 +152,13 @@ pub fn dynamic_force(
     [speed, flank_speed]: [f64; 2],
     eigenvalue: Complex64,
     shape: &DVector<Complex64>,
-    forces: Forces<'_>,
+    forces: EquationForces<'_>,
 ) -> DVector<Complex64> {
-    let is_undamped = matches!(forces, Forces::Undamped);
+    let is_undamped = matches!(forces, EquationForces::Undamped);
     let mass = model.product(shape, |x, out| model.multiply_mass(x, out));
     let elastic = model.product(shape, |x, out| model.multiply_stiffness(flank_speed, is_undamped, x, out));
     let mut rate = model.product(shape, |x, out| model.multiply_gyroscopic(x, out)) * Complex64::from(speed);
-    if let Forces::All(modal) = forces {
+    if let EquationForces::All(modal) = forces {
         rate += model.product(shape, |x, out| model.multiply_damping(flank_speed, x, out));
         if let Some(modal) = modal {
             rate += modal.product(model, shape);

@@ -9,7 +9,7 @@ use nalgebra::{Complex, DVector};
 use super::residual::{Residual, Residuals};
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::DecompositionError;
-use crate::modal::cache::{CachedModel, Forces};
+use crate::modal::cache::{CachedModel, EquationForces};
 use crate::modal::lowest::{Eigenpair, Highest, Problem, lowest, lowest_damped};
 use crate::modal::state_space::{damped, physical, undamped};
 use crate::modal::undamped::ModalDamping;
@@ -107,7 +107,7 @@ fn modes_of(
     pairs: impl Iterator<Item = Eigenpair>,
 ) -> Result<Vec<Mode>, DecompositionError> {
     let classifier = Classifier::new(&cached.model, speed);
-    let mut residuals = Residuals::new(cached, speed, Forces::All(modal))?;
+    let mut residuals = Residuals::new(cached, speed, EquationForces::All(modal))?;
     let mode = |Eigenpair { value, shape }: Eigenpair| {
         let residual = residuals.of(value, &shape)?;
         let shape = normalized(shape);

@@ -14,7 +14,7 @@ use nalgebra::DVector;
 use num_complex::Complex64;
 
 use crate::linalg::DecompositionError;
-use crate::modal::cache::{CachedModel, Forces, dynamic_force};
+use crate::modal::cache::{CachedModel, EquationForces, dynamic_force};
 use crate::modal::undamped::ShiftInverse;
 use crate::model::Model;
 
@@ -55,7 +55,7 @@ pub struct Residuals<'m> {
     model: &'m Model,
     /// Speed of the reference shaft, rad/s.
     speed: f64,
-    forces: Forces<'m>,
+    forces: EquationForces<'m>,
     /// s of a rigid-body mode, rad/s: the lowest frequency above zero.
     slowest: f64,
     /// Highest undamped frequency ω_max, rad/s.
@@ -69,7 +69,7 @@ impl<'m> Residuals<'m> {
     ///
     /// # Errors
     /// [`DecompositionError`] if the range of the frequencies cannot be found.
-    pub fn new(cached: &'m CachedModel, speed: f64, forces: Forces<'m>) -> Result<Self, DecompositionError> {
+    pub fn new(cached: &'m CachedModel, speed: f64, forces: EquationForces<'m>) -> Result<Self, DecompositionError> {
         let range = cached.spectral_range(speed)?;
         let fastest = if range.fastest > 0.0 { range.fastest } else { 1.0 };
         let slowest = range.slowest.filter(|slowest| *slowest > 0.0).unwrap_or(fastest);
@@ -114,7 +114,7 @@ pub fn residual(
     speed: f64,
     eigenvalue: Complex64,
     shape: &DVector<Complex64>,
-    forces: Forces<'_>,
+    forces: EquationForces<'_>,
 ) -> Result<Residual, DecompositionError> {
     Residuals::new(cached, speed, forces)?.of(eigenvalue, shape)
 }

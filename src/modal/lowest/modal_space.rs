@@ -23,8 +23,9 @@ const MIN_DAMPED_MODES: usize = 80;
 const FREQUENCY_MARGIN: f64 = 8.0;
 /// Part of all modes up to which a Krylov space gives the lowest ones faster than dense matrices give all.
 const MAX_KRYLOV_FRACTION: f64 = 0.3;
-/// Largest number of degrees of freedom for which dense matrices give all modes.
-const MAX_DENSE: usize = 2000;
+/// Largest number of degrees of freedom for which dense matrices replace band matrices that do not give an answer. All modes of
+/// such a model take minutes.
+pub const MAX_DENSE: usize = 2000;
 /// Smallest relative distance of the frequency of a mode that is left out from that of a damped one: the modes of both planes of a
 /// shaft stay together.
 const GAP: f64 = 1e-3;
