@@ -10,7 +10,7 @@ import numpy as np
 
 from gearbow._core import mesh_geometry
 from gearbow._types import Array, MeshGeometry
-from gearbow.analysis.bow_motion import BowMotion, Signal, Variants
+from gearbow.analysis.bow_motion import BowMotion, BowSignal, Variants
 from gearbow.analysis.protocol import variant
 from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
 from gearbow.description.gears import Gear, Mesh
@@ -98,7 +98,7 @@ class _Teeth:
     mesh: Mesh
     gears: tuple[Gear, Gear]
     geometry: MeshGeometry
-    centres: Signal
+    centres: BowSignal
 
     @property
     def at(self) -> str:
@@ -130,7 +130,7 @@ class _Teeth:
         first, second = (math.sqrt(tip**2 - base**2) for tip, base in radii)
         return first, second
 
-    def gap(self, bow: float, deflection: Signal) -> Array:
+    def gap(self, bow: float, deflection: BowSignal) -> Array:
         """Give the distance of the back flanks along the line of action [m]."""
         total = sum(self.geometry["base_radii"])
         slope, rest = self.tangent(bow) / total, math.tan(self.geometry["pressure_angle"])
@@ -210,7 +210,7 @@ def _geometric(limit: str, teeth: _Teeth, margin: Callable[[float], Array], why:
     return Check(limit, teeth.at, why, margin, most / 2**_STEPS, most, "the base circles overlap")
 
 
-def _deflection(motion: BowMotion, teeth: _Teeth, row: Array) -> Signal:
+def _deflection(motion: BowMotion, teeth: _Teeth, row: Array) -> BowSignal:
     """Give the mesh deflection of the drive flanks [m]."""
     base, driver = motion.variants.base, teeth.gears[0]
     state = motion.static.mesh((teeth.mesh.driver, teeth.mesh.driven))
@@ -245,7 +245,7 @@ def _towards(limit: BowLimit) -> Array:
 
 
 def _linear(
-    limit: BowLimit, why: str, signal: Signal, allowed: float, value: Callable[[Array], Array]
+    limit: BowLimit, why: str, signal: BowSignal, allowed: float, value: Callable[[Array], Array]
 ) -> Check:
     """Give a limit of a signal that grows with the bow without end."""
     name, at = limit.kind.replace("_", " "), place_label(limit.at)

@@ -17,7 +17,7 @@ from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.results.synchronous import Synchronous
 
-__all__ = ["BowMotion", "Signal", "Variants"]
+__all__ = ["BowMotion", "BowSignal", "Variants"]
 
 #: Instants of one turn of the fastest shaft that excites. A maximum between two of them is missed
 #: by at most 1 − cos(π/72) = 0.1 % of an orbit.
@@ -34,7 +34,7 @@ _SAME_TURN = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Signal:
+class BowSignal:
     """A signal with a row for each instant: without the bow, and the part in proportion to it."""
 
     rest: Array
@@ -46,8 +46,8 @@ class Signal:
         values: Array = self.rest + bow * np.real(self.turns[:, None, None] * self.unit)
         return values
 
-    def __sub__(self, other: "Signal") -> "Signal":
-        return Signal(self.rest - other.rest, self.unit - other.unit, self.turns)
+    def __sub__(self, other: "BowSignal") -> "BowSignal":
+        return BowSignal(self.rest - other.rest, self.unit - other.unit, self.turns)
 
     @cached_property
     def size(self) -> float:
@@ -130,30 +130,30 @@ class BowMotion:
             self.phases = 2.0 * math.pi * np.arange(_PHASES) / _PHASES
         self._turns = np.exp(1j * self.phases)
 
-    def displacement(self, at: At) -> Signal:
+    def displacement(self, at: At) -> BowSignal:
         """Give the displacement of a place [m]."""
         static = self.static.displacement(at)
         return self._signal(static, self._others.displacement(at), self._unit.displacement(at))
 
-    def velocity(self, at: At) -> Signal:
+    def velocity(self, at: At) -> BowSignal:
         """Give the velocity of a place [m/s]."""
         rates = 1j * self.ratios[:, None] * self.speed
         others, unit = (each.displacement(at) * rates for each in (self._others, self._unit))
         return self._signal(np.zeros(2), others, unit)
 
-    def bearing_force(self, at: tuple[str, float]) -> Signal:
+    def bearing_force(self, at: tuple[str, float]) -> BowSignal:
         """Give the force on a bearing [N]."""
         static = self.static.bearing_force(at)
         return self._signal(static, self._others.bearing_force(at), self._unit.bearing_force(at))
 
-    def combined(self, static: float, row: Array) -> Signal:
+    def combined(self, static: float, row: Array) -> BowSignal:
         """Give a static value and a linear combination of all coordinates."""
         others, unit = (each.amplitudes @ row[:, None] for each in (self._others, self._unit))
         return self._signal(np.array([static]), others, unit)
 
-    def _signal(self, static: Array, others: ComplexArray, unit: ComplexArray) -> Signal:
+    def _signal(self, static: Array, others: ComplexArray, unit: ComplexArray) -> BowSignal:
         rest = static + np.real(self._phasors @ others[self._index])
-        return Signal(rest, self._phasors @ unit[self._index], self._turns)
+        return BowSignal(rest, self._phasors @ unit[self._index], self._turns)
 
     def worst(self, values: Array, whole: float) -> float:
         """Give the phase of the smallest margin; NaN if it does not matter."""

@@ -1,7 +1,8 @@
 """The interface of a system that analyses of its variants need."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Protocol, TypeVar
 
 from gearbow._core import Model
@@ -94,9 +95,22 @@ class System(Protocol):
 S = TypeVar("S", bound=System)
 
 
-def variant(system: S, **changes: Any) -> S:
-    """Make a variant of a checked system without plausibility warnings."""
+@contextmanager
+def without_scene_warnings() -> Iterator[None]:
+    """Ignore warnings about the plausibility of variants of a checked system."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
+        yield
+
+
+def variant(system: S, **changes: Any) -> S:
+    """Make a variant of a checked system without plausibility warnings."""
+    with without_scene_warnings():
         made: S = system.replace(**changes)
     return made
+
+
+def ratios_by_shaft(system: System) -> dict[str, float]:
+    """Give the signed speed of each shaft over that of the reference shaft by its name."""
+    names = [shaft.name for shaft in system.shafts]
+    return dict(zip(names, system.speed_ratios.tolist(), strict=True))

@@ -6,8 +6,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output
+from gearbow._types import Array
 from gearbow.cli.answer import Answer
 from gearbow.errors import GearbowError, SceneError
 from gearbow.recording import file
@@ -39,6 +42,7 @@ __all__ = [
     "output",
     "quantity",
     "read_run",
+    "spaced",
     "speed",
     "speed_line",
 ]
@@ -107,6 +111,17 @@ def quantity(field: str) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(str(error).removeprefix(f"{field}: ")) from None
 
     return read
+
+
+def spaced(given: argparse.Namespace, what: str) -> Array:
+    """Give the values of --from, --to and --points."""
+    if given.points < 2 or not given.last > given.first:
+        raise SceneError(
+            f"{what}: need --points of at least 2 and --to above --from, got {given.points} points "
+            f"from {given.first:g} to {given.last:g} rad/s"
+        )
+    values: Array = np.linspace(given.first, given.last, given.points)
+    return values
 
 
 def speed(text: str) -> float:

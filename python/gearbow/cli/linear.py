@@ -6,8 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.cli.answer import Answer, Drawing
 from gearbow.cli.arguments import (
     Commands,
@@ -19,6 +18,7 @@ from gearbow.cli.arguments import (
     named_item,
     quantity,
     read_run,
+    spaced,
     speed,
     speed_line,
 )
@@ -121,8 +121,7 @@ def check(given: argparse.Namespace) -> Answer:
     for warning in caught:
         warnings.showwarning(warning.message, warning.category, warning.filename, warning.lineno)
     found = [str(warning.message) for warning in caught]
-    names = [shaft.name for shaft in system.shafts]
-    ratios = dict(zip(names, system.speed_ratios.tolist(), strict=True))
+    ratios = ratios_by_shaft(system)
     data = {
         "scene": str(given.scene),
         "warnings": found,
@@ -170,13 +169,8 @@ def modes(given: argparse.Namespace) -> Answer:
 
 def campbell(given: argparse.Namespace) -> Answer:
     """Find the Campbell diagram."""
-    if given.points < 2 or not given.last > given.first:
-        raise SceneError(
-            f"speeds: need --points of at least 2 and --to above --from, got {given.points} points "
-            f"from {given.first:g} to {given.last:g} rad/s"
-        )
+    speeds = spaced(given, "speeds")
     system = RotorSystem.load(given.scene)
-    speeds = np.linspace(given.first, given.last, given.points)
     if given_unit((given.first, given.last)) == "rpm":
         speeds = speeds.view(RevolutionsPerMinuteArray)
     found = system.campbell(speeds, count=given.count, harmonics=given.harmonics)

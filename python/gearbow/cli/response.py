@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gearbow.cli.answer import Answer, Drawing
-from gearbow.cli.arguments import Commands, add_command, add_scene, figure, item, quantity
+from gearbow.cli.arguments import Commands, add_command, add_scene, figure, item, quantity, spaced
 from gearbow.description.couplings import Force
 from gearbow.description.loads import Torque
 from gearbow.description.places import is_pair
@@ -89,14 +89,9 @@ def source_of(text: str) -> Source:
 
 def response(given: argparse.Namespace) -> Answer:
     """Find the response."""
-    if given.points < 2 or not given.last > given.first:
-        raise SceneError(
-            f"frequencies: need --points of at least 2 and --to above --from, got {given.points} "
-            f"points from {given.first:g} to {given.last:g} rad/s"
-        )
+    frequencies = spaced(given, "frequencies")
     system = RotorSystem.load(given.scene)
     at = item(system, given.at)
-    frequencies = np.linspace(given.first, given.last, given.points)
     found = system.frequency_response(
         frequencies, source=source_of(given.source), speed=given.speed
     )

@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import warnings
 from dataclasses import asdict
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from gearbow._types import Array
 from gearbow.accuracy.levels import LEVELS
+from gearbow.analysis.protocol import variant
 from gearbow.cli.answer import Answer, Drawing
 from gearbow.cli.arguments import (
     Commands,
@@ -27,7 +27,6 @@ from gearbow.cli.arguments import (
 )
 from gearbow.description.places import is_pair, is_place, place_label
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import SceneWarning
 from gearbow.results.response import Response
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.tradeoff.result import Tradeoff
@@ -114,10 +113,8 @@ def _loaded(given: argparse.Namespace) -> RotorSystem:
     system = RotorSystem.load(given.scene)
     if given.accuracy is None:
         return system
-    with warnings.catch_warnings():
-        # The warnings of the scene are those of `load`.
-        warnings.simplefilter("ignore", SceneWarning)
-        return system.replace(accuracy=given.accuracy)
+    # The warnings of the scene are those of `load`.
+    return variant(system, accuracy=given.accuracy)
 
 
 def run(given: argparse.Namespace) -> Answer:

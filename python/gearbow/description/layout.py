@@ -15,7 +15,7 @@ from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.shafts import Segment, Shaft
+from gearbow.description.shafts import Segment, Shaft, segments_of
 from gearbow.description.supports import Housing
 
 __all__ = [
@@ -124,8 +124,8 @@ def layout(
             shaft.name,
             origins.get(shaft.name, np.zeros(3)),
             _steps(shaft),
-            tuple(segment.inner_diameter / 2.0 for segment in _segments(shaft)),
-            tuple(_shear_length(shaft, segment) for segment in _segments(shaft)),
+            tuple(segment.inner_diameter / 2.0 for segment in segments_of(shaft)),
+            tuple(_shear_length(shaft, segment) for segment in segments_of(shaft)),
         )
         for shaft in shafts
     )
@@ -192,13 +192,6 @@ def _next_origin(
                 yield new.shaft, origins[known.shaft] + sign * offset
 
 
-def _segments(shaft: Shaft) -> Sequence[Segment]:
-    """Give the segments of a shaft; one for a uniform shaft."""
-    if shaft.segments is not None:
-        return shaft.segments
-    return (Segment(shaft.length or 0.0, shaft.outer_diameter or 0.0, shaft.inner_diameter),)
-
-
 def _next_coupled(
     couplings: Sequence[Coupling], places: dict[str, tuple[str, float]], origins: dict[str, Array]
 ) -> Iterator[tuple[str, Array]]:
@@ -212,7 +205,7 @@ def _next_coupled(
 
 def _steps(shaft: Shaft) -> tuple[tuple[float, float], ...]:
     """Give the end and the outer radius of every segment of a shaft."""
-    segments = _segments(shaft)
+    segments = segments_of(shaft)
     ends = np.cumsum([segment.length for segment in segments])
     return tuple(
         (float(end), segment.outer_diameter / 2.0)
@@ -223,7 +216,7 @@ def _steps(shaft: Shaft) -> tuple[tuple[float, float], ...]:
 def shear_lengths(shaft: Shaft) -> ShearLengths:
     """Give the end [m] and the shear length of each segment of a shaft."""
     ends = (end for end, _ in _steps(shaft))
-    lengths = (_shear_length(shaft, segment) for segment in _segments(shaft))
+    lengths = (_shear_length(shaft, segment) for segment in segments_of(shaft))
     return tuple(zip(ends, lengths, strict=True))
 
 

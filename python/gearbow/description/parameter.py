@@ -4,19 +4,27 @@ import dataclasses
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, get_args, get_type_hints
+from typing import Any, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 
 from gearbow._convert import shown, text
 from gearbow._lookup import nearest
+from gearbow.description.train import PARTS
 from gearbow.errors import SceneError
 from gearbow.units.fields import unit_of
 
 __all__ = ["Parameter"]
 
-#: A step of a path: a field, the number of an entry, or its name in quotes.
-_STEP = re.compile(r"\.?([A-Za-z_]\w*)|\[(\d+)\]|\[(?:'([^']*)'|\"([^\"]*)\")\]")
+#: Options of a system that are numbers.
+_OPTIONS = ("modal_damping", "rayleigh", "gravity")
+#: A step of a path: a field, the number of an entry or "*" for all entries, or a name in quotes.
+_STEP = re.compile(r"\.?([A-Za-z_]\w*)|\[(\d+|\*)\]|\[(?:'([^']*)'|\"([^\"]*)\")\]")
+#: A name in quotes, which the unit of a field does not depend on.
+_NAME = re.compile(r"\[(?:'[^']*'|\"[^\"]*\")\]")
+#: A field or a name, the number of an entry, or all entries.
+_Step: TypeAlias = str | int | slice
+_ALL = slice(None)
 #: Gives the entry of a list of parts or the option of a system with this name.
 Entry = Callable[[str], Any]
 
@@ -27,45 +35,65 @@ class Parameter:
 
     path: str
     key: str
-    steps: tuple[str | int, ...]
+    steps: tuple[_Step, ...]
     value: float
     unit: str
 
     @classmethod
-    def find(cls, entry: Entry, names: Sequence[str], path: object, where: str) -> "Parameter":
-        """Find a number by its path, or say what there is instead."""
+    def find(cls, entry: Entry, path: object, where: str, *, several: bool = False) -> "Parameter":
+        """Find a number by its path; with `several`, "[*]" means the number of every entry."""
         written = text(path, where)
-        first, *steps = _steps(written, where)
+        first, *steps = _steps(written, where, several=several)
+        names = (*PARTS, *_OPTIONS)
         if first not in names:
             near = nearest(str(first), names)
             known = ", ".join(names)
             raise SceneError(f"{where}: {written!r} must begin with one of {known}{near}")
-        value, at = entry(str(first)), str(first)
-        kind: Any = None
-        numbered = str(first)
-        for step in steps:
-            value, kind = _inner(value, step, f"{where}: {at}"), _type_of(value, step)
-            at += f".{step}" if isinstance(step, str) and kind is not None else f"[{step!r}]"
-            numbered += f".{step}" if isinstance(step, str) and kind is not None else ""
-            numbered += f"[{step}]" if isinstance(step, int) else ""
-        number = _number(value, kind, f"{where}: {at}")
-        return cls(written, str(first), tuple(steps), number, unit_of(numbered) or "1")
+        found = _found(entry(str(first)), steps, where, str(first))
+        field = _NAME.sub("", found.place)
+        return cls(written, str(first), tuple(steps), found.value, unit_of(field) or "1")
 
     def changed(self, owner: Any, value: float) -> Any:
         """Give the list of parts or the option with another value of this number."""
         return _changed(owner, self.steps, value)
 
 
-def _steps(path: str, where: str) -> list[str | int]:
+@dataclass(frozen=True)
+class _Number:
+    """A number with its place in the system."""
+
+    value: float
+    place: str
+
+
+def _found(owner: Any, steps: Sequence[_Step], where: str, at: str, kind: Any = None) -> _Number:
+    """Follow steps to a number; through all entries of a list to that of the first one."""
+    if not steps:
+        return _Number(_number(owner, kind, f"{where}: {at}"), at)
+    step, rest = steps[0], steps[1:]
+    if step == _ALL and _is_list(owner) and len(owner):
+        # Every entry must have the number.
+        first, *_ = [_found(each, rest, where, f"{at}[{i}]") for i, each in enumerate(owner)]
+        return first
+    inner, kind = _inner(owner, step, f"{where}: {at}"), _type_of(owner, step)
+    is_field = isinstance(step, str) and kind is not None
+    return _found(inner, rest, where, f"{at}.{step}" if is_field else at + _bracketed(step), kind)
+
+
+def _bracketed(step: _Step) -> str:
+    return "[*]" if step == _ALL else f"[{step!r}]"
+
+
+def _steps(path: str, where: str, *, several: bool) -> list[_Step]:
     """Take a path apart."""
-    found: list[str | int] = []
+    found: list[_Step] = []
     end = 0
     while end < len(path) and (step := _STEP.match(path, end)):
         field, number, *quoted = step.groups()
         name = field if field is not None else quoted[0] if quoted[0] is not None else quoted[1]
-        found.append(int(number) if number is not None else name)
+        found.append(name if number is None else _ALL if number == "*" else int(number))
         end = step.end()
-    if end < len(path) or not found:
+    if end < len(path) or not found or (_ALL in found and not several):
         raise SceneError(
             f'{where}: must be a path such as "bearings[0].stiffness" or '
             f"\"shafts['input'].outer_diameter\", got {shown(path)}"
@@ -73,8 +101,9 @@ def _steps(path: str, where: str) -> list[str | int]:
     return found
 
 
-def _inner(value: Any, step: str | int, at: str) -> Any:
+def _inner(value: Any, step: _Step, at: str) -> Any:
     """Give a field of a part, or an entry of a list or mapping."""
+    wanted = repr(step) if isinstance(step, str) else _bracketed(step)
     if dataclasses.is_dataclass(value):
         known = [field.name for field in dataclasses.fields(value) if field.name != "_"]
         if step in known:
@@ -93,9 +122,8 @@ def _inner(value: Any, step: str | int, at: str) -> Any:
             f"[0] to [{len(value) - 1}]" if len(value) else "none"
         ]
     else:
-        raise SceneError(f"{at}: has no {step!r}; it is {shown(value)}")
+        raise SceneError(f"{at}: has no {wanted}; it is {shown(value)}")
     near = nearest(step, known) if isinstance(step, str) else ""
-    wanted = repr(step) if isinstance(step, str) else f"[{step}]"
     raise SceneError(f"{at}: has no {wanted}, only {', '.join(known)}{near}")
 
 
@@ -106,7 +134,7 @@ def _place(values: Sequence[Any], step: str | int) -> int:
     return [getattr(each, "name", None) for each in values].index(step)
 
 
-def _type_of(owner: Any, step: str | int) -> Any:
+def _type_of(owner: Any, step: _Step) -> Any:
     """Give the type of a field of a part; None for entries of lists and mappings."""
     return get_type_hints(type(owner))[str(step)] if dataclasses.is_dataclass(owner) else None
 
@@ -135,7 +163,7 @@ def _number(value: Any, kind: Any, at: str) -> float:
     return float(value)
 
 
-def _changed(owner: Any, steps: tuple[str | int, ...], value: float) -> Any:
+def _changed(owner: Any, steps: tuple[_Step, ...], value: float) -> Any:
     if not steps:
         return value
     step, rest = steps[0], steps[1:]
@@ -144,6 +172,8 @@ def _changed(owner: Any, steps: tuple[str | int, ...], value: float) -> Any:
         return replace(owner, **{name: _changed(getattr(owner, name), rest, value)})
     if isinstance(owner, Mapping):
         return {**owner, step: _changed(owner[step], rest, value)}
+    if isinstance(step, slice):
+        return [_changed(each, rest, value) for each in owner]
     at = _place(owner, step)
     entries = list(owner)
     entries[at] = _changed(entries[at], rest, value)

@@ -13,7 +13,7 @@ from gearbow._types import Plain
 from gearbow.description.bow import Bow
 from gearbow.description.part import Part, expect, parts
 
-__all__ = ["STEEL", "Material", "Segment", "Shaft"]
+__all__ = ["STEEL", "Material", "Segment", "Shaft", "segments_of"]
 
 
 @dataclass(frozen=True)
@@ -162,3 +162,11 @@ class Shaft(Part):
         if "segments" in given:
             given["segments"] = tuple(Segment._from_description(s) for s in given["segments"])
         return cls(**given)
+
+
+def segments_of(shaft: Shaft) -> Sequence[Segment]:
+    """Give the segments of a shaft; one for a uniform shaft."""
+    if shaft.segments is not None:
+        return shaft.segments
+    sizes = (shaft.length or 0.0, shaft.outer_diameter or 0.0, shaft.inner_diameter)
+    return (Segment(*sizes, shaft.elements),)

@@ -36,7 +36,7 @@ _DAMAGE = (ValueError, TypeError, LookupError, OSError, EOFError, zlib.error, st
 
 
 @dataclass(frozen=True)
-class _Line:
+class _TableLine:
     """The texts of a line of a table, and where it is: "line 3"."""
 
     where: str
@@ -97,17 +97,19 @@ def read_table(
     return Columns(numbers, names, found_units, [line.where for line in body])
 
 
-def _from_text(path: Path) -> list[_Line]:
+def _from_text(path: Path) -> list[_TableLine]:
     """Read the lines of a text file, without comments."""
     with reading(path) as text:
         lines = text.splitlines()
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip()]
     rows = [(i, line) for i, line in rows if not line.lstrip().startswith("#")]
     separator = next((each for each in ";\t" if rows and each in rows[0][1]), ",")
-    return [_Line(f"line {i}", _cells(line, separator, f"{path}: line {i}")) for i, line in rows]
+    return [
+        _TableLine(f"line {i}", _cells(line, separator, f"{path}: line {i}")) for i, line in rows
+    ]
 
 
-def _from_excel(path: Path) -> list[_Line]:
+def _from_excel(path: Path) -> list[_TableLine]:
     """Read the rows of the first sheet, without comments."""
     with extra("dataframe"):
         import pandas as pd  # noqa: PLC0415
@@ -122,11 +124,11 @@ def _from_excel(path: Path) -> list[_Line]:
     for i, row in enumerate(sheet.itertuples(index=False), start=1):
         cells = ["" if pd.isna(cell) else str(cell) for cell in row]
         if any(cells) and not cells[0].startswith("#"):
-            lines.append(_Line(f"row {i}", cells))
+            lines.append(_TableLine(f"row {i}", cells))
     return lines
 
 
-def _from_matlab(path: Path) -> list[_Line]:
+def _from_matlab(path: Path) -> list[_TableLine]:
     """Read the vectors of a MATLAB file, whose names are the headings."""
     with extra("matlab"):
         from scipy.io.matlab import MatReadError, loadmat  # noqa: PLC0415
@@ -148,9 +150,10 @@ def _from_matlab(path: Path) -> list[_Line]:
         raise SceneError(f"{path}: its vectors must have one length, got {sorted(sizes)}")
     rows = zip(*(value.ravel().tolist() for value in vectors.values()), strict=True)
     lines = [
-        _Line(f"value {i}", [repr(each) for each in row]) for i, row in enumerate(rows, start=1)
+        _TableLine(f"value {i}", [repr(each) for each in row])
+        for i, row in enumerate(rows, start=1)
     ]
-    return [_Line("names", list(vectors)), *lines]
+    return [_TableLine("names", list(vectors)), *lines]
 
 
 def _cells(line: str, separator: str, where: str) -> list[str]:

@@ -17,6 +17,7 @@ from gearbow.analysis.balance import Balance, balance, semi_axes, shaft_of_plane
 from gearbow.analysis.protocol import S
 from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError, SceneError
+from gearbow.identification.fit import RELATIVE_STEP
 from gearbow.identification.responses import assembled
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
@@ -30,8 +31,6 @@ __all__ = ["Correction", "correct"]
 
 #: Samples of the estimates, with a fixed seed: they give limits of 95 % within 0.7 %.
 _SAMPLES = 4000
-#: Relative step of the differences by a parameter, as in the fit.
-_STEP = 2e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,7 +220,7 @@ def _by_parameter(found: "Identification[S]", correction: Balance[S], index: int
     assert model is not None
     terms = len(model.terms)
     values = found.values[terms:].real.copy()
-    step = _STEP * values[index]
+    step = RELATIVE_STEP * values[index]
     weights = dict(zip(correction.planes, correction.unbalances.tolist(), strict=True))
     sides = []
     for sign in (1.0, -1.0):

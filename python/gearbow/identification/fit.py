@@ -17,11 +17,19 @@ from gearbow._types import Array, ComplexArray
 from gearbow.errors import ConvergenceError, GearbowError
 from gearbow.identification.responses import LinearModel
 
-__all__ = ["UNSEEN", "Fit", "chi_squared_tail", "fit", "solve", "student"]
+__all__ = [
+    "RELATIVE_STEP",
+    "UNSEEN",
+    "WeightedFit",
+    "chi_squared_tail",
+    "fit",
+    "solve",
+    "student",
+]
 
 #: Relative step of the differences by parameters: central differences of responses with 1e-11 of
 #: round-off have the smallest error near the cube root of it.
-_STEP = 2e-4
+RELATIVE_STEP = 2e-4
 #: Smallest singular value of a combination that the data see: its 95 % interval does not contain
 #: values that alone would explain the whole vibration.
 UNSEEN = NormalDist().inv_cdf(0.975)
@@ -51,7 +59,7 @@ class _Weights:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class WeightedFit:
     """Estimates of terms (re, im) and parameters; `derivative` is by their logarithms."""
 
     values: Array
@@ -70,7 +78,7 @@ class Fit:
     leverage: Array
 
 
-def fit(model: LinearModel[Any], noise: float | Array | None) -> Fit:
+def fit(model: LinearModel[Any], noise: float | Array | None) -> WeightedFit:
     """Fit all unknowns to the measured rows."""
     starts = np.array(model.starts())
     logarithms = np.zeros(starts.size)
@@ -138,10 +146,10 @@ def derivatives(
         sides = []
         for sign in (1.0, -1.0):
             moved = logarithms.copy()
-            moved[i] += sign * _STEP
+            moved[i] += sign * RELATIVE_STEP
             known, columns = _evaluate(model, starts, moved)
             sides.append(known + columns.reshape(len(columns), -1) @ values)
-        found[:, i] = (sides[0] - sides[1]) / (2.0 * _STEP)
+        found[:, i] = (sides[0] - sides[1]) / (2.0 * RELATIVE_STEP)
     return found
 
 
@@ -230,7 +238,7 @@ def _finish(
     logarithms: Array,
     weights: _Weights,
     freedom: float,
-) -> Fit:
+) -> WeightedFit:
     """Find covariance, singular values and leverage of all components at the solution."""
     noise = weights.noise
     known, columns = _evaluate(model, starts, logarithms)
@@ -255,7 +263,7 @@ def _finish(
     of_terms = columns.reshape(len(columns), -1) @ values
     fitted = known + of_terms
     basis = left[: complete.shape[0], kept]
-    return Fit(
+    return WeightedFit(
         values=values,
         parameters=starts * np.exp(logarithms),
         derivative=complete,

@@ -11,9 +11,9 @@ from gearbow._convert import array, items, shown, truth
 from gearbow._types import Array
 from gearbow.analysis.protocol import S
 from gearbow.errors import AccuracyWarning, SceneError, outside
-from gearbow.identification.fit import Fit, chi_squared_tail, fit, solve, student
+from gearbow.identification.fit import WeightedFit, chi_squared_tail, fit, solve, student
 from gearbow.identification.measurement import Measurement
-from gearbow.identification.responses import LinearModel, assembled, set_value
+from gearbow.identification.responses import LinearModel, assembled, with_numbers
 from gearbow.identification.result import Identification, ProbeResidual
 from gearbow.identification.separation import component_groups, inseparable
 from gearbow.identification.unknown import RunoutUnknown, Unknown, runout as unknown_runout
@@ -161,12 +161,7 @@ def result_of(
     fitted = [np.full(each.amplitudes.shape, np.nan, dtype=np.complex128) for each in given]
     for (m, i, j), amplitude in zip(model.cells.tolist(), found.fitted, strict=True):
         fitted[m][i, j] = amplitude
-    identified = system
-    if model.parameters:
-        description = system.description
-        for each, number in zip(model.parameters, found.parameters.tolist(), strict=True):
-            set_value(description, each.path, number)
-        identified = system._from_description(description)
+    identified = with_numbers(system, model.parameters, found.parameters.tolist())
     by_channel = np.zeros(len(model.channels))
     by_channel[model.channel] = found.noise
     return Identification(
@@ -191,7 +186,7 @@ def result_of(
     )
 
 
-def _residuals(model: LinearModel[Any], found: Fit) -> tuple[ProbeResidual, ...]:
+def _residuals(model: LinearModel[Any], found: WeightedFit) -> tuple[ProbeResidual, ...]:
     """Test the residual of each probe."""
     squares = np.abs(found.residual) ** 2
     free = 2.0 - found.leverage.reshape(2, -1).sum(axis=0)
@@ -206,7 +201,7 @@ def _residuals(model: LinearModel[Any], found: Fit) -> tuple[ProbeResidual, ...]
     return tuple(residuals)
 
 
-def _warn_of_opposite_sense(model: LinearModel[Any], found: Fit) -> None:
+def _warn_of_opposite_sense(model: LinearModel[Any], found: WeightedFit) -> None:
     """Warn if amplitudes with the opposite sign of the phase fit much better."""
     target = np.conj(model.measured) - (found.fitted - found.of_terms)
     columns = found.derivative[:, : 2 * len(model.terms)]

@@ -4,8 +4,6 @@ The 1× response is linear in bow, unbalance and run-out. Each shaft excites the
 speed, so that one analysis gives the response to one unknown of every shaft.
 """
 
-import re
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, TypeAlias
@@ -15,13 +13,14 @@ import numpy as np
 from gearbow._convert import shown
 from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, At, ComplexArray, Plain
+from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import body_of, shafts_of_bodies, with_unbalances
-from gearbow.analysis.protocol import S, System
-from gearbow.description.bow import Bow
+from gearbow.analysis.protocol import S, System, ratios_by_shaft, variant, without_scene_warnings
+from gearbow.description.bow import Bow, scaled
+from gearbow.description.parameter import Parameter
 from gearbow.description.places import place_label
-from gearbow.description.shafts import Shaft
-from gearbow.errors import SceneError, SceneWarning
+from gearbow.description.shafts import Shaft, segments_of
+from gearbow.errors import SceneError
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.unknown import (
     BowUnknown,
@@ -33,7 +32,7 @@ from gearbow.identification.unknown import (
 from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.probe import Probe
 
-__all__ = ["Channel", "LinearModel", "Term", "assembled", "quietly", "set_value"]
+__all__ = ["LinearModel", "MeasuredChannel", "Term", "assembled", "with_numbers"]
 
 #: Reads amplitudes of a response that some shafts cause, turned by a complex factor.
 Reader: TypeAlias = Callable[[Synchronous, Sequence[str], complex], ComplexArray]
@@ -56,7 +55,7 @@ class Term:
 
 
 @dataclass(frozen=True)
-class Channel:
+class MeasuredChannel:
     """What one probe measures: place, direction, phase reference and its angle at phase zero."""
 
     shaft: str
@@ -80,7 +79,7 @@ class LinearModel(ReadOnly, Generic[S]):
     terms: tuple[Term, ...]
     trials: tuple[Term, ...]
     parameters: tuple[ParameterUnknown, ...]
-    channels: tuple[Channel, ...]
+    channels: tuple[MeasuredChannel, ...]
     labels: tuple[str, ...]
     speeds: Array
     #: Channel, index of the speed, amplitude [m], measurement and (row, column) there, by row.
@@ -98,10 +97,8 @@ class LinearModel(ReadOnly, Generic[S]):
         cls, system: S, measurements: Sequence[Measurement], unknowns: Sequence[Unknown]
     ) -> "LinearModel[S]":
         """Make the model of a system, measurements and unknowns."""
-        ratios = dict(
-            zip([s.name for s in system.shafts], system.speed_ratios.tolist(), strict=True)
-        )
-        channels: dict[Channel, int] = {}
+        ratios = ratios_by_shaft(system)
+        channels: dict[MeasuredChannel, int] = {}
         probes: dict[Any, Probe] = {}
         labels: list[str] = []
         rows: list[tuple[int, float, complex, int, int, int, Mapping[At, complex]]] = []
@@ -113,7 +110,7 @@ class LinearModel(ReadOnly, Generic[S]):
                 for name in (probe.shaft, reference):
                     _known_shaft(name, ratios, f"measured[{m}].probes[{j}]")
                 angle = measured.phase_angle
-                channel = Channel(
+                channel = MeasuredChannel(
                     probe.shaft, probe.position, probe.angle, probe.support, reference, angle
                 )
                 if channel not in channels:
@@ -152,19 +149,13 @@ class LinearModel(ReadOnly, Generic[S]):
 
     def with_parameters(self, values: Sequence[float]) -> S:
         """Give the base system with other values of the parameters."""
-        if not self.parameters:
-            return self.base
-        description = self.base.description
-        for parameter, value in zip(self.parameters, values, strict=True):
-            set_value(description, parameter.path, value)
-        made: S = self.base._from_description(description)
-        return made
+        return with_numbers(self.base, self.parameters, values) if self.parameters else self.base
 
     def starts(self) -> list[float]:
         """Give the expected value of each parameter, or that in the system."""
         found = []
         for each in self.parameters:
-            value = each.prior[0] if each.prior else value_at(self.base.description, each.path)
+            value = each.prior[0] if each.prior else _number(self.base, each).value
             if value == 0.0:
                 raise SceneError(
                     f"{each.path}: is 0 in the system; give its expected value by prior="
@@ -220,7 +211,7 @@ class LinearModel(ReadOnly, Generic[S]):
         self, found: Synchronous, shafts: Sequence[str], turn: complex
     ) -> ComplexArray:
         """Read the measured amplitudes (speeds, channels) that some sources cause."""
-        ratios = self.ratios()
+        ratios = ratios_by_shaft(self.base)
         result = np.zeros((found.speeds.size, len(self.channels)), dtype=np.complex128)
         for c, channel in enumerate(self.channels):
             moved = found.displacement((channel.shaft, channel.position))
@@ -235,25 +226,21 @@ class LinearModel(ReadOnly, Generic[S]):
     def _of_runout(self, probe: Probe) -> ComplexArray:
         """Give amplitudes (speeds, channels, 2) that run-outs of 1 and i below a probe cause."""
         result = np.zeros((self.speeds.size, len(self.channels), 2), dtype=np.complex128)
+        ratios = ratios_by_shaft(self.base)
         key = (probe.shaft, probe.position, probe.angle, probe.support)
         for c, channel in enumerate(self.channels):
             if channel.probe == key:
                 for i, unit in enumerate((1.0, 1j)):
                     turned = np.full(self.speeds.size, unit * np.exp(-1j * probe.angle))
                     result[:, c, i] = _as_measured(
-                        turned, channel, probe.shaft, self.ratios(), self.speeds
+                        turned, channel, probe.shaft, ratios, self.speeds
                     )
         return result
-
-    def ratios(self) -> dict[str, float]:
-        """Give the speed of each shaft over that of the reference shaft."""
-        names = [shaft.name for shaft in self.base.shafts]
-        return dict(zip(names, self.base.speed_ratios.tolist(), strict=True))
 
 
 def _as_measured(
     amplitudes: ComplexArray,
-    channel: Channel,
+    channel: MeasuredChannel,
     source: str,
     ratios: Mapping[str, float],
     speeds: Array,
@@ -300,7 +287,7 @@ def _terms(
                 name = f"run-out of {probe.label}"
                 terms.append(Term(name, probe.shaft, "m", each.prior, probe=probe))
         elif isinstance(each, ParameterUnknown):
-            value_at(system.description, each.path)
+            _number(system, each, path)
             parameters.append(each)
         else:
             raise SceneError(f"{path}: must be made by gb.unknown, got {shown(each)}")
@@ -312,9 +299,7 @@ def _terms(
 
 
 def _length(shaft: Shaft) -> float:
-    if shaft.segments:
-        return float(sum(segment.length for segment in shaft.segments))
-    return float(shaft.length or 0.0)
+    return float(sum(segment.length for segment in segments_of(shaft)))
 
 
 def _unit_bow(length: float, points: Sequence[float] | None, index: int) -> Bow:
@@ -359,13 +344,13 @@ def _unbalance_term(system: System, at: At, prior: float | None, path: str) -> T
     return Term(f"unbalance of {place_label(at)}", shaft, "kg m", prior, plane=at)
 
 
-def _with_nodes(system: S, terms: Sequence[Term], channels: Iterable[Channel]) -> S:
+def _with_nodes(system: S, terms: Sequence[Term], channels: Iterable[MeasuredChannel]) -> S:
     """Make the system with a node at every place, fixed elements, and zero in place of unknowns."""
     zero = {term.plane: 0.0 for term in terms if term.plane is not None}
     places: dict[At, complex] = dict.fromkeys(
         [(channel.shaft, channel.position) for channel in channels], 0.0
     )
-    with quietly():
+    with without_scene_warnings():
         found = with_unbalances(system, {**places, **zero})
         resolved = found._model.resolved()["shafts"]
         shafts = [Shaft._from_description(shaft) for shaft in resolved]
@@ -388,18 +373,18 @@ def _changed_bodies(system: System, unbalances: Mapping[str, complex]) -> dict[s
 def _without_excitation(system: S) -> S:
     changes = _changed_bodies(system, dict.fromkeys(shafts_of_bodies(system), 0.0))
     changes["shafts"] = [replace(shaft, bow=None) for shaft in system.shafts]
-    with quietly():
+    with without_scene_warnings():
         made: S = system._variation(**changes)
     return made
 
 
 def _excited(bare: S, terms: Sequence[Term]) -> S:
     """Give the system with unit terms, of different shafts."""
-    bows = {term.shaft: _scaled(term.bow, _UNIT["m"]) for term in terms if term.bow is not None}
+    bows = {term.shaft: scaled(term.bow, _UNIT["m"]) for term in terms if term.bow is not None}
     planes = {body_of(term.plane): _UNIT["kg m"] for term in terms if term.plane is not None}
     changes = _changed_bodies(bare, planes)
     changes["shafts"] = [replace(shaft, bow=bows.get(shaft.name)) for shaft in bare.shafts]
-    with quietly():
+    with without_scene_warnings():
         made: S = bare._variation(**changes)
     return made
 
@@ -415,7 +400,7 @@ def assembled(system: S, model: LinearModel[S], values: Sequence[complex]) -> S:
         elif term.plane is not None:
             bodies[body_of(term.plane)] = 0.0
             planes[term.plane] = value
-    with quietly():
+    with without_scene_warnings():
         changes = _changed_bodies(system, bodies)
         changes["shafts"] = [
             replace(shaft, bow=_sum(curves[shaft.name], _length(shaft)))
@@ -441,61 +426,16 @@ def _sum(parts: Sequence[tuple[Bow, complex]], length: float) -> Bow:
     )
 
 
-def _scaled(bow: Bow, factor: float) -> Bow:
-    if bow.amplitudes is not None:
-        return replace(bow, amplitudes=tuple(factor * a for a in bow.amplitudes))
-    return replace(bow, amplitude=factor * (bow.amplitude or 0.0))
+def with_numbers(system: S, unknowns: Sequence[ParameterUnknown], values: Sequence[float]) -> S:
+    """Give a checked system with values of unknown parameters."""
+    changes: dict[str, Any] = {}
+    for unknown, value in zip(unknowns, values, strict=True):
+        number = _number(system, unknown)
+        owner = changes.get(number.key, getattr(system, number.key))
+        changes[number.key] = number.changed(owner, value)
+    return variant(system, **changes)
 
 
-class quietly(warnings.catch_warnings):  # noqa: N801  # used as a function
-    """Ignore warnings about the plausibility of variants of a checked system."""
-
-    def __enter__(self) -> Any:
-        entered = super().__enter__()
-        warnings.simplefilter("ignore", SceneWarning)
-        return entered
-
-
-def value_at(description: dict[str, Plain], path: str) -> float:
-    """Find a number in a description; with [*] that of the first part."""
-    holders = _holders(description, path)
-    holder, key = holders[0]
-    return float(holder[key])
-
-
-def set_value(description: dict[str, Plain], path: str, value: float) -> None:
-    """Set a number in a description, or in all parts of a list."""
-    for holder, key in _holders(description, path):
-        holder[key] = value
-
-
-def _holders(description: dict[str, Plain], path: str) -> list[tuple[Any, Any]]:
-    """Find what holds the numbers of a path, with the last key or index."""
-    keys = [name or index for name, index in re.findall(r"([^.\[\]]+)|\[(\d+|\*)\]", path)]
-    found: list[tuple[Any, Any]] = []
-    values: list[Any] = [description]
-    for key in keys:
-        found = []
-        for value in values:
-            if isinstance(value, dict) and key in value:
-                if isinstance(value[key], tuple):
-                    value[key] = list(value[key])
-                found.append((value, key))
-            elif isinstance(value, list) and key == "*":
-                found += [(value, i) for i in range(len(value))]
-            elif isinstance(value, list) and key.isdecimal() and int(key) < len(value):
-                found.append((value, int(key)))
-            else:
-                there = list(value) if isinstance(value, dict) else []
-                if isinstance(value, list):
-                    there = [f"[{i}]" for i in range(len(value))]
-                raise SceneError(
-                    f"{path}: the system has no {key!r} there; there are {', '.join(there)}"
-                    f"{nearest(key, there)}"
-                )
-        values = [holder[key] for holder, key in found]
-    for value in values or [None]:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            more = '; add the index of the entry, such as "[0]"' if isinstance(value, list) else ""
-            raise SceneError(f"{path}: must be a number of the system, got {shown(value)}{more}")
-    return found
+def _number(system: System, unknown: ParameterUnknown, where: str = "unknowns") -> Parameter:
+    """Find an unknown parameter in a system."""
+    return Parameter.find(lambda key: getattr(system, key), unknown.path, where, several=True)

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from gearbow._types import Array
-from gearbow.identification.fit import UNSEEN, Fit
+from gearbow.analysis.protocol import ratios_by_shaft
+from gearbow.identification.fit import UNSEEN, WeightedFit
 from gearbow.identification.responses import LinearModel
 
 __all__ = ["component_groups", "inseparable"]
@@ -27,7 +28,7 @@ def component_groups(model: LinearModel[Any]) -> list[list[int]]:
     return own + [[2 * terms + i] for i in range(len(model.parameters))]
 
 
-def inseparable(model: LinearModel[Any], names: Sequence[str], fit: Fit) -> tuple[str, ...]:
+def inseparable(model: LinearModel[Any], names: Sequence[str], fit: WeightedFit) -> tuple[str, ...]:
     """Name the combinations whose 95 % interval exceeds what alone explains all vibration."""
     lost = fit.singular_values < UNSEEN
     if not lost.any():
@@ -67,7 +68,7 @@ def _unseen(model: LinearModel[Any], name: str, index: int) -> str:
     """Say why one unknown cannot be found."""
     if index < len(model.terms):
         shaft = model.terms[index].shaft
-        ratios = model.ratios()
+        ratios = ratios_by_shaft(model.base)
         orders = [abs(ratios[channel.reference]) for channel in model.channels]
         if not np.isclose(orders, abs(ratios[shaft]), rtol=1e-9).any():
             return (
@@ -81,7 +82,7 @@ def _unseen(model: LinearModel[Any], name: str, index: int) -> str:
 
 
 def _combined(
-    model: LinearModel[Any], names: Sequence[str], members: Sequence[int], fit: Fit
+    model: LinearModel[Any], names: Sequence[str], members: Sequence[int], fit: WeightedFit
 ) -> str:
     """Say what is known of several unknowns, and why not more."""
     listed = f"{', '.join(names[j] for j in members[:-1])} and {names[members[-1]]}"
@@ -120,7 +121,7 @@ def _low_speed(model: LinearModel[Any]) -> str:
     ]
     if not lateral:
         return ""
-    ratios = model.ratios()
+    ratios = ratios_by_shaft(model.base)
     fastest = max(abs(ratios[channel.reference]) for channel in model.channels)
     share = float(np.abs(model.speeds).max()) * fastest / (2.0 * np.pi * lateral[0])
     if share > _LOW_SPEED:

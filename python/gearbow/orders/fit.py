@@ -25,7 +25,7 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
 from gearbow.orders.channel import channel
 from gearbow.orders.harmonics import ALWAYS, MOST_HARMONICS, significant
-from gearbow.orders.segments import Fit, Segment, cut, fit
+from gearbow.orders.segments import OrderFit, SignalSegment, cut, fit
 from gearbow.orders.separation import (
     SEGMENT_SEPARATION,
     SEPARATION,
@@ -375,7 +375,7 @@ def _length(
     return min(SEGMENT_SEPARATION / float(gaps.min()), _MOST_PART * span)
 
 
-def _sampling(segments: Sequence[Segment], time: Array, turns: Array) -> Sampling:
+def _sampling(segments: Sequence[SignalSegment], time: Array, turns: Array) -> Sampling:
     """Describe what the samples of a record determine."""
     first = segments[0]
     steps = np.diff(turns)
@@ -391,7 +391,7 @@ def _sampling(segments: Sequence[Segment], time: Array, turns: Array) -> Samplin
     )
 
 
-def _with_silent(fitted: Fit, silent: Sequence[Order]) -> Fit:
+def _with_silent(fitted: OrderFit, silent: Sequence[Order]) -> OrderFit:
     """Add orders with the amplitude zero, which the period of the motion excludes."""
     if not silent:
         return fitted
@@ -405,7 +405,7 @@ def _with_silent(fitted: Fit, silent: Sequence[Order]) -> Fit:
     )
 
 
-def _rest(segments: Sequence[Segment], fitted: Fit) -> float:
+def _rest(segments: Sequence[SignalSegment], fitted: OrderFit) -> float:
     """Give the RMS of the remainder."""
     powers = [
         float(segment.weights @ remainder**2)
@@ -424,7 +424,7 @@ def _more(kinematics: Kinematics, sidebands: int, found: Sequence[Order]) -> lis
     ]
 
 
-def _moves(fitted: Fit, values: Array) -> bool:
+def _moves(fitted: OrderFit, values: Array) -> bool:
     """Return whether a fit leaves more than round-off."""
     left = max(float(np.std(remainder)) for remainder in fitted.remainders)
     return left > _ROUND_OFF * float(np.abs(values).max())

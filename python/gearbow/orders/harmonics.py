@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gearbow.description.kinematics import Order
-from gearbow.orders.segments import Fit, Segment
+from gearbow.orders.segments import OrderFit, SignalSegment
 from gearbow.orders.separation import Sampling
 
 __all__ = ["ALWAYS", "MOST_HARMONICS", "significant"]
@@ -20,7 +20,10 @@ _SIGNIFICANT = 0.01
 
 
 def significant(
-    segments: Sequence[Segment], fitted: Fit, candidates: Sequence[Order], sampling: Sampling
+    segments: Sequence[SignalSegment],
+    fitted: OrderFit,
+    candidates: Sequence[Order],
+    sampling: Sampling,
 ) -> list[Order]:
     """Choose orders that carry a significant part of what a fit leaves."""
     resolved = [order for order in candidates if sampling.resolves(order.value)]

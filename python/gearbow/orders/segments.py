@@ -15,7 +15,7 @@ import numpy as np
 from gearbow._types import Array, ComplexArray
 from gearbow.description.kinematics import Order
 
-__all__ = ["Fit", "Segment", "cut", "fit"]
+__all__ = ["OrderFit", "SignalSegment", "cut", "fit"]
 
 #: Degree of the amplitudes in a segment. A parabola follows the peak of a resonance.
 _DEGREE = 2
@@ -25,7 +25,7 @@ _DISTANCE = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Segment:
+class SignalSegment:
     """A part of a record: revolutions of the reference shaft and values over its samples."""
 
     centre: float
@@ -60,7 +60,7 @@ class Segment:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class OrderFit:
     """Orders with a row of amplitudes and a mean for each segment, and what is left of it."""
 
     orders: tuple[Order, ...]
@@ -80,26 +80,26 @@ class Fit:
         return largest
 
 
-def cut(turns: Array, values: Array, length: float | None) -> list[Segment]:
+def cut(turns: Array, values: Array, length: float | None) -> list[SignalSegment]:
     """Divide a record into segments of a length in revolutions; None is the complete record."""
     if length is None:
-        return [Segment(float(turns[0] + turns[-1]) / 2.0, turns, values)]
+        return [SignalSegment(float(turns[0] + turns[-1]) / 2.0, turns, values)]
     half, span = length / 2.0, float(turns[-1] - turns[0])
     count = max(1, round((span - length) / (_DISTANCE * length)) + 1)
     centres = np.linspace(turns[0] + half, turns[-1] - half, count)
     first = np.searchsorted(turns, centres - half)
     end = np.searchsorted(turns, centres + half, "right")
     return [
-        Segment(float(centre), turns[a:b], values[a:b], half)
+        SignalSegment(float(centre), turns[a:b], values[a:b], half)
         for centre, a, b in zip(centres, first, end, strict=True)
     ]
 
 
-def fit(segments: Sequence[Segment], orders: tuple[Order, ...]) -> Fit:
+def fit(segments: Sequence[SignalSegment], orders: tuple[Order, ...]) -> OrderFit:
     """Fit all orders to each segment."""
     numbers = np.array([order.value for order in orders])
     found = [_fit(segment, numbers) for segment in segments]
-    return Fit(
+    return OrderFit(
         orders,
         np.array([amplitudes for amplitudes, _, _ in found]),
         np.array([mean for _, mean, _ in found]),
@@ -107,7 +107,7 @@ def fit(segments: Sequence[Segment], orders: tuple[Order, ...]) -> Fit:
     )
 
 
-def _fit(segment: Segment, numbers: Array) -> tuple[ComplexArray, float, Array]:
+def _fit(segment: SignalSegment, numbers: Array) -> tuple[ComplexArray, float, Array]:
     """Give amplitudes and mean in the middle of a segment, and its remainder."""
     terms = segment.degree + 1
     angles = 2.0 * np.pi * np.outer(segment.turns - segment.centre, numbers)

@@ -28,7 +28,7 @@ _MESH_FIELDS = {
 }
 #: Kinds of figures of `Response.plot`.
 PLOT_KINDS = ("orbits", "history", "twist", "mesh", "geometry", "bearings", "spectrum")
-#: Those without an axis of time.
+#: Kinds of figures whose horizontal axis is not time.
 _WITHOUT_TIME = ("orbits", "spectrum")
 
 

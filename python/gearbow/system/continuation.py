@@ -148,7 +148,7 @@ def continuation(
     motion = _Motion(
         family,
         wanted,
-        _Run(None if level is None else level.name, rtol, geometry),
+        _RunSettings(None if level is None else level.name, rtol, geometry),
         (periods, longest),
         _samples(self, common, at),
     )
@@ -294,7 +294,7 @@ class _Modes:
 
 
 @dataclass(frozen=True)
-class _Run:
+class _RunSettings:
     """Accuracy and geometry of the runs."""
 
     accuracy: str | None
@@ -314,7 +314,7 @@ class _Motion:
         self,
         family: _Family,
         record: list[Any],
-        run: _Run,
+        run: _RunSettings,
         period: tuple[int, float],
         samples: int,
     ) -> None:

@@ -14,7 +14,7 @@ from gearbow._types import Array, ComplexArray
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.parameter import Parameter
 from gearbow.description.places import is_place
-from gearbow.description.shafts import Segment, Shaft
+from gearbow.description.shafts import Shaft, segments_of
 from gearbow.description.train import PARTS
 from gearbow.errors import ConvergenceError, GearbowError, SceneError
 from gearbow.results.campbell import Campbell
@@ -24,8 +24,6 @@ from gearbow.system.linear import matrices
 
 __all__ = ["sensitivity"]
 
-#: Options of a system that are numbers.
-_OPTIONS = ("modal_damping", "rayleigh", "gravity")
 #: Largest step of the differences, over the value; it is divided by ten while the differences of
 #: three steps disagree, for example because a part would pass a node.
 _STEP, _STEPS = 2e-3, 4
@@ -109,19 +107,15 @@ def sensitivity(
         raise SceneError('parameters: name at least one, such as "bearings[0].stiffness"')
     if not isinstance(of, Modes | Campbell):
         raise SceneError(f"of: must be a result of modes or campbell, got {shown(of)}")
-    family = _Family(self)
-    names = (*PARTS, *_OPTIONS)
-    found = [
-        Parameter.find(family.entry, names, path, f"parameters[{i}]")
-        for i, path in enumerate(given)
-    ]
+    family = _ParameterFamily(self)
+    found = [Parameter.find(family.entry, path, f"parameters[{i}]") for i, path in enumerate(given)]
     with working(progress, f"derivatives with respect to {len(found)} parameters"):
         if isinstance(of, Modes):
             return _of_modes(family, found, of)
         return _of_intersections(family, found, of)
 
 
-class _Family:
+class _ParameterFamily:
     """Systems over a parameter, whose elements keep their number and move with the parts."""
 
     def __init__(self, base: System) -> None:
@@ -173,7 +167,7 @@ def _parts_along(system: System, shaft: Shaft) -> list[list[float]]:
                 if is_place(each) and each[0] == shaft.name:  # type: ignore[index]  # checked
                     places.append(float(each[1]))  # type: ignore[index]  # checked
     found, begin = [], 0.0
-    for segment in _segments(shaft):
+    for segment in segments_of(shaft):
         count = segment.elements or 1
         inner = [i / count for i in range(1, count)]
         found.append(
@@ -187,19 +181,10 @@ def _parts_along(system: System, shaft: Shaft) -> list[list[float]]:
     return found
 
 
-def _segments(shaft: Shaft) -> Sequence[Segment]:
-    """Give the segments of a shaft, also of a uniform one."""
-    if shaft.segments is not None:
-        return shaft.segments
-    assert shaft.length is not None
-    assert shaft.outer_diameter is not None
-    return [Segment(shaft.length, shaft.outer_diameter, shaft.inner_diameter, shaft.elements)]
-
-
 def _of_nodes(shaft: Shaft, boundaries: list[list[float]]) -> Shaft:
     """Give a shaft a segment between each two boundaries."""
     made = []
-    for segment, inner in zip(_segments(shaft), boundaries, strict=True):
+    for segment, inner in zip(segments_of(shaft), boundaries, strict=True):
         ends = [0.0, *inner, 1.0]
         made += [
             replace(segment, length=(end - begin) * segment.length, elements=1)
@@ -210,7 +195,7 @@ def _of_nodes(shaft: Shaft, boundaries: list[list[float]]) -> Shaft:
 
 
 @dataclass(frozen=True)
-class _Stiffness:
+class _DynamicStiffness:
     """Parts of the dynamic stiffness K + λ C + λ² M at one speed, C with the gyroscopic moments."""
 
     mass: Array
@@ -218,7 +203,7 @@ class _Stiffness:
     stiffness: Array
 
     @classmethod
-    def of(cls, system: System, speed: float) -> "_Stiffness":
+    def of(cls, system: System, speed: float) -> "_DynamicStiffness":
         found = matrices(system, speed)
         return cls(found.mass, found.damping + speed * found.gyroscopic, found.stiffness)
 
@@ -260,7 +245,7 @@ class _Group:
     left: ComplexArray
 
     @classmethod
-    def of(cls, found: _Stiffness, value: complex, count: int, what: str) -> "_Group":
+    def of(cls, found: _DynamicStiffness, value: complex, count: int, what: str) -> "_Group":
         # Translations and rotations have different units: the vectors are scaled by the energies.
         energy = np.abs(np.diag(found.stiffness)) + abs(value) ** 2 * np.diag(found.mass)
         scale = 1.0 / np.sqrt(energy)[:, None]
@@ -301,7 +286,7 @@ def _null_vectors(inverse: ComplexArray, count: int) -> tuple[ComplexArray, int]
 
 
 def _derivatives(
-    family: _Family,
+    family: _ParameterFamily,
     parameter: Parameter,
     speeds: Sequence[float],
     groups: Sequence[Sequence[_Group]],
@@ -314,7 +299,7 @@ def _derivatives(
         return [
             form
             for speed, own in zip(speeds, groups, strict=True)
-            for form in _Stiffness.of(system, speed).forms(own)
+            for form in _DynamicStiffness.of(system, speed).forms(own)
         ]
 
     return _extrapolated(forms, parameter.path, parameter.value, largest)
@@ -382,10 +367,10 @@ def _extrapolate(coarse: list[Any], fine: list[Any], ratio: float) -> list[Any]:
     return [b + (b - a) / (ratio - 1.0) for a, b in zip(coarse, fine, strict=True)]
 
 
-def _of_modes(family: _Family, parameters: Sequence[Parameter], of: Modes) -> Sensitivity:
+def _of_modes(family: _ParameterFamily, parameters: Sequence[Parameter], of: Modes) -> Sensitivity:
     """Give the derivatives of the modes of a result."""
     members = _equal([complex(value) for value in of.eigenvalues])
-    base = _Stiffness.of(family.base, of.speed)
+    base = _DynamicStiffness.of(family.base, of.speed)
     kept = [own for own in members if of.whirl[own[0]] != "rigid" and of.eigenvalues[own[0]] != 0.0]
     values = [complex(np.mean(of.eigenvalues[own])) for own in kept]
     groups = [
@@ -436,7 +421,7 @@ def _damping_slopes(values: ComplexArray, slopes: ComplexArray) -> Array:
 
 
 def _of_intersections(
-    family: _Family, parameters: Sequence[Parameter], of: Campbell
+    family: _ParameterFamily, parameters: Sequence[Parameter], of: Campbell
 ) -> Sensitivity:
     """Give the derivatives of the intersections of a Campbell diagram."""
     # An eigenvalue λ = σ + i n Ω of order n moves by a dp + b dΩ, so that dΩ/dp = Im a/(n - Im b).
@@ -447,11 +432,11 @@ def _of_intersections(
         value = complex(-ratio * frequency / math.sqrt(1.0 - ratio**2), frequency)
         what = f"intersection {i + 1}"
         values.append(value)
-        own = _Group.of(_Stiffness.of(family.base, crossing.speed), value, 1, what)
+        own = _Group.of(_DynamicStiffness.of(family.base, crossing.speed), value, 1, what)
         groups.append([own])
 
         def forms(speed: float, own: _Group = own) -> list[ComplexArray]:
-            return _Stiffness.of(family.base, speed).forms([own])
+            return _DynamicStiffness.of(family.base, speed).forms([own])
 
         slope = _extrapolated(forms, "speed", crossing.speed, abs(value))
         along.append(complex(slope[0][0, 0]))

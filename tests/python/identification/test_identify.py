@@ -197,3 +197,20 @@ def test_a_shaft_that_turns_backwards_has_its_own_order_and_phase():
     found = gb.identify(unbent(system), measured, [gb.unknown.bow("output")], noise=MICRON)
     np.testing.assert_allclose(found.values[0], 40e-6 * np.exp(-0.4j), rtol=1e-6)
     np.testing.assert_allclose(found.values[2], 2e-6j, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("path", "text"),
+    [
+        ("bearings[0].stifness", r"unknowns\[0\]: bearings\[0\]: has no 'stifness'.*\"stiffness\""),
+        ("bearings[9].stiffness", r"bearings: has no \[9\], only \[0\] to \[3\]"),
+        ("disks[*].mass", r"disks: has no \[\*\], only none"),
+        ("bearings[*].name", r"bearings\[0\]: has no 'name'"),
+        ("gears[*].teeth", r"gears\[0\].teeth: is a whole number"),
+        ("bearing[0].stiffness", "must begin with one of shafts"),
+    ],
+)
+def test_the_path_of_an_unknown_parameter_is_checked(path: str, text: str):
+    measured = gb.Measurement(SPEEDS, vectors(bent_pair(), SPEEDS, PROBES), PROBES)
+    with pytest.raises(gb.SceneError, match=text):
+        gb.identify(bent_pair(), measured, [*WANTED, gb.unknown.parameter(path)][2:])

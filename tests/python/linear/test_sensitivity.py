@@ -72,7 +72,8 @@ def random_train() -> gb.RotorSystem:
     return gb.RotorSystem(shafts, gears, [mesh], bearings)
 
 
-#: System, path, and the same change in a complete system.
+#: Function that makes a system, path of a parameter, and function that gives the same system with the parameter
+#: multiplied by a factor.
 CASES: dict[str, tuple[Callable[[], gb.RotorSystem], str, Callable[[Any, float], Any]]] = {
     "bearing": (bowed_pair, "bearings[0].stiffness", part("bearings", 0, "stiffness")),
     "diameter": (bowed_pair, "shafts['input'].outer_diameter", part("shafts", 0, "outer_diameter")),

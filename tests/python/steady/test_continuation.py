@@ -255,7 +255,7 @@ def test_differences_do_not_limit_the_convergence_of_newtons_method():
     motion = continuation._Motion(
         continuation._Family(system, "speed", at),
         ["meshes"],
-        continuation._Run(None, rtol, "live"),
+        continuation._RunSettings(None, rtol, "live"),
         (1, 1.0),
         128,
     )
