@@ -276,7 +276,7 @@ fn a_residual_has_the_size_of_the_error_of_shape_and_eigenvalue() {
     let modes = modal::modes(&cached, speed, 12).unwrap();
     for mode in modes.iter().filter(|mode| mode.eigenvalue.im > 0.0) {
         let residual = |value: Complex<f64>, shape: &DVector<Complex<f64>>| {
-            modal::residual(&cached, speed, value, shape, modal::Forces::All(None)).unwrap()
+            modal::residual(&cached, speed, value, shape, modal::EquationForces::All(None)).unwrap()
         };
         let exact = residual(mode.eigenvalue, &mode.shape);
         assert!(exact.is_accurate() && exact.value < 1e-9, "{exact:?}");
