@@ -6,7 +6,7 @@
 //!   unstable), `stability` (step limits of explicit methods).
 //! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
 //! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
-//!   (refuses matrices and results that do not fit).
+//!   (refuses matrices and results that do not fit), `threads` (independent speeds and frequencies on several threads).
 
 mod assignment;
 mod campbell;
@@ -27,6 +27,7 @@ mod sources;
 mod stability;
 pub mod steady;
 mod synchronous;
+mod threads;
 
 pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, Threshold, campbell, lines};
 pub use critical::{Critical, CriticalPoint, critical_speed_map, critical_speeds, memory_of_critical_speeds};
@@ -44,3 +45,4 @@ pub use responses::{Response, Responses, memory_of_responses, synchronous};
 pub use sources::{Harmonic, HarmonicForces, HarmonicSource};
 pub use stability::Spectrum;
 pub use synchronous::{ExcitationPart, SourceResponse, bow};
+pub use threads::Threads;
