@@ -27,8 +27,8 @@ pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
 /// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order.
 ///
 /// Among very many overdamped modes, as Rayleigh damping causes them, a few cannot be told apart from the others; they come
-/// from dense matrices, which take minutes with 2000 degrees of freedom. So do overdamped modes with a large |λ|, which the modal
-/// damping of all modes changes, up to this size.
+/// from dense matrices, which take minutes with 2000 degrees of freedom. Up to this size, overdamped modes with a large |λ| have
+/// the modal damping of all undamped modes, which changes them.
 ///
 /// # Errors
 /// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, dense matrices are needed and
@@ -42,6 +42,13 @@ pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Ve
     let reach = cached.modal_damping(speed, Highest::Mode(count))?.map_or(f64::INFINITY, |modal| modal.reach);
     if modes.iter().all(|mode| mode.eigenvalue.norm() <= reach) {
         return Ok(modes);
+    }
+    // Among overdamped modes alone, the damping of all modes could exchange one with the next.
+    if modes.iter().any(|mode| mode.eigenvalue.im != 0.0) {
+        Dense::Undamped.require(&cached.model)?;
+        if let Some(modes) = modal::with_all_modal_damping(&cached, speed, modes, reach)? {
+            return accurate(modes, speed);
+        }
     }
     Dense::Damped.require(&cached.model)?;
     accurate(modal::modes(&cached, speed, count)?, speed)

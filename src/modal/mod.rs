@@ -17,7 +17,9 @@ mod state_space;
 mod undamped;
 
 pub use cache::{AtSpeed, CachedModel, DynamicKey, DynamicStiffnessSolver, EquationForces, Recent, Solved};
-pub use damped::{Mode, Quadratic, Residual, Residuals, Whirl, modes, residual, structured_modes, whirl};
+pub use damped::{
+    Mode, Quadratic, Residual, Residuals, Whirl, modes, residual, structured_modes, whirl, with_all_modal_damping,
+};
 pub use equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use lowest::{Highest, MAX_DENSE, ModeAtSpeed, intersection, lowest_critical, mode_near};
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};

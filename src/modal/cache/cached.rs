@@ -13,7 +13,7 @@ use crate::connection::Row;
 use crate::linalg::{DecompositionError, Singular};
 use crate::mesh::Geometry;
 use crate::modal::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
-use crate::modal::lowest::{Highest, ModalSpace, UndampedSearch};
+use crate::modal::lowest::{Highest, ModalSpace, UndampedSearch, lowest_undamped};
 use crate::modal::state_space::{FirstOrder, ModalStateSpace, Projected, StateMatrix};
 use crate::modal::undamped::{
     ComponentModes, ModalDamping, RealModes, SpectralRange, SubspaceKey, kept_modes, modes_of_loads,
@@ -55,6 +55,15 @@ struct DampingKey {
     rotation: usize,
     /// Highest frequency in question.
     highest: Highest,
+}
+
+/// What a number of lowest undamped modes reads beside its model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct LowestKey {
+    /// Direction of rotation.
+    rotation: usize,
+    /// Number of modes.
+    count: usize,
 }
 
 /// What the undamped modes of a large model up to a frequency read beside it.
@@ -103,6 +112,8 @@ struct LinearPart {
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
     /// Lowest and highest frequency for each [`crate::model::Rotation`].
     ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
+    /// Lowest undamped modes; none where band matrices do not give them.
+    lowest: Recent<LowestKey, Option<Arc<RealModes>>, 2>,
     /// Modal damping.
     damping: Recent<DampingKey, Arc<ModalDamping>>,
     /// State-space models; `None` marks a model that modes cannot represent.
@@ -542,8 +553,13 @@ impl CachedModel {
         speed: f64,
         find: impl FnOnce(&UndampedSearch<'_>) -> Result<T, DecompositionError>,
     ) -> Result<T, DecompositionError> {
+        let (range, rotation) = (self.spectral_range(speed)?, self.model.rotation(speed));
+        let lowest = |count: usize| {
+            let find = || Ok(lowest_undamped(&self.model, rotation.speed(), range, count)?.map(Arc::new));
+            self.linear_part().lowest.get_or_try(LowestKey { rotation: rotation as usize, count }, find)
+        };
         let all = || self.real_modes(speed);
-        find(&UndampedSearch { model: &self.model, speed, range: self.spectral_range(speed)?, all: &all })
+        find(&UndampedSearch { model: &self.model, speed, range, lowest: &lowest, all: &all })
     }
 
     /// Modal damping for a highest frequency in question; `None` if the scene has none.

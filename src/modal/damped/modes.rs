@@ -10,7 +10,7 @@ use super::residual::{Residual, Residuals};
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::DecompositionError;
 use crate::modal::cache::{CachedModel, EquationForces};
-use crate::modal::lowest::{Eigenpair, Highest, Problem, lowest, lowest_damped};
+use crate::modal::lowest::{Eigenpair, Highest, ModeAtSpeed, Problem, lowest, lowest_damped, mode_near};
 use crate::modal::state_space::{damped, physical, undamped};
 use crate::modal::undamped::ModalDamping;
 use crate::model::Model;
@@ -18,6 +18,9 @@ use crate::model::Model;
 /// Entries of a mode shape whose magnitudes differ by less than this ratio count as equal; the first one fixes the
 /// phase. Modes of mirrored systems then have mirrored shapes.
 const EQUAL_MAGNITUDE: f64 = 1e-9;
+
+/// Smallest |φᴴMφ'|² of a mode with the damping of few undamped modes and the same one with that of all.
+const MIN_CORRELATION: f64 = 0.9;
 
 /// One mode of vibration: a conjugate pair of eigenvalues, or one real eigenvalue.
 #[derive(Clone, Debug)]
@@ -92,11 +95,49 @@ pub fn structured_modes(
 ) -> Result<Option<Vec<Mode>>, DecompositionError> {
     let modal = cached.modal_damping(speed, Highest::Mode(count))?;
     let problem = Problem::new(&cached.model, speed, cached.spectral_range(speed)?, modal.as_deref())?;
-    let found = match lowest(&problem, count)? {
+    // Where dampers may be strong, the second search finds in one space what the first one seeks at many shifts.
+    let is_light = problem.largest_ratio_above(problem.shift).is_some();
+    let searches = if is_light { [lowest, lowest_damped] } else { [lowest_damped, lowest] };
+    let found = match searches[0](&problem, count)? {
         Some(found) => Some(found),
-        None => lowest_damped(&problem, count)?,
+        None => searches[1](&problem, count)?,
     };
     found.map(|pairs| modes_of(cached, speed, modal.as_deref(), pairs.into_iter())).transpose()
+}
+
+/// The `modes` at `speed` of the reference shaft, rad/s, of which those with |λ| above `reach`, rad/s, have the modal damping of
+/// all undamped modes: by Newton's method, which begins at those with the damping of the lowest ones. `None` where it does not
+/// lead to the same modes without doubt.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub fn with_all_modal_damping(
+    cached: &CachedModel,
+    speed: f64,
+    modes: Vec<Mode>,
+    reach: f64,
+) -> Result<Option<Vec<Mode>>, DecompositionError> {
+    let modal = cached.modal_damping(speed, Highest::Frequency(f64::INFINITY))?;
+    let (far, mut found): (Vec<Mode>, Vec<Mode>) = modes.into_iter().partition(|mode| mode.eigenvalue.norm() > reach);
+    let mut pairs: Vec<Eigenpair> = Vec::new();
+    for mode in far {
+        let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape };
+        let Some(met) = mode_near(&cached.model, modal.as_deref(), &start) else {
+            return Ok(None);
+        };
+        let momentum = cached.model.product(&start.shape, |x, out| cached.model.multiply_mass(x, out));
+        let is_same = met.shape.dotc(&momentum).norm_sqr() > MIN_CORRELATION;
+        let is_known =
+            |pair: &Eigenpair| (pair.value - met.eigenvalue).norm() <= EQUAL_MAGNITUDE * met.eigenvalue.norm();
+        if !is_same || pairs.iter().any(is_known) {
+            return Ok(None);
+        }
+        pairs.push(Eigenpair { value: met.eigenvalue, shape: met.shape });
+    }
+    found.extend(modes_of(cached, speed, modal.as_deref(), pairs.into_iter())?);
+    let key = |mode: &Mode| (mode.eigenvalue.im, mode.eigenvalue.norm());
+    found.sort_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
+    Ok(Some(found))
 }
 
 /// Modes with their whirl and their residuals.

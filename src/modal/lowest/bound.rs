@@ -124,7 +124,7 @@ impl Bound {
 }
 
 /// Whether the symmetric part of the stiffness of every bearing, link and connection is positive semidefinite.
-fn is_semidefinite(model: &Model, speed: f64) -> bool {
+pub(super) fn is_semidefinite(model: &Model, speed: f64) -> bool {
     let is_stable = |local: &Support| {
         let [[a, b], [_, d]] = local.symmetric_part;
         a >= 0.0 && d >= 0.0 && a * d >= b * b

@@ -4,11 +4,13 @@
 //! Hermitian in the inner product xᴴKy; its largest eigenvalues 1/ω² belong to the lowest critical speeds. Null motions N
 //! have no stiffness: every x satisfies NᴴBx = 0, and springs ([`Pins`]) make K regular.
 //!
-//! [`super::contour`] counts the critical speeds: the zeros of det(K − σB) with 0 < σ < ω².
+//! The inertia of K − σB counts the critical speeds with 0 < σ < ω² where K is positive semidefinite: with K > 0, K − σB is
+//! congruent to I − σA, whose eigenvalues are 1 − σ/σ_j. [`super::contour`] counts them otherwise: the zeros of det(K − σB).
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
+use super::bound::is_semidefinite;
 use super::contour::{self, Contour, Known};
 use super::intersection::ModeAtSpeed;
 use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, RitzPair, solve_complex};
@@ -98,6 +100,8 @@ struct CriticalInverse<'m> {
     null: DMatrix<Complex64>,
     /// B N (NᴴBN)⁻¹, n × r.
     weighted: DMatrix<Complex64>,
+    /// Number of positive eigenvalues of NᴴBN.
+    positive_null: usize,
 }
 
 impl<'m> CriticalInverse<'m> {
@@ -108,7 +112,8 @@ impl<'m> CriticalInverse<'m> {
         pins.add_to(model, &mut matrix);
         let factors = matrix.factor(1.0)?;
         let null = null.map(Complex::from);
-        let mut inverse = Self { model, order, factors, weighted: DMatrix::zeros(model.len(), null.ncols()), null };
+        let weighted = DMatrix::zeros(model.len(), null.ncols());
+        let mut inverse = Self { model, order, factors, weighted, null, positive_null: 0 };
         if inverse.null.ncols() > 0 {
             let images: Vec<_> =
                 inverse.null.column_iter().map(|column| inverse.inertia(&column.into_owned())).collect();
@@ -116,6 +121,7 @@ impl<'m> CriticalInverse<'m> {
             let small = inverse.null.adjoint() * &images;
             // (B N) (NᴴBN)⁻¹; NᴴBN is Hermitian.
             inverse.weighted = solve_complex(&small, &images.adjoint()).adjoint();
+            inverse.positive_null = small.symmetric_eigenvalues().iter().filter(|value| **value > 0.0).count();
         }
         Ok(inverse)
     }
@@ -135,6 +141,13 @@ impl<'m> CriticalInverse<'m> {
 
     /// Number of critical speeds with σ < `limit` that are not found.
     fn missing(&self, found: &[RitzPair], limit: f64) -> Option<i64> {
+        if is_semidefinite(self.model, FORWARD) {
+            let matrix = self.model.dynamic_stiffness(&weights(Complex64::from(limit), self.order), FORWARD);
+            let known = self.positive_null + found.iter().filter(|pair| 1.0 / pair.value.re < limit).count();
+            if let Some(negative) = matrix.negative_eigenvalues() {
+                return Some(negative as i64 - known as i64);
+            }
+        }
         let values: Vec<Complex64> = found.iter().map(|pair| 1.0 / Complex64::from(pair.value.re)).collect();
         let lowest = LOWEST * values.first().map_or(limit, |value| value.re);
         let at = |size: f64, angle: f64| Complex64::new(size.ln(), angle);

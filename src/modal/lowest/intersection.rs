@@ -49,7 +49,7 @@ pub fn intersection(
     newton(model, modal, Unknown::Speed(order), at)
 }
 
-/// Mode near `start` at its speed, with the flanks in contact there; `None` if the iteration does not converge.
+/// Mode near `start` at its speed, which oscillates if `start` does, with the flanks in contact there; `None` if the iteration does not converge.
 pub fn mode_near(model: &Model, modal: Option<&ModalDamping>, start: &ModeAtSpeed) -> Option<ModeAtSpeed> {
     newton(model, modal, Unknown::Frequency, start.clone())
 }
@@ -62,6 +62,8 @@ pub fn mode_near(model: &Model, modal: Option<&ModalDamping>, start: &ModeAtSpee
 /// the error decreases by the damping ratio in each iteration.
 fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at: ModeAtSpeed) -> Option<ModeAtSpeed> {
     let (mut previous, mut is_close) = (f64::INFINITY, false);
+    // A mode without oscillation has a real shape; the imaginary parts of its changes are round-off.
+    let is_real = at.eigenvalue.im == 0.0;
     for _ in 0..MAX_ITERATIONS {
         let change = newton_step(model, modal, unknown, &at).ok()?;
         let size = match unknown {
@@ -85,7 +87,11 @@ fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at:
                 at.eigenvalue.im = order * at.speed;
             }
         }
-        if !(largest.is_finite() && norm.is_finite() && norm > 0.0 && at.eigenvalue.im > 0.0) {
+        if is_real {
+            at.eigenvalue.im = 0.0;
+            at.shape.iter_mut().for_each(|value| value.im = 0.0);
+        }
+        if !(largest.is_finite() && norm.is_finite() && norm > 0.0 && (is_real || at.eigenvalue.im > 0.0)) {
             return None;
         }
         if largest <= CONVERGED {

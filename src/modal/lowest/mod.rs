@@ -21,5 +21,5 @@ pub use arnoldi::lowest;
 pub use critical::lowest_critical;
 pub use intersection::{ModeAtSpeed, intersection, mode_near};
 pub use lowest_damped::lowest_damped;
-pub use modal_space::{Highest, MAX_DENSE, ModalSpace, UndampedSearch};
+pub use modal_space::{Highest, MAX_DENSE, ModalSpace, UndampedSearch, lowest_undamped};
 pub use shift_invert::{Eigenpair, Problem};

@@ -49,6 +49,8 @@ pub struct UndampedSearch<'m> {
     pub speed: f64,
     /// Lowest and highest frequency.
     pub range: &'m SpectralRange,
+    /// A number of lowest modes from band matrices; none if these do not give them.
+    pub lowest: &'m dyn Fn(usize) -> Result<Option<Arc<RealModes>>, DecompositionError>,
     /// All modes, where band matrices do not give the lowest ones.
     pub all: &'m dyn Fn() -> Result<&'m RealModes, DecompositionError>,
 }
@@ -69,12 +71,21 @@ pub struct ModalSpace {
     reach: f64,
 }
 
-impl UndampedSearch<'_> {
-    /// The `count` lowest modes from band matrices; `None` if these do not give them.
-    fn lowest(&self, count: usize) -> Result<Option<RealModes>, DecompositionError> {
-        undamped_modes(&Problem::new(self.model, self.speed, self.range, None)?.without_damping(), count)
-    }
+/// The `count` lowest undamped modes of a model at `speed` of the reference shaft, rad/s, from band matrices; `None` if these do
+/// not give them.
+///
+/// # Errors
+/// [`DecompositionError`] if a decomposition fails.
+pub fn lowest_undamped(
+    model: &Model,
+    speed: f64,
+    range: &SpectralRange,
+    count: usize,
+) -> Result<Option<RealModes>, DecompositionError> {
+    undamped_modes(&Problem::new(model, speed, range, None)?.without_damping(), count)
+}
 
+impl UndampedSearch<'_> {
     /// The modal damping of the model for a highest frequency in question.
     ///
     /// # Errors
@@ -107,7 +118,7 @@ impl ModalSpace {
         rows: &[Row],
         count: usize,
     ) -> Result<Option<Self>, DecompositionError> {
-        let Some(shapes) = search.lowest(count)? else {
+        let Some(shapes) = (search.lowest)(count)? else {
             return Ok(None);
         };
         Self::of_modes(search, rows, &DampedModes { kept: shapes.frequencies.len(), shapes }).map(Some)
@@ -186,7 +197,7 @@ impl ModalSpace {
 
 /// The lowest undamped modes, of which the first `kept` ones have damping.
 struct DampedModes {
-    shapes: RealModes,
+    shapes: Arc<RealModes>,
     kept: usize,
 }
 
@@ -194,9 +205,12 @@ impl DampedModes {
     fn new(search: &UndampedSearch<'_>, highest: Highest) -> Result<Self, DecompositionError> {
         let model = search.model;
         let all = || -> Result<Self, DecompositionError> {
-            let shapes = (search.all)()?.clone();
+            let shapes = Arc::new((search.all)()?.clone());
             Ok(Self { kept: shapes.frequencies.len(), shapes })
         };
+        if highest == Highest::Frequency(f64::INFINITY) && model.len() <= MAX_DENSE {
+            return all();
+        }
         let largest = (MAX_KRYLOV_FRACTION * model.len() as f64) as usize;
         let mut size = MIN_DAMPED_MODES;
         loop {
@@ -204,7 +218,7 @@ impl DampedModes {
             if size > largest && model.len() <= MAX_DENSE {
                 return all();
             }
-            let Some(shapes) = search.lowest(size.min(largest))? else {
+            let Some(shapes) = (search.lowest)(size.min(largest))? else {
                 return all();
             };
             let limit = match highest {

@@ -6,6 +6,9 @@ use super::first_order::FirstOrder;
 use crate::linalg::{DecompositionError, eigen};
 use crate::modal::undamped::RealModes;
 
+/// Part of a vector outside of another one, relative to its length, below which the two are parallel.
+const PARALLEL: f64 = 1e-6;
+
 /// φ = Φη.
 pub fn physical(real: &RealModes, coordinates: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let part = |part: fn(&Complex<f64>) -> f64| &real.vectors * coordinates.map(|value| part(&value));
@@ -53,9 +56,30 @@ pub fn damped(real: &RealModes, order: &FirstOrder) -> Result<Eigenvectors, Deco
         for (row, i) in elastic.iter().enumerate() {
             eta[*i] = vector[row] / real.frequencies[*i];
         }
+        if value.im != 0.0 && value.im <= round_off {
+            // Two equal real eigenvalues: real and imaginary part of the vector belong to both.
+            let norm = eta.norm();
+            for part in real_vectors(&eta.unscale(norm)) {
+                eigenvalues.push(Complex::from(value.re));
+                coordinates.push(part);
+            }
+            continue;
+        }
         let norm = eta.norm();
         eigenvalues.push(*value);
         coordinates.push(eta.unscale(norm));
     }
     Ok((eigenvalues, coordinates))
+}
+
+/// Two orthonormal real vectors in the space of the real and the imaginary part of a vector of unit length; twice the same one
+/// if these are parallel.
+fn real_vectors(vector: &DVector<Complex<f64>>) -> [DVector<Complex<f64>>; 2] {
+    let parts = [vector.map(|value| value.re), vector.map(|value| value.im)];
+    let order = if parts[0].norm() >= parts[1].norm() { [0, 1] } else { [1, 0] };
+    let [larger, smaller] = order.map(|index| &parts[index]);
+    let first = larger.normalize();
+    let rest = smaller - &first * first.dot(smaller);
+    let second = if rest.norm() > PARALLEL * smaller.norm() { rest.normalize() } else { first.clone() };
+    [first, second].map(|part| part.map(Complex::from))
 }
