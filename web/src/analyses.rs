@@ -241,8 +241,7 @@ impl Train {
     /// Campbell diagram.
     pub fn campbell(&self, fastest: f64, points: usize, count: usize) -> Result<Campbell, String> {
         let speeds = speeds(fastest, points);
-        let found =
-            analysis::campbell(&self.cached, &speeds, count, 1, &Interrupt::default()).map_err(message)?;
+        let found = analysis::campbell(&self.cached, &speeds, count, 1, &Interrupt::default()).map_err(message)?;
         let model = &self.cached.model;
         let name = |line: &analysis::ExcitationLine| match line.source {
             ExcitationSource::Shaft(shaft) => format!("{}× {}", line.harmonic, model.scene.shafts[shaft].name),
@@ -271,10 +270,12 @@ impl Train {
         let responses = Responses::new(&self.cached, &speeds);
         let mut semi_major_axes = vec![Vec::with_capacity(points); bodies.len()];
         for speed in &speeds {
-            let found = responses.all(*speed, ExcitationPart::All).map_err(message)?.amplitudes;
+            let found = responses.all(*speed, ExcitationPart::Both).map_err(message)?.amplitudes;
             for ((_, node), axes) in bodies.iter().zip(&mut semi_major_axes) {
                 let phasor = |index: usize| found[(index, node.shaft)];
-                axes.push(model.numbering.translation(*node).map_or(0.0, |v| semi_major_axis(phasor(v), phasor(v + 1))));
+                axes.push(
+                    model.numbering.translation(*node).map_or(0.0, |v| semi_major_axis(phasor(v), phasor(v + 1))),
+                );
             }
         }
         Ok(Synchronous { speeds, names: bodies.into_iter().map(|(name, _)| name).collect(), semi_major_axes })
