@@ -12,6 +12,7 @@ __all__ = ["extra"]
 _PACKAGES = {
     "plot": {"matplotlib", "mpl_toolkits", "PIL"},
     "report": {"matplotlib", "mpl_toolkits", "PIL", "plotly", "jinja2"},
+    "completion": {"shtab"},
     "netcdf": {"xarray", "h5netcdf", "h5py"},
     "dataframe": {"pandas", "openpyxl"},
     "matlab": {"scipy"},

@@ -102,13 +102,14 @@ class _Converter:
         self.shapes: list[dict[str, Any]] = []
         self.texts: list[dict[str, Any]] = []
         self.layout: dict[str, Any] = {
-
-                "width": WIDTH,
-                "height": round(WIDTH * float(height / width)),
-                "shapes": self.shapes
-            ,
-            "annotations": self.texts, "margin": dict.fromkeys("lrtb", 0),
-            "hovermode": "closest", "plot_bgcolor": "white", "paper_bgcolor": "white",
+            "width": WIDTH,
+            "height": round(WIDTH * float(height / width)),
+            "shapes": self.shapes,
+            "annotations": self.texts,
+            "margin": dict.fromkeys("lrtb", 0),
+            "hovermode": "closest",
+            "plot_bgcolor": "white",
+            "paper_bgcolor": "white",
             "font": {"family": "DejaVu Sans, Verdana, sans-serif", "color": "black"},
         }
 
@@ -132,7 +133,8 @@ class _Converter:
         for axis, low, high, other in (("x", box.x0, box.x1, "y"), ("y", box.y0, box.y1, "x")):
             self.layout[f"{axis}axis{end}"] = {
                 **self._axis(panel, axis),
-                "domain": [low, high], "anchor": f"{other}{end}",
+                "domain": [low, high],
+                "anchor": f"{other}{end}",
             }
         before = self.figure.axes[:number]
         shared = panel.get_shared_x_axes()
@@ -160,10 +162,16 @@ class _Converter:
             "range": (np.log10(ends) if scale == "log" else _forward(axis)(ends)).tolist(),
             "title": {"text": label.get_text(), "standoff": 4, "font": self._font(label)},
             "tickfont": {"size": self.scale * self._tick_size(axis)},
-            "gridcolor": "#e3e3e3", "linecolor": "black", "showline": True, "zeroline": False,
-            "ticks": "outside", "showgrid": bool(panel.xaxis.get_gridlines()[0].get_visible()),
+            "gridcolor": "#e3e3e3",
+            "linecolor": "black",
+            "showline": True,
+            "zeroline": False,
+            "ticks": "outside",
+            "showgrid": bool(panel.xaxis.get_gridlines()[0].get_visible()),
             # A number of an axis takes about an inch.
-            "exponentformat": "power", "nticks": ticks, "tickangle": 0,
+            "exponentformat": "power",
+            "nticks": ticks,
+            "tickangle": 0,
             "showticklabels": any(text.get_text() for text in axis.get_ticklabels())
             and bool(
                 axis.get_tick_params(which="major").get(
@@ -317,10 +325,16 @@ class _Converter:
         title = legend.get_title().get_text()
         wide = box.width > 2.5 * box.height * self.layout["height"] / WIDTH
         self.layout[name] = {
-            "orientation": "h" if wide else "v", "font": {"size": size},
-            "x": 0.5 * (box.x0 + box.x1), "y": 0.5 * (box.y0 + box.y1),
-            "xanchor": "center", "yanchor": "middle", "bgcolor": "rgba(255,255,255,0.6)",
-            "title": {"text": title}, "entrywidth": 0, "itemsizing": "trace",
+            "orientation": "h" if wide else "v",
+            "font": {"size": size},
+            "x": 0.5 * (box.x0 + box.x1),
+            "y": 0.5 * (box.y0 + box.y1),
+            "xanchor": "center",
+            "yanchor": "middle",
+            "bgcolor": "rgba(255,255,255,0.6)",
+            "title": {"text": title},
+            "entrywidth": 0,
+            "itemsizing": "trace",
         }
 
     def _text(self, text: Text, panel: Axes | None = None, end: str = "") -> None:
@@ -341,9 +355,14 @@ class _Converter:
         self.texts.append(
             {
                 **place,
-                "x": float(at[0]), "y": float(at[1]), "showarrow": False, "align": "center",
-                "text": _html(text), "font": self._font(text),
-                "xanchor": "center", "yanchor": "middle",
+                "x": float(at[0]),
+                "y": float(at[1]),
+                "showarrow": False,
+                "align": "center",
+                "text": _html(text),
+                "font": self._font(text),
+                "xanchor": "center",
+                "yanchor": "middle",
                 "textangle": -float(text.get_rotation()),
                 "bgcolor": _css("none") if paper is None else "rgba(255,255,255,0.65)",
             }
