@@ -30,7 +30,7 @@ __all__ = ["level_1", "unbalance"]
 
 #: Unbalance of the response analysis: W/N times this [g mm rpm/kg].
 _UNBALANCE = 2.0 * 6350.0
-#: Displacement of a second plane, relative to the largest one, from which it has half the unbalance.
+#: Displacement of a second plane from which it has half the unbalance, relative to the largest.
 _SECOND_PLANE = 0.5
 #: Share of the kinetic energy from which a mode belongs to a shaft.
 _OWN_MODE = 0.5
@@ -109,7 +109,8 @@ def unbalance(contents: "Contents") -> Iterator[Block]:
             yield Table.of_result(peaks, "Unbalance of API 617")
         else:
             yield Note(
-                f"Unbalance of API 617 on {name}: the response at {place} has no peak in this range."
+                f"Unbalance of API 617 on {name}: the response at {place} has no peak in this "
+                "range."
             )
     yield from _vibration(contents, made, list(first))
 
@@ -230,14 +231,16 @@ def level_1(contents: "Contents") -> Iterator[Block]:
     limits = [float(_crossing(curve, values, level)) for level in (0.0, _DECREMENT)]
     yield picture(
         _figure(curve, values),
-        f"{name}: logarithmic decrement of the first forward mode over a cross-coupled stiffness at {body.name}.",
+        f"{name}: logarithmic decrement of the first forward mode over a cross-coupled stiffness "
+        f"at {body.name}.",
     )
     largest = min(limits[0] / _RATIO, limits[1])
     yield Note(
-        f"{name}: the decrement is {known[0.0]:.3g} without cross coupling and zero at Q₀ = {limits[0]:.3g} N/m. "
-        f"Level 1 is passed up to an anticipated cross coupling Q_A of {max(largest, 0.0):.3g} N/m "
-        "(Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, diameters and densities of the stages, which "
-        "a scene does not have; the criterion of the gas density is not evaluated."
+        f"{name}: the decrement is {known[0.0]:.3g} without cross coupling and zero at Q₀ = "
+        f"{limits[0]:.3g} N/m. Level 1 is passed up to an anticipated cross coupling Q_A of "
+        f"{max(largest, 0.0):.3g} N/m (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, "
+        "diameters and densities of the stages, which a scene does not have; the criterion of the "
+        "gas density is not evaluated."
     )
 
 

@@ -28,7 +28,6 @@ from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak, marks
 from gearbow.results.response import Response
 from gearbow.results.static import Static
-from gearbow.results.steady import SteadyState
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit, speed_text
 
@@ -151,7 +150,7 @@ class Contents:
         speed = self.need_operating()
         record = ["gears", "disks", "meshes", "bearings"]
         try:
-            steady: SteadyState = self.system.steady_state(speed, record=record)
+            steady = self.system.steady_state(speed, record=record)
         except (ConvergenceError, StabilityError) as error:
             turn = 2.0 * math.pi / float(np.abs(self.system.speed_ratios * speed).min())
             run: Response = self.system.simulate(_REVOLUTIONS * turn, speed, record=record)
@@ -172,7 +171,9 @@ class Contents:
                 for block in make(self):
                     section.blocks.append(block)
             except GearbowError as error:
-                section.blocks.append(Note(f"Not computed: {error}.".replace("..", ".")))
+                reason = str(error).rstrip(".")
+                section.blocks.append(Note(f"Not computed: {reason}."))
+                self.findings.append((f"{title}: not complete, because {reason}.", True))
         for text in dict.fromkeys(str(one.message) for one in caught):
             self.warned.append((title, text))
             section.blocks.append(Note(f"Warning: {text}", warning=True))
@@ -226,24 +227,20 @@ def static(contents: Contents) -> Iterator[Block]:
     if meshes:
         states = [found.mesh(pair) for pair in meshes]
         columns = [Column("mesh", ["–".join(pair) for pair in meshes])]
-        for name, unit, factor, written in (
-            ("force", "N", 1.0, "N"),
-            ("thrust", "N", 1.0, "N"),
-            ("stiffness", "N/m", 1e-6, "N/µm"),
-            ("pressure_angle", "rad", 180.0 / math.pi, "°"),
-            ("centre_distance", "m", 1e3, "mm"),
-            ("contact_ratio", "", 1.0, ""),
+        for name, factor, unit in (
+            ("force", 1.0, "N"),
+            ("thrust", 1.0, "N"),
+            ("stiffness", 1e-6, "N/µm"),
+            ("pressure_angle", 180.0 / math.pi, "°"),
+            ("centre_distance", 1e3, "mm"),
+            ("contact_ratio", 1.0, ""),
         ):
             values = factor * np.array([getattr(state, name) for state in states])
-            columns.append(Column(name.replace("_", " "), values, written, ".6g"))
+            columns.append(Column(name.replace("_", " "), values, unit, ".6g"))
         yield Table.of("Meshes at equilibrium", columns)
-        largest = max(zip(meshes, states, strict=True), key=lambda one: abs(one[1].force))
-        contents.findings.append(
-            (
-                f"Largest static mesh force: {quantity(abs(largest[1].force), 'N')}, {'–'.join(largest[0])}.",
-                False,
-            )
-        )
+        pair, state = max(zip(meshes, states, strict=True), key=lambda one: abs(one[1].force))
+        force = f"{quantity(abs(state.force), 'N')}, {'–'.join(pair)}"
+        contents.findings.append((f"Largest static mesh force: {force}.", False))
     yield picture(found.plot(), "Static deflection of the shafts.")
 
 
@@ -327,24 +324,19 @@ def criticals(contents: Contents) -> Iterator[Block]:
         if len(peaks_at):
             yield Table.of_result(peaks_at)
         else:
-            yield Note(
-                f"{place_label(place)}: the response to bow and unbalance has no peak in this range."
-            )
+            yield Note(f"{place_label(place)}: the response has no peak in this range of speeds.")
     if operating is not None and places:
-        text = (
-            "no peak of the response is too close to the operating speed"
-            if not close
-            else (
-                f"{close} peak{'s' if close > 1 else ''} of the response too close to the operating speed, or unstable"
-            )
-        )
+        text = "no peak of the response is too close to the operating speed"
+        if close:
+            peaks = f"{close} peak{'s' if close > 1 else ''} of the response"
+            text = f"{peaks} too close to the operating speed, or unstable"
         contents.findings.append((f"Separation margins after API 684: {text}.", close > 0))
     yield from api617.unbalance(contents)
 
 
 _API_684 = (
-    "Required margin after API RP 684: 17 (1 − 1/(AF − 1.5)) % below and 10 % more above the operating "
-    "speed; none for AF < 2.5."
+    "Required margin after API RP 684: 17 (1 − 1/(AF − 1.5)) % below and 10 % more above the "
+    "operating speed; none for AF < 2.5."
 )
 
 
@@ -440,7 +432,8 @@ def response(contents: Contents) -> Iterator[Block]:
     )
     yield picture(
         figure,
-        "Phase and amplitude (major semi-axis) where the orbits are largest; AF is the amplification factor.",
+        "Phase and amplitude (major semi-axis) where the orbits are largest; AF: amplification "
+        "factor.",
     )
     speed = contents.need_operating()
     parts = {
@@ -480,20 +473,20 @@ def bow(contents: Contents) -> Iterator[Block]:
     for shaft in system.shafts:
         bearings = [bearing.position for bearing in system.bearings if bearing.shaft == shaft.name]
         limits = [BowLimit.displacement((shaft.name, x), "API 617") for x in bearings]
-        found = system.bow_limits(shaft.name, speed, limits=[*limits, *contents.options.limits])
+        try:
+            found = system.bow_limits(shaft.name, speed, limits=[*limits, *contents.options.limits])
+        except GearbowError as error:
+            yield Note(f"{shaft.name}: not computed, because {error}")
+            continue
         yield Table.of_result(found)
         first = found.deciding
         if first is not None and found.present > 0.0:
-            contents.findings.append(
-                (
-                    f"Bow of {shaft.name}: {1e6 * found.present:.4g} µm of {1e6 * first.bow:.4g} µm "
-                    f"({first.limit}, {first.at}).",
-                    found.margin < 0.0,
-                )
-            )
+            sizes = f"{1e6 * found.present:.4g} µm of {1e6 * first.bow:.4g} µm"
+            text = f"Bow of {shaft.name}: {sizes} ({first.limit}, {first.at})."
+            contents.findings.append((text, found.margin < 0.0))
     yield Note(
-        "The value of API 617 for the vibration of a shaft, 25.4 µm √(12000/n), is a reference at each bearing; "
-        "whether the standard applies to this machine is for its user to decide."
+        "The value of API 617 for the vibration of a shaft, 25.4 µm √(12000/n), is a reference at "
+        "each bearing; whether the standard applies to this machine is for its user to decide."
     )
 
 

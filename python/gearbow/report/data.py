@@ -1,5 +1,6 @@
 """Tables of the data of a system: its parts with units, and masses."""
 
+import cmath
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -22,6 +23,8 @@ _WRITTEN = {
     "Pa": (1e-9, "GPa"),
     "N/m": (1e-6, "N/µm"),
 }
+#: Fields that are complex: a size and an angle in the shaft.
+_TURNING = ("unbalance", "runout")
 #: Largest number of columns of a table of parts.
 _COLUMNS = 9
 #: Longest list of numbers that a table shows.
@@ -95,6 +98,10 @@ def _cell(value: Any, path: str, unit: str | None = None) -> str:
             f"{k.replace('_', ' ')} {_cell(v, f'{path}.{k}')}" for k, v in value.items()
         )
     if isinstance(value, list | tuple):
+        if path.endswith(_TURNING) and len(value) == 2:
+            number = complex(*value)
+            size, angle = _cell(abs(number), path, unit), math.degrees(cmath.phase(number))
+            return f"{size} at {angle:.4g}°"
         if len(value) > _LONGEST and _is_numbers(value):
             return short(np.array(value, dtype=np.float64))
         sign = "; " if any(isinstance(each, Mapping) for each in value) else ", "
