@@ -94,7 +94,6 @@ from gearbow.units.values import (
 
 #: Modules of the names that are imported at their first use, with the libraries that they need.
 _LAZY = {
-    "Example": "gearbow.machines.examples",
     "Measurement": "gearbow.identification.measurement",
     "Sweep": "gearbow.sweeps.result",
     "examples": "gearbow.machines.examples",
@@ -107,7 +106,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.exchange.rexs import rexs_contents as rexs_contents
     from gearbow.identification.identify import identify as identify
     from gearbow.identification.measurement import Measurement as Measurement
-    from gearbow.machines.examples import Example as Example, examples as examples
+    from gearbow.machines.examples import examples as examples
     from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep
 else:  # a type checker would accept every name

@@ -112,6 +112,7 @@ def objects() -> dict[str, object]:
         rolling.coefficients(500.0),
         gb.results.BearingMotion(force, eccentricity_ratio=MANY, attitude_angle=MANY),
         pair.matrices(20.0),
+        gb.examples()["gearbox"],
         system.discretisation,
         pair.modes(20.0),
         campbell,

@@ -46,6 +46,7 @@ def everything() -> dict[str, Any]:
     return {
         **results(),
         "mesh state": system.static().mesh(("g1", "g2")),
+        "example": gb.examples()["geared_pair"],
         "line": campbell.lines[0],
         "intersection": bowed.campbell([0.0, 900.0], count=2).criticals[0],
         "comparison": results()["frequency response"].compare(MEASURED),

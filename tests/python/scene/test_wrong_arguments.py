@@ -384,6 +384,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "mesh_response": {"at": "g1/g2", "speeds": [100.0]},
             "modes": {},
             "plot": {},
+            "report": {"path": "x.html", "modes": 1},
             "save": {"path": "x.toml"},
             "sensitivity": {"parameters": PARAMETERS, "of": system().modes(100.0, count=2)},
             "simulate": {"duration": 1e-3, "speed": 100.0},
