@@ -36,7 +36,7 @@ def completion(given: argparse.Namespace) -> Answer:
     for command in given.commands.choices.values():
         for action in command._actions:
             if action.type in (Path, output, figure) or action.dest in ("path", "out"):
-                action.complete = shtab.FILE  # type: ignore[attr-defined]  # read by shtab
+                action.complete = shtab.FILE
             if action.dest == "example":
                 action.choices = list(scene_files())
     return Answer(shtab.complete(given.program, shell=given.shell), {})

@@ -232,8 +232,7 @@ def _by_whirl(
         # Each piece begins at the last point of the previous one, so that the line has no gap.
         ends = speeds[max(first - 1, 0)], speeds[last - 1]
         within = (x >= ends[0]) & (x <= ends[1])
-        name = {"label": str(whirl[first])}
-        panel.plot(x[within], y[within], color=shade, linestyle=line, **name)
+        panel.plot(x[within], y[within], color=shade, linestyle=line, label=str(whirl[first]))
         panel.plot(
             speeds[first:last],
             values[first:last],
@@ -242,5 +241,5 @@ def _by_whirl(
             marker=mark,
             markersize=5,
             markevery=max(1, len(speeds) // 24),
-            **name,
+            label=str(whirl[first]),
         )

@@ -76,7 +76,7 @@ def _in_space(part: Surface | Line) -> dict[str, Any]:
         mark = {"color": _css(part.colour), "size": 0.6 * part.marker_size, "symbol": "square"}
         mode = "+".join(["lines"] * bool(part.width) + ["markers"] * bool(part.marker))
         shown = points if len(points) else np.full((1, 3), None)
-        trace = {"type": "scatter3d", "mode": mode, "line": style, "marker": mark}
+        trace: dict[str, Any] = {"type": "scatter3d", "mode": mode, "line": style, "marker": mark}
         trace |= {"name": part.label or "", "showlegend": part.label is not None}
         return {**trace, "hoverinfo": "skip", **dict(zip("xyz", shown.T, strict=True))}
     if points.shape[1] == 1:  # a disk: triangles about its first corner
@@ -212,7 +212,7 @@ class _Converter:
             trace["legendgroup"] = label
         if isinstance(artist, Patch):
             polygons = artist.get_path().transformed(transform).to_polygons(closed_only=False)
-            for corners in polygons:
+            for corners in map(np.asarray, polygons):
                 area = self._area(artist)
                 if not np.array_equal(corners[0], corners[-1]):  # the shaft of an arrow
                     area["fillcolor"] = _css("none")
@@ -394,7 +394,7 @@ def _visible(line: Line2D) -> Array:
     enlarged = line.get_transform() + Affine2D().scale(_MAGNIFIED)
     simple = path.cleaned(enlarged, remove_nans=False, simplify=True)
     kept = simple.codes != Path.STOP
-    found: Array = enlarged.inverted().transform(simple.vertices[kept])
+    found: Array = enlarged.inverted().transform(np.asarray(simple.vertices)[kept])
     return found
 
 

@@ -80,6 +80,11 @@ class Contents:
             raise self._kept[name]
         return self._kept[name]
 
+    def finished(self, name: str) -> Any:
+        """Give a result that was computed; None for another one."""
+        found = self._kept.get(name)
+        return None if isinstance(found, GearbowError) else found
+
     @cached_property
     def speed(self) -> float:
         """Highest operating speed, or standstill [rad/s]."""
@@ -515,23 +520,20 @@ def motion(contents: Contents) -> Iterator[Block]:
         yield picture(run.plot("twist", bodies[:_ORBITS], times=times), "Twist of gears and disks.")
     pairs = [(mesh.driver, mesh.driven) for mesh in contents.system.meshes]
     for first in range(0, len(pairs), 2):
-        own = pairs[first : first + 2]
-        names = ", ".join("–".join(pair) for pair in own)
-        yield picture(
-            run.plot("mesh", own, times=times), f"Force, deflection and stiffness: {names}."
-        )
-        yield picture(
-            run.plot("geometry", own, times=times), f"Mesh geometry at the moving centres: {names}."
-        )
+        two = pairs[first : first + 2]
+        names = ", ".join("–".join(pair) for pair in two)
+        for kind, what in (
+            ("mesh", "Force, deflection and stiffness"),
+            ("geometry", "Mesh geometry at the moving centres"),
+        ):
+            yield picture(run.plot(kind, two, times=times), f"{what}: {names}.")
     if not pairs:
         yield Note("There is no mesh geometry: the system has no gears in mesh.")
     places = [(bearing.shaft, bearing.position) for bearing in contents.system.bearings]
     for first in range(0, len(places) if lateral else 0, _BEARINGS):
-        own = places[first : first + _BEARINGS]
-        yield picture(
-            run.plot("bearings", own, times=times),
-            f"Bearing forces: {', '.join(map(place_label, own))}.",
-        )
+        few = places[first : first + _BEARINGS]
+        names = ", ".join(map(place_label, few))
+        yield picture(run.plot("bearings", few, times=times), f"Bearing forces: {names}.")
 
 
 def accuracy(contents: Contents) -> Iterator[Block]:
@@ -547,23 +549,22 @@ def accuracy(contents: Contents) -> Iterator[Block]:
         rows,
         numeric=(False, False, True),
     )
-    residuals = []
-    for name, title, value in (
-        ("static", "static equilibrium: unbalanced part of the load", lambda r: r.residual),
-        ("modes", "modes: part of the forces, largest", lambda r: r.residuals.max()),
-        (
-            "campbell",
+    residuals: list[tuple[str, str]] = []
+    measured: dict[str, tuple[str, Callable[[Any], float]]] = {
+        "static": ("static equilibrium: unbalanced part of the load", lambda r: r.residual),
+        "modes": ("modes: part of the forces, largest", lambda r: r.residuals.max()),
+        "campbell": (
             "critical speeds and tooth resonances, largest",
-            lambda r: max((i.residual for i in r.intersections), default=0.0),
+            lambda r: max((one.residual for one in r.intersections), default=0.0),
         ),
-        (
-            "synchronous",
+        "synchronous": (
             "response to bow and unbalance: backward error, largest",
             lambda r: r.residuals.max(),
         ),
-    ):
-        found = contents._kept.get(name)
-        if found is not None and not isinstance(found, GearbowError):
+    }
+    for name, (title, value) in measured.items():
+        found = contents.finished(name)
+        if found is not None:
             residuals.append((title, f"{float(value(found)):.1e}"))
     yield Table(
         "Residuals of the equations", ("result", "residual"), residuals, numeric=(False, True)

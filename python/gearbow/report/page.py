@@ -117,13 +117,7 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
 
     stream = BytesIO()
     kind = "svg+xml" if space is None else "png"
-    # Without a date, the same report is the same file.
-    figure.savefig(
-        stream,
-        format=kind[:3],
-        dpi=_RESOLUTION,
-        **({"metadata": {"Date": None}} if space is None else {}),
-    )
+    figure.savefig(stream, format=kind[:3], dpi=_RESOLUTION)
     image = f"data:image/{kind};base64,{b64encode(stream.getvalue()).decode()}"
     given = space or converted(figure)
     layout = given["layout"]

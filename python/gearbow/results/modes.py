@@ -299,8 +299,8 @@ class Modes(Result, ReadOnly):
                 self.layout,
                 ax=ax,
             )
-        title, shape, dofs = self._drawn(whole(number, "number"))
-        return mode_shape.draw(title, shape, dofs, self.layout, ax=ax)
+        title, shape, nodes = self._drawn(whole(number, "number"))
+        return mode_shape.draw(title, shape, nodes, self.layout, ax=ax)
 
     def _drawn(self, number: int) -> tuple[str, ComplexArray, Sequence[NodalDof]]:
         """Give title, shape and degrees of freedom of a mode, from 1, with points in elements."""

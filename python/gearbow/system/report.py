@@ -100,7 +100,7 @@ def report(
     with extra("report"):
         import jinja2  # noqa: F401, PLC0415
         import matplotlib as mpl  # noqa: F401, PLC0415
-        import plotly  # type: ignore[import-untyped]  # noqa: F401, PLC0415
+        import plotly  # noqa: F401, PLC0415
     from gearbow.report.compose import compose  # noqa: PLC0415
     from gearbow.report.contents import Options  # noqa: PLC0415
 

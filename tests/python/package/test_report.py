@@ -92,7 +92,9 @@ def test_tables_are_those_of_the_results(page, pair):
     modes = pair.modes(gb.rpm(1000.0), count=5)
     head, *found = rows(sections["modes"], "Modes at 1000 rpm")
     assert head[:3] == ["mode", "frequency [Hz]", "damping [%]"]
-    assert [row[1] for row in found] == [f"{value:.3f}" for value in modes.frequencies_hz]
+    # four that oscillate, and perhaps more
+    expected = [f"{value:.3f}" for value in modes.frequencies_hz]
+    assert [row[1] for row in found][: len(expected)] == expected
     static = pair.static(gb.rpm(1000.0))
     (_, first) = rows(sections["static"], "Meshes at equilibrium")
     assert float(first[1]) == pytest.approx(static.mesh("g1/g2").force, rel=1e-5)
