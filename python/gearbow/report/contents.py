@@ -333,8 +333,8 @@ def criticals(contents: Contents) -> Iterator[Block]:
     if operating is not None and places:
         text = "no peak of the response is too close to the operating speed"
         if close:
-            peaks = f"{close} peak{'s' if close > 1 else ''} of the response"
-            text = f"{peaks} too close to the operating speed, or unstable"
+            count = f"{close} peak{'s' if close > 1 else ''} of the response"
+            text = f"{count} too close to the operating speed, or unstable"
         contents.findings.append((f"Separation margins after API 684: {text}.", close > 0))
     yield from api617.unbalance(contents)
 

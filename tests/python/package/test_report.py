@@ -260,7 +260,7 @@ def test_a_browser_shows_figures_that_zoom(opened):
     shown.mouse.move(box["x"] + place[0] - 3, box["y"] + place[1])
     shown.mouse.move(box["x"] + place[0], box["y"] + place[1])
     figure.locator(".hoverlayer .hovertext").first.wait_for()
-    assert "frequency [Hz]" in figure.locator(".hoverlayer").inner_text()
+    assert "frequency [Hz]" in figure.locator(".hoverlayer").text_content()
     # drag over a part of the panel
     x, y = box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"]
     shown.mouse.move(x, y)
