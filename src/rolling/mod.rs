@@ -10,8 +10,8 @@
 //! ```
 //!
 //! With a contact angle α, the contact deflects by δ cos α and the radial part of its force is Q cos α: K contains
-//! cos^{p + 1} α. The cage turns at (1 − (d/D) cos α)/2 times the speed of the inner ring, where the outer ring stands
-//! (Harris, Rolling Bearing Analysis, 4th ed., 2001, chapters 7 and 8). Centrifugal forces and slip are neglected.
+//! cos^{p + 1} α. The cage turns at (1 − γ)/2 times the speed of the inner ring plus (1 + γ)/2 times that of the outer ring,
+//! γ = (d/D) cos α (Harris, Rolling Bearing Analysis, 4th ed., 2001, chapters 7 and 8). Centrifugal forces and slip are neglected.
 //!
 //! `mean.rs` is the force averaged over the angles of the cage, `equilibrium.rs` the displacement under a load. K is given,
 //! or that of `src/scene/hertz.rs`.
@@ -39,7 +39,7 @@ pub struct RollingElements {
     radial: f64,
     /// Damping C over (y, z), N s/m.
     damping: Matrix,
-    /// Speed of the cage over the speed of the shaft.
+    /// Speed of the cage over the speed of the shaft where the outer ring stands.
     pub cage_ratio: f64,
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::description::{self, ContactKind};
 use super::hertz::{ball_stiffness, roller_stiffness};
-use super::{EntryPath, SceneError};
+use super::{EntryPath, SceneError, catalogue};
 
 /// Fewest elements that hold the shaft in every direction.
 const MIN_ELEMENTS: u32 = 3;
@@ -42,6 +42,7 @@ impl Rolling {
         if !given.is_rolling() {
             return Ok(None);
         }
+        let given = &catalogue::completed(given, at)?;
         for (name, is_given) in given.film_entries().into_iter().chain([("stiffness", given.stiffness.is_some())]) {
             if is_given && name != "clearance" {
                 let message = "a rolling bearing takes none; leave it out, or leave out elements, element_diameter, pitch_diameter and the other entries of a rolling bearing";

@@ -11,7 +11,7 @@ from gearbow._core import rolling_coefficients
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part
-from gearbow.description.supports import Support, with_support
+from gearbow.description.supports import Base, with_support
 
 __all__ = ["RollingBearing", "RollingCoefficients"]
 
@@ -95,15 +95,16 @@ class RollingBearing(Part):
         Stiffness against rotations of the shaft about y and z [N m/rad].
     tilting_damping : float
         Damping of these rotations [N m s/rad].
-    support : str or Support, optional
-        What it stands on: the name of a support or housing of the system, or a support of its own.
-        None is the ground.
+    support : str, Support or tuple of (str, float), optional
+        What it stands on: the name of a support or housing of the system, a support of its own, or
+        (shaft, position [m]) of another shaft. None is the ground.
 
     Notes
     -----
-    The outer ring stands. The cage turns at (1 − (d/D) cos α)/2 times the speed of the shaft
-    (`cage_order`); n times this is the ball-pass order of the outer ring (`ball_pass_order`).
-    Slip, centrifugal forces and the axial motion of the shaft are not modelled.
+    The cage turns at (1 − γ)/2 times the speed of the shaft (`cage_order`), γ = (d/D) cos α, where
+    the outer ring stands; n times this is the ball-pass order of the outer ring
+    (`ball_pass_order`). Between two shafts, `shaft` carries the inner ring and the shaft of
+    `support` the outer one, whose speed adds (1 + γ)/2 of itself to that of the cage. Slip, centrifugal forces and the axial motion of the shaft are not modelled.
 
     References
     ----------
@@ -140,7 +141,7 @@ class RollingBearing(Part):
     axial_damping: float = 0.0
     tilting_stiffness: float = 0.0
     tilting_damping: float = 0.0
-    support: str | Support | None = None
+    support: Base | None = None
 
     def coefficients(self, load: float, cage_angle: float | None = None) -> RollingCoefficients:
         """Find the displacement under a static load, and stiffness and damping there.
@@ -191,7 +192,7 @@ class RollingBearing(Part):
         Returns
         -------
         float
-            (1 − (d/D) cos α)/2.
+            (1 − (d/D) cos α)/2, where the outer ring stands.
         """
         found = rolling_coefficients(self._describe("bearing"), (0.0, 0.0), None)
         return found["cage_ratio"]
