@@ -8,7 +8,7 @@ use super::convert::table;
 use crate::analysis::AnalysisError;
 use crate::bearing_force::{BearingForce, Uncarried};
 use crate::film::Film;
-use crate::rolling::RollingElements;
+use crate::rolling::{Ring, RollingElements};
 use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError};
 
 /// Computes displacement (2,), stiffness and damping (2, 2) of a journal bearing under a static load over (y, z), N, at a
@@ -71,6 +71,37 @@ pub fn rolling_coefficients<'py>(
     dict.set_item("elements", rolling.elements)?;
     dict.set_item("hertz_stiffness", rolling.hertz_stiffness)?;
     dict.set_item("cage_ratio", elements.cage_ratio)?;
+    Ok(dict)
+}
+
+/// Computes the displacements (u, v, w, B, Γ) of a rolling bearing under the forces (axial, y, z), N, with given rotations
+/// (B, Γ), rad; force (5,), stiffness (5, 5), contact forces and contact angles there.
+#[pyfunction]
+pub fn ring_coefficients<'py>(
+    py: Python<'py>,
+    bearing: &Bound<'_, PyAny>,
+    load: [f64; 3],
+    tilt: [f64; 2],
+) -> PyResult<Bound<'py, PyDict>> {
+    let given = SceneDescription::bearing_from_objects(&mut Depythonizer::from_object(bearing))?;
+    let (Nonlinear::Rolling(rolling), _) = scene::bearing(&given)? else {
+        return Err(SceneError::new("bearing", "is no rolling bearing").into());
+    };
+    for (name, values) in [("load", &load[..]), ("tilt", &tilt[..])] {
+        for value in values {
+            EntryPath::root(name).finite(*value)?;
+        }
+    }
+    let [thrust, y, z] = load;
+    let carried = Ring::new(&rolling).carrying(load.into(), tilt.into());
+    let (displacement, found) = carried.map_err(|cause| uncarried(cause, [thrust, y.hypot(z)], None))?;
+    let dict = PyDict::new(py);
+    dict.set_item("displacement", displacement.as_slice().to_vec())?;
+    dict.set_item("force", found.force.as_slice().to_vec())?;
+    dict.set_item("stiffness", table(py, found.stiffness.transpose().as_slice().to_vec(), 5, 5)?)?;
+    let column = |at: usize| found.contacts.iter().map(|contact| contact[at]).collect::<Vec<_>>();
+    dict.set_item("contact_forces", column(0))?;
+    dict.set_item("contact_angles", column(1))?;
     Ok(dict)
 }
 

@@ -117,7 +117,7 @@ struct Known {
 
 /// Elements that a kind and boundary dimensions have in the estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub(crate) struct Estimate {
     /// Kind of the bearing.
     pub kind: BearingKind,
     /// Bore d, outside diameter D and width B, m.
@@ -140,7 +140,7 @@ pub struct Estimate {
 ///
 /// # Errors
 /// [`SceneError`] for an unknown designation, impossible dimensions, and a designation beside dimensions.
-pub fn estimate(given: &Bearing, at: &EntryPath) -> Result<Option<Estimate>, SceneError> {
+pub(crate) fn estimate(given: &Bearing, at: &EntryPath) -> Result<Option<Estimate>, SceneError> {
     let known = match (&given.designation, given.boundary) {
         (None, None) => {
             return match given.kind {
@@ -175,7 +175,7 @@ pub fn estimate(given: &Bearing, at: &EntryPath) -> Result<Option<Estimate>, Sce
 ///
 /// # Errors
 /// [`SceneError`] as for [`estimate`].
-pub fn completed(given: &Bearing, at: &EntryPath) -> Result<Bearing, SceneError> {
+pub(super) fn completed(given: &Bearing, at: &EntryPath) -> Result<Bearing, SceneError> {
     let Some(estimate) = estimate(given, at)? else {
         return Ok(given.clone());
     };
@@ -199,7 +199,8 @@ fn designated(name: &str, at: &EntryPath) -> Result<Known, SceneError> {
     let plain: String = name.trim().to_uppercase().chars().filter(|sign| !sign.is_whitespace()).collect();
     let found = SERIES.iter().find_map(|series| {
         let code = plain.strip_prefix(series.prefix)?;
-        let code = if series.kind == BearingKind::TaperedRoller { code.strip_suffix('X').unwrap_or(code) } else { code };
+        let code =
+            if series.kind == BearingKind::TaperedRoller { code.strip_suffix('X').unwrap_or(code) } else { code };
         let two_digits = code.len() == 2 && code.bytes().all(|digit| digit.is_ascii_digit());
         let code: u32 = two_digits.then(|| code.parse().ok())??;
         series.sizes.iter().find(|size| size.code == code).map(|size| (series.kind, size))

@@ -117,7 +117,10 @@ impl Bearing {
             [self.element_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];
         let others = [self.inner_groove, self.outer_groove, self.roller_length];
         let catalogue = self.designation.is_some() || self.kind.is_some() || self.boundary.is_some();
-        catalogue || self.elements.is_some() || self.contact.is_some() || lengths.iter().chain(&others).any(Option::is_some)
+        catalogue
+            || self.elements.is_some()
+            || self.contact.is_some()
+            || lengths.iter().chain(&others).any(Option::is_some)
     }
 
     /// The entries of a journal bearing, and whether each is given.
