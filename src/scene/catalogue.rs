@@ -91,14 +91,14 @@ struct Series {
     sizes: &'static [Size],
 }
 
-/// The known series. A longer prefix precedes a shorter one.
+/// The known series.
 const SERIES: [Series; 6] = [
-    Series { prefix: "NU2", kind: BearingKind::CylindricalRoller, sizes: &SERIES_62 },
-    Series { prefix: "320", kind: BearingKind::TaperedRoller, sizes: &SERIES_320 },
-    Series { prefix: "N2", kind: BearingKind::CylindricalRoller, sizes: &SERIES_62 },
     Series { prefix: "60", kind: BearingKind::DeepGroove, sizes: &SERIES_60 },
     Series { prefix: "62", kind: BearingKind::DeepGroove, sizes: &SERIES_62 },
     Series { prefix: "63", kind: BearingKind::DeepGroove, sizes: &SERIES_63 },
+    Series { prefix: "N2", kind: BearingKind::CylindricalRoller, sizes: &SERIES_62 },
+    Series { prefix: "NU2", kind: BearingKind::CylindricalRoller, sizes: &SERIES_62 },
+    Series { prefix: "320", kind: BearingKind::TaperedRoller, sizes: &SERIES_320 },
 ];
 
 /// Contact angle of an angular contact bearing that gives none, degrees.

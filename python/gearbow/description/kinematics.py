@@ -139,7 +139,7 @@ class Kinematics(Shown):
                 own = bearing.cage_order
                 cage = abs(own * signed[bearing.shaft] + (1.0 - own) * outer)
                 name = f"{bearing.shaft}@{bearing.position:g}"
-                bearings[name] = (cage, bearing.elements * cage)
+                bearings[name] = (cage, bearing._count * cage)
         rolling = tuple((name, *orders) for name, orders in bearings.items())
         bodies = {gear.name: gear.shaft for gear in system.gears}
         bodies |= {disk.name: disk.shaft for disk in system.disks}

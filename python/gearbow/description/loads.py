@@ -12,7 +12,7 @@ from gearbow.description.journal import JournalBearing
 from gearbow.description.load_values import described_value
 from gearbow.description.part import Part
 from gearbow.description.places import place
-from gearbow.description.rolling import RollingBearing
+from gearbow.description.rolling import ROLLING_FIELDS, RollingBearing
 from gearbow.description.speed_table import SpeedTable
 from gearbow.description.supports import Base, with_support
 from gearbow.description.time_series import TimeSeries
@@ -74,7 +74,7 @@ class Bearing(Part):
     def _from_description(  # type: ignore[override]  # one list holds several classes
         cls, description: Mapping[str, Plain]
     ) -> "Bearing | JournalBearing | RollingBearing":
-        if "elements" in description:
+        if any(name in description for name in ROLLING_FIELDS):
             return RollingBearing._from_description(description)
         if "stiffness" not in description:
             return JournalBearing._from_description(description)

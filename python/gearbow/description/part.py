@@ -84,7 +84,8 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
         return expect(value, parts_allowed[0], path)._describe(path)
     if ArrayLike in kinds:
         return nested(value, path)
-    forms = [get_args(kind) for kind in kinds if get_origin(kind) is tuple]
+    tuples_allowed = (get_args(kind) for kind in kinds if get_origin(kind) is tuple)
+    forms = [form for form in tuples_allowed if form[0] is str]
     if forms and isinstance(value, tuple | list):
         return _read_place(value, forms[0], path)
     if str in kinds and (isinstance(value, str) or float not in kinds):

@@ -27,7 +27,7 @@ def bearing_kind(part: object) -> str:
     if isinstance(part, JournalBearing):
         return "journal bearing"
     if isinstance(part, RollingBearing):
-        return "roller bearing" if part.contact == "roller" else "ball bearing"
+        return "roller bearing" if part._rolls else "ball bearing"
     return "bearing"
 
 
