@@ -46,7 +46,9 @@ __all__ = [
     "multipliers",
     "recorded_period",
     "require_memory",
+    "ring_coefficients",
     "rolling_coefficients",
+    "rolling_estimate",
     "section_length",
     "steady_state",
     "user_order",
@@ -65,9 +67,13 @@ def film_coefficients(
 ) -> FilmData: ...
 def mesh_geometry(description: Mapping[str, Plain]) -> list[MeshGeometry]: ...
 def require_memory(argument: str, what: str, needed: float, remedy: str) -> None: ...
+def ring_coefficients(
+    bearing: dict[str, Plain], load: tuple[float, float, float], tilt: tuple[float, float]
+) -> dict[str, Plain]: ...
 def rolling_coefficients(
     bearing: dict[str, Plain], load: tuple[float, float], cage: float | None = None
 ) -> RollingData: ...
+def rolling_estimate(bearing: dict[str, Plain]) -> dict[str, Any] | None: ...
 
 @final
 class KeptModes:

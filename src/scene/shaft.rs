@@ -35,6 +35,8 @@ pub struct Shaft {
     pub degree: usize,
     /// Residual bow.
     pub bow: Option<Bow>,
+    /// Speed relative to the reference shaft where the description gives it.
+    pub speed_ratio: Option<f64>,
 }
 
 /// A position on a shaft that needs a node.
@@ -213,5 +215,6 @@ fn shaft(
         shear: given.shear,
         degree: degree(given, at)?,
         bow,
+        speed_ratio: given.speed_ratio,
     })
 }

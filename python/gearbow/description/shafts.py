@@ -105,6 +105,9 @@ class Shaft(Part):
         Whether the model includes shear deformation; False is the Rayleigh beam.
     bow : Bow, optional
         Residual bow; None is a straight shaft.
+    speed_ratio : float, optional
+        Signed speed over that of the reference shaft, for a shaft that no mesh or coupling connects
+        to it: the other spool of a dual rotor.
 
     Notes
     -----
@@ -131,6 +134,7 @@ class Shaft(Part):
     material: Material = STEEL
     shear: bool = True
     bow: Bow | None = None
+    speed_ratio: float | None = None
 
     def _describe(self, path: str) -> dict[str, Plain]:
         shaft = self
