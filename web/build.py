@@ -18,6 +18,7 @@ from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
 
+import gearbow as gb
 from gearbow.units import fields, parse
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -26,7 +27,7 @@ TARGET = "wasm32-unknown-unknown"
 BUILT = ROOT / "target" / "web"
 #: Highest speed of the diagrams over the rated speed.
 SPEED_RANGE = 1.5
-#: Machines of the page, and whether one of them is the first that it shows.
+#: Machines of the page; it shows the first one when it opens.
 MACHINES = (
     "double_stage_train",
     "geared_pair",
@@ -87,7 +88,8 @@ def units() -> dict[str, object]:
         for name, (ten, dimension) in parse.WITH_PREFIX.items()
     }
     others = {
-        name: unit(0, factor, pi, dimension) for name, (factor, pi, dimension) in parse.OTHERS.items()
+        name: unit(0, factor, pi, dimension)
+        for name, (factor, pi, dimension) in parse.OTHERS.items()
     }
     return {
         "fields": fields.FIELDS,
@@ -99,16 +101,16 @@ def units() -> dict[str, object]:
 
 
 def examples() -> dict[str, dict[str, object]]:
-    """Read the machines of the page, with the rated speed that their first lines give."""
-    found: dict[str, dict[str, object]] = {}
-    for name in MACHINES:
-        scene = (ROOT / "examples" / "machines" / f"{name}.toml").read_text(encoding="utf-8")
-        rated = re.search(r"Rated speed:.*?([\d.]+) rpm", scene)
-        if rated is None:
-            raise ValueError(f"{name}: the comment gives no rated speed in rpm")
-        speed = float(rated[1])
-        found[name] = {"scene": scene, "speed_rpm": speed, "fastest_rpm": SPEED_RANGE * speed}
-    return found
+    """Give the machines of the page with their rated speed."""
+    machines = gb.examples()
+    return {
+        name: {
+            "scene": machines[name].path.read_text(encoding="utf-8"),
+            "speed_rpm": machines[name].speed / gb.rpm(1),
+            "fastest_rpm": SPEED_RANGE * machines[name].speed / gb.rpm(1),
+        }
+        for name in MACHINES
+    }
 
 
 def page() -> str:
