@@ -1,7 +1,7 @@
 """Build the page that runs gearbow in a browser: one file, which works without a network.
 
-It needs a Rust compiler with the target wasm32-unknown-unknown, the program wasm-bindgen of the same
-version as the crate, and the Python package plotly, whose script the page embeds:
+It needs a Rust compiler with the target wasm32-unknown-unknown, the program wasm-bindgen of the
+version of the crate, and the Python package plotly, whose script the page embeds:
 
     python web/build.py target/web/try.html
 """
@@ -13,7 +13,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tomllib
 from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
@@ -43,7 +42,7 @@ def missing() -> list[str]:
     """List what the build needs and does not find, with the way to get it."""
     found = []
     library = subprocess.run(
-        ["rustc", "--print", "target-libdir", "--target", TARGET],  # noqa: S607
+        ["rustc", "--print", "target-libdir", "--target", TARGET],
         capture_output=True,
         text=True,
         check=False,
@@ -53,8 +52,8 @@ def missing() -> list[str]:
             f"the Rust target {TARGET}: `rustup target add {TARGET}`, or on Debian 13 and later "
             "`apt install rustc libstd-rust-dev-wasm32 lld`"
         )
-    lock = tomllib.loads((ROOT / "web" / "Cargo.lock").read_text(encoding="utf-8"))
-    version = next(one["version"] for one in lock["package"] if one["name"] == "wasm-bindgen")
+    lock = (ROOT / "web" / "Cargo.lock").read_text(encoding="utf-8")
+    version = re.findall(r'name = "wasm-bindgen"\nversion = "(.+)"', lock)[0]
     bindgen = shutil.which("wasm-bindgen")
     is_same = bindgen and version in subprocess.check_output([bindgen, "--version"], text=True)
     if not is_same:
