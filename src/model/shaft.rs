@@ -19,8 +19,8 @@ use num_complex::Complex64;
 use super::numbering::Numbering;
 use super::{bow, mass_error};
 use crate::element::{Beam, Bending, Elastic, InternalBeam, InternalBlocks, InternalRod, Rod, RodMatrices, Values};
-use crate::linalg::{ChainFactor, ChainMatrix, load};
-use crate::scene::{Body, Node, Scene, SceneError};
+use crate::linalg::{BlockTridiagonal, ChainFactor, ChainMatrix, load};
+use crate::scene::{Body, Element, Node, Scene, SceneError, Shaft};
 
 /// Matrices of one chain: elements of type `E` between nodes with `B` unknowns.
 #[derive(Clone, Debug)]
@@ -35,8 +35,10 @@ pub struct Chain<const B: usize, E> {
     pub mass_factor: ChainFactor<B>,
     /// Elastic elements between the nodes.
     pub elements: Vec<E>,
-    /// Assembled stiffness matrix of the elements. Nodal and internal coordinates are not coupled.
+    /// Assembled stiffness matrix.
     pub stiffness: ChainMatrix<B>,
+    /// Stiffness between nodes that the strains of `elements` do not contain; `None` if it is zero.
+    pub beyond_strains: Option<BlockTridiagonal<B>>,
     /// Rayleigh damping matrix of the shaft; `None` if it is zero.
     pub damping: Option<ChainMatrix<B>>,
 }
@@ -71,16 +73,19 @@ impl<const B: usize, E: Elastic<B>> Chain<B, E> {
                 *force -= value;
             }
         });
+        if let Some(stiffness) = &self.beyond_strains {
+            stiffness.multiply_add::<L>(-1.0, q, force);
+        }
     }
 
     /// qᵀKq, J; `q` begins at the first coordinate of this chain.
     pub fn elastic_form<const L: usize>(&self, q: &[f64]) -> f64 {
         let pair = |(node, element): (usize, &E)| element.quadratic_form::<L>(&load(q, node), &load(q, node + 1));
-        let mut sum = self.elements.iter().enumerate().map(pair).sum();
+        let mut sum: f64 = self.elements.iter().enumerate().map(pair).sum();
         self.stiffness.internal_product::<L>(q, |unknown, values| {
             sum += values.iter().zip(&q[unknown * L..]).map(|(value, q)| value * q).sum::<f64>();
         });
-        sum
+        sum + self.beyond_strains.as_ref().map_or(0.0, |stiffness| stiffness.quadratic_form::<L>(q))
     }
 }
 
@@ -144,8 +149,7 @@ impl ShaftModel {
         let shaft = &scene.shafts[index];
         let nodes = shaft.nodes.len();
         let [alpha, beta] = scene.rayleigh;
-        let beams: Vec<_> =
-            shaft.elements.iter().map(|element| Beam::new(element, &shaft.material, shaft.shear)).collect();
+        let beams: Vec<_> = shaft.elements.iter().map(|element| Beam::new(element, shaft.shear)).collect();
         let inner = InternalBeam::of_shaft(shaft);
         let mut gyroscopic = ChainMatrix::zeros(nodes);
 
@@ -163,7 +167,8 @@ impl ShaftModel {
                 }
                 let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
                 let elements = beams.iter().map(|beam| beam.bending).collect();
-                Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
+                let beyond_strains = beyond_strains(shaft, &beams);
+                Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, beyond_strains, damping })
             }
         };
         let elements = ShaftElements { beams: &beams, inner: &inner };
@@ -280,7 +285,22 @@ fn rod(
     }
     let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
     let elements = beams.iter().map(|beam| motion.matrices(beam).rod).collect();
-    Ok(Chain { start, nodes: beams.len() + 1, mass, mass_factor, elements, stiffness, damping })
+    let nodes = beams.len() + 1;
+    Ok(Chain { start, nodes, mass, mass_factor, elements, stiffness, beyond_strains: None, damping })
+}
+
+/// Stiffness of bending between nodes that the strains of the elements do not contain: that of cones.
+fn beyond_strains(shaft: &Shaft, beams: &[Beam]) -> Option<BlockTridiagonal<2>> {
+    let is_cone = |element: &Element| !element.body.is_cylinder();
+    shaft.elements.iter().any(is_cone).then(|| {
+        let mut sum = BlockTridiagonal::zeros(beams.len() + 1);
+        let cones = shaft.elements.iter().zip(beams).enumerate().filter(|(_, (element, _))| is_cone(element));
+        for (node, (_, beam)) in cones {
+            let stiffness = beam.stiffness_beyond_strains();
+            sum.add_element(node, |i, j| stiffness[(i, j)]);
+        }
+        sum
+    })
 }
 
 /// Assembles a matrix of the elements from the entries between their nodes and those of their internal coordinates.

@@ -101,6 +101,7 @@ def _layout(self: System) -> Layout:
         centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
         couplings=self.couplings,
         housings=self.housings,
+        sleeves=self.sleeves,
     )
 
 

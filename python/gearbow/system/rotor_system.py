@@ -24,7 +24,7 @@ from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import names_of_bases
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.shafts import Shaft
+from gearbow.description.shafts import Shaft, Sleeve
 from gearbow.description.supports import Housing, Support
 from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning, outside
@@ -96,6 +96,8 @@ class RotorSystem(CheckedKeywords, Shown):
         Drives, which hold the rotation.
     forces : sequence of Force
         Lateral forces.
+    sleeves : sequence of Sleeve
+        Sleeves around shafts.
     reference : str, optional
         Name of the reference shaft, whose speed all speeds refer to; None is the first.
     modal_damping : float, optional
@@ -117,7 +119,7 @@ class RotorSystem(CheckedKeywords, Shown):
     ----------
     shafts, gears, meshes, bearings, torques, disks : tuple
         The given parts.
-    supports, housings, couplings, drives, forces : tuple
+    supports, housings, couplings, drives, forces, sleeves : tuple
         The given parts.
     reference, modal_damping, rayleigh, gravity, motion, accuracy
         The given options; None if not given.
@@ -174,6 +176,7 @@ class RotorSystem(CheckedKeywords, Shown):
     couplings: tuple[Coupling, ...]
     drives: tuple[Drive, ...]
     forces: tuple[Force, ...]
+    sleeves: tuple[Sleeve, ...]
     reference: str | None
     modal_damping: float | None
     rayleigh: tuple[float, float] | None
@@ -197,6 +200,7 @@ class RotorSystem(CheckedKeywords, Shown):
         couplings: Sequence[Coupling] = (),
         drives: Sequence[Drive] = (),
         forces: Sequence[Force] = (),
+        sleeves: Sequence[Sleeve] = (),
         reference: str | None = None,
         modal_damping: float | None = None,
         rayleigh: tuple[float, float] | None = None,
@@ -205,7 +209,7 @@ class RotorSystem(CheckedKeywords, Shown):
         accuracy: str = DEFAULT,
     ) -> None:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
-        lists = (*lists, supports, housings, couplings, drives, forces)
+        lists = (*lists, supports, housings, couplings, drives, forces, sleeves)
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -339,21 +343,22 @@ class RotorSystem(CheckedKeywords, Shown):
         -------
         RotorSystem
             The rotor, with one element of degree 1 for each element of ROSS. The shaft has the name
-            "rotor". A speed-dependent bearing has a `SpeedTable`, which ends at its speeds.
+            "rotor". An element around another one is a `Sleeve` with all of its stiffness. A
+            speed-dependent bearing has a `SpeedTable`, which ends at its speeds.
 
         Raises
         ------
         SceneError
             If the file is not one of ROSS, or has an element that gearbow cannot represent, for
-            example a conical shaft element; the message names it.
+            example a bearing with added mass; the message names it.
         OSError
             If the file cannot be opened.
 
         Warns
         -----
         SceneWarning
-            If a table of ROSS 3 over speed and frequency is read at the frequency of the speed, or
-            the rotor is implausible.
+            If a table of ROSS 3 over speed and frequency is read at the frequency of the speed, an
+            element excludes its rotary inertia, or the rotor is implausible.
 
         Notes
         -----
@@ -613,6 +618,7 @@ class RotorSystem(CheckedKeywords, Shown):
             bases=bases,
             housings=self.housings,
             shafts=self.shafts,
+            sleeves=self.sleeves,
         )
 
     plot = plot

@@ -18,7 +18,9 @@ use serde::{Deserialize, Serialize};
 pub use bearing::{Bearing, ContactKind, FilmModel};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
-pub use shaft::{Bow, BowShape, Material, STEEL, STEEL_POISSON_RATIO, Segment, Shaft};
+pub use shaft::{
+    Bow, BowShape, Material, STEEL, STEEL_POISSON_RATIO, Segment, Shaft, Sleeve, SleeveStiffness, SleeveStiffnessWord,
+};
 pub use sources::{GroundQuantity, Source};
 pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable};
 pub use teeth::{
@@ -53,6 +55,9 @@ pub struct SceneDescription {
     pub accuracy: Option<Accuracy>,
     /// Shafts.
     pub shafts: Vec<Shaft>,
+    /// Sleeves around shafts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sleeves: Vec<Sleeve>,
     /// Gears.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gears: Vec<Gear>,

@@ -92,6 +92,8 @@ def objects() -> dict[str, object]:
         gb.Bow.points(MANY, MANY),
         gb.Bow.function(abs),
         gb.Segment(0.1, 0.05),
+        gb.Segment(0.1, 0.05, end_outer_diameter=0.04, material=gb.STEEL),
+        gb.Sleeve("s", 0.1, 0.2, 0.08, 0.05),
         gb.Shaft("s", segments=[gb.Segment(0.1, 0.05 + 1e-5 * i) for i in range(300)]),
         gb.Disk("d", "a", 0.1, 1.0, 1.0, 1.0),
         gb.Support(mass=1.0, stiffness=1e8),

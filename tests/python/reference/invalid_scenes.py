@@ -30,7 +30,12 @@ SCENE: dict[str, Any] = {
             "name": "third",
             "segments": [
                 {"length": 0.2, "outer_diameter": 0.05, "inner_diameter": 0.01, "elements": 2},
-                {"length": 0.3, "outer_diameter": 0.06},
+                {
+                    "length": 0.3,
+                    "outer_diameter": 0.06,
+                    "end_outer_diameter": 0.05,
+                    "end_inner_diameter": 0.01,
+                },
             ],
             "bow": (
                 "points",
