@@ -9,7 +9,7 @@
 //! therefore has no entries between nodal and internal coordinates, static displacements of the nodes do not depend on
 //! p, and only mass and gyroscopic matrix are coupled. Natural frequencies converge with the order 2p.
 
-use nalgebra::{DMatrix, DVector, Vector4};
+use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
 use super::profile::{Profile, Section};
 use crate::numerics::{gauss, integrated, integrated_slope, twice_integrated};
@@ -72,6 +72,12 @@ impl BendingFunction {
                 ..none
             },
         }
+    }
+
+    /// Slope u' at ξ in [−1, 1] of an element of length `l`, m.
+    fn slope(self, xi: f64, l: f64) -> f64 {
+        let shape = self.at(xi, l);
+        shape.shear + shape.rotation
     }
 
     /// Curvature φ' at ξ in [−1, 1] of an element of length `l`, m.
@@ -191,6 +197,28 @@ impl InternalBeam {
             axial: rod(|section| section.mass, |section| section.axial),
         }
     }
+}
+
+/// Geometric stiffness ∫u'ᵀu' dx of bending for an axial force of 1 N (Friswell et al. 2010, Dynamics of Rotating Machines,
+/// section 5.4.6): over the coordinates of the nodes, and of the internal coordinates of an element of this degree; entries in
+/// 1/m, 1 and m.
+pub fn geometric_stiffness(element: &Element, shear: bool, degree: usize) -> (Matrix4<f64>, InternalBlocks) {
+    let (l, profile) = (element.length, Profile::new(element, shear));
+    let functions = BendingFunction::all(degree, shear);
+    let points = degree + 2 + profile.further_points();
+    let nodal = gauss(points).iter().fold(Matrix4::zeros(), |sum, (xi, weight)| {
+        let slope = profile.slope(*xi);
+        sum + slope * slope.transpose() * (weight * l)
+    });
+    let internal = over_element(points, l, |xi, dx| {
+        let slopes = functions.iter().map(|function| function.slope(2.0 * xi - 1.0, l));
+        let slopes = DVector::from_iterator(functions.len(), slopes);
+        InternalBlocks {
+            coupling: Some(outer(profile.slope(xi).as_slice(), &slopes) * dx),
+            block: &slopes * slopes.transpose() * dx,
+        }
+    });
+    (nodal, internal)
 }
 
 impl InternalRod {

@@ -12,5 +12,7 @@ mod profile;
 
 pub use beam::{Beam, RodMatrices, deflection};
 pub use elastic::{Bending, Elastic, Rod, Values};
-pub use internal::{BendingFunction, InternalBeam, InternalBlocks, InternalRod, PlaceShape, rod_degrees};
+pub use internal::{
+    BendingFunction, InternalBeam, InternalBlocks, InternalRod, PlaceShape, geometric_stiffness, rod_degrees,
+};
 pub use profile::{Section, shear_coefficient};

@@ -31,6 +31,8 @@ pub struct Element {
     pub body: Tube,
     /// Sleeves around it, which are as long as the element.
     pub sleeves: Vec<Tube>,
+    /// Axial force, N, positive for tension.
+    pub axial_force: f64,
 }
 
 impl Tube {
@@ -68,7 +70,8 @@ impl Tube {
 impl Element {
     /// A cylinder without sleeves.
     pub fn cylinder(length: f64, outer_radius: f64, inner_radius: f64, material: Material) -> Self {
-        Self { length, body: Tube::cylinder(outer_radius, inner_radius, material), sleeves: Vec::new() }
+        let body = Tube::cylinder(outer_radius, inner_radius, material);
+        Self { length, body, sleeves: Vec::new(), axial_force: 0.0 }
     }
 
     /// Larger outer radius of both ends of the shaft, m.
@@ -100,6 +103,8 @@ pub struct Shaft {
     pub shear: bool,
     /// Degree p of the elements.
     pub degree: usize,
+    /// Internal damping β, s.
+    pub internal_damping: f64,
     /// Residual bow.
     pub bow: Option<Bow>,
 }
@@ -340,6 +345,7 @@ fn shaft(
         }
     }
     let material = Material::new(given.material.as_ref().unwrap_or(&STEEL), &at.field("material"))?;
+    let axial_force = at.field("axial_force").finite(given.axial_force.unwrap_or(0.0))?;
     let list = at.field("segments");
     let mut tubes = Vec::with_capacity(segments.len());
     let mut start = 0.0;
@@ -359,7 +365,7 @@ fn shaft(
     let element = |(span, section): (&[f64], &usize)| {
         let (start, length, tube) = &tubes[*section];
         let body = tube.between((span[0] - start) / length, (span[1] - start) / length);
-        Element { length: span[1] - span[0], body, sleeves: Vec::new() }
+        Element { length: span[1] - span[0], body, sleeves: Vec::new(), axial_force }
     };
     let bow = given.bow.as_ref().map(|bow| Bow::new(bow, length, &at.field("bow"))).transpose()?;
     Ok(Shaft {
@@ -368,6 +374,7 @@ fn shaft(
         nodes,
         shear: given.shear,
         degree: degree(given, at)?,
+        internal_damping: at.field("internal_damping").non_negative(given.internal_damping.unwrap_or(0.0))?,
         bow,
     })
 }

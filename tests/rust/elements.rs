@@ -178,7 +178,7 @@ fn a_tube_equals_the_solid_shaft_minus_its_core() {
 /// A solid cone of steel.
 fn cone(length: f64, outer_radius: [f64; 2]) -> Element {
     let body = Tube { outer_radius, ..Tube::cylinder(outer_radius[0], 0.0, STEEL) };
-    Element { length, body, sleeves: Vec::new() }
+    Element { body, ..Element::cylinder(length, outer_radius[0], 0.0, STEEL) }
 }
 
 #[test]

@@ -205,6 +205,13 @@ class Shaft(Part):
         Material of the shaft, and of all segments without one.
     shear : bool
         Whether the model includes shear deformation; False is the Rayleigh beam.
+    axial_force : float
+        Axial force [N], positive for tension, which stiffens the shaft in bending. A force at which
+        the shaft buckles is an error.
+    internal_damping : float
+        Internal damping β [s]: viscous damping βK of the shaft in coordinates that rotate with it,
+        of hysteresis and fits. Above a critical speed it makes the rotor unstable where the
+        damping of the bearings does not prevent it. It damps torsion and axial motion as well.
     bow : Bow, optional
         Residual bow; None is a straight shaft.
 
@@ -232,6 +239,8 @@ class Shaft(Part):
     segments: Sequence[Segment] | None = None
     material: Material = STEEL
     shear: bool = True
+    axial_force: float = 0.0
+    internal_damping: float = 0.0
     bow: Bow | None = None
 
     def _describe(self, path: str) -> dict[str, Plain]:

@@ -5,6 +5,8 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from gearbow._convert import copied, nested, number, showing, shown, text
 from gearbow._core import Model
 from gearbow._files import check_name, replacing
@@ -37,6 +39,7 @@ from gearbow.system.frequency import frequency_response, mesh_response
 from gearbow.system.linear import (
     campbell,
     critical_speed_map,
+    mass_properties,
     matrices,
     modes,
     static,
@@ -56,17 +59,27 @@ __all__ = ["RotorSystem"]
 
 #: Further classes of a list of parts.
 _OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing, RollingBearing)}
+
+
+def _flag(value: object, path: str) -> bool:
+    """Convert a truth value."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise SceneError(f"{path}: must be True or False, got {shown(value)}")
+    return bool(value)
+
+
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
     "reference": text,
     "modal_damping": number,
     "rayleigh": nested,
+    "geometric_stiffness": _flag,
     "gravity": nested,
     "motion": text,
     "accuracy": text,
 }
 #: Values of options that were not given, where they are not None.
-_DEFAULTS = {"accuracy": DEFAULT}
+_DEFAULTS: dict[str, Plain] = {"accuracy": DEFAULT, "geometric_stiffness": False}
 
 
 class RotorSystem(CheckedKeywords, Shown):
@@ -104,6 +117,9 @@ class RotorSystem(CheckedKeywords, Shown):
         Damping ratio of the shafts, the same for every mode.
     rayleigh : tuple of (float, float), optional
         Damping αM + βK of the shafts [1/s, s].
+    geometric_stiffness : bool
+        Whether the axial forces of the static equilibrium, such as the thrust of helical gears,
+        change the bending stiffness of the shafts, beside `Shaft.axial_force`.
     gravity : float or tuple of (float, float), optional
         Gravity [m/s²], along −z or as (y, z).
     motion : {"lateral", "torsion", "coupled"}, optional
@@ -121,7 +137,7 @@ class RotorSystem(CheckedKeywords, Shown):
         The given parts.
     supports, housings, couplings, drives, forces, sleeves : tuple
         The given parts.
-    reference, modal_damping, rayleigh, gravity, motion, accuracy
+    reference, modal_damping, rayleigh, geometric_stiffness, gravity, motion, accuracy
         The given options; None if not given.
 
     Raises
@@ -180,6 +196,7 @@ class RotorSystem(CheckedKeywords, Shown):
     reference: str | None
     modal_damping: float | None
     rayleigh: tuple[float, float] | None
+    geometric_stiffness: bool
     gravity: float | tuple[float, float] | None
     motion: str | None
     accuracy: str
@@ -204,6 +221,7 @@ class RotorSystem(CheckedKeywords, Shown):
         reference: str | None = None,
         modal_damping: float | None = None,
         rayleigh: tuple[float, float] | None = None,
+        geometric_stiffness: bool = False,
         gravity: float | tuple[float, float] | None = None,
         motion: str | None = None,
         accuracy: str = DEFAULT,
@@ -214,6 +232,7 @@ class RotorSystem(CheckedKeywords, Shown):
             "reference": reference,
             "modal_damping": modal_damping,
             "rayleigh": rayleigh,
+            "geometric_stiffness": geometric_stiffness,
             "gravity": gravity,
             "motion": motion,
             "accuracy": accuracy,
@@ -622,6 +641,7 @@ class RotorSystem(CheckedKeywords, Shown):
         )
 
     plot = plot
+    mass_properties = mass_properties
     matrices = matrices
     modes = modes
     static = static

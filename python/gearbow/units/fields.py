@@ -24,6 +24,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "inner_diameter": "m",
     "end_outer_diameter": "m",
     "end_inner_diameter": "m",
+    "axial_force": "N",
+    "internal_damping": "s",
     "sleeves.begin": "m",
     "sleeves.end": "m",
     "sleeves.stiffness": DIMENSIONLESS,

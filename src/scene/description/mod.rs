@@ -44,6 +44,9 @@ pub struct SceneDescription {
     /// Rayleigh damping αM + βK of the shafts: `[α, β]`, 1/s and s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<[f64; 2]>,
+    /// Whether the axial forces of the static equilibrium change the stiffness of the shafts; false by default.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub geometric_stiffness: bool,
     /// Gravity, m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,

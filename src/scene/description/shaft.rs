@@ -53,6 +53,12 @@ pub struct Shaft {
     /// Material; steel by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,
+    /// Axial force, N, positive for tension; zero by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_force: Option<f64>,
+    /// Internal damping β, s: the viscous damping βK of the shaft in coordinates that rotate with it; zero by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub internal_damping: Option<f64>,
     /// Residual bow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bow: Option<Bow>,

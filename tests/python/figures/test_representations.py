@@ -114,6 +114,7 @@ def objects() -> dict[str, object]:
         rolling.coefficients(500.0),
         gb.results.BearingMotion(force, eccentricity_ratio=MANY, attitude_angle=MANY),
         pair.matrices(20.0),
+        pair.mass_properties(),
         system.discretisation,
         pair.modes(20.0),
         campbell,

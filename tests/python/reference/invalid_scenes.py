@@ -17,6 +17,8 @@ SCENE: dict[str, Any] = {
             "inner_diameter": 0.01,
             "elements": 4,
             "degree": 2,
+            "axial_force": 10.0,
+            "internal_damping": 0.0,
             "material": {"youngs_modulus": 2e11, "density": 7800.0, "poisson_ratio": 0.3},
         },
         {
