@@ -48,6 +48,7 @@ _MODULES = {
     "Discretisation": "gearbow.results.discretisation",
     "FrequencyComparison": "gearbow.results.frequency_comparison",
     "FrequencyResponse": "gearbow.results.frequency_response",
+    "MassProperties": "gearbow.results.mass",
     "Matrices": "gearbow.results.matrices",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
@@ -108,6 +109,7 @@ if _typing.TYPE_CHECKING:
         FrequencyComparison as FrequencyComparison,
     )
     from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
+    from gearbow.results.mass import MassProperties as MassProperties
     from gearbow.results.matrices import Matrices as Matrices
     from gearbow.results.modes import Modes as Modes
     from gearbow.results.peak import (
