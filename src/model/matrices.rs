@@ -162,7 +162,7 @@ impl Model {
         out.iter_mut().for_each(|value| *value = -*value);
         let add: Add<'_> = &mut |row, column, value| out[row] += value * x[column];
         self.visit_supports(|support| if symmetric { support.symmetric_part } else { support.stiffness }, add);
-        for connection in self.connections(speed) {
+        for connection in self.connections(speed).filter(Connection::is_local) {
             let (rows, coefficients) = (connection.rows(), connection.linear(speed));
             let scalar = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * x[*index]).sum::<f64>();
             let scalars = DVector::from_iterator(rows.len(), rows.iter().map(scalar));
@@ -272,7 +272,7 @@ impl Model {
     }
 
     fn visit_connections(&self, speed: f64, of: impl Fn(&Connection<'_>) -> DMatrix<f64>, add: Add<'_>) {
-        for connection in self.connections(speed) {
+        for connection in self.connections(speed).filter(Connection::is_local) {
             let (rows, coefficients) = (connection.rows(), of(&connection));
             for (i, left) in rows.iter().enumerate() {
                 for (j, right) in rows.iter().enumerate() {

@@ -4,7 +4,7 @@
 
 use super::description::{SceneDescription, TorqueValue};
 use super::place::Names;
-use super::{Coupling, EntryPath, Gear, Mesh, SceneError, Shaft, Torque};
+use super::{Coupling, EntryPath, Gear, Mesh, Scene, SceneError, Shaft, Torque};
 use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Signed speed of each shaft relative to the reference shaft. Each external mesh multiplies it by −z_a/z_b.
@@ -106,6 +106,18 @@ pub(super) struct Train<'a> {
     pub gears: &'a [Gear],
     pub meshes: &'a [Mesh],
     pub couplings: &'a [Coupling],
+}
+
+impl Scene {
+    /// Rotation of each shaft in the rigid-body rotation that turns shaft `start` by 1: zero for shafts that couplings without
+    /// torsional stiffness separate from it. It follows from the base radii, so that no mesh is deflected.
+    pub(crate) fn rotations_with(&self, start: usize) -> Vec<f64> {
+        let is_stiff = |coupling: &&Coupling| coupling.torsional.stiffness > 0.0;
+        let couplings: Vec<Coupling> = self.couplings.iter().filter(is_stiff).copied().collect();
+        let train = Train { gears: &self.gears, meshes: &self.meshes, couplings: &couplings };
+        let ratios = ratios_by(self.shafts.len(), start, train, |gear| self.gears[gear].base_radius);
+        ratios.into_iter().map(Option::unwrap_or_default).collect()
+    }
 }
 
 /// Speed ratio of each shaft to shaft `start`; None if no meshes or couplings connect them. `size` of a gear is its number of teeth
