@@ -13,6 +13,7 @@
 //! | Which bounds? | [`Connection::bounds`] | stability limit of the step |
 //! | What can a run record, in which unit? | [`Connection::channels`] | recorder, files, spectra and figures |
 //!
+//! A [`TurningBow`] acts on a whole shaft and is in no matrix ([`Connection::is_local`]).
 //! A bearing with constant coefficients is linear: it is part of the matrices and is not a connection. At a constant
 //! speed a [`SpeedDependentBearing`] is also part of the matrices; only runs at a changing speed have its [`Interface`].
 //!

@@ -290,6 +290,67 @@ fn the_tangent_is_the_derivative_of_the_load() {
 }
 
 #[test]
+fn the_tangent_of_a_turning_bow_is_the_derivative_of_its_load() {
+    let cached = CachedModel::new(model(&heavy()));
+    let model = &cached.model;
+    assert!(!model.bows.is_empty());
+    let reference = equilibrium(&cached, Geometry::Live, 110.0).unwrap();
+    let options = InterfaceOptions {
+        geometry: Geometry::Live,
+        reference: reference.as_slice(),
+        contained: true,
+        speed: 110.0,
+        bearing_speed: 110.0,
+        highest_frequency: 0.0,
+        mobility: 0.0,
+    };
+    for bow in &model.bows {
+        let interface = Interface::new(Connection::Bow(bow), options).unwrap();
+        let phase = ShaftPhase { angle: 0.7, spin: 115.0 };
+        let instant = Instant { time: 0.0, phases: [phase, ShaftPhase::default()], contact_mode: ContactMode::ALWAYS };
+        let load = |u: [f64; 3]| {
+            let mut load = [0.0; 3];
+            interface.load(&instant, &u, &[], &mut load).unwrap();
+            load
+        };
+        let u = [2e-4, -1e-4, 3e-2];
+        let mut tangent = [0.0; 9];
+        let into = Tangent { stiffness: &mut tangent, damping: &mut [] };
+        interface.residual_tangent(&instant, &u, &[], &Contact::default(), into);
+        for k in 0..3 {
+            let by = 1e-6;
+            let shifted = |by: f64| std::array::from_fn(|i| u[i] + if i == k { by } else { 0.0 });
+            let (after, before) = (load(shifted(by)), load(shifted(-by)));
+            for i in 0..3 {
+                // Third derivatives of sines, and round-off of a force of this size over the step.
+                let gap = tangent[3 * i + k] + (after[i] - before[i]) / (2.0 * by);
+                assert!(gap.abs() <= 1e-9 * bow.force, "{i} {k}: {gap:e} of {tangent:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rigid_rotation_does_not_turn_a_bow_that_nothing_holds() {
+    let mut system = train();
+    let free = model(&system);
+    let drive = r#"drive = { at = "g1", stiffness = 1e4 }"#;
+    let parsed: toml::Table = toml::from_str(drive).unwrap();
+    system.drives = vec![parsed["drive"].clone().try_into().unwrap()];
+    let held = model(&system);
+    for (model, expected) in [(&free, 0.0), (&held, 1.0)] {
+        for bow in &model.bows {
+            let mut rotation = vec![0.0; model.len()];
+            for shaft in &model.shafts {
+                let chain = shaft.twist.as_ref().unwrap();
+                rotation[chain.start..chain.start + chain.nodes].fill(shaft.ratio / model.shafts[bow.shaft].ratio);
+            }
+            assert!((bow.twist(&rotation) - expected).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
 fn equilibrium_carries_gravity_by_a_hardening_bearing() {
     for entries in [ROLLING, JOURNAL] {
         let cached = CachedModel::new(model(&with_bearing(&heavy(), entries)));
@@ -305,7 +366,7 @@ fn equilibrium_carries_gravity_by_a_hardening_bearing() {
                 Connection::Nonlinear(bearing) => {
                     (connection.rows(), bearing.static_tangent(100.0, q.as_slice()).0.as_slice().to_vec())
                 }
-                Connection::Bearing(_) | Connection::Load(_) => continue,
+                Connection::Bearing(_) | Connection::Load(_) | Connection::Bow(_) => continue,
             };
             for (row, force) in rows.iter().zip(force) {
                 row.iter().for_each(|(index, factor)| left[*index] -= factor * force);
