@@ -13,7 +13,7 @@
 //! linear in the force at the equilibrium and of second order in the bow at rest, so that linear analyses do not contain it.
 
 use super::Row;
-use super::instant::{Instant, InterfaceOptions, Tangent};
+use super::instant::{Instant, InterfaceOptions};
 use num_complex::Complex64;
 
 /// Number of scalars.
@@ -66,7 +66,8 @@ fn scalar(row: &Row, q: &[f64]) -> f64 {
     row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum()
 }
 
-/// A bow that turns with the twist in a run.
+/// A bow that turns with the twist in a run. It has no tangent, which would vary with the angle of the shaft and be factorised in
+/// each step: its stiffness is that of the shaft times the bow over its radius of gyration, so that an iteration contracts fast.
 #[derive(Clone, Debug)]
 pub struct BowInterface {
     pub(super) bow: TurningBow,
@@ -89,15 +90,5 @@ impl BowInterface {
     #[inline]
     pub(super) fn load(&self, instant: &Instant, u: &[f64], load: &mut [f64]) {
         load.copy_from_slice(&self.bow.load(instant.phases[0].angle, self.scalars(u)));
-    }
-
-    #[inline]
-    pub(super) fn residual_tangent(&self, instant: &Instant, u: &[f64], tangent: Tangent<'_>) {
-        let [real, imaginary, twist] = self.scalars(u);
-        let (sin, cos) = (instant.phases[0].angle + twist).sin_cos();
-        let (y, z) = (self.bow.force * sin, -self.bow.force * cos);
-        let torsion = self.bow.force * (imaginary * sin + real * cos);
-        tangent.stiffness.copy_from_slice(&[0.0, 0.0, y, 0.0, 0.0, z, y, z, torsion]);
-        tangent.damping.fill(0.0);
     }
 }

@@ -127,19 +127,19 @@ impl Interface {
     pub fn direction_count(&self) -> usize {
         match self {
             Self::Mesh(_) => 1,
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => self.scalars(),
+            Self::Bow(_) => 0,
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => self.scalars(),
         }
     }
 
     /// The d directions over the scalars in which the load changes with the motion: for a mesh the gradient of the
-    /// deflection, for another connection every scalar.
+    /// deflection, for another connection every scalar, for a bow none.
     pub fn directions(&self) -> Vec<Direction> {
         match self {
             Self::Mesh(interface) => vec![interface.direction()],
-            // The energy of the linear motion contains the stiffness of bearings, and loads and bows have none.
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => {
-                Direction::of_scalars(self.scalars())
-            }
+            Self::Bow(_) => Vec::new(),
+            // The energy of the linear motion contains the stiffness of bearings, and a load has none.
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Direction::of_scalars(self.scalars()),
         }
     }
 
@@ -194,7 +194,7 @@ impl Interface {
                 tangent.damping.fill(0.0);
                 interface.residual_tangent(instant, rates, tangent.damping);
             }
-            Self::Bow(interface) => interface.residual_tangent(instant, u, tangent),
+            Self::Bow(_) => {}
         }
     }
 
