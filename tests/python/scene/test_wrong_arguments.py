@@ -185,6 +185,16 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         gb.sweep,
         {"make": lambda x: system(), "parameters": {"x": [1.0]}, "measure": measure},  # noqa: ARG005
     ),
+    "dataset": (
+        gb.dataset,
+        {
+            "make": lambda x: system(),  # noqa: ARG005
+            "parameters": {"x": [1.0]},
+            "run": lambda made, x: response(),  # noqa: ARG005
+            "sensors": {"y": gb.Probe("input", 0.25)},
+            "path": "x.nc",
+        },
+    ),
     "Measurement": (
         gb.Measurement,
         {
