@@ -22,6 +22,7 @@ _MODULES = {
     "RollingCoefficients": "gearbow.description.rolling",
     "Correction": "gearbow.identification.correction",
     "Identification": "gearbow.identification.result",
+    "TrialInfluence": "gearbow.identification.trials",
     "ProbeResidual": "gearbow.identification.result",
     "MeasuredCurve": "gearbow.exchange.harmonic",
     "LoadCase": "gearbow.exchange.rexs",
@@ -76,6 +77,7 @@ if _typing.TYPE_CHECKING:
         Identification as Identification,
         ProbeResidual as ProbeResidual,
     )
+    from gearbow.identification.trials import TrialInfluence as TrialInfluence
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
