@@ -59,13 +59,21 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
 impl Model {
     /// Whether the matrices need a speed: they lack the coefficients of bearings that depend on the speed.
     pub fn needs_speed(&self) -> bool {
-        !self.bearings.is_empty() || self.nonlinear_bearings.iter().any(|bearing| bearing.point.is_none())
+        !self.bearings.is_empty()
+            || self.nonlinear_bearings.iter().any(|bearing| bearing.point.is_none())
+            || self.has_internal_damping() && self.circulation.is_none()
+    }
+
+    /// Whether a shaft has internal damping, whose circulatory forces depend on the speed.
+    pub fn has_internal_damping(&self) -> bool {
+        self.shafts.iter().any(|shaft| shaft.circulatory.is_some())
     }
 
     /// Whether this is the model at a speed of the reference shaft, rad/s.
     pub fn is_at_speed(&self, speed: f64) -> bool {
         let is_at = |bearing: &NonlinearBearing| bearing.point.is_some_and(|point| point.speed == Some(speed));
-        self.bearings.is_empty() && self.nonlinear_bearings.iter().all(is_at)
+        let circulates = !self.has_internal_damping() || self.circulation == Some(speed);
+        self.bearings.is_empty() && circulates && self.nonlinear_bearings.iter().all(is_at)
     }
 
     /// The model with coefficients of its nonlinear bearings in the matrices, one for each.
@@ -195,7 +203,8 @@ impl Model {
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
         let nonlinear = self.nonlinear_bearings.iter().map(Connection::Nonlinear);
         let others = self.bearings.iter().map(Connection::Bearing).chain(nonlinear);
-        meshes.chain(others).chain(self.loads.iter().map(Connection::Load))
+        let bows = self.bows.iter().map(Connection::Bow);
+        meshes.chain(others).chain(self.loads.iter().map(Connection::Load)).chain(bows)
     }
 
     /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients or a torque no value.
@@ -242,6 +251,7 @@ impl Model {
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
         model.links = links(&model.scene, &model.numbering);
         model.add_operating_points();
+        model.circulation = model.has_internal_damping().then_some(speed);
         Ok(model)
     }
 

@@ -60,7 +60,7 @@ pub use mesh::{Damping, Mesh};
 pub use nonlinear::{Nonlinear, bearing};
 pub use number::{outside_table, range_with_rpm, short, with_rpm};
 pub use rolling::Rolling;
-pub use shaft::{Element, MAX_DEGREE, Shaft};
+pub use shaft::{Element, MAX_DEGREE, Shaft, Tube};
 pub use speed_table::{BearingCoefficient, Matrix2, SpeedTable};
 pub use stiffness::{Scale, StiffnessModel};
 pub use teeth::{Engagement, Phase, Relief, Teeth, TransmissionError};

@@ -15,7 +15,7 @@ from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part
-from gearbow.description.shafts import Shaft
+from gearbow.description.shafts import Shaft, Sleeve
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import AccuracyWarning
 
@@ -34,6 +34,7 @@ PARTS: dict[str, type[Part]] = {
     "couplings": Coupling,
     "drives": Drive,
     "forces": Force,
+    "sleeves": Sleeve,
 }
 
 
@@ -67,6 +68,7 @@ class Train(ReadOnly):
                 *(parts[key] for key in lists),
                 centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(description)],
                 couplings=parts["couplings"],
+                sleeves=parts["sleeves"],
             ),
             ratios={s.name: float(r) for s, r in zip(parts["shafts"], ratios, strict=True)},
             dofs=tuple(dof for dofs, _ in bows for dof in dofs),
@@ -78,7 +80,7 @@ def _bow(description: Mapping[str, Plain], name: str) -> tuple[list[Dof], Comple
     """Give the degrees of freedom and the bow of one shaft, from a model of this shaft alone."""
     own: dict[str, list[Plain]] = {
         key: [part for part in description.get(key, ()) if part["shaft"] == name]
-        for key in ("gears", "disks", "bearings")
+        for key in ("gears", "disks", "bearings", "sleeves")
     }
     # Of the bearings, also of those that stand on the shaft, a sag depends on the positions only.
     positions = [bearing["position"] for bearing in own["bearings"]]

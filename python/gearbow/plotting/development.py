@@ -7,7 +7,6 @@ farther away where both sides are covered.
 
 from collections import deque
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -104,12 +103,11 @@ def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
 
 
 def _boxes(train: Train, shaft: ShaftOutline, height: float) -> list[Box]:
-    """Give the boxes of the segments, gears and disks of a shaft."""
+    """Give the boxes of the segments, sleeves, gears and disks of a shaft."""
     left = float(shaft.origin[0])
-    ends = [0.0, *(end for end, _ in shaft.steps)]
     boxes = [
-        (left + begin, height - radius, left + end, height + radius)
-        for (begin, end), (_, radius) in zip(pairwise(ends), shaft.steps, strict=True)
+        (left + step.begin, height - step.largest, left + step.end, height + step.largest)
+        for step in (*shaft.steps, *shaft.sleeves)
     ]
     own = (body for body in train.layout.bodies if body.shaft == shaft.name)
     return [*boxes, *(body_box(train, body, height) for body in own)]

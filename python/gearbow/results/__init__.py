@@ -24,6 +24,7 @@ _MODULES = {
     "RollingEstimate": "gearbow.description.rolling",
     "Correction": "gearbow.identification.correction",
     "Identification": "gearbow.identification.result",
+    "TrialInfluence": "gearbow.identification.trials",
     "ProbeResidual": "gearbow.identification.result",
     "MeasuredCurve": "gearbow.exchange.harmonic",
     "LoadCase": "gearbow.exchange.rexs",
@@ -48,6 +49,7 @@ _MODULES = {
     "Discretisation": "gearbow.results.discretisation",
     "FrequencyComparison": "gearbow.results.frequency_comparison",
     "FrequencyResponse": "gearbow.results.frequency_response",
+    "MassProperties": "gearbow.results.mass",
     "Matrices": "gearbow.results.matrices",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
@@ -82,6 +84,7 @@ if _typing.TYPE_CHECKING:
         Identification as Identification,
         ProbeResidual as ProbeResidual,
     )
+    from gearbow.identification.trials import TrialInfluence as TrialInfluence
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
@@ -108,6 +111,7 @@ if _typing.TYPE_CHECKING:
         FrequencyComparison as FrequencyComparison,
     )
     from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
+    from gearbow.results.mass import MassProperties as MassProperties
     from gearbow.results.matrices import Matrices as Matrices
     from gearbow.results.modes import Modes as Modes
     from gearbow.results.peak import (
