@@ -195,7 +195,8 @@ class RollingBearing(Part):
     The cage turns at (1 − γ)/2 times the speed of the shaft (`cage_order`), γ = (d/D) cos α, where
     the outer ring stands; n times this is the ball-pass order of the outer ring
     (`ball_pass_order`). Between two shafts, `shaft` carries the inner ring and the shaft of
-    `support` the outer one, whose speed adds (1 + γ)/2 of itself to that of the cage. Slip, centrifugal forces and the axial motion of the shaft are not modelled.
+    `support` the outer one, whose speed adds (1 + γ)/2 of itself to that of the cage. Slip,
+    centrifugal forces and the axial motion of the shaft are not modelled.
 
     References
     ----------
