@@ -92,8 +92,8 @@ class JournalBearing(Part):
     -----
     Between two shafts, the film depends on the sum of their speeds, and carries nothing where they
     counter-rotate at one speed. The film is isoviscous, laminar and incompressible, and the journal
-    stays parallel to the bearing. The pressure is never negative: the short film ruptures where it is not squeezed
-    (Gümbel), the finite film where pressure and its gradient vanish (Reynolds).
+    stays parallel to the bearing. The pressure is never negative: the short film ruptures where it
+    is not squeezed (Gümbel), the finite film where pressure and its gradient vanish (Reynolds).
 
     References
     ----------
