@@ -91,9 +91,9 @@ class JournalBearing(Part):
     Notes
     -----
     Between two shafts, the film depends on the sum of their speeds, and carries nothing where they
-    counter-rotate at one speed. The film is isoviscous, laminar and incompressible, and the journal stays parallel to the
-    bearing. The pressure is never negative: the short film ruptures where it is not squeezed
-    (Gümbel), the finite film where pressure and its gradient vanish (Reynolds).
+    counter-rotate at one speed. The film is isoviscous, laminar and incompressible, and the journal
+    stays parallel to the bearing. The pressure is never negative: the short film ruptures where it
+    is not squeezed (Gümbel), the finite film where pressure and its gradient vanish (Reynolds).
 
     References
     ----------
