@@ -3,7 +3,9 @@
 
 use crate::common::{Noise, largest, model, train};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, Response, simulate};
-use gearbow::analysis::{ExcitationPart, Interrupt, Spectrum, campbell, critical_speeds, equilibrium, synchronous};
+use gearbow::analysis::{
+    ExcitationPart, Interrupt, Spectrum, Threads, campbell, critical_speeds, equilibrium, synchronous,
+};
 use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions, Tangent};
 use gearbow::integrate::Statistics;
 use gearbow::mesh::{Contact, ContactMode, Geometry, ShaftPhase};
@@ -111,7 +113,7 @@ fn modes_and_critical_speeds_contain_connections() {
         found.iter().map(|critical| critical.speed).take(8).collect()
     };
     let meetings = |cached: &CachedModel| -> Vec<f64> {
-        let diagram = campbell(cached, &[10.0, 200.0, 400.0], 6, 1, &interrupt).unwrap();
+        let diagram = campbell(cached, &[10.0, 200.0, 400.0], 6, 1, &Threads::new(2, 6), &interrupt).unwrap();
         diagram.intersections.iter().map(|meeting| meeting.speed).collect()
     };
     assert!(difference(&eigenvalues(&matrices), &eigenvalues(&table)) < ROUND_OFF);
