@@ -47,6 +47,7 @@ from gearbow.description.shafts import (
     Material as Material,
     Segment as Segment,
     Shaft as Shaft,
+    Sleeve as Sleeve,
 )
 from gearbow.description.sources import (
     GroundMotion as GroundMotion,

@@ -160,7 +160,7 @@ def _extent(layout: Layout) -> Array:
     corners = []
     for shaft in layout.shafts:
         radii = [body.radius for body in layout.bodies if body.shaft == shaft.name]
-        reach = max(radii + [radius for _, radius in shaft.steps])
+        reach = max(radii + [step.largest for step in shaft.steps])
         for x in (0.0, shaft.length):
             for side in (-reach, reach):
                 corners.append(shaft.origin + np.array([x, side, side]))
@@ -211,11 +211,11 @@ def _ring(position: float, radius: float, moved: Array, around: Array) -> Array:
 def _tube(shaft: ShaftOutline, motion: _Motion, shade: str) -> Iterator[Surface | Path]:
     """Give the moved surface of a shaft."""
     stations = [
-        (position, radius)
-        for begin, (end, radius) in zip(
-            [0.0, *(end for end, _ in shaft.steps)], shaft.steps, strict=False
+        (position, step.radius(position))
+        for step in shaft.steps
+        for position in np.linspace(
+            step.begin, step.end, max(2, int(24 * (step.end - step.begin) / shaft.length))
         )
-        for position in np.linspace(begin, end, max(2, int(24 * (end - begin) / shaft.length)))
     ]
     rings = np.array([shaft.origin + _ring(x, r, motion.at(x), AROUND) for x, r in stations])
     yield Surface(np.moveaxis(rings, -1, 0), shade, 0.35)

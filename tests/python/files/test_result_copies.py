@@ -64,6 +64,8 @@ def everything() -> dict[str, Any]:
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),
         "rolling coefficients": balls.coefficients(100.0),
+        "ring coefficients": balls.ring_coefficients(100.0),
+        "rolling estimate": gb.RollingBearing("rotor", 0.0, "6308").estimate,
         "rolling motion": rolling.simulate(1e-3, 100.0, record=["bearings"]).rolling(
             ("rotor", 0.0)
         ),

@@ -268,6 +268,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         gb.RollingBearing(**AT, **ROLLING).coefficients,
         {"load": 100.0},
     ),
+    "RollingBearing.ring_coefficients": (
+        gb.RollingBearing(**AT, **ROLLING).ring_coefficients,
+        {"load": 100.0},
+    ),
     "Support": (with_part("Support"), {"name": "s", "mass": 1.0, "stiffness": 1e8}),
     "Housing": (with_part("Housing"), {"name": "h", "mass": 1.0, "stiffness": 1e8}),
     "Coupling": (
