@@ -19,7 +19,6 @@ from gearbow.analysis.protocol import variant
 from gearbow.description.bow_limit import DISPLACEMENTS
 from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
-from gearbow.report.data import shaft_masses
 from gearbow.report.page import Block, Note, Table, picture
 from gearbow.results.modes import Modes
 
@@ -53,7 +52,7 @@ def unbalance(contents: "Contents") -> Iterator[Block]:
     rows: list[tuple[Any, ...]] = []
     first: dict[str, str] = {}
     for shaft, ratio, mass in zip(
-        system.shafts, system.speed_ratios, shaft_masses(system, speed), strict=True
+        system.shafts, system.speed_ratios, system.mass_properties().mass, strict=True
     ):
         own = [body.name for body in bodies if body.shaft == shaft.name]
         mode = _own_mode(contents.modes, shaft.name)
