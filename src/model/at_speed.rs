@@ -203,7 +203,8 @@ impl Model {
         let meshes = meshes.map(move |(index, mesh)| Connection::Mesh(index, mesh, sigma(index)));
         let nonlinear = self.nonlinear_bearings.iter().map(Connection::Nonlinear);
         let others = self.bearings.iter().map(Connection::Bearing).chain(nonlinear);
-        meshes.chain(others).chain(self.loads.iter().map(Connection::Load))
+        let bows = self.bows.iter().map(Connection::Bow);
+        meshes.chain(others).chain(self.loads.iter().map(Connection::Load)).chain(bows)
     }
 
     /// Refuses a speed of the reference shaft [rad/s] at which a bearing has no coefficients or a torque no value.

@@ -5,7 +5,7 @@
 
 use super::description::{SceneDescription, TorqueValue};
 use super::place::Names;
-use super::{Coupling, EntryPath, Gear, Mesh, SceneError, Shaft, Torque};
+use super::{Coupling, EntryPath, Gear, Mesh, Scene, SceneError, Shaft, Torque};
 use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Signed speed of each shaft relative to the reference shaft. Each external mesh multiplies it by −z_a/z_b.
@@ -81,12 +81,7 @@ pub(super) fn torques(
     shafts: &[Shaft],
     train: Train<'_>,
 ) -> Result<Vec<Torque>, SceneError> {
-    let radius = |gear: usize| train.gears[gear].base_radius;
-    let rotation_with = |shaft: usize| {
-        let mut rotation = vec![None; shafts.len()];
-        connect(&mut rotation, Known { shaft, ratio: 1.0 }, train, radius);
-        rotation
-    };
+    let rotation_with = |shaft: usize| rotations_by_radius(shafts.len(), shaft, train);
     let mut torques: Vec<Torque> = Vec::with_capacity(system.torques.len());
     let mut balances: Vec<usize> = Vec::new();
     for (index, given) in system.torques.iter().enumerate() {
@@ -133,6 +128,25 @@ pub(super) struct Train<'a> {
     pub gears: &'a [Gear],
     pub meshes: &'a [Mesh],
     pub couplings: &'a [Coupling],
+}
+
+impl Scene {
+    /// Rotation of each shaft in the rigid-body rotation that turns shaft `start` by 1: zero for shafts that couplings without
+    /// torsional stiffness separate from it. It follows from the base radii, so that no mesh is deflected.
+    pub(crate) fn rotations_with(&self, start: usize) -> Vec<f64> {
+        let is_stiff = |coupling: &&Coupling| coupling.torsional.stiffness > 0.0;
+        let couplings: Vec<Coupling> = self.couplings.iter().filter(is_stiff).copied().collect();
+        let train = Train { gears: &self.gears, meshes: &self.meshes, couplings: &couplings };
+        let rotations = rotations_by_radius(self.shafts.len(), start, train);
+        rotations.into_iter().map(Option::unwrap_or_default).collect()
+    }
+}
+
+/// Rotation of each shaft in the rigid-body rotation that turns shaft `start` by 1; None if nothing connects them.
+fn rotations_by_radius(shafts: usize, start: usize, train: Train<'_>) -> Vec<Option<f64>> {
+    let mut rotations = vec![None; shafts];
+    connect(&mut rotations, Known { shaft: start, ratio: 1.0 }, train, |gear| train.gears[gear].base_radius);
+    rotations
 }
 
 /// A shaft with a known speed ratio.

@@ -189,7 +189,7 @@ class Kinematics(Shown):
         named = [
             *self._shafts(shaft_harmonics),
             *self._meshes(mesh_harmonics, 0),
-            *self._meshes(mesh_harmonics, sidebands),
+            *(self._meshes(mesh_harmonics, sidebands) if sidebands else ()),
             *self._bearings(bearing_harmonics),
             *self._forces(),
         ]

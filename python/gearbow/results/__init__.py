@@ -24,6 +24,7 @@ _MODULES = {
     "RollingEstimate": "gearbow.description.rolling",
     "Correction": "gearbow.identification.correction",
     "Identification": "gearbow.identification.result",
+    "TrialInfluence": "gearbow.identification.trials",
     "ProbeResidual": "gearbow.identification.result",
     "MeasuredCurve": "gearbow.exchange.harmonic",
     "LoadCase": "gearbow.exchange.rexs",
@@ -83,6 +84,7 @@ if _typing.TYPE_CHECKING:
         Identification as Identification,
         ProbeResidual as ProbeResidual,
     )
+    from gearbow.identification.trials import TrialInfluence as TrialInfluence
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall

@@ -80,6 +80,7 @@ def objects() -> dict[str, object]:
         identified,
         identified.probes[0],
         identified.balance(("s", 0.5), 100.0),
+        gb.results.TrialInfluence(("s",) * 300, ("probe",) * 300, MANY, 1j * MANY, 1j * MANY, MANY),
         system,
         *shafts,
         *gears,

@@ -60,6 +60,9 @@ def everything() -> dict[str, Any]:
         "variable": system.simulate(1e-3, (np.array([0.0, 1e-3]), np.array([90.0, 95.0]))),
         "identification": identified,
         "correction": identified.balance("g1", 100.0),
+        "trial influence": gb.results.TrialInfluence(
+            ("g1",), ("probe",), np.ones(1), np.full(1, 1j), np.full(1, 2j), np.ones(1)
+        ),
         "event": gb.results.Event(0.0, "contact", "a", "b"),
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),

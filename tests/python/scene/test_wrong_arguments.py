@@ -185,6 +185,16 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         gb.sweep,
         {"make": lambda x: system(), "parameters": {"x": [1.0]}, "measure": measure},  # noqa: ARG005
     ),
+    "dataset": (
+        gb.dataset,
+        {
+            "make": lambda x: system(),  # noqa: ARG005
+            "parameters": {"x": [1.0]},
+            "run": lambda made, x: response(),  # noqa: ARG005
+            "sensors": {"y": gb.Probe("input", 0.25)},
+            "path": "x.nc",
+        },
+    ),
     "Measurement": (
         gb.Measurement,
         {
@@ -240,6 +250,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         as_limit("bearing_life"),
         {"at": ("input", 0.0), "hours": 1e4, "capacity": 5e4, "exponent": 3.0},
     ),
+    "BowLimit.clearance": (gb.BowLimit.clearance, {"at": ("input", 0.0), "approach": 1e-5}),
     "BowLimit.film": (gb.BowLimit.film, {"at": ("input", 0.0), "thickness": 1e-5}),
     "Gear": (
         with_part("Gear"),
