@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import number
 from gearbow._core import rolling_coefficients
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, Plain
+from gearbow._types import Array, Plain, RollingContact
 from gearbow.description.part import Part
 from gearbow.description.supports import Support, with_support
 
@@ -129,7 +129,7 @@ class RollingBearing(Part):
     pitch_diameter: float
     clearance: float
     hertz_stiffness: float | None = None
-    contact: str = "ball"
+    contact: RollingContact = "ball"
     contact_angle: float = 0.0
     damping: ArrayLike = 0.0
     phase: float = 0.0

@@ -1,5 +1,7 @@
 """Linear and static analyses of a system."""
 
+from typing import get_args
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -7,6 +9,7 @@ from gearbow._convert import array, number, text, truth, whole
 from gearbow._core import mesh_geometry, require_memory
 from gearbow._lookup import one_of
 from gearbow._progress import working
+from gearbow._types import Excitation, Geometry
 from gearbow.analysis.protocol import System
 from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing
@@ -105,7 +108,7 @@ def _layout(self: System) -> Layout:
 
 
 def static(
-    self: System, speed: float = 0.0, *, geometry: str = "live", progress: bool | None = None
+    self: System, speed: float = 0.0, *, geometry: Geometry = "live", progress: bool | None = None
 ) -> Static:
     """Find the equilibrium under torque, gravity and the non-linear meshes.
 
@@ -139,7 +142,8 @@ def static(
         housing remains unbalanced. The error names it.
     """
     unit = given_unit(speed) or self._speed_unit
-    geometry, speed = text(geometry, "geometry"), number(speed, "speed")
+    text(geometry, "geometry")
+    speed = number(speed, "speed")
     with working(progress, "equilibrium"):
         data = self._model.static(geometry, speed)
     return Static(
@@ -256,7 +260,7 @@ def synchronous(
     self: System,
     speeds: ArrayLike,
     *,
-    excitation: str = "both",
+    excitation: Excitation = "both",
     progress: bool | None = None,
 ) -> Synchronous:
     """Find the linear response to bow and unbalance, without time stepping.
@@ -294,7 +298,7 @@ def synchronous(
         the given speeds then finds the ends of each range.
     """
     wanted = array(speeds, "speeds")
-    one_of(excitation, ("both", "bow", "unbalance"), "excitation")
+    one_of(excitation, get_args(Excitation), "excitation")
     with working(progress, f"synchronous response at {wanted.size} speeds"):
         data = self._model.synchronous(wanted, excitation)
     return Synchronous(
