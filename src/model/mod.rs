@@ -8,7 +8,8 @@
 //! with one scalar force F.
 //!
 //! - Shafts: `shaft` has up to three chains of nodes (bending, torsion, axial motion), and bow and unbalance as forces
-//!   that rotate with the shaft; `bow` has the nodal values of the bow.
+//!   that rotate with the shaft; `bow` has the nodal values of the bow, `turning_bow` the scalars through which it turns with
+//!   the twist.
 //! - Other parts: `housing` (inertia), `link` (springs and dampers), `loads` (torques, forces, weight), `flanks` (which
 //!   flank of a mesh is pressed), `at_speed` (coefficients of bearings at a speed).
 //! - `numbering` is the only file that knows the order of the coordinates.
@@ -29,8 +30,10 @@ mod numbering;
 mod place;
 mod quadratic_forms;
 mod shaft;
+mod turning_bow;
 
 use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
 pub use dynamic_stiffness::Weights;
 pub use flanks::Rotation;
@@ -39,8 +42,9 @@ pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use place::PlaceRows;
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
+pub use turning_bow::{bow_force, is_bowed};
 
-use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing};
+use crate::connection::{AppliedLoad, Connection, NonlinearBearing, SpeedDependentBearing, TurningBow};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -115,6 +119,9 @@ impl Support {
     }
 }
 
+/// Natural frequency, rad/s, below which a motion without stiffness and one that buckles are not told apart.
+const SLOWEST_STABLE: f64 = 1e-2;
+
 /// (K + Kᵀ)/2 counts as positive definite if its lower eigenvalue exceeds this fraction of ‖K‖.
 const MIN_DEFINITE_FRACTION: f64 = 1e-3;
 
@@ -162,8 +169,12 @@ pub struct Model {
     pub meshes: Vec<GearMesh>,
     /// Forces and torques that depend on time, angle or speed.
     pub loads: Vec<AppliedLoad>,
+    /// Bows that turn with the twist of their shafts.
+    pub bows: Vec<TurningBow>,
     /// Constant load of torques, forces, gravity and misaligned couplings, n entries, N or N m.
     pub constant_load: DVector<f64>,
+    /// Speed of the reference shaft, rad/s, whose circulatory forces of internal damping belong to the stiffness.
+    pub circulation: Option<f64>,
     /// σ of every mesh at speed zero.
     sigma_standing: Vec<f64>,
 }
@@ -209,10 +220,31 @@ impl Model {
             nonlinear_bearings,
             meshes,
             loads: Vec::new(),
+            circulation: None,
+            bows: Vec::new(),
         };
         model.set_initial_stiffness();
         model.add_loads();
+        model.check_buckling()?;
         Ok(model)
+    }
+
+    /// Refuses axial forces under which the shafts have no stable equilibrium.
+    fn check_buckling(&self) -> Result<(), SceneError> {
+        let compressed = |shaft: &crate::scene::Shaft| shaft.elements.iter().any(|element| element.axial_force < 0.0);
+        let Some(index) = self.scene.shafts.iter().position(compressed) else { return Ok(()) };
+        // Rigid-body motions count as stable.
+        let mass = Complex64::from(SLOWEST_STABLE * SLOWEST_STABLE);
+        let weights = Weights { mass, symmetric: true, ..Weights::stiffness() };
+        if self.dynamic_stiffness(&weights, 0.0).negative_eigenvalues() == Some(0) {
+            return Ok(());
+        }
+        let name = &self.scene.shafts[index].name;
+        let force = self.scene.shafts[index].elements.iter().map(|element| element.axial_force).fold(0.0, f64::min);
+        Err(SceneError::new(
+            format!("shafts[{index}].axial_force"),
+            format!("the shaft \"{name}\" buckles under the compression of {} N; use a smaller force", -force),
+        ))
     }
 
     /// Number of degrees of freedom n.
@@ -309,6 +341,7 @@ impl Model {
         for link in &self.links {
             link.subtract(link.local.elastic_force(&link.scalars(q)), force.as_mut_slice());
         }
+        self.visit_circulation(&mut |row, column, value| force[row] -= value * q[column]);
         -force
     }
 
@@ -328,9 +361,9 @@ impl Model {
         self.housings.solve_mass(x);
     }
 
-    /// Coordinates on which bearings, links and connections act, with repetitions; `speed` of the reference shaft, rad/s.
+    /// Coordinates on which bearings, links and local connections act, with repetitions; `speed` of the reference shaft, rad/s.
     pub fn coupled_coordinates(&self, speed: f64) -> Vec<usize> {
-        let rows = self.connections(speed).flat_map(|connection| connection.rows());
+        let rows = self.connections(speed).filter(Connection::is_local).flat_map(|connection| connection.rows());
         let bearings = self.supports.iter().flat_map(|support| [support.index, support.index + 1]);
         let links = self.links.iter().flat_map(|link| link.rows.iter().flatten().map(|(index, _)| *index));
         rows.flatten().map(|(index, _)| index).chain(bearings).chain(links).collect()

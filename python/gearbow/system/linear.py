@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, number, text, truth, whole
 from gearbow._core import mesh_geometry, require_memory
 from gearbow._lookup import one_of
+from gearbow._parallel import thread_count
 from gearbow._progress import working
 from gearbow._types import Excitation, Geometry
 from gearbow.analysis.protocol import System
@@ -17,6 +18,7 @@ from gearbow.description.part import Part
 from gearbow.description.speed_table import SpeedTable
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
+from gearbow.results.mass import MassProperties
 from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
@@ -104,7 +106,21 @@ def _layout(self: System) -> Layout:
         centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
         couplings=self.couplings,
         housings=self.housings,
+        sleeves=self.sleeves,
     )
+
+
+def mass_properties(self: System) -> MassProperties:
+    """Find mass, centre of mass and moments of inertia of each shaft and of the machine.
+
+    Returns
+    -------
+    MassProperties
+        The shafts with their sleeves, gears and disks. Compare them with a drawing first.
+    """
+    names = [shaft.name for shaft in self.shafts]
+    origins = [_layout(self).shaft(name).origin for name in names]
+    return MassProperties._of(names, self._model.mass_properties(), origins)
 
 
 def static(
@@ -162,6 +178,7 @@ def campbell(
     *,
     count: int = 10,
     harmonics: int = 1,
+    threads: int | None = None,
     progress: bool | None = None,
 ) -> Campbell:
     """Follow the modes over the speed, and find their intersections with excitation lines.
@@ -175,6 +192,9 @@ def campbell(
         does not count.
     harmonics : int
         Number of harmonics of every tooth frequency; 0 omits the teeth.
+    threads : int, optional
+        Largest number of threads. None is the number in the environment variable
+        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
@@ -195,9 +215,10 @@ def campbell(
     wanted = array(speeds, "speeds")
     count = whole(count, "count")
     harmonics = whole(harmonics, "harmonics", least=0)
+    workers = thread_count(threads)
     unit = given_unit(speeds) or self._speed_unit
     with working(progress, f"Campbell diagram of {wanted.size} speeds"):
-        data = self._model.campbell(wanted, count, harmonics)
+        data = self._model.campbell(wanted, count, harmonics, workers)
     return Campbell.from_data(wanted, data, speed_unit=unit)
 
 
@@ -207,6 +228,7 @@ def critical_speed_map(
     *,
     order: float = 1.0,
     count: int | None = None,
+    threads: int | None = None,
     progress: bool | None = None,
 ) -> CriticalSpeedMap:
     """Find the undamped critical speeds against the bearing stiffness.
@@ -221,6 +243,9 @@ def critical_speed_map(
     count : int, optional
         Number of the lowest critical speeds at each stiffness; None is all. Time and memory
         then grow linearly with the number of elements.
+    threads : int, optional
+        Largest number of threads. None is the number in the environment variable
+        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
@@ -246,12 +271,13 @@ def critical_speed_map(
     wanted = array(stiffnesses, "stiffnesses")
     order = number(order, "order")
     count = None if count is None else whole(count, "count")
+    workers = thread_count(threads)
     # The shortest list of critical speeds is empty; each speed is an object with its whirl.
     size = 500.0 * wanted.size * (1 + min(count or 2 * len(self.dofs), 2 * len(self.dofs)))
     what = f"the critical speeds at {wanted.size} stiffnesses"
     require_memory("stiffnesses", what, size, "give fewer stiffnesses, or a smaller count")
     with working(progress, f"critical speeds at {wanted.size} stiffnesses"):
-        found = self._model.critical_speed_map(wanted, order, count)
+        found = self._model.critical_speed_map(wanted, order, count, workers)
     actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
     return CriticalSpeedMap.from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
 
@@ -261,6 +287,7 @@ def synchronous(
     speeds: ArrayLike,
     *,
     excitation: Excitation = "both",
+    threads: int | None = None,
     progress: bool | None = None,
 ) -> Synchronous:
     """Find the linear response to bow and unbalance, without time stepping.
@@ -271,6 +298,9 @@ def synchronous(
         Speeds of the reference shaft [rad/s].
     excitation : {"both", "bow", "unbalance"}
         The excitation.
+    threads : int, optional
+        Largest number of threads. None is the number in the environment variable
+        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
@@ -299,8 +329,9 @@ def synchronous(
     """
     wanted = array(speeds, "speeds")
     one_of(excitation, get_args(Excitation), "excitation")
+    workers = thread_count(threads)
     with working(progress, f"synchronous response at {wanted.size} speeds"):
-        data = self._model.synchronous(wanted, excitation)
+        data = self._model.synchronous(wanted, excitation, workers)
     return Synchronous(
         speeds=wanted,
         shafts=tuple(self._model.shafts),

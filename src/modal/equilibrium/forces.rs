@@ -335,8 +335,8 @@ impl Forces {
                     }
                     continue;
                 }
-                // Loads over the speed have their value at this speed, and other loads no constant part.
-                Connection::Load(_) => continue,
+                // Loads over the speed have their value at this speed; other loads and bows no mean part.
+                Connection::Load(_) | Connection::Bow(_) => continue,
                 Connection::Bearing(bearing) => (&bearing.rows[..], bearing.static_tangent(speeds.flanks, q)),
                 Connection::Nonlinear(bearing) => {
                     let known = match laws {
@@ -372,6 +372,7 @@ impl Forces {
                 self.add_round_off::<1, 1>(&chain.stiffness, chain.start, q);
             }
         }
+        model.visit_circulation(&mut |row, column, value| self.elastic[row] -= value * q[column]);
     }
 
     /// Adds the round-off of K q for a chain whose unknowns have `L` lanes.

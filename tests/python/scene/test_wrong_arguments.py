@@ -279,6 +279,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         gb.RollingBearing(**AT, **ROLLING).coefficients,
         {"load": 100.0},
     ),
+    "RollingBearing.ring_coefficients": (
+        gb.RollingBearing(**AT, **ROLLING).ring_coefficients,
+        {"load": 100.0},
+    ),
     "Support": (with_part("Support"), {"name": "s", "mass": 1.0, "stiffness": 1e8}),
     "Housing": (with_part("Housing"), {"name": "h", "mass": 1.0, "stiffness": 1e8}),
     "Coupling": (
@@ -395,6 +399,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "mesh_response": {"at": "g1/g2", "speeds": [100.0]},
             "modes": {},
             "plot": {},
+            "report": {"path": "x.html", "modes": 1},
             "save": {"path": "x.toml"},
             "sensitivity": {"parameters": PARAMETERS, "of": system().modes(100.0, count=2)},
             "simulate": {"duration": 1e-3, "speed": 100.0},
