@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import number
 from gearbow._core import film_coefficients
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, Plain
+from gearbow._types import Array, FilmModel, Plain
 from gearbow.description.part import Part, freeze
 from gearbow.description.supports import Base, with_support
 
@@ -119,7 +119,7 @@ class JournalBearing(Part):
     length: float
     clearance: float
     viscosity: float
-    film: str = "short"
+    film: FilmModel = "short"
     grooves: ArrayLike | None = None
     axial_stiffness: float = 0.0
     axial_damping: float = 0.0

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import matrix, number
 from gearbow._core import ring_coefficients, rolling_coefficients, rolling_estimate
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, Plain
+from gearbow._types import Array, Plain, RollingContact
 from gearbow.description.part import Part
 from gearbow.description.supports import Base, with_support
 from gearbow.errors import SceneError
@@ -225,7 +225,7 @@ class RollingBearing(Part):
     pitch_diameter: float | None = None
     clearance: float | None = None
     hertz_stiffness: float | None = None
-    contact: str | None = None
+    contact: RollingContact | None = None
     contact_angle: float | None = None
     damping: ArrayLike = 0.0
     phase: float = 0.0
