@@ -24,6 +24,7 @@ import numpy as np
 
 import gearbow as gb
 from gearbow import _core
+from gearbow._types import BranchParameter
 from gearbow.system import continuation
 
 GEARS = ("g1", "g2", "g3", "g4")
@@ -182,7 +183,7 @@ def without_period() -> None:
 def branch_row(
     name: str,
     system: gb.RotorSystem,
-    parameter: str,
+    parameter: BranchParameter,
     interval: tuple[float, float],
     speed: float,
     *,
@@ -233,7 +234,11 @@ def branches() -> None:
     print("|" + "---|" * len(head))
     one, two = demo().replace(modal_damping=0.01), study().replace(modal_damping=0.02)
     for name, system, speed in (("demo train, 1 %", one, 100.0), ("study train, 2 %", two, 1000.0)):
-        for parameter, interval in (("speed", (speed, 1.3 * speed)), ("bow", (0.5, 2.0))):
+        intervals: dict[BranchParameter, tuple[float, float]] = {
+            "speed": (speed, 1.3 * speed),
+            "bow": (0.5, 2.0),
+        }
+        for parameter, interval in intervals.items():
             print("| " + " | ".join(branch_row(name, system, parameter, interval, speed)) + " |")
             sys.stdout.flush()
     new = gb.RotorSystem.load(Path(gb.__file__).parent / "cli" / "example.toml")

@@ -10,6 +10,7 @@ Run with ``python examples/mesh_models.py``.
 import argparse
 import math
 from pathlib import Path
+from typing import Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -40,7 +41,11 @@ MODELS = {
 
 
 def pair(
-    mesh: gb.Mesh, *, torque: float = 10.0, sideways: float = 0.0, motion: str = "coupled"
+    mesh: gb.Mesh,
+    *,
+    torque: float = 10.0,
+    sideways: float = 0.0,
+    motion: Literal["coupled", "torsion"] = "coupled",
 ) -> gb.RotorSystem:
     """Return the gear pair; `sideways` is an acceleration [m/s²] along the line of centres."""
     shafts = [gb.Shaft(name, length=0.2, outer_diameter=0.05) for name in ("input", "output")]

@@ -10,7 +10,7 @@ import argparse
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import gearbow as gb
 
@@ -91,7 +91,7 @@ class Scene:
 
     system: Callable[[], gb.RotorSystem]
     of: tuple[Any, ...]
-    initial: str
+    initial: Literal["synchronous", "rest"]
 
 
 SCENES = {

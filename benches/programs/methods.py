@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 import gearbow as gb
+from gearbow._types import Method as IntegrationMethod
 from programs.scenes import SPEED, Array, Scene
 
 Settings: TypeAlias = tuple[dict[str, float], ...]
@@ -43,7 +44,7 @@ class Method:
         return f"{self.program} {self.name}"
 
 
-def of_gearbow(method: str) -> Callable[[Scene], Prepare]:
+def of_gearbow(method: IntegrationMethod) -> Callable[[Scene], Prepare]:
     """Prepare runs of gearbow; fixed steps h are given as h ω, with the highest frequency ω."""
 
     def prepare(scene: Scene) -> Prepare:
@@ -167,9 +168,9 @@ def of_ross(method: str) -> Callable[[Scene], Prepare]:
     return prepare
 
 
-def offered(method: str) -> bool:
+def offered(name: str) -> bool:
     """Return whether the installed gearbow has a method; text after a comma is ignored."""
-    method = method.partition(",")[0]
+    method: Any = name.partition(",")[0]
     try:
         rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=1)
         gb.RotorSystem([rotor]).simulate(0.0, 0.0, method=method, initial="rest", record=["rotor"])

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import gearbow as gb
+from gearbow._types import Geometry
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -26,7 +27,7 @@ class Scene:
     title: str
     build: Callable[[], gb.RotorSystem]
     points: tuple[tuple[str, float], ...]  # (shaft, position) of the compared displacements
-    geometry: str = "frozen"
+    geometry: Geometry = "frozen"
     duration: float = 0.05  # s
     stretch: float = 0.01  # shorter duration of slow methods, s
     sample: float = 1e-4  # time between the compared samples, s

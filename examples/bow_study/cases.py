@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal
 
 import gearbow as gb
 
@@ -21,7 +22,7 @@ class Case:
     bow: float = 0.0  # amplitude of the half-sine bow / shaft radius
     where: str = ALL  # the bowed shaft
     phases: tuple[float, float] = (0.0, 0.0)  # of the bows of the second and third shaft, rad
-    geometry: str = "live"
+    geometry: Literal["live", "frozen"] = "live"
     accuracy: str = "engineering"
 
 

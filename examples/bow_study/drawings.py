@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -148,7 +148,10 @@ def limits(study: Study) -> Figure:
 def frozen(study: Study) -> Figure:
     """Draw the mesh forces with live and with frozen geometry."""
     with plots.panels(4, 4.2, columns=2, width=14.0) as (figure, panels):
-        styles = (("live", plots.PALETTE[0]), ("frozen", plots.PALETTE[1]))
+        styles: tuple[tuple[Literal["live", "frozen"], str], ...] = (
+            ("live", plots.PALETTE[0]),
+            ("frozen", plots.PALETTE[1]),
+        )
         for panel, pair in zip(panels[:2], study.pairs, strict=True):
             for geometry, colour in styles:
                 found = study[replace(study.bent, geometry=geometry)]

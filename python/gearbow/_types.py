@@ -1,7 +1,7 @@
 """Types shared by the wrapper and the stubs of the compiled core."""
 
 from collections.abc import Callable
-from typing import Any, TypeAlias, TypedDict
+from typing import Any, Literal, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,56 @@ NodalDof: TypeAlias = tuple[str, float, str]
 #: One degree of freedom: of a node, or of an element with the positions of its ends [m] and the
 #: degree of its shape function, for example ("input", (0.0, 0.1), "v2").
 Dof: TypeAlias = tuple[str, float | tuple[float, float], str]
+#: Geometry of the meshes of a run: it follows the motion, or is that at rest.
+Geometry: TypeAlias = Literal["live", "frozen"]
+#: State in which a run begins.
+InitialState: TypeAlias = Literal["synchronous", "static", "rest"]
+#: Method of time integration.
+Method: TypeAlias = Literal["exponential", "rk45", "rk4", "etdrk4"]
+#: Accuracy level.
+Accuracy: TypeAlias = Literal["draft", "engineering", "reference"]
+#: Motion of the shafts that a system has.
+ShaftMotion: TypeAlias = Literal["lateral", "torsion", "coupled"]
+#: What a branch of steady states is followed over.
+BranchParameter: TypeAlias = Literal["speed", "torque", "bow", "backlash"]
+#: Statistic of a signal over a period.
+Statistic: TypeAlias = Literal["min", "max", "mean", "rms"]
+#: Model of the mesh stiffness.
+StiffnessModel: TypeAlias = Literal[
+    "constant", "iso6336", "square", "parabolic", "potential_energy", "table", "fourier"
+]
+#: Angle that the phase of a mesh follows: with the twist, or of the prescribed rotation.
+MeshPhase: TypeAlias = Literal["twist", "prescribed"]
+#: Gear bodies of the tooth pairs in contact.
+Foundation: TypeAlias = Literal["separate", "shared"]
+#: What holds outside the speeds of a table.
+OutsideTable: TypeAlias = Literal["error", "hold"]
+#: Coefficients of a bearing.
+BearingQuantity: TypeAlias = Literal["stiffness", "damping"]
+#: The two axes across the shaft in a table of another program.
+TableAxes: TypeAlias = Literal["yz", "zy", "xy", "yx", "xz", "zx"]
+#: Kind of the rolling elements.
+RollingContact: TypeAlias = Literal["ball", "roller"]
+#: Model of an oil film.
+FilmModel: TypeAlias = Literal["short", "finite"]
+#: What excites the synchronous response.
+Excitation: TypeAlias = Literal["both", "bow", "unbalance"]
+#: What balancing cancels.
+BalanceTarget: TypeAlias = Literal["total", "elastic"]
+#: Window of a spectrum.
+Window: TypeAlias = Literal["hann", "flat top", "none"]
+#: What a figure of a run shows.
+RunFigure: TypeAlias = Literal[
+    "orbits", "history", "twist", "mesh", "geometry", "bearings", "spectrum"
+]
+#: Horizontal axis of a figure of a run.
+Abscissa: TypeAlias = Literal["time", "speed", "angle"]
+#: What a figure of a frequency response shows.
+FrequencyFigure: TypeAlias = Literal["bode", "nyquist", "waterfall"]
+#: Direction across the shafts.
+LateralDirection: TypeAlias = Literal["y", "z"]
+#: Kind of a motion that a source prescribes.
+MotionQuantity: TypeAlias = Literal["displacement", "velocity", "acceleration"]
 #: A function called with the completed fraction of a run.
 Progress: TypeAlias = Callable[[float], object]
 

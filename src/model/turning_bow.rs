@@ -28,8 +28,8 @@ impl Model {
     pub(super) fn turning_bows(&self) -> Vec<TurningBow> {
         let bow = |(shaft, model): (usize, &ShaftModel)| {
             let twist = self.bow_twist(shaft)?;
-            let force = model.excitations.iter().map(|excitation| excitation.bow.norm_sqr()).sum::<f64>().sqrt();
-            let [real, imaginary] = bow_force(model).map(|row| scaled(row, 1.0 / force));
+            let force = model.excitations.iter().fold(0.0_f64, |size, excitation| size.hypot(excitation.bow.norm()));
+            let [real, imaginary] = bow_force(model).map(|row| divided(row, force));
             Some(TurningBow { shaft, force, rows: [real, imaginary, twist] })
         };
         self.shafts.iter().enumerate().filter(|(_, shaft)| is_bowed(shaft)).filter_map(bow).collect()
@@ -43,7 +43,9 @@ impl Model {
     fn bow_twist(&self, shaft: usize) -> Option<Row> {
         let (model, start) = (&self.shafts[shaft], self.numbering.torsion(shaft)?);
         let (chain, bow) = (model.bending.as_ref()?, model.bow.as_ref()?);
-        let lanes: Vec<f64> = bow.iter().flat_map(|value| [value.re, value.im]).collect();
+        // Relative to the largest value, whose square may underflow.
+        let largest = bow.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let lanes: Vec<f64> = bow.iter().flat_map(|value| [value.re / largest, value.im / largest]).collect();
         let mut weights = vec![0.0; chain.nodes];
         for (node, element) in chain.elements.iter().enumerate() {
             let strain = element.quadratic_form::<2>(&load(&lanes, node), &load(&lanes, node + 1));
@@ -83,6 +85,6 @@ impl Model {
     }
 }
 
-fn scaled(row: Row, factor: f64) -> Row {
-    row.into_iter().map(|(index, coefficient)| (index, factor * coefficient)).collect()
+fn divided(row: Row, size: f64) -> Row {
+    row.into_iter().map(|(index, coefficient)| (index, coefficient / size)).collect()
 }

@@ -34,7 +34,7 @@ def check_initial_state(model: Model, options: Mapping[str, Any]) -> None:
     _check("the forces at the static equilibrium do not balance", speed, unbalanced)
     motion = [static["state"], np.zeros_like(static["state"])]
     if initial == "synchronous":
-        response = model.synchronous(np.array([speed]))
+        response = model.synchronous(np.array([speed]), "both", 1)
         problem = "the synchronous response does not satisfy the equations of motion"
         _check(problem, speed, response["residuals"])
         spins = speed * model.speed_ratios

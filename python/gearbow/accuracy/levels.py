@@ -8,9 +8,10 @@ signal about its mean, or over 2 % of the mean if this is larger (`scale`).
 import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 from gearbow._core import Model, accuracy_levels
+from gearbow._types import Accuracy
 from gearbow.accuracy.scale import SHARE_OF_MEAN
 from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.recording.record import Event
@@ -38,7 +39,7 @@ class Reduction(Protocol):
 class Level:
     """An accuracy level."""
 
-    name: str
+    name: Accuracy
     rtol: float
     displacement: float
     mesh_force: float
@@ -96,9 +97,11 @@ class Level:
 
 
 #: Accuracy levels by name, from cheap to accurate; `src/scene/accuracy.rs` contains the numbers.
-LEVELS = {name: Level(name, **numbers) for name, numbers in accuracy_levels().items()}
+LEVELS = {
+    name: Level(cast("Accuracy", name), **numbers) for name, numbers in accuracy_levels().items()
+}
 #: Accuracy of a system for which none is given.
-DEFAULT = "engineering"
+DEFAULT: Accuracy = "engineering"
 
 
 def find_level(name: object, accuracy: str, given: Mapping[str, Any]) -> Level | None:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Generic
+from typing import TYPE_CHECKING, Any, Generic, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +16,7 @@ from gearbow._progress import working
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written, in_degrees
 from gearbow._shown import listed
-from gearbow._types import Array, At, ComplexArray
+from gearbow._types import Array, At, BalanceTarget, ComplexArray, Excitation
 from gearbow.analysis.protocol import S, System, variant
 from gearbow.description.gears import Disk, Gear
 from gearbow.description.places import place_label, places
@@ -95,7 +95,7 @@ class Balance(Result, ReadOnly, Generic[S]):
     unbalances: ComplexArray
     speeds: Array
     points: tuple[At, ...]
-    target: str
+    target: BalanceTarget
     before: ComplexArray
     residual: ComplexArray
     influence: ComplexArray
@@ -178,7 +178,7 @@ def balance(  # numpydoc ignore=PR01
     planes: At | Sequence[At],
     speed: ArrayLike,
     *,
-    target: str = "total",
+    target: BalanceTarget = "total",
     points: At | Sequence[At] | None = None,
     progress: bool | None = None,
 ) -> Balance[S]:
@@ -209,7 +209,7 @@ def balance(  # numpydoc ignore=PR01
     SceneError
         If an argument is invalid.
     """
-    one_of(target, ("total", "elastic"), "target")
+    one_of(target, get_args(BalanceTarget), "target")
     chosen = places(planes, "planes")
     if len(set(chosen)) < len(chosen):
         raise SceneError(f"planes: must be different, got {list(chosen)}")
@@ -265,12 +265,12 @@ def balance(  # numpydoc ignore=PR01
 
 def _deflection(
     system: System,
-    excitation: str,
+    excitation: Excitation,
     *,
     shaft: str,
     speeds: Array,
     points: Sequence[At],
-    target: str,
+    target: BalanceTarget,
 ) -> ComplexArray:
     """Find the deflection at all points with the shaft of the planes as the source."""
     found = system.synchronous(speeds, excitation=excitation)

@@ -390,6 +390,11 @@ def _clearance(motion: BowMotion, limit: BowLimit) -> Check:
         )
     if name is not None:
         signal = signal - motion.displacement(name)
+    if bearing.clearance is None:
+        raise GearbowError(
+            f"limits: the clearance of the bearing at {place_label(limit.at)} is unknown; give "
+            "RollingBearing(clearance=)"
+        )
     allowed = bearing.clearance / 2.0 + approach
     return _linear(
         limit,

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import Any, Protocol, TypeVar
 
 from gearbow._core import Model
-from gearbow._types import Array, Dof, Plain
+from gearbow._types import Array, Dof, Excitation, Geometry, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.couplings import Coupling, Force
 from gearbow.description.gears import Disk, Gear, Mesh
@@ -80,10 +80,10 @@ class System(Protocol):
     ) -> None:
         """Refuse runs whose records do not fit into memory together."""
 
-    def static(self, speed: float = 0.0, *, geometry: str = "live") -> Static:
+    def static(self, speed: float = 0.0, *, geometry: Geometry = "live") -> Static:
         """Find the static equilibrium."""
 
-    def synchronous(self, speeds: Any, *, excitation: str = "both") -> Synchronous:
+    def synchronous(self, speeds: Any, *, excitation: Excitation = "both") -> Synchronous:
         """Find the linear response to bow and unbalance."""
 
     def simulate(self, *args: Any, **options: Any) -> Response:

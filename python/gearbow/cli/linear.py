@@ -4,7 +4,7 @@ import argparse
 import warnings
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.cli.answer import Answer, Drawing
@@ -26,6 +26,9 @@ from gearbow.errors import SceneError
 from gearbow.results.steady import SteadyState
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.speed import RevolutionsPerMinuteArray, given_unit
+
+if TYPE_CHECKING:
+    from gearbow._types import RunFigure
 
 __all__ = ["add"]
 
@@ -146,7 +149,7 @@ def plot(given: argparse.Namespace) -> Answer:
         run = read_run(given.scene)
         recorded = (run.response if isinstance(run, SteadyState) else run).recorded
         at = None if given.at is None else [named_item(recorded, text) for text in given.at]
-        kind = given.kind or "orbits"
+        kind: RunFigure = given.kind or "orbits"
         out = given.out or figure(f"{kind}.png")
         return Answer("", {"file": str(out)}, Drawing(lambda: run.plot(kind, at), out))
     for option in ("kind", "at"):

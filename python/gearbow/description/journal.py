@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import number
 from gearbow._core import film_coefficients
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, Plain
+from gearbow._types import Array, FilmModel, Plain
 from gearbow.description.part import Part, freeze
 from gearbow.description.supports import Base, with_support
 
@@ -91,9 +91,9 @@ class JournalBearing(Part):
     Notes
     -----
     Between two shafts, the film depends on the sum of their speeds, and carries nothing where they
-    counter-rotate at one speed. The film is isoviscous, laminar and incompressible, and the journal stays parallel to the
-    bearing. The pressure is never negative: the short film ruptures where it is not squeezed
-    (Gümbel), the finite film where pressure and its gradient vanish (Reynolds).
+    counter-rotate at one speed. The film is isoviscous, laminar and incompressible, and the journal
+    stays parallel to the bearing. The pressure is never negative: the short film ruptures where it
+    is not squeezed (Gümbel), the finite film where pressure and its gradient vanish (Reynolds).
 
     References
     ----------
@@ -119,7 +119,7 @@ class JournalBearing(Part):
     length: float
     clearance: float
     viscosity: float
-    film: str = "short"
+    film: FilmModel = "short"
     grooves: ArrayLike | None = None
     axial_stiffness: float = 0.0
     axial_damping: float = 0.0

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import matrix, number
 from gearbow._core import ring_coefficients, rolling_coefficients, rolling_estimate
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, Plain
+from gearbow._types import Array, Plain, RollingContact
 from gearbow.description.part import Part
 from gearbow.description.supports import Base, with_support
 from gearbow.errors import SceneError
@@ -147,9 +147,9 @@ class RollingBearing(Part):
     designation : str, optional
         Designation of the series 60, 62, 63, N2, NU2 or 320 without suffixes, e.g. "6308". Its
         elements are estimated (`estimate`); fields that are given replace the estimate.
-    kind : {"deep_groove", "angular_contact", "cylindrical_roller", "tapered_roller", "needle_cage"}, \
-            optional
-        Kind of a bearing whose elements are estimated from its `boundary`.
+    kind : str, optional
+        "deep_groove", "angular_contact", "cylindrical_roller", "tapered_roller" or "needle_cage":
+        kind of a bearing whose elements are estimated from its `boundary`.
     boundary : (float, float, float), optional
         Bore, outside diameter and width [m]; of a needle cage the diameters of both raceways.
     elements : int, optional
@@ -195,7 +195,8 @@ class RollingBearing(Part):
     The cage turns at (1 − γ)/2 times the speed of the shaft (`cage_order`), γ = (d/D) cos α, where
     the outer ring stands; n times this is the ball-pass order of the outer ring
     (`ball_pass_order`). Between two shafts, `shaft` carries the inner ring and the shaft of
-    `support` the outer one, whose speed adds (1 + γ)/2 of itself to that of the cage. Slip, centrifugal forces and the axial motion of the shaft are not modelled.
+    `support` the outer one, whose speed adds (1 + γ)/2 of itself to that of the cage. Slip,
+    centrifugal forces and the axial motion of the shaft are not modelled.
 
     References
     ----------
@@ -224,7 +225,7 @@ class RollingBearing(Part):
     pitch_diameter: float | None = None
     clearance: float | None = None
     hertz_stiffness: float | None = None
-    contact: str | None = None
+    contact: RollingContact | None = None
     contact_angle: float | None = None
     damping: ArrayLike = 0.0
     phase: float = 0.0
@@ -349,9 +350,9 @@ class RollingBearing(Part):
             Position on the shaft, from its left end [m].
         bore, outer, width : float
             Bore, outside diameter and width [m].
-        kind : {"deep_groove", "angular_contact", "cylindrical_roller", "tapered_roller", \
-                "needle_cage"}
-            Kind of the bearing.
+        kind : str
+            "deep_groove", "angular_contact", "cylindrical_roller", "tapered_roller" or
+            "needle_cage".
         **options
             Other fields of `RollingBearing`, such as `clearance` and `support`.
 

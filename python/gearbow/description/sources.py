@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, get_args
 
 from gearbow._convert import complex_number, items, shown, text
 from gearbow._lookup import one_of
-from gearbow._types import At, Plain
+from gearbow._types import At, Excitation, MotionQuantity, Plain
 from gearbow.description.couplings import Force
 from gearbow.description.loads import Torque
 from gearbow.description.part import Part
@@ -68,12 +68,12 @@ class GroundMotion(Part):
 
     value: complex | tuple[complex, complex] = 0.0
     _: KW_ONLY
-    quantity: str = "displacement"
+    quantity: MotionQuantity = "displacement"
     axial: complex = 0.0
     under: Sequence[At] | None = None
 
     def _describe(self, path: str) -> dict[str, Plain]:
-        one_of(self.quantity, ("displacement", "velocity", "acceleration"), f"{path}.quantity")
+        one_of(self.quantity, get_args(MotionQuantity), f"{path}.quantity")
         given: dict[str, Plain] = {
             "kind": "ground",
             "quantity": self.quantity,
@@ -109,10 +109,10 @@ class ShaftExcitation(Part):
     """
 
     shaft: str
-    excitation: str = "both"
+    excitation: Excitation = "both"
 
     def _describe(self, path: str) -> dict[str, Plain]:
-        one_of(self.excitation, ("both", "bow", "unbalance"), f"{path}.excitation")
+        one_of(self.excitation, get_args(Excitation), f"{path}.excitation")
         shaft = text(self.shaft, f"{path}.shaft")
         return {"kind": "shaft", "shaft": shaft, "excitation": self.excitation}
 

@@ -3,12 +3,14 @@
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import shown
 from gearbow._lookup import one_of
+from gearbow._types import BearingQuantity, OutsideTable, TableAxes
 from gearbow.description.part import Part, freeze
 from gearbow.errors import SceneError
 
@@ -69,7 +71,7 @@ class SpeedTable(Part):
 
     speeds: ArrayLike
     values: ArrayLike
-    outside: str = "error"
+    outside: OutsideTable = "error"
 
     def __post_init__(self) -> None:
         freeze(self, "speeds", "values")
@@ -78,11 +80,11 @@ class SpeedTable(Part):
     def read_table(
         cls,
         path: str | os.PathLike[str],
-        quantity: str = "stiffness",
+        quantity: BearingQuantity = "stiffness",
         *,
-        axes: str = "yz",
+        axes: TableAxes = "yz",
         units: Mapping[str, str] | None = None,
-        outside: str = "error",
+        outside: OutsideTable = "error",
     ) -> "SpeedTable":
         r"""Read the coefficients of a bearing from a table of another program.
 
@@ -166,9 +168,9 @@ class SpeedTable(Part):
         return cls(speeds[0], np.moveaxis(np.array([[yy, yz], [zy, zz]]), -1, 0), outside)
 
 
-def _names(axes: str) -> tuple[str, str, str, str]:
+def _names(axes: TableAxes) -> tuple[str, str, str, str]:
     """Give the ends of the headings that are yy, zz, yz, zy here."""
-    one_of(axes, ("yz", "zy", "xy", "yx", "xz", "zx"), "axes")
+    one_of(axes, get_args(TableAxes), "axes")
     first, second = axes[0], axes[1]
     return 2 * first, 2 * second, first + second, second + first
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
+from gearbow._types import Foundation, MeshPhase, StiffnessModel
 from gearbow.description.part import Part, freeze
 
 __all__ = ["Stiffness"]
@@ -81,7 +82,7 @@ class Stiffness(Part):
     (30000000.0, 10000000.0)
     """
 
-    model: str
+    model: StiffnessModel
     mean: float | None = None
     pair: float | None = None
     end_ratio: float | None = None
@@ -90,8 +91,8 @@ class Stiffness(Part):
     phases: Sequence[float] | None = None
     bore_radii: Sequence[float] | None = None
     engagement: str | float | None = None
-    phase: str | None = None
-    foundation: str | None = None
+    phase: MeshPhase | None = None
+    foundation: Foundation | None = None
 
     def __post_init__(self) -> None:
         freeze(self, "values", "amplitudes", "phases", "bore_radii")
@@ -138,7 +139,7 @@ class Stiffness(Part):
         *,
         pair: float | None = None,
         engagement: str | float | None = None,
-        phase: str | None = None,
+        phase: MeshPhase | None = None,
     ) -> "Stiffness":
         """Use pairs with a uniform stiffness on the path of contact.
 
@@ -169,7 +170,7 @@ class Stiffness(Part):
         pair: float | None = None,
         end_ratio: float | None = None,
         engagement: str | float | None = None,
-        phase: str | None = None,
+        phase: MeshPhase | None = None,
     ) -> "Stiffness":
         """Use pairs whose stiffness decreases as a parabola to the ends of the path of contact.
 
@@ -208,8 +209,8 @@ class Stiffness(Part):
         bore_radii: Sequence[float] | None = None,
         *,
         engagement: str | float | None = None,
-        phase: str | None = None,
-        foundation: str | None = None,
+        phase: MeshPhase | None = None,
+        foundation: Foundation | None = None,
     ) -> "Stiffness":
         """Use pairs of the potential-energy method: bending, shear, compression, body and contact.
 
@@ -267,7 +268,7 @@ class Stiffness(Part):
         )
 
     @classmethod
-    def table(cls, values: ArrayLike, *, phase: str | None = None) -> "Stiffness":
+    def table(cls, values: ArrayLike, *, phase: MeshPhase | None = None) -> "Stiffness":
         """Interpolate values over the mesh cycle, e.g. from a finite element analysis.
 
         Parameters
@@ -292,7 +293,7 @@ class Stiffness(Part):
         amplitudes: ArrayLike,
         phases: ArrayLike | None = None,
         *,
-        phase: str | None = None,
+        phase: MeshPhase | None = None,
     ) -> "Stiffness":
         """Sum harmonics of the mesh cycle.
 

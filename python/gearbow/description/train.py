@@ -93,5 +93,5 @@ def _bow(description: Mapping[str, Plain], name: str) -> tuple[list[Dof], Comple
     with warnings.catch_warnings():
         # The conditioning of the modes does not affect the bow.
         warnings.simplefilter("ignore", AccuracyWarning)
-        bow: ComplexArray = model.synchronous(np.empty(0), "bow")["bow"]
+        bow: ComplexArray = model.synchronous(np.empty(0), "bow", 1)["bow"]
     return list(model.dofs), bow

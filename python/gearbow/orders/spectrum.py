@@ -1,7 +1,7 @@
 """Amplitude spectrum of one recorded signal."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_micrometres, written_unit
-from gearbow._types import Array, Record
+from gearbow._types import Array, Record, Window
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
@@ -25,7 +25,7 @@ __all__ = ["WINDOWS", "Spectrum", "amplitudes", "order_frequencies", "spectrum"]
 #: Coefficients of the window functions a₀ − a₁ cos + a₂ cos 2 − … after Heinzel, Rüdiger and
 #: Schilling, *Spectrum and spectral density estimation by the DFT* (2002). A flat-top window gives
 #: the amplitude of a sine between two spectral lines.
-WINDOWS = {
+WINDOWS: dict[Window, tuple[float, ...]] = {
     "none": (1.0,),
     "hann": (0.5, 0.5),
     "flat top": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
@@ -147,9 +147,9 @@ class Spectrum(Result, ReadOnly):
         return f"Spectrum({self.label} [{self.unit}]; {self.frequencies_hz.size} frequencies)"
 
 
-def amplitudes(time: Array, values: Array, window: str = "hann") -> tuple[Array, Array]:
+def amplitudes(time: Array, values: Array, window: Window = "hann") -> tuple[Array, Array]:
     """Find the amplitude spectra of signals along the first axis."""
-    one_of(window, WINDOWS, "window")
+    one_of(window, get_args(Window), "window")
     steps = np.diff(time)
     if steps.size < 2 or np.ptp(steps) > 1e-6 * abs(steps[0]) or steps[0] <= 0.0:
         raise GearbowError("a spectrum needs equally spaced times: give output_step to simulate")
@@ -170,7 +170,7 @@ def spectrum(
     at: Record | SignalSensor,
     quantity: str | None = None,
     *,
-    window: str = "hann",
+    window: Window = "hann",
 ) -> Spectrum:
     """Find the amplitude spectrum of a recorded signal."""
     signal = channel(run, at, quantity)

@@ -17,7 +17,7 @@ from gearbow._keywords import checked
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_micrometres, written_unit
 from gearbow._shown import span
-from gearbow._types import Array, Record
+from gearbow._types import Array, Record, Window
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
@@ -156,7 +156,7 @@ def waterfall(
     at: Record | SignalSensor,
     quantity: str | None = None,
     *,
-    window: str = "hann",
+    window: Window = "hann",
     revolutions: float | None = None,
 ) -> Waterfall:
     """Collect the spectra of runs at several speeds, or of segments of one run-up.
@@ -219,7 +219,7 @@ def waterfall(
 
 
 def _of_runs(
-    runs: list[RunRecord], at: Record | SignalSensor, quantity: str | None, window: str
+    runs: list[RunRecord], at: Record | SignalSensor, quantity: str | None, window: Window
 ) -> Waterfall:
     """Collect the spectra of runs at constant speeds."""
     speeds = []
@@ -255,7 +255,7 @@ def _of_segments(
     run: RunRecord,
     at: Record | SignalSensor,
     quantity: str | None,
-    window: str,
+    window: Window,
     revolutions: float | None,
 ) -> Waterfall:
     """Find the spectra of segments of a run with equal angles of the reference shaft."""

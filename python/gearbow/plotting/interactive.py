@@ -41,6 +41,8 @@ _SYMBOLS = {
     "X": "x",
     "P": "cross",
 }
+#: Decades of a logarithmic axis below which it has labels between them.
+_FEW_DECADES = 2.0
 #: Scales that plotly has; on others the values are transformed.
 _SCALES = {"linear": "linear", "log": "log"}
 
@@ -179,6 +181,9 @@ class _Converter:
                 )
             ),
         }
+        if scale == "log":
+            decades = float(np.ptp(found["range"]))
+            found |= {"tickformat": "~g", "dtick": "D2" if decades < _FEW_DECADES else 1}
         if scale not in _SCALES:
             ticks = axis.get_major_locator()()
             texts = axis.get_major_formatter().format_ticks(ticks)
@@ -392,7 +397,8 @@ def _visible(line: Line2D) -> Array:
     if not path.should_simplify:
         return points
     enlarged = line.get_transform() + Affine2D().scale(_MAGNIFIED)
-    simple = path.cleaned(enlarged, remove_nans=False, simplify=True)
+    # `cleaned` knows affine transforms only, but a logarithmic scale is none.
+    simple = enlarged.transform_path(path).cleaned(remove_nans=False, simplify=True)
     kept = simple.codes != Path.STOP
     found: Array = enlarged.inverted().transform(np.asarray(simple.vertices)[kept])
     return found

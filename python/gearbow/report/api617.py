@@ -19,7 +19,6 @@ from gearbow.analysis.protocol import variant
 from gearbow.description.bow_limit import DISPLACEMENTS
 from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
-from gearbow.report.data import shaft_masses
 from gearbow.report.page import Block, Note, Table, picture
 from gearbow.results.modes import Modes
 
@@ -53,7 +52,7 @@ def unbalance(contents: "Contents") -> Iterator[Block]:
     rows: list[tuple[Any, ...]] = []
     first: dict[str, str] = {}
     for shaft, ratio, mass in zip(
-        system.shafts, system.speed_ratios, shaft_masses(system, speed), strict=True
+        system.shafts, system.speed_ratios, system.mass_properties().mass, strict=True
     ):
         own = [body.name for body in bodies if body.shaft == shaft.name]
         mode = _own_mode(contents.modes, shaft.name)
@@ -235,12 +234,15 @@ def level_1(contents: "Contents") -> Iterator[Block]:
         f"at {body.name}.",
     )
     largest = min(limits[0] / _RATIO, limits[1])
+    passed = f"Level 1 is passed up to an anticipated cross coupling Q_A of {largest:.3g} N/m"
+    if not largest > 0.0:
+        passed = "Level 1 is not passed even without cross coupling"
     yield Note(
         f"{name}: the decrement is {known[0.0]:.3g} without cross coupling and zero at Q₀ = "
-        f"{limits[0]:.3g} N/m. Level 1 is passed up to an anticipated cross coupling Q_A of "
-        f"{max(largest, 0.0):.3g} N/m (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, "
+        f"{limits[0]:.3g} N/m. {passed} (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, "
         "diameters and densities of the stages, which a scene does not have; the criterion of the "
-        "gas density is not evaluated."
+        "gas density is not evaluated.",
+        warning=not largest > 0.0,
     )
 
 

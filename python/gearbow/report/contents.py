@@ -21,7 +21,7 @@ from gearbow.description.bow_limit import BowLimit
 from gearbow.description.places import place_label
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
 from gearbow.report import api617
-from gearbow.report.data import masses, parts_tables
+from gearbow.report.data import parts_tables
 from gearbow.report.page import Block, Note, Picture, Section, Table, picture
 from gearbow.results.campbell import Campbell
 from gearbow.results.modes import Modes
@@ -219,7 +219,13 @@ def data(contents: Contents) -> Iterator[Block]:
 
 def mass(contents: Contents) -> Iterator[Block]:
     """List masses and inertias."""
-    yield masses(contents.system, contents.speed)
+    system = contents.system
+    found = system.mass_properties()
+    yield Table.of_result(found)
+    reduced = float(system.speed_ratios**2 @ found.polar_inertia)
+    yield Note(
+        f"The polar inertia of all shafts, reduced to the reference shaft, is {reduced:.4g} kg m²."
+    )
 
 
 def static(contents: Contents) -> Iterator[Block]:

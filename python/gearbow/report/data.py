@@ -1,4 +1,4 @@
-"""Tables of the data of a system: its parts with units, and masses."""
+"""Tables of the parts of a system with units."""
 
 import cmath
 import math
@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._result import Column
 from gearbow._shown import short
 from gearbow.report.page import Table
 from gearbow.units.fields import DIMENSIONLESS, unit_of
 
-__all__ = ["masses", "parts_tables", "shaft_masses"]
+__all__ = ["parts_tables"]
 
 #: How a drawing writes quantities in SI units: factor and unit.
 _WRITTEN = {
@@ -114,42 +113,3 @@ def _cell(value: Any, path: str, unit: str | None = None) -> str:
     text = f"{factor * value:.6g}".replace("e+0", "e")
     shown = written if unit is None and written not in (None, DIMENSIONLESS) else unit
     return f"{text}{'' if shown in ('', '°') else ' '}{shown}" if shown else text
-
-
-def masses(system: Any, speed: float) -> Table:
-    """Make a table of masses and moments of inertia of the shafts with their bodies."""
-    if hasattr(system, "mass_properties"):
-        return Table.of_result(system.mass_properties())
-    heavy, turning = (_sums(system, speed, direction) for direction in ("v", "twist"))
-    reduced = [
-        ratio**2 * inertia for ratio, inertia in zip(system.speed_ratios, turning, strict=True)
-    ]
-    names = [shaft.name for shaft in system.shafts]
-    if len(names) > 1:
-        names.append("all")
-        heavy, turning = [*heavy, sum(heavy)], [*turning, math.nan]
-        reduced = [*reduced, sum(reduced)]
-    return Table.of(
-        "Mass and polar moment of inertia of each shaft with its gears and disks",
-        [
-            Column("shaft", names),
-            Column("mass", np.array(heavy), "kg"),
-            Column("polar inertia", np.array(turning), "kg m²"),
-            Column("reduced to the reference shaft", np.array(reduced), "kg m²"),
-        ],
-    )
-
-
-def shaft_masses(system: Any, speed: float) -> list[float]:
-    """Give the mass of each shaft with its gears and disks [kg]."""
-    return _sums(system, speed, "v")
-
-
-def _sums(system: Any, speed: float, direction: str) -> list[float]:
-    """Give the inertia of each shaft in a rigid motion; NaN without this motion."""
-    mass = system.matrices(speed).mass
-    found = []
-    for shaft in system.shafts:
-        own = np.array([s == shaft.name and d == direction for s, _, d in system.dofs], float)
-        found.append(float(own @ mass @ own) if own.any() else math.nan)
-    return found

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from gearbow._lookup import one_of
 from gearbow._read_only import read_only
 from gearbow._result import Column, Result, data_frame, in_micrometres, written_unit
 from gearbow._shown import short
-from gearbow._types import Array, ComplexArray, Record, RunData
+from gearbow._types import Array, ComplexArray, Record, RunData, Statistic
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
@@ -32,7 +32,7 @@ __all__ = ["UNITS", "BranchData", "Continuation", "summary"]
 #: Unit of each parameter; torque and bow are factors.
 UNITS = {"speed": "rad/s", "torque": "", "bow": "", "backlash": "m"}
 #: Statistics of a signal over a period, in the order of the rows of each point.
-STATISTICS = ("min", "max", "mean", "rms")
+STATISTICS: tuple[Statistic, ...] = get_args(Statistic)
 
 #: Further entries of the metadata of a file.
 _BRANCH = record(
@@ -144,7 +144,7 @@ class Continuation(Result):
         """
         return (self.statistic("max", at, quantity) - self.statistic("min", at, quantity)) / 2.0
 
-    def statistic(self, name: str, at: Record, quantity: str | None = None) -> Array:
+    def statistic(self, name: Statistic, at: Record, quantity: str | None = None) -> Array:
         """Give one number that describes a signal over a period.
 
         Parameters
@@ -181,7 +181,7 @@ class Continuation(Result):
         at: Record | None = None,
         quantity: str | None = None,
         *,
-        statistic: str | None = None,
+        statistic: Statistic | None = None,
         speed_unit: SpeedUnit | None = None,
         ax: Any = None,
     ) -> "Figure":
@@ -268,7 +268,7 @@ class Continuation(Result):
     def _of(self, at: Record, quantity: str | None = None) -> list[Column]:
         """Give a row for each point, with the statistics and the amplitude of a signal."""
         name = channel(self._signals.to_record(), at, quantity)
-        found = {each: self.statistic(each, at, quantity) for each in STATISTICS}
+        found: dict[str, Array] = {each: self.statistic(each, at, quantity) for each in STATISTICS}
         found["amplitude"] = self.amplitude(at, quantity)
         written = in_micrometres(name.unit)
         return [

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, get_args
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written
 from gearbow._shown import short, span
-from gearbow._types import Array, At, ComplexArray, Plain
+from gearbow._types import Array, At, ComplexArray, FrequencyFigure, LateralDirection, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import Places, is_pair, place, place_label, places
 from gearbow.errors import ChannelError, GearbowError, SceneError
@@ -304,8 +304,8 @@ class FrequencyResponse(Result, ReadOnly):
         at: Any,
         quantity: str = "displacement",
         *,
-        direction: str | None = None,
-        kind: str = "bode",
+        direction: LateralDirection | None = None,
+        kind: FrequencyFigure = "bode",
         ax: Any = None,
     ) -> "Figure":
         """Draw the response of places.
@@ -339,7 +339,7 @@ class FrequencyResponse(Result, ReadOnly):
         with extra("plot"):
             from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
-        one_of(kind, ("bode", "nyquist", "waterfall"), "kind")
+        one_of(kind, get_args(FrequencyFigure), "kind")
         lines, unit = self._lines(at, quantity, direction)
         two = self.frequencies.ndim == 2
         if kind == "waterfall":
@@ -381,7 +381,7 @@ class FrequencyResponse(Result, ReadOnly):
                 yield f"{order:g}×", (slice(None), j), self.speeds[:, j]
 
     def _lines(
-        self, at: Any, quantity: str, direction: str | None
+        self, at: Any, quantity: str, direction: LateralDirection | None
     ) -> tuple[dict[str, ComplexArray], str]:
         """Give label and phasors of each place and source, and their unit."""
         known = {
@@ -393,7 +393,7 @@ class FrequencyResponse(Result, ReadOnly):
         }
         one_of(quantity, known, "quantity")
         if direction is not None:
-            one_of(direction, ("y", "z"), "direction")
+            one_of(direction, get_args(LateralDirection), "direction")
         single = isinstance(at, (str, SignalSensor)) or (isinstance(at, tuple) and len(at) == 2)
         found: dict[str, ComplexArray] = {}
         units = set()

@@ -12,7 +12,7 @@ from gearbow._progress import working
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._result import Column, Result
 from gearbow._shown import span
-from gearbow._types import Array, At, Record, RunData
+from gearbow._types import Abscissa, Array, At, Record, RunData, RunFigure, Window
 from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
@@ -593,7 +593,7 @@ class Response(Result, ReadOnly):
         return sensor.measure(self)
 
     def spectrum(
-        self, at: Record | SignalSensor, quantity: str | None = None, *, window: str = "hann"
+        self, at: Record | SignalSensor, quantity: str | None = None, *, window: Window = "hann"
     ) -> Spectrum:
         """Find the amplitude spectrum of one recorded signal.
 
@@ -744,12 +744,12 @@ class Response(Result, ReadOnly):
 
     def plot(
         self,
-        kind: str = "orbits",
+        kind: RunFigure = "orbits",
         at: Any = None,
         *,
         times: tuple[float, float] | None = None,
         skip_time: float | None = None,
-        against: str = "time",
+        against: Abscissa = "time",
         ax: Any = None,
         speed_unit: SpeedUnit | None = None,
     ) -> "Figure":

@@ -1,14 +1,14 @@
 """Figures of a recorded run."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._times import begin_after, window
-from gearbow._types import Array, At
+from gearbow._types import Abscissa, Array, At, RunFigure
 from gearbow.description.places import place_label, places
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
@@ -27,19 +27,19 @@ _MESH_FIELDS = {
     "geometry": ("contact_ratio", "pressure_angle", "centre_line_angle", "centre_distance"),
 }
 #: Kinds of figures of `Response.plot`.
-PLOT_KINDS = ("orbits", "history", "twist", "mesh", "geometry", "bearings", "spectrum")
+PLOT_KINDS: tuple[RunFigure, ...] = get_args(RunFigure)
 #: Kinds of figures whose horizontal axis is not time.
 _WITHOUT_TIME = ("orbits", "spectrum")
 
 
 def plot(
     run: RunRecord,
-    kind: str,
+    kind: RunFigure,
     at: Any,
     *,
     times: tuple[float, float] | None,
     skip_time: float | None,
-    against: str,
+    against: Abscissa,
     speed_unit: str,
     ax: Any,
 ) -> "Figure":
@@ -85,7 +85,7 @@ def _abscissa(run: RunRecord, kind: str, against: str, speed_unit: str) -> tuple
     """Give the values and the label of the horizontal axis."""
     from gearbow.plotting.style import speed_axis  # noqa: PLC0415  # with the extra "plot"
 
-    one_of(against, ("time", "speed", "angle"), "against")
+    one_of(against, get_args(Abscissa), "against")
     factor, speed = speed_axis(speed_unit)
     if against == "time":
         return run.time, "time [s]"

@@ -10,7 +10,7 @@ from gearbow._convert import number as number_of
 from gearbow._core import Model, multipliers
 from gearbow._progress import working
 from gearbow._result import Column, Result
-from gearbow._types import ComplexArray
+from gearbow._types import ComplexArray, RunFigure
 from gearbow.errors import GearbowError
 from gearbow.recording.schema import any_number, each, number, optional, record, row, text, whole
 from gearbow.results.response import Response
@@ -186,7 +186,7 @@ class SteadyState(Result):
         """
         return instability(self.multipliers())
 
-    def plot(self, kind: str = "orbits", at: Any = None, *, ax: Any = None) -> "Figure":
+    def plot(self, kind: RunFigure = "orbits", at: Any = None, *, ax: Any = None) -> "Figure":
         """Draw recorded signals over one period, as `Response.plot`.
 
         Parameters

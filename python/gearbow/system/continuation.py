@@ -20,7 +20,17 @@ from gearbow._core import (
 )
 from gearbow._lookup import one_of
 from gearbow._progress import reported
-from gearbow._types import Array, ComplexArray, Progress, Record, RunData
+from gearbow._types import (
+    Accuracy,
+    Array,
+    BranchParameter,
+    ComplexArray,
+    Geometry,
+    InitialState,
+    Progress,
+    Record,
+    RunData,
+)
 from gearbow.accuracy.levels import LEVELS, check_reduction
 from gearbow.analysis.arclength import Settings, branch
 from gearbow.analysis.branch_point import BranchPoint
@@ -49,20 +59,20 @@ _RESIDUAL = 10.0
 
 def continuation(
     self: System,
-    parameter: str,
+    parameter: BranchParameter,
     begin: float,
     end: float,
     *,
     speed: float | None = None,
     periods: int = 1,
     max_period: float = 10.0,
-    accuracy: str | None = None,
+    accuracy: Accuracy | None = None,
     rtol: float | None = None,
     first_step: float = 0.02,
     max_points: int = 400,
-    initial: str | SteadyState = "static",
+    initial: InitialState | SteadyState = "static",
     record: Iterable[Record] = ("gears", "meshes"),
-    geometry: str = "live",
+    geometry: Geometry = "live",
     progress: bool | Progress | None = None,
 ) -> Continuation:
     """Follow the steady motion over a parameter, through folds, with its stability.
@@ -124,7 +134,8 @@ def continuation(
     if not length > 0.0:
         raise SceneError(f"first_step: must be positive, got {length}")
     at = begin if speed is None else number(speed, "speed")
-    geometry, periods = text(geometry, "geometry"), whole(periods, "periods")
+    text(geometry, "geometry")
+    periods = whole(periods, "periods")
     fastest = max(begin, end, key=abs) if speed is None else at
     level, _ = accuracy_level(self, accuracy, {"rtol": rtol}, fastest)
     if rtol is not None:

@@ -1,5 +1,7 @@
 """Linear and static analyses of a system."""
 
+from typing import get_args
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -8,6 +10,7 @@ from gearbow._core import mesh_geometry, require_memory
 from gearbow._lookup import one_of
 from gearbow._parallel import thread_count
 from gearbow._progress import working
+from gearbow._types import Excitation, Geometry
 from gearbow.analysis.protocol import System
 from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing
@@ -121,7 +124,7 @@ def mass_properties(self: System) -> MassProperties:
 
 
 def static(
-    self: System, speed: float = 0.0, *, geometry: str = "live", progress: bool | None = None
+    self: System, speed: float = 0.0, *, geometry: Geometry = "live", progress: bool | None = None
 ) -> Static:
     """Find the equilibrium under torque, gravity and the non-linear meshes.
 
@@ -155,7 +158,8 @@ def static(
         housing remains unbalanced. The error names it.
     """
     unit = given_unit(speed) or self._speed_unit
-    geometry, speed = text(geometry, "geometry"), number(speed, "speed")
+    text(geometry, "geometry")
+    speed = number(speed, "speed")
     with working(progress, "equilibrium"):
         data = self._model.static(geometry, speed)
     return Static(
@@ -282,7 +286,7 @@ def synchronous(
     self: System,
     speeds: ArrayLike,
     *,
-    excitation: str = "both",
+    excitation: Excitation = "both",
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Synchronous:
@@ -324,7 +328,7 @@ def synchronous(
         the given speeds then finds the ends of each range.
     """
     wanted = array(speeds, "speeds")
-    one_of(excitation, ("both", "bow", "unbalance"), "excitation")
+    one_of(excitation, get_args(Excitation), "excitation")
     workers = thread_count(threads)
     with working(progress, f"synchronous response at {wanted.size} speeds"):
         data = self._model.synchronous(wanted, excitation, workers)

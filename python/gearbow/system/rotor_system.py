@@ -13,7 +13,7 @@ from gearbow._files import check_name, replacing
 from gearbow._keywords import CheckedKeywords
 from gearbow._lookup import nearest
 from gearbow._shown import Shown, Table, listed
-from gearbow._types import Array, Dof, Plain
+from gearbow._types import Accuracy, Array, Dof, Plain, ShaftMotion
 from gearbow.accuracy.levels import DEFAULT
 from gearbow.analysis.balance import balance
 from gearbow.description.assumptions import assumptions
@@ -224,8 +224,8 @@ class RotorSystem(CheckedKeywords, Shown):
         rayleigh: tuple[float, float] | None = None,
         geometric_stiffness: bool = False,
         gravity: float | tuple[float, float] | None = None,
-        motion: str | None = None,
-        accuracy: str = DEFAULT,
+        motion: ShaftMotion | None = None,
+        accuracy: Accuracy = DEFAULT,
     ) -> None:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
         lists = (*lists, supports, housings, couplings, drives, forces, sleeves)

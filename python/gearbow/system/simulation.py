@@ -13,7 +13,17 @@ from gearbow._convert import number, text, whole
 from gearbow._core import require_memory
 from gearbow._progress import reported, working
 from gearbow._times import distinct, grid
-from gearbow._types import Array, CoreCheckpoint, Progress, Record, RunData
+from gearbow._types import (
+    Accuracy,
+    Array,
+    CoreCheckpoint,
+    Geometry,
+    InitialState,
+    Method,
+    Progress,
+    Record,
+    RunData,
+)
 from gearbow.accuracy.levels import DEFAULT, LEVELS, Level, check_reduction, find_level, tolerance
 from gearbow.analysis.protocol import S, System
 from gearbow.description.kinematics import Kinematics
@@ -43,17 +53,17 @@ def simulate(
     duration: float,
     speed: SpeedLike,
     *,
-    accuracy: str | None = None,
-    method: str | None = None,
+    accuracy: Accuracy | None = None,
+    method: Method | None = None,
     step: float | None = None,
     rtol: float | None = None,
     stages: int | None = None,
     modes: int | None = None,
-    initial: str | Response | SteadyState | Mapping[str, Any] = "synchronous",
+    initial: InitialState | Response | SteadyState | Mapping[str, Any] = "synchronous",
     output_step: float | None = None,
     times: ArrayLike | None = None,
     record: Iterable[Record] = ("gears", "meshes"),
-    geometry: str = "live",
+    geometry: Geometry = "live",
     start: float | None = None,
     progress: bool | Progress | None = None,
     checkpoint: str | os.PathLike[str] | None = None,

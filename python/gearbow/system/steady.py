@@ -12,7 +12,7 @@ from gearbow._core import (
     steady_state as steady_period,
 )
 from gearbow._progress import reported
-from gearbow._types import Progress, Record, RunData
+from gearbow._types import Accuracy, Geometry, InitialState, Progress, Record, RunData
 from gearbow.accuracy.levels import LEVELS, check_reduction
 from gearbow.analysis.protocol import S, System
 from gearbow.description.kinematics import Kinematics
@@ -35,15 +35,15 @@ def steady_state(
     *,
     period: float | None = None,
     max_period: float = 10.0,
-    accuracy: str | None = None,
+    accuracy: Accuracy | None = None,
     step: float | None = None,
     rtol: float | None = None,
     stages: int | None = None,
     modes: int | None = None,
-    initial: "str | Response | SteadyState | Mapping[str, Any]" = "synchronous",
+    initial: "InitialState | Response | SteadyState | Mapping[str, Any]" = "synchronous",
     output_step: float | None = None,
     record: Iterable[Record] = ("gears", "meshes"),
-    geometry: str = "live",
+    geometry: Geometry = "live",
     start: float | None = None,
     progress: bool | Progress | None = None,
 ) -> SteadyState:
@@ -125,7 +125,7 @@ def steady_state(
     unit = given_unit(speed) or self._speed_unit
     speed = number(speed, "speed")
     longest = number(max_period, "max_period", infinite=True)
-    geometry = text(geometry, "geometry")
+    text(geometry, "geometry")
     period, without = _period(self, speed, period, longest, geometry)
     system = self._over_time(begin, period)
     given = {"method": None, "step": step, "rtol": rtol}

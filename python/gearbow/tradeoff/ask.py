@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, get_args
 
 from gearbow._convert import items, number, positive, truth, whole
 from gearbow._lookup import one_of
 from gearbow._times import grid
-from gearbow._types import Progress
+from gearbow._types import InitialState, Progress
 from gearbow.accuracy.refine import MAX_DEGREE
 from gearbow.analysis.protocol import S, System
 from gearbow.errors import SceneError
@@ -17,8 +17,6 @@ from gearbow.tradeoff.settings import METHODS, ladders
 from gearbow.tradeoff.signals import read_signals
 
 __all__ = ["tradeoff"]
-
-_INITIAL = ("synchronous", "static", "rest")
 
 
 def tradeoff(  # numpydoc ignore=PR01
@@ -35,7 +33,7 @@ def tradeoff(  # numpydoc ignore=PR01
     degrees: Iterable[int] | None = None,
     frozen: bool = True,
     mean_stiffness: bool = True,
-    initial: str = "synchronous",
+    initial: InitialState = "synchronous",
     output_step: float | None = None,
     repeats: int = 3,
     budget: float = 60.0,
@@ -115,7 +113,7 @@ def tradeoff(  # numpydoc ignore=PR01
 
     duration = positive(duration, "duration")
     speed = number(speed, "speed")
-    one_of(initial, _INITIAL, "initial")
+    one_of(initial, get_args(InitialState), "initial")
     if output_step is None:
         output_step = self.default_output_step(duration, speed)
     orders, factors = _degrees(degrees, self), _numbers(elements, "elements")

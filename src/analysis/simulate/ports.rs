@@ -11,12 +11,12 @@ const MAX_RECORDED: usize = 128;
 /// Harmonics of the tooth meshing frequency, or of the rotation without teeth, that count as excited.
 const EXCITED_HARMONICS: f64 = 10.0;
 
-/// Loads on the interfaces as entries (index, coefficient): those of connections, along their lines of action and on each
+/// Loads on the interfaces as entries (index, coefficient): those of local connections, along their lines of action and on each
 /// coordinate, those of bearings and links, and unit loads at recorded coordinates. `speed` is that of the reference shaft,
 /// rad/s.
 pub(super) fn interfaces(model: &Model, speed: f64, selection: &Selection) -> Vec<Row> {
     let mut rows: Vec<Row> =
-        model.connections(speed).flat_map(|connection: Connection<'_>| connection.rows()).collect();
+        model.connections(speed).filter(Connection::is_local).flat_map(|connection| connection.rows()).collect();
     let mut single = model.coupled_coordinates(speed);
     if selection.displacements.len() <= MAX_RECORDED {
         single.extend_from_slice(&selection.displacements);

@@ -130,7 +130,10 @@ def test_a_system_has_the_bearing_of_its_estimate(tmp_path):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"designation": "6399"}, 'designation: "6399" is not known; known are 6000 to 6030, 6200 to 6230, '),
+        (
+            {"designation": "6399"},
+            'designation: "6399" is not known; known are 6000 to 6030, 6200 to 6230, ',
+        ),
         ({"designation": "6308-2RS"}, "not known; known are .* 32004 to 32030, without suffixes"),
         ({"designation": "6308", "kind": "deep_groove"}, "kind: belongs to the designation"),
         ({"designation": "6308", "boundary": (0.04, 0.09, 0.02)}, "boundary: belongs to"),

@@ -449,7 +449,10 @@ def test_sag_of_a_shaft_on_bearings_of_another():
         disks=[dataclasses.replace(pair().disks[1])],
         bearings=alone,
     )
-    turned = lambda x, at: gb.Bearing("inner", at[1], stiffness=BETWEEN, support=("outer", x))
+
+    def turned(x, at):
+        return gb.Bearing("inner", at[1], stiffness=BETWEEN, support=("outer", x))
+
     both = pair(between=turned, shafts=shafts)
     slow = [
         each.synchronous([1e-3], excitation="bow").displacement("drum")[0, -1, 0]

@@ -105,6 +105,14 @@ def test_a_dense_line_keeps_its_shape_with_fewer_points():
     assert (line["x"][0], line["x"][-1]) == pytest.approx((0.0, 1.0))
 
 
+def test_a_dense_line_on_a_logarithmic_scale_keeps_its_values():
+    made, (upper, _) = figure()
+    x = np.linspace(0.0, 1.0, 2_001)
+    upper.semilogy(x, 10.0 ** (4.0 * x - 2.0))
+    (line,) = traces(converted(made), xaxis="x")
+    np.testing.assert_allclose(line["y"], 10.0 ** (4.0 * np.array(line["x"]) - 2.0), rtol=1e-2)
+
+
 def test_a_mode_in_space():
     modes = bowed_pair().modes(100.0, count=3)
     title, shape, dofs = modes._drawn(2)

@@ -102,7 +102,7 @@ def test_tables_are_those_of_the_results(page, pair):
     _, *shafts = rows(sections["data"], "Shafts")
     assert [row[0] for row in shafts] == ["input", "output"]
     assert "amplitude 0.1 mm" in shafts[0][-1]
-    _, *masses = rows(sections["mass"], "Mass and polar moment of inertia")
+    _, *masses = rows(sections["mass"], "Mass properties of the shafts")
     shaft = pair.shafts[0]
     own = 7850.0 * np.pi / 4.0 * shaft.outer_diameter**2 * shaft.length
     gear = pair.gears[0]

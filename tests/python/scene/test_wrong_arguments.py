@@ -279,6 +279,12 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         gb.RollingBearing(**AT, **ROLLING).coefficients,
         {"load": 100.0},
     ),
+    "RollingBearing.from_dimensions": (
+        lambda **given: system().replace(
+            bearings=[*system().bearings, gb.RollingBearing.from_dimensions(**given)]
+        ),
+        {**AT, "bore": 0.04, "outer": 0.09, "width": 0.023},
+    ),
     "RollingBearing.ring_coefficients": (
         gb.RollingBearing(**AT, **ROLLING).ring_coefficients,
         {"load": 100.0},
