@@ -97,6 +97,8 @@ from gearbow.units.values import (
 _LAZY = {
     "Measurement": "gearbow.identification.measurement",
     "Sweep": "gearbow.sweeps.result",
+    "dataset": "gearbow.sweeps.dataset",
+    "examples": "gearbow.machines.examples",
     "identify": "gearbow.identification.identify",
     "rexs_contents": "gearbow.exchange.rexs",
     "sweep": "gearbow.sweeps.run",
@@ -106,6 +108,8 @@ if _typing.TYPE_CHECKING:
     from gearbow.exchange.rexs import rexs_contents as rexs_contents
     from gearbow.identification.identify import identify as identify
     from gearbow.identification.measurement import Measurement as Measurement
+    from gearbow.machines.examples import examples as examples
+    from gearbow.sweeps.dataset import dataset as dataset
     from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep
 else:  # a type checker would accept every name

@@ -1,4 +1,4 @@
-"""Parallel calls of a function: a limited number of submitted calls, and a stop of running calls.
+"""Parallel calls of a function, a stop of running calls, and the number of threads of an analysis.
 
 Python delivers Ctrl-C to the main thread only. The compiled core therefore asks in every thread, at
 the begin of an analysis and every 50 ms, whether the call must stop (`check_stop`).
@@ -6,6 +6,7 @@ the begin of an analysis and every 50 ms, whether the call must stop (`check_sto
 
 import os
 import queue
+import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
@@ -15,10 +16,10 @@ from itertools import islice
 from types import TracebackType
 from typing import Any
 
-from gearbow._convert import shown
+from gearbow._convert import shown, whole
 from gearbow.errors import GearbowError, SceneError
 
-__all__ = ["ParallelCalls", "check_stop", "cores"]
+__all__ = ["ParallelCalls", "check_stop", "cores", "thread_count"]
 
 #: Largest number of calls that are submitted and not finished: enough to keep a cluster busy, and
 #: little memory.
@@ -40,6 +41,29 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def thread_count(threads: int | None) -> int:
+    """Return the number of threads of an analysis; None stands for the limit of the environment.
+
+    One thread is enough within a sweep and in a worker process, whose calls share the cores.
+    """
+    given = os.environ.get("GEARBOW_THREADS", "").strip()
+    if threads is not None:
+        limit = whole(threads, "threads")
+    elif given:
+        # The environment holds texts.
+        if not (given.isascii() and given.isdecimal() and int(given) > 0):
+            raise SceneError(
+                f"GEARBOW_THREADS: must be a whole number of at least 1, got {shown(given)}; unset "
+                "the environment variable to use all cores"
+            )
+        limit = int(given)
+    else:
+        limit = cores()
+    processes = sys.modules.get("multiprocessing.process")
+    is_worker = processes is not None and processes.parent_process() is not None
+    return 1 if _groups() or is_worker else min(limit, cores())
 
 
 def _groups() -> tuple[str, ...]:

@@ -14,14 +14,13 @@
 mod state;
 mod threshold;
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use nalgebra::Complex;
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{lowest_oscillating_modes, require, uses_bands};
-use super::{AnalysisError, Interrupt};
+use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
     self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl,
 };
@@ -126,6 +125,7 @@ pub fn campbell(
     speeds: &[f64],
     count: usize,
     harmonics: u32,
+    threads: &Threads,
     interrupt: &Interrupt,
 ) -> Result<Campbell, AnalysisError> {
     for (index, speed) in speeds.iter().enumerate() {
@@ -135,7 +135,7 @@ pub fn campbell(
             return Err(place.error(format!("must be larger than the previous speed, got {speed}")).into());
         }
     }
-    let mut tracker = Tracker::new(cached, speeds, count, harmonics, interrupt)?;
+    let mut tracker = Tracker::new(cached, speeds, count, harmonics, threads, interrupt)?;
     let mut diagram = Campbell {
         eigenvalues: Vec::new(),
         whirl: Vec::new(),
@@ -158,6 +158,7 @@ pub fn campbell(
 /// Tracked modes up to the current speed.
 struct Tracker<'a> {
     cached: &'a CachedModel,
+    threads: &'a Threads,
     interrupt: &'a Interrupt,
     /// The model whose stiffness is that of the inner product.
     basis: AtSpeed<'a>,
@@ -179,6 +180,7 @@ impl<'a> Tracker<'a> {
         speeds: &[f64],
         count: usize,
         harmonics: u32,
+        threads: &'a Threads,
         interrupt: &'a Interrupt,
     ) -> Result<Self, AnalysisError> {
         // Of bearings that depend on the speed, those of the first speed are as good as any for the inner product.
@@ -187,6 +189,7 @@ impl<'a> Tracker<'a> {
         let is_dense = cached.model.scene.modal_damping > 0.0 && !uses_bands(&cached.model, wanted);
         let mut tracker = Self {
             cached,
+            threads,
             interrupt,
             quadratic: is_dense.then(|| Quadratic::new(&basis, 1.0)).transpose()?,
             basis,
@@ -214,13 +217,13 @@ impl<'a> Tracker<'a> {
         Ok(tracker)
     }
 
-    fn at(&self, speed: f64) -> Result<Rc<Vec<State>>, AnalysisError> {
+    fn at(&self, speed: f64) -> Result<Arc<Vec<State>>, AnalysisError> {
         self.interrupt.check()?;
         // At speed zero too, the flanks in contact are those of a positive speed.
         let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
         let count = if self.is_partial() { self.wanted } else { usize::MAX };
         let modes = lowest_oscillating_modes(self.cached, speed, count)?;
-        Ok(Rc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
+        Ok(Arc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
     }
 
     /// The tracked mode with these `ends` at a speed between theirs: by Newton's method, or that of the lowest modes which
@@ -301,16 +304,18 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         let cached = self.cached.at_speed(speed)?;
         let modal = self.modal_damping(&cached, speed)?;
-        let mut states: Vec<State> = Vec::new();
-        for mode in &self.modes {
+        let found = self.threads.map(&self.modes, |mode| {
+            self.interrupt.check()?;
             let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape() };
-            let Some(met) = modal::mode_near(&cached.model, modal.as_deref(), &start) else {
+            let met = modal::mode_near(&cached.model, modal.as_deref(), &start);
+            met.map(|met| self.state(&cached, met)).transpose()
+        })?;
+        let mut states: Vec<State> = Vec::new();
+        for found in found {
+            let is_new = |found: &State| !states.iter().any(|other| equal(other.eigenvalue, found.eigenvalue));
+            let Some(found) = found.filter(|found| found.residual.is_accurate() && is_new(found)) else {
                 return Ok(None);
             };
-            let found = self.state(&cached, met)?;
-            if !found.residual.is_accurate() || states.iter().any(|other| equal(other.eigenvalue, found.eigenvalue)) {
-                return Ok(None);
-            }
             states.push(found);
         }
         let assignment = self.assign(&states);
@@ -333,7 +338,7 @@ impl<'a> Tracker<'a> {
     }
 
     /// Tracks the modes to the states at `speed`.
-    fn advance(&mut self, speed: f64, states: Rc<Vec<State>>, halved: u32) -> Result<(), AnalysisError> {
+    fn advance(&mut self, speed: f64, states: Arc<Vec<State>>, halved: u32) -> Result<(), AnalysisError> {
         let assignment = self.assign(&states);
         if let Some(from) = self.speed {
             if !assignment.clear && halved == 0 && self.extend(&states, &assignment) {
@@ -354,11 +359,17 @@ impl<'a> Tracker<'a> {
     /// this one.
     fn adopt(&mut self, speed: f64, states: &[State], indices: Vec<usize>) -> Result<(), AnalysisError> {
         if let Some(from) = self.speed {
-            for (mode, index) in indices.iter().enumerate() {
-                let before = self.modes[mode].clone();
-                let ends = [(from, &before), (speed, &states[*index])];
-                self.add_intersections(mode, ends)?;
-                self.add_threshold(mode, ends)?;
+            let numbered: Vec<(usize, usize)> = indices.iter().copied().enumerate().collect();
+            let between = |(mode, index): &(usize, usize)| {
+                let ends = [(from, &self.modes[*mode]), (speed, &states[*index])];
+                Ok((self.intersections_between(*mode, ends)?, self.threshold_between(*mode, ends)?))
+            };
+            // Equilibria of the speeds between follow each other.
+            let one = Threads::new(1, 1);
+            let threads = if self.cached.model.nonlinear_bearings.is_empty() { self.threads } else { &one };
+            for (intersections, threshold) in threads.map(&numbered, between)? {
+                self.intersections.extend(intersections);
+                self.thresholds.extend(threshold);
             }
         }
         for (mode, index) in self.modes.iter_mut().zip(indices) {
@@ -381,8 +392,9 @@ impl<'a> Tracker<'a> {
         Assignment::new(&correlations, common, &values(&self.modes), &values(states), usize::MAX)
     }
 
-    /// Stores the intersections of a mode with all lines between two speeds.
-    fn add_intersections(&mut self, mode: usize, ends: [(f64, &State); 2]) -> Result<(), AnalysisError> {
+    /// The intersections of a mode with all lines between two speeds.
+    fn intersections_between(&self, mode: usize, ends: [(f64, &State); 2]) -> Result<Vec<Intersection>, AnalysisError> {
+        let mut intersections = Vec::new();
         // Where matrices depend on the speed, the modes between the ends that the searches find.
         let mut known: Vec<(f64, State)> = ends.iter().map(|(speed, state)| (*speed, (*state).clone())).collect();
         for line in 0..self.lines.len() {
@@ -405,17 +417,10 @@ impl<'a> Tracker<'a> {
                 require(residual, || {
                     format!("the intersection of mode {} with the order {order} at {speed} rad/s", mode + 1)
                 })?;
-                self.intersections.push(Intersection {
-                    mode,
-                    line,
-                    speed,
-                    eigenvalue,
-                    whirl,
-                    residual: residual.value,
-                });
+                intersections.push(Intersection { mode, line, speed, eigenvalue, whirl, residual: residual.value });
             }
         }
-        Ok(())
+        Ok(intersections)
     }
 
     /// Whether Newton's method finds intersections: the matrices do not depend on the speed.

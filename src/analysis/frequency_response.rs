@@ -5,9 +5,9 @@
 
 use nalgebra::{Complex, DVector};
 
-use super::AnalysisError;
 use super::sources::{Harmonic, HarmonicSource};
 use super::synchronous::{MAX_RESIDUAL, SourceResponse, solve};
+use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{CachedModel, DynamicKey, Highest, null_motions};
 use crate::model::Model;
 use crate::scene::EntryPath;
@@ -33,12 +33,36 @@ impl<'a> FrequencyResponses<'a> {
         Self { cached, sources, highest: Highest::Frequency(highest) }
     }
 
-    /// The response to every source. `index` is the number of the frequency in messages.
+    /// The responses to every source: `keep` takes each point, the model at its speed and the responses, in the order of the
+    /// points.
     ///
     /// # Errors
-    /// [`AnalysisError`] if a response has no accurate solution, or a source drives a rigid-body motion at frequency zero.
-    pub fn at(&self, index: usize, at: Harmonic) -> Result<Vec<SourceResponse>, AnalysisError> {
-        let cached = &*self.cached.at_speed(at.speed)?;
+    /// [`AnalysisError`] if a response has no accurate solution, a source drives a rigid-body motion at frequency zero, or
+    /// `interrupt` requests a stop.
+    pub fn each(
+        &self,
+        points: &[Harmonic],
+        threads: &Threads,
+        interrupt: &Interrupt,
+        mut keep: impl FnMut(Harmonic, &Model, &[SourceResponse]),
+    ) -> Result<(), AnalysisError> {
+        let numbered: Vec<_> = points.iter().copied().enumerate().collect();
+        threads.in_order(
+            &numbered,
+            |(_, at)| Ok(self.cached.at_speed(at.speed)?),
+            |(index, at), at_speed| {
+                interrupt.check()?;
+                self.at(at_speed, *index, *at)
+            },
+            |(_, at), at_speed, found| {
+                keep(*at, &at_speed.model, &found);
+                Ok(())
+            },
+        )
+    }
+
+    /// The response of the model at the speed. `index` is the number of the frequency in messages.
+    fn at(&self, cached: &CachedModel, index: usize, at: Harmonic) -> Result<Vec<SourceResponse>, AnalysisError> {
         let force = |source: &HarmonicSource| DVector::from_vec(source.force(&cached.model, at));
         let forces: Vec<_> = self.sources.iter().map(force).collect();
         if at.frequency == 0.0 {

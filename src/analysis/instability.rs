@@ -2,12 +2,12 @@
 //!
 //! A response in the frequency domain exists there as well, but no real machine shows it, because every disturbance grows.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Complex;
 
 use super::modes::lowest_oscillating_modes;
-use super::{AnalysisError, Interrupt};
+use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{CachedModel, is_growing};
 
 /// Number of lowest modes that are examined.
@@ -74,6 +74,7 @@ pub fn unstable_ranges(
     cached: &CachedModel,
     speeds: &[f64],
     peaks: &[usize],
+    threads: &Threads,
     interrupt: &Interrupt,
 ) -> Result<Vec<[f64; 2]>, AnalysisError> {
     let mut order: Vec<usize> = (0..speeds.len()).collect();
@@ -82,11 +83,18 @@ pub fn unstable_ranges(
     let (steps, last) = ((FIRST_SPEEDS - 1).min(speeds.len().saturating_sub(1)), speeds.len().saturating_sub(1));
     let even = (0..=steps).filter(|_| !speeds.is_empty()).map(|step| step * last / steps.max(1));
     let at_peaks = (0..order.len()).filter(|place| peaks.contains(&order[*place]));
+    let places: Vec<usize> = even.chain(at_peaks).collect::<BTreeSet<_>>().into_iter().collect();
     // Whether the motion grows, by the place in the ascending order.
     let mut known = BTreeMap::new();
-    for place in even.chain(at_peaks) {
-        known.insert(place, grows(place)?);
-    }
+    threads.in_order(
+        &places,
+        |place| Ok(cached.at_speed(speeds[order[*place]])?),
+        |place, at_speed| is_unstable(at_speed, speeds[order[*place]], interrupt),
+        |place, _, grows| {
+            known.insert(*place, grows);
+            Ok(())
+        },
+    )?;
     let examined: Vec<(usize, bool)> = known.iter().map(|(place, grows)| (*place, *grows)).collect();
     for pair in examined.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
         let [(mut low, below), (mut high, above)] = [pair[0], pair[1]];

@@ -54,6 +54,15 @@ impl Dense {
         }
         check(model.len(), needed, available())
     }
+
+    /// Number of threads, at most `count`, whose matrices fit into the available memory together.
+    pub fn threads(self, model: &Model, count: usize) -> usize {
+        let needed = self.bytes(model.len());
+        if needed <= UNCHECKED_BYTES || count <= 1 {
+            return count;
+        }
+        usize::try_from(available() / needed).unwrap_or(count).clamp(1, count)
+    }
 }
 
 /// What an analysis keeps for its caller.

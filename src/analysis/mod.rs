@@ -7,7 +7,7 @@
 //!   equilibrium).
 //! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
 //! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
-//!   (refuses matrices and results that do not fit).
+//!   (refuses matrices and results that do not fit), `threads` (independent speeds and frequencies on several threads).
 
 mod assignment;
 mod campbell;
@@ -29,6 +29,7 @@ mod sources;
 mod stability;
 pub mod steady;
 mod synchronous;
+mod threads;
 mod thrust;
 
 pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, Threshold, campbell, lines};
@@ -48,4 +49,5 @@ pub use responses::{Response, Responses, memory_of_responses, synchronous};
 pub use sources::{Harmonic, HarmonicForces, HarmonicSource};
 pub use stability::Spectrum;
 pub use synchronous::{ExcitationPart, SourceResponse, bow};
+pub use threads::Threads;
 pub use thrust::with_axial_forces;

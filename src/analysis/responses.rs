@@ -4,7 +4,7 @@ use nalgebra::{Complex, DMatrix};
 
 use super::modes::is_banded;
 use super::synchronous::{SourceResponse, synchronous_of};
-use super::{AnalysisError, Dense, ExcitationPart};
+use super::{AnalysisError, Dense, ExcitationPart, Interrupt, Threads};
 use crate::modal::{CachedModel, Highest};
 use crate::model::Model;
 
@@ -53,8 +53,41 @@ impl<'a> Responses<'a> {
     /// # Errors
     /// [`AnalysisError`] if a response has no accurate solution.
     pub fn all(&self, speed: f64, part: ExcitationPart) -> Result<Response, AnalysisError> {
-        let sources: Vec<usize> = (0..self.cached.model.shafts.len()).collect();
-        let found = self.at(speed, &sources, part)?;
+        self.all_of(self.cached, speed, part)
+    }
+
+    /// The responses at `speeds`, rad/s: `keep` takes each speed, the model at this speed and the response, in the order of the
+    /// speeds.
+    ///
+    /// # Errors
+    /// As [`Self::all`] and `keep`, or if `interrupt` requests a stop.
+    pub fn each(
+        &self,
+        speeds: &[f64],
+        part: ExcitationPart,
+        threads: &Threads,
+        interrupt: &Interrupt,
+        mut keep: impl FnMut(f64, &Model, &Response),
+    ) -> Result<(), AnalysisError> {
+        threads.in_order(
+            speeds,
+            |speed| Ok(self.cached.at_speed(*speed)?),
+            |speed, at_speed| {
+                interrupt.check()?;
+                self.all_of(at_speed, *speed, part)
+            },
+            |speed, at_speed, response| {
+                keep(*speed, &at_speed.model, &response);
+                Ok(())
+            },
+        )
+    }
+
+    /// The response at `speed`, rad/s, of `cached`: the model, or that at this speed.
+    fn all_of(&self, cached: &CachedModel, speed: f64, part: ExcitationPart) -> Result<Response, AnalysisError> {
+        let sources = 0..cached.model.shafts.len();
+        let one = |source| synchronous_of(cached, speed, speed, source, part, self.highest);
+        let found = sources.map(one).collect::<Result<Vec<_>, _>>()?;
         let residual = found.iter().map(|response| response.residual).fold(0.0, f64::max);
         let columns: Vec<_> = found.into_iter().map(|response| response.phasors).collect();
         Ok(Response { amplitudes: DMatrix::from_columns(&columns), residual })

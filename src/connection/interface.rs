@@ -6,6 +6,7 @@
 //! the instant, minus [`Interface::reference_force`], minus that of the linear part at the deviations.
 
 use super::bearing::BearingInterface;
+use super::bow::BowInterface;
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Tangent};
 use super::load::LoadInterface;
 use super::mesh::MeshInterface;
@@ -24,6 +25,8 @@ pub enum Interface {
     Nonlinear(Box<NonlinearInterface>),
     /// A load that depends on time, angle or speed.
     Load(Box<LoadInterface>),
+    /// A bow that turns with the twist.
+    Bow(Box<BowInterface>),
 }
 
 impl Interface {
@@ -39,6 +42,7 @@ impl Interface {
             Connection::Bearing(bearing) => Ok(Self::Bearing(Box::new(BearingInterface::new(bearing, options)))),
             Connection::Nonlinear(bearing) => Ok(Self::Nonlinear(Box::new(NonlinearInterface::new(bearing, options)))),
             Connection::Load(load) => Ok(Self::Load(Box::new(LoadInterface::new(load, options)))),
+            Connection::Bow(bow) => Ok(Self::Bow(Box::new(BowInterface::new(bow, options)))),
         }
     }
 
@@ -47,19 +51,20 @@ impl Interface {
     pub fn mesh(&self) -> Option<usize> {
         match self {
             Self::Mesh(interface) => Some(interface.mesh),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => None,
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => None,
         }
     }
 
-    /// Index, among the shafts and, after them, the nonlinear bearings, of that on whose angle and speed it depends; none for
-    /// a mesh, which depends on two shafts.
+    /// Index in [`Model::turning_ratio`](crate::model::Model::turning_ratio) of the angle and speed on which it depends; none
+    /// for a mesh, which depends on two shafts.
     #[inline(always)]
     pub fn turning(&self) -> Option<usize> {
         match self {
             Self::Mesh(_) => None,
-            Self::Bearing(interface) => Some(interface.bearing.bearing.node.shaft),
+            Self::Bearing(interface) => Some(interface.bearing.turning),
             Self::Nonlinear(interface) => Some(interface.bearing.turning),
             Self::Load(interface) => Some(interface.load.shaft),
+            Self::Bow(interface) => Some(interface.bow.shaft),
         }
     }
 
@@ -70,6 +75,7 @@ impl Interface {
             Self::Mesh(interface) => interface.scalars(),
             Self::Bearing(_) | Self::Nonlinear(_) => 2,
             Self::Load(interface) => interface.load.rows.len(),
+            Self::Bow(interface) => interface.bow.rows.len(),
         }
     }
 
@@ -79,6 +85,7 @@ impl Interface {
             Self::Mesh(interface) => interface.has_rates(),
             Self::Bearing(_) | Self::Nonlinear(_) => true,
             Self::Load(interface) => interface.has_rates(),
+            Self::Bow(_) => false,
         }
     }
 
@@ -86,7 +93,7 @@ impl Interface {
     pub fn is_affine(&self) -> bool {
         match self {
             Self::Mesh(interface) => interface.is_affine(),
-            Self::Bearing(_) | Self::Nonlinear(_) => false,
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Bow(_) => false,
             Self::Load(interface) => interface.is_affine(),
         }
     }
@@ -99,6 +106,7 @@ impl Interface {
             Self::Bearing(interface) => interface.bearing.rows.to_vec(),
             Self::Nonlinear(interface) => interface.bearing.rows.to_vec(),
             Self::Load(interface) => interface.load.rows.clone(),
+            Self::Bow(interface) => interface.bow.rows.to_vec(),
         }
     }
 
@@ -110,6 +118,7 @@ impl Interface {
             Self::Bearing(interface) => &interface.reference_force,
             Self::Nonlinear(interface) => &interface.reference_force,
             Self::Load(interface) => &interface.reference_force,
+            Self::Bow(interface) => &interface.reference_force,
         }
     }
 
@@ -118,15 +127,17 @@ impl Interface {
     pub fn direction_count(&self) -> usize {
         match self {
             Self::Mesh(_) => 1,
+            Self::Bow(_) => 0,
             Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => self.scalars(),
         }
     }
 
     /// The d directions over the scalars in which the load changes with the motion: for a mesh the gradient of the
-    /// deflection, for another connection every scalar.
+    /// deflection, for another connection every scalar, for a bow none.
     pub fn directions(&self) -> Vec<Direction> {
         match self {
             Self::Mesh(interface) => vec![interface.direction()],
+            Self::Bow(_) => Vec::new(),
             // The energy of the linear motion contains the stiffness of bearings, and a load has none.
             Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Direction::of_scalars(self.scalars()),
         }
@@ -151,6 +162,10 @@ impl Interface {
             }
             Self::Load(interface) => {
                 interface.load(instant, rates, load);
+                Ok(Contact::default())
+            }
+            Self::Bow(interface) => {
+                interface.load(instant, u, load);
                 Ok(Contact::default())
             }
         }
@@ -179,6 +194,7 @@ impl Interface {
                 tangent.damping.fill(0.0);
                 interface.residual_tangent(instant, rates, tangent.damping);
             }
+            Self::Bow(_) => {}
         }
     }
 
@@ -186,7 +202,7 @@ impl Interface {
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
         match self {
             Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => {
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => {
                 GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 }
             }
         }
@@ -198,7 +214,7 @@ impl Interface {
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
         match self {
             Self::Mesh(interface) => interface.margins(contact_mode.flank, contact),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => [f64::INFINITY; 2],
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => [f64::INFINITY; 2],
         }
     }
 
@@ -216,7 +232,7 @@ impl Interface {
     ) -> Result<Option<ContactMode>, Overlap> {
         match self {
             Self::Mesh(interface) => interface.contact_mode(instant, u, rates, unchanged).map(Some),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(None),
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => Ok(None),
         }
     }
 
@@ -228,7 +244,7 @@ impl Interface {
     pub fn ends(&self, instant: &Instant, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Overlap> {
         match self {
             Self::Mesh(interface) => interface.ends(instant, u, ends),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => Ok(()),
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => Ok(()),
         }
     }
 }

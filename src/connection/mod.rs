@@ -13,12 +13,14 @@
 //! | Which bounds? | [`Connection::bounds`] | stability limit of the step |
 //! | What can a run record, in which unit? | [`Connection::channels`] | recorder, files, spectra and figures |
 //!
+//! A [`TurningBow`] acts on a whole shaft and is in no matrix ([`Connection::is_local`]).
 //! A bearing with constant coefficients is linear: it is part of the matrices and is not a connection. At a constant
 //! speed a [`SpeedDependentBearing`] is also part of the matrices; only runs at a changing speed have its [`Interface`].
 //!
 //! The `match` over the variants has no wildcard. An analysis that does not handle a new variant does not compile.
 
 mod bearing;
+mod bow;
 mod channel;
 mod instant;
 mod interface;
@@ -29,6 +31,7 @@ mod nonlinear_bearing;
 use nalgebra::DMatrix;
 
 pub use bearing::{BearingInterface, SpeedDependentBearing};
+pub use bow::{BowInterface, TurningBow};
 pub use channel::{BEARING_CHANNELS, Channel, MESH_CHANNELS, ROLLING_CHANNELS, mesh_values};
 pub use instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Tangent, Touch};
 pub use interface::Interface;
@@ -52,6 +55,8 @@ pub enum Connection<'m> {
     Nonlinear(&'m NonlinearBearing),
     /// A load that depends on time, angle or speed.
     Load(&'m AppliedLoad),
+    /// What the twist of a bowed shaft adds to the force of its bow.
+    Bow(&'m TurningBow),
 }
 
 /// Stiffness and damping over the scalars of a connection.
@@ -114,13 +119,20 @@ impl Connection<'_> {
             Self::Bearing(bearing) => bearing.rows.to_vec(),
             Self::Nonlinear(bearing) => bearing.rows.to_vec(),
             Self::Load(load) => load.rows.clone(),
+            Self::Bow(bow) => bow.rows.to_vec(),
         }
     }
 
     /// Whether it has stiffness, so that a rigid-body mode cannot move its scalars. The stiffness of a nonlinear bearing is in
     /// the matrices.
     pub fn is_elastic(&self) -> bool {
-        !matches!(self, Self::Load(_) | Self::Nonlinear(_))
+        !matches!(self, Self::Load(_) | Self::Nonlinear(_) | Self::Bow(_))
+    }
+
+    /// Whether it acts on the coordinates of a few nodes and may be in the matrices; a bow acts on its whole shaft, and the
+    /// matrices do not contain its twist.
+    pub fn is_local(&self) -> bool {
+        !matches!(self, Self::Bow(_))
     }
 
     /// Stiffness and damping over the scalars at a speed of the reference shaft, rad/s; for a mesh, the mean values.
@@ -130,6 +142,7 @@ impl Connection<'_> {
             Self::Bearing(bearing) => bearing.linear(speed),
             Self::Nonlinear(bearing) => bearing.linear(),
             Self::Load(load) => load.linear(speed),
+            Self::Bow(bow) => Coefficients::isotropic(bow.rows.len(), 0.0, 0.0),
         }
     }
 
@@ -138,7 +151,7 @@ impl Connection<'_> {
         match self {
             Self::Mesh(_, mesh, _) => mesh.loss_factor,
             Self::Bearing(bearing) => bearing.bearing.loss_factor,
-            Self::Nonlinear(_) | Self::Load(_) => 0.0,
+            Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => 0.0,
         }
     }
 
@@ -152,6 +165,8 @@ impl Connection<'_> {
             Self::Bearing(bearing) => bearing.bounds(speed),
             Self::Nonlinear(bearing) => bearing.bounds(),
             Self::Load(load) => load.bounds(),
+            // The bow is small against the radius of gyration of the shaft, whose stiffness the limit contains.
+            Self::Bow(_) => Bounds { excess_stiffness: 0.0, damping: 0.0 },
         }
     }
 
@@ -160,17 +175,17 @@ impl Connection<'_> {
         match self {
             Self::Mesh(..) => &MESH_CHANNELS,
             Self::Bearing(_) | Self::Nonlinear(_) => &BEARING_CHANNELS,
-            // A run knows its loads.
-            Self::Load(_) => &[],
+            // A run knows its loads, and the force of a bow follows from the twist.
+            Self::Load(_) | Self::Bow(_) => &[],
         }
     }
 
     /// Name of the connection in messages, with its stiffness; none for a bearing, whose stiffness depends on the
-    /// speed, and for a load, which has none.
+    /// speed, and for a load or a bow, which have none.
     pub fn described(&self) -> Option<String> {
         match self {
             Self::Mesh(index, mesh, _) => Some(format!("meshes[{index}], of {:.3e} N/m", mesh.normal_stiffness())),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) => None,
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => None,
         }
     }
 }

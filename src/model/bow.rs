@@ -103,8 +103,7 @@ fn unit_sag(
 ) -> Result<Vec<f64>, SceneError> {
     let shaft = &scene.shafts[index];
     let undefined = |message: &str| SceneError::new(format!("shafts[{index}].bow"), message);
-    let mut bearings: Vec<usize> =
-        scene.bearings.iter().filter(|bearing| bearing.node.shaft == index).map(|bearing| bearing.node.node).collect();
+    let mut bearings: Vec<usize> = scene.held_nodes(index).map(|(_, node)| node).collect();
     bearings.sort_unstable();
     bearings.dedup();
     if bearings.len() < 2 {

@@ -13,7 +13,7 @@ use num_complex::Complex64;
 
 use super::shaft::{Chain, ShaftModel};
 use super::{HousingInertia, Link, Model};
-use crate::connection::Row;
+use crate::connection::{Connection, Row};
 use crate::linalg::{BandChain, ChainMatrix, CoupledBands};
 
 /// Weights of the matrices in S = stiffness·K + structural·H + damping·C + mass·M + gyroscopic·G, where H = Σ η K of the
@@ -82,7 +82,7 @@ impl Model {
     /// shaft, rad/s).
     pub fn dynamic_stiffness(&self, weights: &Weights, speed: f64) -> CoupledBands {
         let mut sum = self.shaft_stiffness(weights);
-        for connection in self.connections(speed) {
+        for connection in self.connections(speed).filter(Connection::is_local) {
             let (rows, coefficients) = (connection.rows(), connection.linear(speed));
             let factor = weights.stiffness_of(connection.loss_factor());
             for (i, left) in rows.iter().enumerate() {

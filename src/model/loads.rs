@@ -11,6 +11,7 @@ impl Model {
     /// Adds the forces and torques of the scene.
     pub(super) fn add_loads(&mut self) {
         self.loads = self.varying_loads();
+        self.bows = self.turning_bows();
         self.add_turning_forces();
         self.constant_load = self.assemble_constant_load();
         self.sigma_standing = self.sigma_at_rest();

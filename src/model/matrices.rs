@@ -175,7 +175,7 @@ impl Model {
         if !symmetric {
             self.visit_circulation(add);
         }
-        for connection in self.connections(speed) {
+        for connection in self.connections(speed).filter(Connection::is_local) {
             let (rows, coefficients) = (connection.rows(), connection.linear(speed));
             let scalar = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * x[*index]).sum::<f64>();
             let scalars = DVector::from_iterator(rows.len(), rows.iter().map(scalar));
@@ -299,7 +299,7 @@ impl Model {
     }
 
     fn visit_connections(&self, speed: f64, of: impl Fn(&Connection<'_>) -> DMatrix<f64>, add: Add<'_>) {
-        for connection in self.connections(speed) {
+        for connection in self.connections(speed).filter(Connection::is_local) {
             let (rows, coefficients) = (connection.rows(), of(&connection));
             for (i, left) in rows.iter().enumerate() {
                 for (j, right) in rows.iter().enumerate() {

@@ -8,7 +8,8 @@
 //! with one scalar force F.
 //!
 //! - Shafts: `shaft` has up to three chains of nodes (bending, torsion, axial motion), and bow and unbalance as forces
-//!   that rotate with the shaft; `bow` has the nodal values of the bow.
+//!   that rotate with the shaft; `bow` has the nodal values of the bow, `turning_bow` the scalars through which it turns with
+//!   the twist.
 //! - Other parts: `housing` (inertia), `link` (springs and dampers), `loads` (torques, forces, weight), `flanks` (which
 //!   flank of a mesh is pressed), `at_speed` (coefficients of bearings at a speed).
 //! - `numbering` is the only file that knows the order of the coordinates.
@@ -29,6 +30,7 @@ mod numbering;
 mod place;
 mod quadratic_forms;
 mod shaft;
+mod turning_bow;
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -40,8 +42,9 @@ pub use link::{Link, Rest, bearing_rows};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use place::PlaceRows;
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
+pub use turning_bow::{bow_force, is_bowed};
 
-use crate::connection::{AppliedLoad, NonlinearBearing, SpeedDependentBearing};
+use crate::connection::{AppliedLoad, Connection, NonlinearBearing, SpeedDependentBearing, TurningBow};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -166,6 +169,8 @@ pub struct Model {
     pub meshes: Vec<GearMesh>,
     /// Forces and torques that depend on time, angle or speed.
     pub loads: Vec<AppliedLoad>,
+    /// Bows that turn with the twist of their shafts.
+    pub bows: Vec<TurningBow>,
     /// Constant load of torques, forces, gravity and misaligned couplings, n entries, N or N m.
     pub constant_load: DVector<f64>,
     /// Speed of the reference shaft, rad/s, whose circulatory forces of internal damping belong to the stiffness.
@@ -216,6 +221,7 @@ impl Model {
             meshes,
             loads: Vec::new(),
             circulation: None,
+            bows: Vec::new(),
         };
         model.set_initial_stiffness();
         model.add_loads();
@@ -355,9 +361,9 @@ impl Model {
         self.housings.solve_mass(x);
     }
 
-    /// Coordinates on which bearings, links and connections act, with repetitions; `speed` of the reference shaft, rad/s.
+    /// Coordinates on which bearings, links and local connections act, with repetitions; `speed` of the reference shaft, rad/s.
     pub fn coupled_coordinates(&self, speed: f64) -> Vec<usize> {
-        let rows = self.connections(speed).flat_map(|connection| connection.rows());
+        let rows = self.connections(speed).filter(Connection::is_local).flat_map(|connection| connection.rows());
         let bearings = self.supports.iter().flat_map(|support| [support.index, support.index + 1]);
         let links = self.links.iter().flat_map(|link| link.rows.iter().flatten().map(|(index, _)| *index));
         rows.flatten().map(|(index, _)| index).chain(bearings).chain(links).collect()

@@ -1,5 +1,7 @@
 //! Energies of the motion, and forces that a response reports.
 
+use num_complex::Complex64;
+
 use super::EquationOfMotion;
 use crate::connection::{Connection, Row};
 use crate::mesh::{MeshState, Overlap};
@@ -88,7 +90,8 @@ impl<'m> EquationOfMotion<'m> {
     /// Elastic energy of all connections except meshes, J.
     fn other_connection_energy(&self, elapsed: f64, q: &[f64]) -> f64 {
         let energy = |connection: Connection<'_>| match connection {
-            Connection::Mesh(..) | Connection::Load(_) => 0.0,
+            // The energy of the shafts contains that of their bows.
+            Connection::Mesh(..) | Connection::Load(_) | Connection::Bow(_) => 0.0,
             Connection::Bearing(bearing) => bearing.energy(self.reference_speed(elapsed).0, q),
             Connection::Nonlinear(bearing) => bearing.energy(&self.phase(bearing.turning, elapsed), q),
         };
@@ -112,9 +115,11 @@ impl<'m> EquationOfMotion<'m> {
     /// Writes q minus the stress-free shape of every bowed shaft into `unbent`.
     fn subtract_bow(&self, elapsed: f64, q: &[f64], unbent: &mut [f64]) {
         unbent.copy_from_slice(q);
+        let mut turning = self.model.bows.iter().peekable();
         for (index, shaft) in self.model.shafts.iter().enumerate() {
             if let (Some(bow), Some(chain)) = (&shaft.bow, &shaft.bending) {
-                let phasor = self.phasor(index, elapsed);
+                let twist = turning.next_if(|bow| bow.shaft == index).map_or(0.0, |bow| bow.twist(q));
+                let phasor = self.phasor(index, elapsed) * Complex64::from_polar(1.0, twist);
                 for (value, pair) in bow.iter().zip(unbent[chain.start..].chunks_exact_mut(2)) {
                     let free = value * phasor;
                     pair[0] -= free.re;

@@ -47,6 +47,7 @@ impl EquationOfMotion<'_> {
                     }
                 }
                 Connection::Load(load) => load.apply(&self.instant(None, Some(load.shaft), elapsed), v, force),
+                Connection::Bow(bow) => bow.apply(self.phase(bow.shaft, elapsed).angle, q, force),
             }
             Ok(())
         })?;

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use super::EquationOfMotion;
 use crate::connection::Connection;
 use crate::mesh::Overlap;
-use crate::model::{Excitation, Model, ShaftModel, Support};
+use crate::model::{Excitation, Model, Support, bow_force, is_bowed};
 
 /// A quantity of each source that changes the energy: its power, W, or its work, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,7 +63,7 @@ pub struct PowerCoordinates {
     /// Indices of the velocities, ascending.
     pub velocities: Vec<usize>,
     /// Sums of displacements as entries (index, coefficient): for each bowed shaft, real and imaginary part of (K_s b)ᴴu, N m;
-    /// then the [`PowerLoads::constant`] loads times the displacements, J.
+    /// the twist of each bow that turns with it, rad; then the [`PowerLoads::constant`] loads times the displacements, J.
     pub combinations: Vec<Vec<(usize, f64)>>,
 }
 
@@ -114,7 +114,8 @@ impl PowerCoordinates {
             list.dedup();
         }
         let bowed = model.shafts.iter().filter(|shaft| is_bowed(shaft));
-        let combinations = bowed.flat_map(bow_force).chain(PowerLoads::new(model).constant).collect();
+        let twists = model.bows.iter().map(|bow| bow.rows[2].clone());
+        let combinations = bowed.flat_map(bow_force).chain(twists).chain(PowerLoads::new(model).constant).collect();
         Self { displacements, velocities, combinations }
     }
 }
@@ -168,21 +169,6 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
 /// Number of sums over constant loads.
 pub const CONSTANT_LOAD_SUMS: usize = 2;
 
-/// Whether the bow of a shaft exerts a force.
-fn is_bowed(shaft: &ShaftModel) -> bool {
-    shaft.excitations.iter().any(|excitation| excitation.bow != Complex64::ZERO)
-}
-
-/// Real and imaginary part of (K_s b)ᴴu as entries over the displacements, with the bow b and u = v + iw.
-fn bow_force(shaft: &ShaftModel) -> [Vec<(usize, f64)>; 2] {
-    let (mut real, mut imaginary) = (Vec::new(), Vec::new());
-    for Excitation { index, bow, .. } in &shaft.excitations {
-        real.extend([(*index, bow.re), (*index + 1, bow.im)]);
-        imaginary.extend([(*index, -bow.im), (*index + 1, bow.re)]);
-    }
-    [real, imaginary]
-}
-
 impl EquationOfMotion<'_> {
     /// vᵀDv of the distributed damping D, Rayleigh and modal damping, W.
     pub fn distributed_damping_power(&self, v: &[f64]) -> f64 {
@@ -223,9 +209,12 @@ impl EquationOfMotion<'_> {
     ) -> Result<SourceTerms, (usize, Overlap)> {
         let model = self.model;
         let [mut drive, circulating] = self.link_powers(elapsed, q, v);
-        for (shaft, bow) in loads.bowed.iter().zip(q[model.len()..].chunks_exact(2)) {
-            // The elastic force of the unbent shape does no work on the bow, which turns with the spin.
-            let phasor = self.phasor(*shaft, elapsed);
+        let (along, twists) = q[model.len()..].split_at(2 * loads.bowed.len());
+        // Shafts without torsion have no twist; all or none have torsion.
+        let twists = twists.iter().take(model.bows.len()).chain(std::iter::repeat(&0.0));
+        for ((shaft, bow), twist) in loads.bowed.iter().zip(along.chunks_exact(2)).zip(twists) {
+            // The elastic force of the unbent shape does no work on the bow, which turns with the spin and the twist.
+            let phasor = self.phasor(*shaft, elapsed) * Complex64::from_polar(1.0, *twist);
             drive -= self.spin_at(*shaft, elapsed).0 * (bow[1] * phasor.re - bow[0] * phasor.im);
         }
         let mut unbalance = 0.0;
@@ -265,6 +254,8 @@ impl EquationOfMotion<'_> {
                     drive += turned;
                     damping += damped;
                 }
+                // The power of the drive on all bowed shafts is that above.
+                Connection::Bow(_) => {}
                 Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),
             }
         }

@@ -9,7 +9,8 @@ use super::convert::{mesh_names, stack, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use crate::analysis::{
-    self, AnalysisError, ExcitationPart, ExcitationSource, Harmonic, HarmonicForces, HarmonicSource, Kept, product,
+    self, AnalysisError, ExcitationPart, ExcitationSource, Harmonic, HarmonicForces, HarmonicSource, Kept, Threads,
+    product,
 };
 use crate::modal::{self, CachedModel};
 use crate::model::Model;
@@ -41,14 +42,17 @@ pub fn campbell<'py>(
     speeds: &PyReadonlyArray1<'py, f64>,
     count: usize,
     harmonics: u32,
+    threads: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let speeds = speeds.as_array().to_vec();
     warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
     let rows = speeds.len();
     require_campbell(rows, count.min(2 * model.model().len()))?;
     let memory = analysis::memory_of_modes(model.model(), count);
-    let found = model
-        .run(py, memory, move |cached, interrupt| analysis::campbell(cached, &speeds, count, harmonics, interrupt))?;
+    let found = model.run(py, memory, move |cached, interrupt| {
+        let threads = Threads::new(memory.threads(&cached.model, threads), count);
+        analysis::campbell(cached, &speeds, count, harmonics, &threads, interrupt)
+    })?;
     let modes = found.eigenvalues.first().map_or(0, Vec::len);
     let whirl = |of: &Vec<_>| of.iter().map(ToString::to_string).collect::<Vec<_>>();
     let line = |line: &analysis::ExcitationLine| match line.source {
@@ -115,6 +119,7 @@ pub fn critical_speed_map(
     stiffnesses: &PyReadonlyArray1<'_, f64>,
     order: f64,
     count: Option<usize>,
+    threads: usize,
 ) -> PyResult<Vec<Vec<CriticalRow>>> {
     let (stiffnesses, count) = (stiffnesses.as_array().to_vec(), count.unwrap_or(usize::MAX));
     let memory = analysis::memory_of_critical_speeds(model.model(), count);
@@ -127,10 +132,11 @@ pub fn critical_speed_map(
     };
     // The stiffest bearings need the finest elements. Equal elements make the shapes of all stiffnesses comparable.
     let given = with(&model.description, largest);
-    let found = model.run(py, memory, move |_, interrupt| {
+    let found = model.run(py, memory, move |cached, interrupt| {
         let description = analysis::resolve(&given, interrupt)?.description;
+        let threads = Threads::new(memory.threads(&cached.model, threads), stiffnesses.len());
         let at = |stiffness: f64| Ok(CachedModel::new(Model::new(Scene::new(&with(&description, stiffness))?)?));
-        analysis::critical_speed_map(at, &stiffnesses, order, count, interrupt)
+        analysis::critical_speed_map(at, &stiffnesses, order, count, &threads, interrupt)
     })?;
     let row = |point: &analysis::CriticalPoint| {
         (point.critical.speed, point.critical.whirl.to_string(), point.critical.residual, point.line)
@@ -144,6 +150,7 @@ pub fn synchronous<'py>(
     py: Python<'py>,
     speeds: &PyReadonlyArray1<'_, f64>,
     excitation: &str,
+    threads: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (speeds, part) = (finite_speeds(speeds)?, ExcitationPart::named(excitation, &EntryPath::root("excitation"))?);
     let memory = analysis::memory_of_responses(model.model());
@@ -159,12 +166,13 @@ pub fn synchronous<'py>(
     let found = model.run(py, memory, move |cached, interrupt| {
         let mut found =
             ResponseTable { amplitudes, forces, residuals: Vec::new(), largest: Vec::new(), unstable: Ok(Vec::new()) };
+        let threads = Threads::new(memory.threads(&cached.model, threads), speeds.len());
         let responses = analysis::Responses::new(cached, &speeds);
-        for speed in &speeds {
-            interrupt.check()?;
-            found.add(cached, *speed, &responses.all(*speed, part)?, &nodes)?;
-        }
-        found.unstable = match analysis::unstable_ranges(cached, &speeds, &local_maxima(&found.largest), interrupt) {
+        responses.each(&speeds, part, &threads, interrupt, |speed, at_speed, response| {
+            found.add(at_speed, speed, response, &nodes);
+        })?;
+        let peaks = local_maxima(&found.largest);
+        found.unstable = match analysis::unstable_ranges(cached, &speeds, &peaks, &threads, interrupt) {
             Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
             unstable => unstable,
         };
@@ -203,26 +211,18 @@ struct ResponseTable {
 }
 
 impl ResponseTable {
-    /// Adds the amplitudes at a speed, rad/s: one column for each shaft, in the order of the core.
-    fn add(
-        &mut self,
-        cached: &CachedModel,
-        speed: f64,
-        response: &analysis::Response,
-        bearings: &[Node],
-    ) -> Result<(), AnalysisError> {
+    /// Adds the amplitudes of the model at a speed, rad/s: one column for each shaft, in the order of the core.
+    fn add(&mut self, model: &Model, speed: f64, response: &analysis::Response, bearings: &[Node]) {
         let sources = &response.amplitudes;
         self.residuals.push(response.residual);
-        self.largest.push(largest_displacement(&cached.model, sources));
-        let at_speed = cached.at_speed(speed)?;
-        for (column, shaft) in sources.column_iter().zip(&cached.model.shafts) {
+        self.largest.push(largest_displacement(model, sources));
+        for (column, shaft) in sources.column_iter().zip(&model.shafts) {
             let phasors = column.as_slice();
-            self.amplitudes.extend(cached.model.numbering.to_user_order(phasors));
+            self.amplitudes.extend(model.numbering.to_user_order(phasors));
             let at = Harmonic { frequency: shaft.ratio * speed, speed };
-            let forces = HarmonicForces { model: &at_speed.model, at, source: None, phasors };
+            let forces = HarmonicForces { model, at, source: None, phasors };
             self.forces.extend(bearings.iter().flat_map(|node| forces.bearing(*node)));
         }
-        Ok(())
     }
 }
 
@@ -314,6 +314,7 @@ pub fn frequency_response<'py>(
     frequencies: &PyReadonlyArray1<'_, f64>,
     speeds: &PyReadonlyArray1<'_, f64>,
     sources: &[description::Source],
+    threads: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (frequencies, speeds) = (frequencies.as_array().to_vec(), finite_speeds(speeds)?);
     for (index, frequency) in frequencies.iter().enumerate() {
@@ -344,13 +345,13 @@ pub fn frequency_response<'py>(
     };
     let nodes = bearings.clone();
     let table = model.run(py, memory, move |cached, interrupt| {
+        let threads = Threads::new(memory.threads(&cached.model, threads), frequencies.len());
         let responses = analysis::FrequencyResponses::new(cached, &sources, &frequencies);
-        for (index, (frequency, speed)) in frequencies.iter().zip(&speeds).enumerate() {
-            interrupt.check()?;
-            let at = Harmonic { frequency: *frequency, speed: *speed };
-            let found = responses.at(index, at)?;
-            table.add(&cached.at_speed(*speed)?.model, at, &sources, &found, &nodes);
-        }
+        let point = |(frequency, speed): (&f64, &f64)| Harmonic { frequency: *frequency, speed: *speed };
+        let points: Vec<_> = frequencies.iter().zip(&speeds).map(point).collect();
+        responses.each(&points, &threads, interrupt, |at, at_speed, found| {
+            table.add(at_speed, at, &sources, found, &nodes);
+        })?;
         Ok::<_, AnalysisError>(table)
     })?;
     let dict = PyDict::new(py);

@@ -283,8 +283,9 @@ impl PyModel {
         speeds: PyReadonlyArray1<'py, f64>,
         count: usize,
         harmonics: u32,
+        threads: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
-        frequency::campbell(self, py, &speeds, count, harmonics)
+        frequency::campbell(self, py, &speeds, count, harmonics, threads)
     }
 
     #[pyo3(signature = (order, count=None))]
@@ -292,7 +293,6 @@ impl PyModel {
         frequency::critical_speeds(self, py, order, count)
     }
 
-    #[pyo3(signature = (stiffnesses, order, count=None))]
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn critical_speed_map(
         &self,
@@ -300,19 +300,20 @@ impl PyModel {
         stiffnesses: PyReadonlyArray1<'_, f64>,
         order: f64,
         count: Option<usize>,
+        threads: usize,
     ) -> PyResult<Vec<Vec<frequency::CriticalRow>>> {
-        frequency::critical_speed_map(self, py, &stiffnesses, order, count)
+        frequency::critical_speed_map(self, py, &stiffnesses, order, count, threads)
     }
 
-    #[pyo3(signature = (speeds, excitation="both"))]
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn synchronous<'py>(
         &self,
         py: Python<'py>,
         speeds: PyReadonlyArray1<'py, f64>,
         excitation: &str,
+        threads: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
-        frequency::synchronous(self, py, &speeds, excitation)
+        frequency::synchronous(self, py, &speeds, excitation, threads)
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
@@ -322,9 +323,10 @@ impl PyModel {
         frequencies: PyReadonlyArray1<'py, f64>,
         speeds: PyReadonlyArray1<'py, f64>,
         sources: &Bound<'py, PyAny>,
+        threads: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
         let sources: Vec<description::Source> = pythonize::depythonize(sources)?;
-        frequency::frequency_response(self, py, &frequencies, &speeds, &sources)
+        frequency::frequency_response(self, py, &frequencies, &speeds, &sources, threads)
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]

@@ -107,6 +107,8 @@ pub struct Shaft {
     pub internal_damping: f64,
     /// Residual bow.
     pub bow: Option<Bow>,
+    /// Speed relative to the reference shaft where the description gives it.
+    pub speed_ratio: Option<f64>,
 }
 
 /// A position on a shaft that needs a node.
@@ -376,5 +378,6 @@ fn shaft(
         degree: degree(given, at)?,
         internal_damping: at.field("internal_damping").non_negative(given.internal_damping.unwrap_or(0.0))?,
         bow,
+        speed_ratio: given.speed_ratio,
     })
 }

@@ -3,7 +3,9 @@
 
 use crate::common::{Noise, largest, model, train};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, Response, simulate};
-use gearbow::analysis::{ExcitationPart, Interrupt, Spectrum, campbell, critical_speeds, equilibrium, synchronous};
+use gearbow::analysis::{
+    ExcitationPart, Interrupt, Spectrum, Threads, campbell, critical_speeds, equilibrium, synchronous,
+};
 use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions, Tangent};
 use gearbow::integrate::Statistics;
 use gearbow::mesh::{Contact, ContactMode, Geometry, ShaftPhase};
@@ -111,7 +113,7 @@ fn modes_and_critical_speeds_contain_connections() {
         found.iter().map(|critical| critical.speed).take(8).collect()
     };
     let meetings = |cached: &CachedModel| -> Vec<f64> {
-        let diagram = campbell(cached, &[10.0, 200.0, 400.0], 6, 1, &interrupt).unwrap();
+        let diagram = campbell(cached, &[10.0, 200.0, 400.0], 6, 1, &Threads::new(2, 6), &interrupt).unwrap();
         diagram.intersections.iter().map(|meeting| meeting.speed).collect()
     };
     assert!(difference(&eigenvalues(&matrices), &eigenvalues(&table)) < ROUND_OFF);
@@ -290,6 +292,66 @@ fn the_tangent_is_the_derivative_of_the_load() {
 }
 
 #[test]
+fn the_load_of_a_turning_bow_has_a_potential() {
+    let cached = CachedModel::new(model(&heavy()));
+    let model = &cached.model;
+    assert!(!model.bows.is_empty());
+    let reference = vec![0.0; model.len()];
+    let options = InterfaceOptions {
+        geometry: Geometry::Live,
+        reference: &reference,
+        contained: true,
+        speed: 110.0,
+        bearing_speed: 110.0,
+        highest_frequency: 0.0,
+        mobility: 0.0,
+    };
+    for bow in &model.bows {
+        let interface = Interface::new(Connection::Bow(bow), options).unwrap();
+        let phase = ShaftPhase { angle: 0.7, spin: 115.0 };
+        let instant = Instant { time: 0.0, phases: [phase, ShaftPhase::default()], contact_mode: ContactMode::ALWAYS };
+        let load = |u: [f64; 3]| {
+            let mut load = [0.0; 3];
+            interface.load(&instant, &u, &[], &mut load).unwrap();
+            load
+        };
+        let u: [f64; 3] = [2e-4, -1e-4, 3e-2];
+        // U = F Re(s* (e^{i(ϑ + θ)} − e^{iϑ})).
+        let energy = |[real, imaginary, twist]: [f64; 3]| {
+            let ((sin, cos), (turned_sin, turned_cos)) = (phase.angle.sin_cos(), (phase.angle + twist).sin_cos());
+            bow.force * (real * (turned_cos - cos) + imaginary * (turned_sin - sin))
+        };
+        for k in 0..3 {
+            let by = 1e-6;
+            let shifted = |by: f64| std::array::from_fn(|i| u[i] + if i == k { by } else { 0.0 });
+            let difference = (energy(shifted(by)) - energy(shifted(-by))) / (2.0 * by);
+            // Round-off of the energy over the step.
+            assert!((load(u)[k] - difference).abs() < 1e-9 * bow.force, "{k}: {difference} {:?}", load(u));
+        }
+    }
+}
+
+#[test]
+fn a_rigid_rotation_does_not_turn_a_bow_that_nothing_holds() {
+    let mut system = train();
+    let free = model(&system);
+    let drive = r#"drive = { at = "g1", stiffness = 1e4 }"#;
+    let parsed: toml::Table = toml::from_str(drive).unwrap();
+    system.drives = vec![parsed["drive"].clone().try_into().unwrap()];
+    let held = model(&system);
+    for (model, expected) in [(&free, 0.0), (&held, 1.0)] {
+        for bow in &model.bows {
+            let mut rotation = vec![0.0; model.len()];
+            for shaft in &model.shafts {
+                let chain = shaft.twist.as_ref().unwrap();
+                rotation[chain.start..chain.start + chain.nodes].fill(shaft.ratio / model.shafts[bow.shaft].ratio);
+            }
+            assert!((bow.twist(&rotation) - expected).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
 fn equilibrium_carries_gravity_by_a_hardening_bearing() {
     for entries in [ROLLING, JOURNAL] {
         let cached = CachedModel::new(model(&with_bearing(&heavy(), entries)));
@@ -305,7 +367,7 @@ fn equilibrium_carries_gravity_by_a_hardening_bearing() {
                 Connection::Nonlinear(bearing) => {
                     (connection.rows(), bearing.static_tangent(100.0, q.as_slice()).0.as_slice().to_vec())
                 }
-                Connection::Bearing(_) | Connection::Load(_) => continue,
+                Connection::Bearing(_) | Connection::Load(_) | Connection::Bow(_) => continue,
             };
             for (row, force) in rows.iter().zip(force) {
                 row.iter().for_each(|(index, factor)| left[*index] -= factor * force);

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
 from gearbow.description.places import Places, place_label
-from gearbow.errors import GearbowError
+from gearbow.description.rolling import RollingBearing
+from gearbow.description.supports import Support
+from gearbow.errors import ChannelError, GearbowError
 from gearbow.results.response import Response
 
 __all__ = ["Check", "added_check", "mesh_checks", "mesh_rows"]
@@ -34,6 +36,9 @@ _MIN_MOTION = 1e-3
 _STRETCH = 16.0
 #: Stiffnesses [N/m] whose difference gives the direction of a mesh in the coordinates.
 _SOFT, _STIFF = 1e8, 2e8
+
+
+_Kind = TypeVar("_Kind", JournalBearing, RollingBearing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,6 +239,7 @@ def added_check(motion: BowMotion, limit: BowLimit, rows: Mapping[tuple[str, str
         "bearing_force": _bearing_force,
         "bearing_life": _bearing_life,
         "film": _film,
+        "clearance": _clearance,
     }[limit.kind]
     return kind(motion, limit)
 
@@ -359,14 +365,44 @@ def _mesh_force(motion: BowMotion, limit: BowLimit, rows: Mapping[tuple[str, str
     return replace(found, margin=None, proxy=found.margin, steady=margin, beyond=beyond)
 
 
+def _bearing(motion: BowMotion, limit: BowLimit, kind: type[_Kind]) -> _Kind:
+    """Give the bearing of a limit."""
+    for each in motion.variants.base.bearings:
+        here = Places("bearing", [[(each.shaft, each.position)]]).find(limit.at) == 0
+        if isinstance(each, kind) and here:
+            return each
+    raise ChannelError(
+        f"limits: the bearing at {place_label(limit.at)} is no {kind.__name__}, which the limit "
+        f"{limit.kind!r} needs"
+    )
+
+
+def _clearance(motion: BowMotion, limit: BowLimit) -> Check:
+    motion.static.bearing_force(limit.at)  # an unknown bearing is an error that lists the known
+    bearing, approach = _bearing(motion, limit, RollingBearing), float(limit.value)
+    signal = motion.displacement(limit.at)
+    support = bearing.support
+    name = support.name if isinstance(support, Support) else support
+    if support is not None and name is None:
+        raise GearbowError(
+            f"limits: the support of the bearing at {place_label(limit.at)} has no name, so that "
+            "its motion is unknown; give Support(name=)"
+        )
+    if name is not None:
+        signal = signal - motion.displacement(name)
+    allowed = bearing.clearance / 2.0 + approach
+    return _linear(
+        limit,
+        f"{1e6 * allowed:.4g} µm: gap and {1e6 * approach:.4g} µm of approach",
+        signal,
+        allowed,
+        lambda values: np.hypot(values[..., 0], values[..., 1]),
+    )
+
+
 def _film(motion: BowMotion, limit: BowLimit) -> Check:
     motion.static.journal(limit.at)  # an unknown journal bearing is an error that lists the known
-    clearance = next(
-        each.clearance
-        for each in motion.variants.base.bearings
-        if isinstance(each, JournalBearing)
-        and Places("bearing", [[(each.shaft, each.position)]]).find(limit.at) == 0
-    )
+    clearance = _bearing(motion, limit, JournalBearing).clearance
     thickness = float(limit.value)
     signal = motion.displacement(limit.at)
 

@@ -242,6 +242,25 @@ class BowLimit(Part):
         """
         return cls("film", place(at, kind="bearing"), positive(thickness, "thickness"))
 
+    @classmethod
+    def clearance(cls, at: tuple[str, float], approach: float) -> "BowLimit":
+        """Limit how far the shaft moves in a rolling bearing: through its clearance, and beyond.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the rolling bearing [m].
+        approach : float
+            Largest elastic approach of the rings [m]: the displacement of the shaft relative to
+            what the bearing stands on, less the radial gap, which is half of the clearance.
+
+        Returns
+        -------
+        BowLimit
+            The limit.
+        """
+        return cls("clearance", place(at, kind="bearing"), positive(approach, "approach"))
+
 
 def _value(limit: Any, standards: Mapping[str, Any]) -> float | str:
     """Check a positive number or the name of a standard."""

@@ -1,6 +1,6 @@
 """Positions of shafts, gears, disks and bearings at rest: the geometry for a drawing."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, pairwise
 from typing import TypeAlias
@@ -132,7 +132,7 @@ def layout(
     while found := next(
         chain(
             _next_origin(meshes, centre_distances, by_name, origins),
-            _next_coupled(couplings, places, origins),
+            _next_coaxial(_coaxial(couplings, bearings, places), origins),
         ),
         None,
     ):
@@ -210,12 +210,25 @@ def _next_origin(
                 yield new.shaft, origins[known.shaft] + sign * offset
 
 
-def _next_coupled(
-    couplings: Sequence[Coupling], places: dict[str, tuple[str, float]], origins: dict[str, Array]
-) -> Iterator[tuple[str, Array]]:
-    """Give the origins of shafts that a coupling joins to a shaft whose origin is known."""
+def _coaxial(
+    couplings: Sequence[Coupling],
+    bearings: Sequence[Bearing | JournalBearing | RollingBearing],
+    places: dict[str, tuple[str, float]],
+) -> Iterator[tuple[tuple[str, float], tuple[str, float]]]:
+    """Give the places that couplings, and bearings between two shafts, put at one point."""
     for coupling in couplings:
         a, b = (places[at] if isinstance(at, str) else at for at in (coupling.a, coupling.b))
+        yield a, b
+    for bearing in bearings:
+        if isinstance(bearing.support, tuple):
+            yield (bearing.shaft, bearing.position), bearing.support
+
+
+def _next_coaxial(
+    pairs: Iterable[tuple[tuple[str, float], tuple[str, float]]], origins: dict[str, Array]
+) -> Iterator[tuple[str, Array]]:
+    """Give the origins of shafts on the axis of a shaft whose origin is known."""
+    for a, b in pairs:
         for (known, x), (new, position) in ((a, b), (b, a)):
             if known in origins and new not in origins:
                 yield new, origins[known] + np.array([x - position, 0.0, 0.0])

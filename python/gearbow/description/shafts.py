@@ -214,6 +214,9 @@ class Shaft(Part):
         damping of the bearings does not prevent it. It damps torsion and axial motion as well.
     bow : Bow, optional
         Residual bow; None is a straight shaft.
+    speed_ratio : float, optional
+        Signed speed over that of the reference shaft, for a shaft that no mesh or coupling connects
+        to it: the other spool of a dual rotor.
 
     Notes
     -----
@@ -242,6 +245,7 @@ class Shaft(Part):
     axial_force: float = 0.0
     internal_damping: float = 0.0
     bow: Bow | None = None
+    speed_ratio: float | None = None
 
     def _describe(self, path: str) -> dict[str, Plain]:
         shaft = self

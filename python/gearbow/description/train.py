@@ -82,12 +82,13 @@ def _bow(description: Mapping[str, Plain], name: str) -> tuple[list[Dof], Comple
         key: [part for part in description.get(key, ()) if part["shaft"] == name]
         for key in ("gears", "disks", "bearings", "sleeves")
     }
-    # Of the bearings, a sag depends on the positions only.
-    own["bearings"] = [
-        {"shaft": name, "position": bearing["position"], "stiffness": 1e8}
-        for bearing in own["bearings"]
-    ]
-    own["shafts"] = [shaft for shaft in description["shafts"] if shaft["name"] == name]
+    # Of the bearings, also of those that stand on the shaft, a sag depends on the positions only.
+    positions = [bearing["position"] for bearing in own["bearings"]]
+    bases = [bearing.get("support") for bearing in description.get("bearings", ())]
+    positions += [base[1] for base in bases if isinstance(base, list) and base[0] == name]
+    own["bearings"] = [{"shaft": name, "position": x, "stiffness": 1e8} for x in positions]
+    shafts = (shaft for shaft in description["shafts"] if shaft["name"] == name)
+    own["shafts"] = [{**shaft, "speed_ratio": 1.0} for shaft in shafts]
     model = Model({**own, "motion": "lateral"})
     with warnings.catch_warnings():
         # The conditioning of the modes does not affect the bow.

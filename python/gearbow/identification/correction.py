@@ -19,6 +19,7 @@ from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.identification.fit import RELATIVE_STEP
 from gearbow.identification.responses import assembled
+from gearbow.identification.trials import TrialInfluence, trial_influence
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 
@@ -67,6 +68,9 @@ class Correction(Result, ReadOnly, Generic[S]):
         The identified system with the weights.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures.
+    trials : TrialInfluence, optional
+        Influence coefficients of the trial runs beside those of the model; None without runs that
+        have one trial weight each.
 
     Examples
     --------
@@ -95,6 +99,7 @@ class Correction(Result, ReadOnly, Generic[S]):
     influence: ComplexArray
     system: S = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
+    trials: TrialInfluence | None = field(repr=False, default=None)
 
     @property
     def remaining_share(self) -> float:
@@ -144,6 +149,16 @@ class Correction(Result, ReadOnly, Generic[S]):
         change = f"from {before:.3g} µm RMS to between {low:.3g} and {high:.3g} µm"
         rest = f"no weights in these planes can remove {share} of it"
         return [f"balance at {speeds} {speed_unit}: {change}; {rest}"]
+
+    def _remarks(self) -> list[str]:
+        if self.trials is None:
+            return []
+        moved = np.abs(self.trials.measured - self.trials.model) > self.trials.half_widths
+        text = (
+            f"{moved.sum()} of {moved.size} influence coefficients of trial runs differ from those "
+            "of the model by more than the noise explains in 95 %: see .trials"
+        )
+        return [text]
 
     def _columns(self) -> list[Column]:
         """Give a row for each plane."""
@@ -279,6 +294,7 @@ def _with_limits(
             dict(zip(correction.planes, correction.unbalances.tolist(), strict=True)),
         ),
         speed_unit=speed_unit,
+        trials=trial_influence(found, speed_unit),
     )
 
 

@@ -282,8 +282,9 @@ def orders(
     bearing_harmonics: int = 3,
     skip_time: float = 0.0,
     revolutions: float | None = None,
+    noise: float = 0.0,
 ) -> Orders:
-    """Fit the orders of a train to a recorded signal."""
+    """Fit the orders of a train to a recorded signal; `noise` is the RMS of that added to it."""
     if run.kinematics is None:
         raise GearbowError("the orders are unknown, because the response has no kinematics")
     signal = channel(run, at, quantity)
@@ -331,7 +332,7 @@ def orders(
         speed=None if isinstance(run.speed, SpeedProfile) else abs(run.speed),
         speed_unit=run.speed_unit,
     )
-    _warn(result, values, shortcomings(chosen, excited, sampling))
+    _warn(result, values, shortcomings(chosen, excited, sampling), noise)
     return result
 
 
@@ -430,13 +431,15 @@ def _moves(fitted: OrderFit, values: Array) -> bool:
     return left > _ROUND_OFF * float(np.abs(values).max())
 
 
-def _warn(found: Orders, values: Array, shortcoming: str | None) -> None:
+def _warn(found: Orders, values: Array, shortcoming: str | None, noise: float) -> None:
     """Warn if the record is too short or too coarse, or the orders leave out much of the motion."""
     reasons = [] if shortcoming is None else [shortcoming]
     moves = float(values.std()) > _ROUND_OFF * float(np.abs(values).max())
-    if moves and found.rest_share > _LARGE_REST:
+    expected = noise / found.rest if found.rest > noise else 1.0
+    share = found.rest_share * math.sqrt(1.0 - expected**2)
+    if moves and share > _LARGE_REST:
         reasons.append(
-            f"{100.0 * found.rest_share:.0f} % of the RMS of {found.label} is not at these "
+            f"{100.0 * share:.0f} % of the RMS of {found.label} is not at these "
             "orders: look at its spectrum; omit a transient with skip_time, or give more "
             "shaft_harmonics, mesh_harmonics or sidebands"
         )

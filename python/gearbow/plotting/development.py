@@ -80,7 +80,7 @@ def body_box(train: Train, body: BodyOutline, height: float) -> Box:
 
 
 def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
-    """Give the shafts that mesh with a shaft or are coupled to it, with their signed distance."""
+    """Give the shafts that mesh with a shaft or lie on its axis, with their signed distance."""
     found = []
     origins = {shaft.name: shaft.origin for shaft in train.layout.shafts}
     gears = {gear.name: gear for gear in train.parts["gears"]}
@@ -95,6 +95,10 @@ def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
     for coupling in train.parts["couplings"]:
         ends = [bodies[at] if isinstance(at, str) else at[0] for at in (coupling.a, coupling.b)]
         found += [(other, 0.0) for own, other in (ends, ends[::-1]) if own == known]
+    for bearing in train.parts["bearings"]:
+        if isinstance(bearing.support, tuple):
+            pair = (bearing.shaft, bearing.support[0])
+            found += [(other, 0.0) for own, other in (pair, pair[::-1]) if own == known]
     return found
 
 

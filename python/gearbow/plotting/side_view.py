@@ -105,13 +105,17 @@ class SideView:
             housing.name: [] for housing in self.train.parts["housings"]
         }
         for part in self.train.parts["bearings"]:
-            shaft = self.train.layout.shaft(part.shaft)
+            shaft, base = self.train.layout.shaft(part.shaft), part.support
             x = float(shaft.origin[0]) + part.position
-            y = self._height(part.shaft) - shaft.outer_radius(part.position)
+            radius = shaft.outer_radius(part.position)
+            if isinstance(base, tuple):  # on the surface of the inner one of two shafts
+                radius = min(radius, self.train.layout.shaft(base[0]).outer_radius(base[1]))
+            y = self._height(part.shaft) - radius
             kind = symbols.bearing_kind(part)
             foot = symbols.bearing(panel, kind, x, y, point)
             yield foot
-            base = part.support
+            if isinstance(base, tuple):
+                continue
             name = base if isinstance(base, str) else getattr(base, "name", None)
             if name in housings:
                 housings[name].append(foot)

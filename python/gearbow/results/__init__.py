@@ -19,9 +19,12 @@ _MODULES = {
     "Balance": "gearbow.analysis.balance",
     "FilmCoefficients": "gearbow.description.journal",
     "Order": "gearbow.description.kinematics",
+    "RingCoefficients": "gearbow.description.rolling",
     "RollingCoefficients": "gearbow.description.rolling",
+    "RollingEstimate": "gearbow.description.rolling",
     "Correction": "gearbow.identification.correction",
     "Identification": "gearbow.identification.result",
+    "TrialInfluence": "gearbow.identification.trials",
     "ProbeResidual": "gearbow.identification.result",
     "MeasuredCurve": "gearbow.exchange.harmonic",
     "LoadCase": "gearbow.exchange.rexs",
@@ -68,7 +71,11 @@ if _typing.TYPE_CHECKING:
     from gearbow.analysis.balance import Balance as Balance
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
     from gearbow.description.kinematics import Order as Order
-    from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.description.rolling import (
+        RingCoefficients as RingCoefficients,
+        RollingCoefficients as RollingCoefficients,
+        RollingEstimate as RollingEstimate,
+    )
     from gearbow.exchange.harmonic import MeasuredCurve as MeasuredCurve
     from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
     from gearbow.exchange.rexs_joints import MissingValue as MissingValue
@@ -77,6 +84,7 @@ if _typing.TYPE_CHECKING:
         Identification as Identification,
         ProbeResidual as ProbeResidual,
     )
+    from gearbow.identification.trials import TrialInfluence as TrialInfluence
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall

@@ -20,7 +20,7 @@ from gearbow.sweeps.points import Parameters, Points
 from gearbow.sweeps.result import Sweep
 from gearbow.sweeps.store import Store, head_of
 
-__all__ = ["sweep"]
+__all__ = ["check_call", "sweep"]
 
 
 @checked
@@ -96,7 +96,7 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
     """
     points = Points(parameters)
     for name, function, leading in (("make", make, ()), ("measure", measure, (None,))):
-        _check_call(name, function, leading, points[0])
+        check_call(name, function, leading, points[0])
     functions = (identity(make), identity(measure))
     outcomes: dict[int, Outcome] = {}
     try:
@@ -124,7 +124,7 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
     return Sweep(points, outcomes, functions)
 
 
-def _check_call(name: str, function: object, leading: tuple[Any, ...], point: Any) -> None:
+def check_call(name: str, function: object, leading: tuple[Any, ...], point: Any) -> None:
     """Refuse a function that does not take the parameters, before anything is computed."""
     if not callable(function):
         raise SceneError(f"{name}: must be a function, got {shown(function)}")

@@ -60,7 +60,7 @@ def bow_limits(
         worst phase relative to the other bows and unbalances.
     limits : sequence of BowLimit
         Further limits: displacement, velocity, contact ratio, mesh force, bearing force or life,
-        oil film.
+        oil film, clearance of a rolling bearing.
 
     Returns
     -------

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array, items, number, whole
+from gearbow._parallel import thread_count
 from gearbow._types import Array
 from gearbow.analysis.protocol import System
 from gearbow.description.places import Places
@@ -25,6 +26,7 @@ def frequency_response(
     speed: ArrayLike | None = None,
     order: ArrayLike | None = None,
     speeds: ArrayLike | None = None,
+    threads: int | None = None,
 ) -> FrequencyResponse:
     """Find the response to harmonic sources, without time stepping.
 
@@ -47,6 +49,9 @@ def frequency_response(
         Frequency over the speed of the reference shaft, or several.
     speeds : array_like, shape (k,), optional
         Speeds of the reference shaft [rad/s].
+    threads : int, optional
+        Largest number of threads. None is the number in the environment variable
+        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
 
     Returns
     -------
@@ -92,7 +97,8 @@ def frequency_response(
     at, shaft_speeds, axes = _pairs(frequencies, speed, order, speeds)
     plain, labels = plain_sources(source)
     _check_ground(plain, at.ravel())
-    data = self._model.frequency_response(at.ravel(), shaft_speeds.ravel(), plain)
+    workers = thread_count(threads)
+    data = self._model.frequency_response(at.ravel(), shaft_speeds.ravel(), plain, workers)
     shape = at.shape
 
     def shaped(values: Any) -> Any:
@@ -122,6 +128,7 @@ def mesh_response(
     speeds: ArrayLike,
     harmonics: Sequence[int] = (1,),
     error: complex = 1e-6,
+    threads: int | None = None,
 ) -> FrequencyResponse:
     """Find the response to a transmission error at harmonics of the tooth frequency of a mesh.
 
@@ -136,6 +143,9 @@ def mesh_response(
     error : complex
         Phasor of the transmission error at every harmonic [m]; by default 1 µm, so that results
         are those of each micrometre.
+    threads : int, optional
+        Largest number of threads. None is the number in the environment variable
+        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
 
     Returns
     -------
@@ -165,7 +175,11 @@ def mesh_response(
         raise SceneError("harmonics: needs at least one harmonic, got none")
     orders = abs(ratio) * driver.teeth * np.array(numbers, dtype=np.float64)
     return frequency_response(
-        self, source=MeshExcitation(known.known[index][0], error), order=orders, speeds=speeds
+        self,
+        source=MeshExcitation(known.known[index][0], error),
+        order=orders,
+        speeds=speeds,
+        threads=threads,
     )
 
 

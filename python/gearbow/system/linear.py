@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, number, text, truth, whole
 from gearbow._core import mesh_geometry, require_memory
 from gearbow._lookup import one_of
+from gearbow._parallel import thread_count
 from gearbow._progress import working
 from gearbow.analysis.protocol import System
 from gearbow.description.layout import Layout, layout
@@ -173,6 +174,7 @@ def campbell(
     *,
     count: int = 10,
     harmonics: int = 1,
+    threads: int | None = None,
     progress: bool | None = None,
 ) -> Campbell:
     """Follow the modes over the speed, and find their intersections with excitation lines.
@@ -186,6 +188,9 @@ def campbell(
         does not count.
     harmonics : int
         Number of harmonics of every tooth frequency; 0 omits the teeth.
+    threads : int, optional
+        Largest number of threads. None is the number in the environment variable
+        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
@@ -206,9 +211,10 @@ def campbell(
     wanted = array(speeds, "speeds")
     count = whole(count, "count")
     harmonics = whole(harmonics, "harmonics", least=0)
+    workers = thread_count(threads)
     unit = given_unit(speeds) or self._speed_unit
     with working(progress, f"Campbell diagram of {wanted.size} speeds"):
-        data = self._model.campbell(wanted, count, harmonics)
+        data = self._model.campbell(wanted, count, harmonics, workers)
     return Campbell.from_data(wanted, data, speed_unit=unit)
 
 
@@ -218,6 +224,7 @@ def critical_speed_map(
     *,
     order: float = 1.0,
     count: int | None = None,
+    threads: int | None = None,
     progress: bool | None = None,
 ) -> CriticalSpeedMap:
     """Find the undamped critical speeds against the bearing stiffness.
@@ -232,6 +239,9 @@ def critical_speed_map(
     count : int, optional
         Number of the lowest critical speeds at each stiffness; None is all. Time and memory
         then grow linearly with the number of elements.
+    threads : int, optional
+        Largest number of threads. None is the number in the environment variable
+        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
@@ -257,12 +267,13 @@ def critical_speed_map(
     wanted = array(stiffnesses, "stiffnesses")
     order = number(order, "order")
     count = None if count is None else whole(count, "count")
+    workers = thread_count(threads)
     # The shortest list of critical speeds is empty; each speed is an object with its whirl.
     size = 500.0 * wanted.size * (1 + min(count or 2 * len(self.dofs), 2 * len(self.dofs)))
     what = f"the critical speeds at {wanted.size} stiffnesses"
     require_memory("stiffnesses", what, size, "give fewer stiffnesses, or a smaller count")
     with working(progress, f"critical speeds at {wanted.size} stiffnesses"):
-        found = self._model.critical_speed_map(wanted, order, count)
+        found = self._model.critical_speed_map(wanted, order, count, workers)
     actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
     return CriticalSpeedMap.from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
 
@@ -272,6 +283,7 @@ def synchronous(
     speeds: ArrayLike,
     *,
     excitation: str = "both",
+    threads: int | None = None,
     progress: bool | None = None,
 ) -> Synchronous:
     """Find the linear response to bow and unbalance, without time stepping.
@@ -282,6 +294,9 @@ def synchronous(
         Speeds of the reference shaft [rad/s].
     excitation : {"both", "bow", "unbalance"}
         The excitation.
+    threads : int, optional
+        Largest number of threads. None is the number in the environment variable
+        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
@@ -310,8 +325,9 @@ def synchronous(
     """
     wanted = array(speeds, "speeds")
     one_of(excitation, ("both", "bow", "unbalance"), "excitation")
+    workers = thread_count(threads)
     with working(progress, f"synchronous response at {wanted.size} speeds"):
-        data = self._model.synchronous(wanted, excitation)
+        data = self._model.synchronous(wanted, excitation, workers)
     return Synchronous(
         speeds=wanted,
         shafts=tuple(self._model.shafts),

@@ -45,6 +45,7 @@ from gearbow.system.linear import (
     static,
     synchronous,
 )
+from gearbow.system.report import report
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
@@ -660,6 +661,7 @@ class RotorSystem(CheckedKeywords, Shown):
     steady_state = steady_state
     continuation = continuation
     tradeoff = tradeoff
+    report = report
 
     def __reduce__(self) -> tuple[Callable[[dict[str, Plain]], "Self"], tuple[dict[str, Plain]]]:
         return type(self)._from_description, (self.description,)

@@ -93,6 +93,10 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "grooves": "rad",
     "element_diameter": "m",
     "pitch_diameter": "m",
+    "boundary": "m",
+    "bore": "m",
+    "outer": "m",
+    "width": "m",
     "roller_length": "m",
     "contact_angle": "rad",
     "cage_angle": "rad",
@@ -105,6 +109,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "forces.value.slopes": "N/s",
     "axial": "N",
     "load": "N",
+    "thrust": "N",
+    "tilt": "rad",
     # Options of a system
     "rayleigh": ("1/s", "s"),
     "gravity": "m/s^2",
@@ -129,7 +135,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "checkpoint_interval": "s",
     "budget": "s",
     "highest": "1/s",
-    **dict.fromkeys(("at", "a", "b", "record", "planes", "points"), _PLACE),
+    **dict.fromkeys(("at", "a", "b", "record", "planes", "points", "support"), _PLACE),
     **dict.fromkeys(("signals", "target"), _PLACE),
 }
 

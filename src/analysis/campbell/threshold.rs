@@ -29,12 +29,16 @@ pub struct Threshold {
 }
 
 impl Tracker<'_> {
-    /// Stores the speed between two speeds at which a mode begins or ceases to grow. Growth that round-off may cause does
-    /// not count: where the mode at the end that does not grow is undamped up to round-off, this end is the threshold.
-    pub(super) fn add_threshold(&mut self, mode: usize, ends: [(f64, &State); 2]) -> Result<(), AnalysisError> {
+    /// The speed between two speeds at which a mode begins or ceases to grow, if there is one. Growth that round-off may cause
+    /// does not count: where the mode at the end that does not grow is undamped up to round-off, this end is the threshold.
+    pub(super) fn threshold_between(
+        &self,
+        mode: usize,
+        ends: [(f64, &State); 2],
+    ) -> Result<Option<Threshold>, AnalysisError> {
         let grows = ends.map(|(speed, state)| is_growing(state.eigenvalue, speed));
         if grows[0] == grows[1] {
-            return Ok(());
+            return Ok(None);
         }
         let growth = ends.map(|(_, state)| state.eigenvalue.re);
         let (speed, state) = if (growth[0] > 0.0) == (growth[1] > 0.0) {
@@ -48,8 +52,7 @@ impl Tracker<'_> {
         let residual = state.residual.with(eigenvalue.re.abs() / eigenvalue.norm());
         require(residual, || format!("the stability threshold of mode {} at {speed} rad/s", mode + 1))?;
         let residual = residual.value;
-        self.thresholds.push(Threshold { mode, speed, eigenvalue, whirl, is_unstable_above: grows[1], residual });
-        Ok(())
+        Ok(Some(Threshold { mode, speed, eigenvalue, whirl, is_unstable_above: grows[1], residual }))
     }
 
     /// The speed at which a `value` (speed, mode) of a tracked mode is zero, and the mode there, by the method of Illinois. `known`

@@ -9,7 +9,7 @@ use num_complex::Complex64;
 
 use super::super::assignment::{Assignment, equal};
 use super::{Critical, modes, named};
-use crate::analysis::{AnalysisError, Interrupt};
+use crate::analysis::{AnalysisError, Interrupt, Threads};
 use crate::modal::{CachedModel, ModeAtSpeed};
 use crate::model::Model;
 use crate::scene::EntryPath;
@@ -50,43 +50,43 @@ struct Found {
 /// [`AnalysisError`] if `order` is not positive, a stiffness is invalid, a decomposition fails, a mode does not satisfy the
 /// equations of motion, or `interrupt` requests a stop.
 pub fn critical_speed_map(
-    at: impl Fn(f64) -> Result<CachedModel, AnalysisError>,
+    at: impl Fn(f64) -> Result<CachedModel, AnalysisError> + Sync,
     stiffnesses: &[f64],
     order: f64,
     count: usize,
+    threads: &Threads,
     interrupt: &Interrupt,
 ) -> Result<Vec<Vec<CriticalPoint>>, AnalysisError> {
     EntryPath::root("order").positive(order)?;
-    let mut lines = Lines { at, order, count, interrupt, alive: Vec::new(), started: 0 };
+    let problem = MapProblem { at, order, count, interrupt };
+    // The modes at each stiffness, and the critical speeds of the map.
+    let found = threads.map(stiffnesses, |stiffness| {
+        let (cached, found) = problem.modes(*stiffness)?;
+        let named = found.iter().take(count).map(|met| named(&cached, &met.met, interrupt));
+        Ok((named.collect::<Result<Vec<_>, _>>()?, found))
+    })?;
+    let mut lines = Lines { problem: &problem, alive: Vec::new(), started: 0 };
     let mut map = Vec::new();
     let mut previous = None;
-    for stiffness in stiffnesses {
-        let (cached, found) = lines.modes(*stiffness)?;
+    for (stiffness, (critical, found)) in stiffnesses.iter().zip(found) {
         lines.advance(previous, *stiffness, &found, 0)?;
         previous = Some(*stiffness);
-        let point = |(met, (line, _)): (&Found, &(usize, Found))| {
-            Ok(CriticalPoint { critical: named(&cached, &met.met, interrupt)?, line: *line })
-        };
-        let points: Result<Vec<_>, AnalysisError> = found.iter().zip(&lines.alive).take(count).map(point).collect();
-        map.push(points?);
+        let point = |(critical, (line, _)): (Critical, &(usize, Found))| CriticalPoint { critical, line: *line };
+        map.push(critical.into_iter().zip(&lines.alive).map(point).collect());
     }
     Ok(map)
 }
 
-/// The lines up to a stiffness.
-struct Lines<'a, F> {
+/// What is the same at all stiffnesses.
+struct MapProblem<'a, F> {
     at: F,
     order: f64,
     /// Number of critical speeds at each stiffness.
     count: usize,
     interrupt: &'a Interrupt,
-    /// Number and mode of each line at the current stiffness, by ascending speed.
-    alive: Vec<(usize, Found)>,
-    /// Number of lines that have begun.
-    started: usize,
 }
 
-impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
+impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> MapProblem<'_, F> {
     /// The model at a stiffness, N/m, and its modes by ascending speed.
     fn modes(&self, stiffness: f64) -> Result<(CachedModel, Vec<Found>), AnalysisError> {
         self.interrupt.check()?;
@@ -95,7 +95,18 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
         let found = found.into_iter().map(|met| Found::new(&cached.model, self.order, met)).collect();
         Ok((cached, found))
     }
+}
 
+/// The lines up to a stiffness.
+struct Lines<'a, F> {
+    problem: &'a MapProblem<'a, F>,
+    /// Number and mode of each line at the current stiffness, by ascending speed.
+    alive: Vec<(usize, Found)>,
+    /// Number of lines that have begun.
+    started: usize,
+}
+
+impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
     /// Continues the lines to the modes at a stiffness; `from` is the stiffness of the lines, both N/m.
     fn advance(
         &mut self,
@@ -111,7 +122,7 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
         let mut numbers = vec![None; found.len()];
         if !found.is_empty() {
             // The last modes may leave the computed ones.
-            let deciding = DECIDING_LINES.min(self.count).min(found.len());
+            let deciding = DECIDING_LINES.min(self.problem.count).min(found.len());
             let common = |a: usize, b: usize| self.alive[a].1.correlation(&self.alive[b].1);
             let assignment = Assignment::new(&correlations, common, &before, &after, deciding);
             if let Some(from) = from.filter(|_| !assignment.clear && halved < MAX_HALVINGS) {
@@ -120,7 +131,7 @@ impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
                 } else {
                     f64::midpoint(from, stiffness)
                 };
-                let (_, between) = self.modes(middle)?;
+                let (_, between) = self.problem.modes(middle)?;
                 self.advance(Some(from), middle, &between, halved + 1)?;
                 return self.advance(Some(middle), stiffness, found, halved + 1);
             }

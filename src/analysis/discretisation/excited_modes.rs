@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::varying_loads::{VaryingLoad, varying_loads};
-use crate::connection::Row;
+use crate::connection::{Connection, Row};
 use crate::linalg::DecompositionError;
 use crate::mesh::GearMesh;
 use crate::modal::{CachedModel, RealModes};
@@ -119,8 +119,12 @@ fn loads(model: &Model) -> Vec<Vec<f64>> {
         row.iter().for_each(|(index, coefficient)| load[*index] += coefficient);
         load
     };
-    let mut loads: Vec<Vec<f64>> =
-        model.connections(0.0).flat_map(|connection| connection.rows()).map(of_row).collect();
+    let mut loads: Vec<Vec<f64>> = model
+        .connections(0.0)
+        .filter(Connection::is_local)
+        .flat_map(|connection| connection.rows())
+        .map(of_row)
+        .collect();
     loads.extend(released_loads(model));
     if model.meshes.is_empty() {
         loads.extend(inertia_loads(model));

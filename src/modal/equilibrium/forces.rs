@@ -335,8 +335,8 @@ impl Forces {
                     }
                     continue;
                 }
-                // Loads over the speed have their value at this speed, and other loads no constant part.
-                Connection::Load(_) => continue,
+                // Loads over the speed have their value at this speed; other loads and bows no mean part.
+                Connection::Load(_) | Connection::Bow(_) => continue,
                 Connection::Bearing(bearing) => (&bearing.rows[..], bearing.static_tangent(speeds.flanks, q)),
                 Connection::Nonlinear(bearing) => {
                     let known = match laws {

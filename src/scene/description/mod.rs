@@ -15,7 +15,7 @@ mod teeth;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-pub use bearing::{Bearing, ContactKind, FilmModel};
+pub use bearing::{Bearing, BearingKind, ContactKind, FilmModel};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{

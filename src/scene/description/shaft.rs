@@ -62,6 +62,9 @@ pub struct Shaft {
     /// Residual bow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bow: Option<Bow>,
+    /// Speed relative to the reference shaft, of a shaft that no mesh or coupling connects to it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_ratio: Option<f64>,
     /// Segments of a stepped shaft, from x = 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub segments: Option<Vec<Segment>>,

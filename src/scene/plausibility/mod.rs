@@ -268,11 +268,10 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
 /// Checks the deflection of a shaft and of its bearings under its weight. The weight of the bodies on the shaft is
 /// distributed over its length.
 fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
-    let bearings: Vec<_> =
-        scene.bearings.iter().enumerate().filter(|(_, bearing)| bearing.node.shaft == shaft).collect();
+    let bearings: Vec<_> = scene.held_nodes(shaft).map(|(index, node)| (index, node, &scene.bearings[index])).collect();
     let at = EntryPath::entry("shafts", shaft);
     let shape = &scene.shafts[shaft];
-    let mut supports: Vec<f64> = bearings.iter().map(|(_, bearing)| shape.nodes[bearing.node.node]).collect();
+    let mut supports: Vec<f64> = bearings.iter().map(|(_, node, _)| shape.nodes[*node]).collect();
     supports.sort_by(f64::total_cmp);
     let span = supports.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     if span == 0.0 {
@@ -285,10 +284,10 @@ fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
     let compliance = compliance / length;
     let radius = largest_radius(shape);
     found.check(&at, 5.0 / 384.0 * weight / length * span.powi(4) * compliance / radius, &SHAFT_SAG);
-    let total: f64 = bearings.iter().map(|(_, bearing)| largest_stiffness(&bearing.stiffness)).sum();
+    let total: f64 = bearings.iter().map(|(.., bearing)| largest_stiffness(&bearing.stiffness)).sum();
     let settling = weight / total / radius;
     let own = 48.0 / (compliance * span.powi(3));
-    for (index, bearing) in bearings {
+    for (index, _, bearing) in bearings {
         let stiffness = largest_stiffness(&bearing.stiffness);
         if stiffness > 0.0 && stiffness < MIN_RELATIVE_STIFFNESS * own && settling > MAX_SETTLING {
             let message = format!(

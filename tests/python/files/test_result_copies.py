@@ -46,6 +46,7 @@ def everything() -> dict[str, Any]:
     return {
         **results(),
         "mesh state": system.static().mesh(("g1", "g2")),
+        "example": gb.examples()["geared_pair"],
         "line": campbell.lines[0],
         "intersection": bowed.campbell([0.0, 900.0], count=2).criticals[0],
         "comparison": results()["frequency response"].compare(MEASURED),
@@ -59,10 +60,15 @@ def everything() -> dict[str, Any]:
         "variable": system.simulate(1e-3, (np.array([0.0, 1e-3]), np.array([90.0, 95.0]))),
         "identification": identified,
         "correction": identified.balance("g1", 100.0),
+        "trial influence": gb.results.TrialInfluence(
+            ("g1",), ("probe",), np.ones(1), np.full(1, 1j), np.full(1, 2j), np.ones(1)
+        ),
         "event": gb.results.Event(0.0, "contact", "a", "b"),
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),
         "rolling coefficients": balls.coefficients(100.0),
+        "ring coefficients": balls.ring_coefficients(100.0),
+        "rolling estimate": gb.RollingBearing("rotor", 0.0, "6308").estimate,
         "rolling motion": rolling.simulate(1e-3, 100.0, record=["bearings"]).rolling(
             ("rotor", 0.0)
         ),

@@ -69,6 +69,56 @@ def test_exact_data_give_the_weights_of_the_true_system():
     assert one.balance("g1", 300.0, points=POINTS[:1]).remaining_share < 0.1 < found.remaining_share
 
 
+def test_a_balanced_run_has_the_predicted_residual():
+    """The machine is run in time with the weights, and measured with probes and a tachometer."""
+    probes = [gb.Probe("input", 0.4), gb.Probe("input", 0.4, angle=np.pi / 2)]
+    found = identified(1).balance("g1", AT, points=POINTS[1:])
+    machine = balanced({"g1": found.unbalances[0]})
+    for i, speed in enumerate(AT):
+        run = machine.simulate(0.3, speed, output_step=1e-4, record=[POINTS[1]], rtol=1e-6)
+        signals = {probe: run.measure(probe) for probe in probes}
+        pulses = {gb.Tacho("input"): run.measure(gb.Tacho("input"))}
+        again = gb.Measurement.from_signals(run.time, signals, pulses, revolutions=8)
+        y, z = again.amplitudes[-1]
+        orbit = (abs(y + 1j * z) + abs(y - 1j * z)) / 2.0
+        # Four standard deviations; the load turns the line of action, by up to 0.9 µm of the motion.
+        middle, width = (found.lower + found.upper)[i, 0] / 2, (found.upper - found.lower)[i, 0]
+        assert abs(orbit - middle) < width + MICRON
+        assert orbit < 0.9 * found.before[i, 0]
+
+
+def test_trial_runs_give_the_influence_of_the_model_beside_their_own():
+    bent, weight = bent_pair(), 3e-4 * np.exp(0.3j)
+    tried = balanced({"g1": weight})
+    exact = vectors(bent, SPEEDS, PROBES)
+    measured = [
+        gb.Measurement(SPEEDS, noisy(exact, 1), PROBES),
+        gb.Measurement(
+            1.005 * SPEEDS[:3],
+            noisy(vectors(tried, 1.005 * SPEEDS[:3], PROBES), 2),
+            PROBES,
+            trial_weights={"g1": weight},
+        ),
+    ]
+    found = gb.identify(unbent(bent), measured, WANTED, runout=False, noise=MICRON)
+    trials = found.balance("g1", AT).trials
+    assert trials.planes == ("g1",) * 9
+    np.testing.assert_allclose(trials.speeds, np.repeat(1.005 * SPEEDS[:3], 3))
+    np.testing.assert_allclose(trials.half_widths, found.factor * np.sqrt(2) * MICRON / 3e-4)
+    # 18 components: four half widths of 95 % are eight standard deviations.
+    assert (np.abs(trials.measured - trials.model) < 4.0 * trials.half_widths).all()
+    unit = unbent(bent)
+    alone = unit.replace(gears=[replace(unit.gears[0], unbalance=1e-3 + 0j), unit.gears[1]])
+    # Between two speeds the bow does not cancel completely: 0.5 % of the speed.
+    wanted = 1e3 * vectors(alone, 1.005 * SPEEDS[:3], PROBES).ravel()
+    assert (
+        np.abs(trials.model - wanted).max() < 0.1 * trials.half_widths[0] + 0.05 * abs(wanted).max()
+    )
+    assert "influence coefficients of trial runs differ" in str(found.balance("g1", AT))
+    assert "trial run [µm/(g mm)]" in str(trials)
+    assert identified(1).balance("g1", AT).trials is None
+
+
 def test_an_unknown_parameter_widens_the_intervals():
     exact = gb.Measurement(SPEEDS, vectors(bent_pair(), SPEEDS, PROBES), PROBES)
     system = unbent(bent_pair())

@@ -10,7 +10,8 @@ import pytest
 
 import gearbow as gb
 from reference.cases import each_case
-from test_identify import MICRON, PROBES, SPEEDS, WANTED, bent_pair, noisy, unbent, vectors
+from reference.machines import pair
+from test_identify import MICRON, PROBES, SEED, SPEEDS, WANTED, bent_pair, noisy, unbent, vectors
 
 HEAD = "speed [rpm]; shaft; position [mm]; angle [deg]; amplitude [um]; phase [deg]"
 
@@ -203,3 +204,45 @@ def test_a_simulated_run_gives_the_same_bow():
     for value, (lower, upper) in zip((bow.real, bow.imag), found.intervals[:2], strict=True):
         assert lower < value < upper
     assert found.half_widths[0, 0] < 2e-6
+
+
+def test_the_bow_agrees_with_a_dial_gauge_series(tmp_path):
+    """Two half waves from vibration, and readings of a dial gauge on the shaft at rest."""
+    length = bent_pair().shafts[0].length
+    sizes = (60e-6 * np.exp(0.7j), 15e-6 * np.exp(-0.4j))
+
+    def shape(x: float) -> complex:
+        return sum(a * np.sin((i + 1) * np.pi * x / length) for i, a in enumerate(sizes))
+
+    system = pair(own={"input": {"bow": gb.Bow.function(shape)}})
+    measured = gb.Measurement(SPEEDS, noisy(vectors(system, SPEEDS, PROBES), 5), PROBES)
+    wanted = [gb.unknown.bow("input", shapes=2)]
+    found = gb.identify(unbent(system), measured, wanted, runout=False, noise=MICRON)
+
+    # The gauge reads its distance from the straight axis, with 1 µm of noise, at eight angles.
+    positions = np.linspace(0.0, length, 9)
+    bow = np.array([shape(x) for x in positions])
+    angles = np.arange(8) * np.pi / 4
+    numbers = np.random.default_rng([SEED, 6])
+    readings = np.real(bow[:, None] * np.exp(-1j * angles))
+    readings = readings + MICRON * numbers.standard_normal(readings.shape)
+    once = 2.0 * (readings * np.exp(1j * angles)).mean(axis=1)
+    lines = [
+        f"{1e3 * x}; {2e6 * abs(o)}; {np.degrees(np.angle(o))}"
+        for x, o in zip(positions, once, strict=True)
+    ]
+    head = "position [mm]; total_run_out [um]; phase [deg]"
+    gauge = gb.Bow.read_table(write(tmp_path / "gauge.csv", head, *lines))
+
+    place = ("input", length / 2.0)
+
+    def at(bow: gb.Bow) -> complex:
+        bare = unbent(system)
+        shafts = [replace(bare.shafts[0], bow=bow), bare.shafts[1]]
+        disks = [gb.Disk("middle", *place, 0.0, 0.0, 0.0)]
+        moved = bare.replace(shafts=shafts, disks=disks).synchronous(1e-3).displacement(place)
+        return complex(moved[0, 0, 0])
+
+    difference = at(found.system.shafts[0].bow) - at(gauge)
+    # Half of the readings are one component of the gauge: its deviation is 1 µm √(2/8) = 0.5 µm.
+    assert abs(difference) < found.half_widths[0, 0] + found.half_widths[1, 0] + 4 * 0.5 * MICRON

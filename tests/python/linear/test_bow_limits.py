@@ -182,6 +182,41 @@ def test_a_steady_state_reaches_the_limit_of_the_oil_film():
         assert (5e-5 * (1.0 - ratio) < 1.5e-5) == reached
 
 
+def on_rolling_bearings(**more: object) -> gb.RotorSystem:
+    """Build a pair on ball bearings with a radial gap of 10 µm; the input shaft is on a pedestal."""
+    size = {"elements": 9, "element_diameter": 0.0127, "pitch_diameter": 0.065, "clearance": 2e-5}
+    system = bowed_pair(mesh=MESH)
+    bearings = [
+        gb.RollingBearing(
+            each.shaft,
+            each.position,
+            damping=300.0,
+            support="pedestal" if each.shaft == "input" else None,
+            **size,
+        )
+        for each in system.bearings
+    ]
+    pedestal = gb.Support("pedestal", mass=10.0, stiffness=1e8, damping=1e3)
+    return system.replace(bearings=bearings, supports=[pedestal], **more)
+
+
+def test_a_shaft_moves_through_the_clearance_of_a_rolling_bearing():
+    """The displacement relative to the pedestal reaches the gap of 10 µm and the approach."""
+    system, speed, bearing, approach = on_rolling_bearings(), 150.0, ("input", 0.0), 4e-5
+    given = [gb.BowLimit.clearance(bearing, approach)]
+    found = limit(system.bow_limits("input", speed, limits=given, phase=0.0), "clearance")
+
+    def largest(bow: float) -> float:
+        bow_system = bent(system, bow)
+        static, turning = bow_system.static(speed), bow_system.synchronous(speed)
+        phasor = turning.displacement(bearing) - turning.displacement("pedestal")
+        turns = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361))
+        rest = static.displacement(bearing) - static.displacement("pedestal")
+        return np.hypot(*(rest[:, None] + np.real(phasor[0, 0][:, None] * turns))).max()
+
+    assert largest(0.98 * found.bow) < 1e-5 + approach < largest(1.02 * found.bow)
+
+
 def test_the_worst_phase_is_the_worst_of_all_phases():
     disk = inertia(20.0, 0.2, 0.3, unbalance=1e-3)
     system = rotor(disk=disk, bearing={"stiffness": 1e7, "damping": 1e3})
@@ -238,6 +273,7 @@ def test_the_table_has_the_worst_speed_and_the_frame_all_of_them():
         (r"limits\[0\]: must be a gb.BowLimit", {"limits": [1.0]}),
         ("no mesh of 'g1' with 'g3'", {"limits": [gb.BowLimit.contact_ratio("g1/g3", 1.2)]}),
         ("no journal bearing", {"limits": [gb.BowLimit.film(("input", 0.0), 1e-5)]}),
+        ("is no RollingBearing", {"limits": [gb.BowLimit.clearance(("input", 0.0), 1e-5)]}),
     ],
 )
 def test_wrong_arguments(message: str, given: dict):

@@ -25,6 +25,7 @@ SYSTEMS: dict[str, Callable[[Any], list[Any]]] = {
     "bowed_train": lambda m: [m.train(ratio * m.RADIUS) for ratio in m.BOWS],
     "figures": lambda m: [m.train(), m.train(m.BOW / 2.0)],
     "frequency": lambda m: [m.train(), m.rotor()],
+    "labelled_signals": lambda m: [m.machine(**labels) for labels in m.machines(2)],
     "map": lambda m: [m.train(bow) for bow in m.BOWS[:2]],
     "gearbox": lambda m: [m.gearbox(), m.straight(m.gearbox())],
     "resonance_sweep": lambda m: [m.pair(torque) for torque in m.TORQUES],
@@ -36,6 +37,7 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "elements": ["conditioning"],
     "figures": [],
     "frequency": [],
+    "labelled_signals": ["--count", "40"],
     "map": ["--output", "figure.png"],
     "from_ross": [],
     "gearbox": [],
@@ -45,6 +47,8 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "signals": [],
     "tradeoff": None,
 }
+#: Libraries that a complete run needs and the tests do not install.
+LIBRARIES = {"labelled_signals": "sklearn"}
 
 
 def load(name: str, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
@@ -74,6 +78,8 @@ def test_an_example_has_plausible_scenes(
         assert len(SYSTEMS[name](module)) > 1
     if arguments is None or (name in SYSTEMS and not COMPLETE):
         return
+    if name in LIBRARIES:
+        pytest.importorskip(LIBRARIES[name], reason=f"the example needs {LIBRARIES[name]}")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [name, *arguments])
     if "FIGURES" in vars(module):

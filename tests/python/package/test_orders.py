@@ -113,6 +113,11 @@ def test_coinciding_orders_are_one_order_with_all_names():
     assert str(orders[1]) == "1× input = 2× output"
 
 
+def test_without_sidebands_an_order_has_each_name_once():
+    orders = Kinematics.of(bowed_pair()).orders(0, 1, 0)
+    assert [(order.value, order.names) for order in orders] == [(25.0, ("1× mesh g1–g2",))]
+
+
 def test_a_table_lists_the_largest_first():
     table = made(a=(1.0, 3e-6), b=(25.0, 5e-6)).orders("g1").table(2).splitlines()
     assert len(table) == 4

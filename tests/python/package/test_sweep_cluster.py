@@ -16,6 +16,7 @@ import os, signal, sys, time
 import numpy as np
 import gearbow as gb
 from distributed import Client, LocalCluster
+from test_dataset import made
 from test_sweep import GRID, force, pair, same
 
 def main():
@@ -38,6 +39,10 @@ def main():
             pair, GRID, slow, client.get_executor(), f"{folder}/map.sweep", report
         )
         assert killed and not sweep.failed and sweep.computed == len(sweep) == 6, sweep
+        made(f"{folder}/pair.nc", executor=client.get_executor())
+    content = open(f"{folder}/pair.nc", "rb").read()
+    made(f"{folder}/pair.nc")
+    assert open(f"{folder}/pair.nc", "rb").read() == content
     same(sweep, gb.sweep(pair, GRID, slow))
     same(sweep, gb.Sweep.load(f"{folder}/map.sweep"))
     print("done")

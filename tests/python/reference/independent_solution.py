@@ -76,6 +76,8 @@ def from_rest(
         a = acceleration @ state + steady
         for spin, at_0, at_90 in turning:
             a += np.cos(spin * t) * at_0 + np.sin(spin * t) * at_90
+        if train.turning_bows:
+            a += inverse @ train.twisted_bow(speed * t, state[:n])
         for (at, law), push in zip(interfaces, pushes, strict=True):
             a += push @ law.force(state[at], state[n + at], live)[1]
         if further is not None:
@@ -139,6 +141,8 @@ def run_up(
             # a mass at e exp(i angle) has the acceleration (i gain - spin^2) e exp(i angle)
             a += c * b_0 + s * b_90
             a += spin**2 * (c * u_0 + s * u_90) + gain * (s * u_0 - c * u_90)
+        if train.turning_bows:
+            a += inverse @ train.twisted_bow(angle, q)
         for (at, law), push in zip(interfaces, pushes, strict=True):
             a += push @ law.force(q[at], qd[at], live)[1]
         return np.concatenate([qd, a])

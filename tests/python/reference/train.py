@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +61,16 @@ class MeshSpec:
     driver: str
     driven: str
     law: MeshLaw
+
+
+@dataclass(frozen=True)
+class TurningBow:
+    """Forces of a bow at the shaft angles 0 and pi/2, and the row of the twist with which it turns."""
+
+    ratio: float
+    at_0: Array
+    at_90: Array
+    twist: Array
 
 
 @dataclass
@@ -119,9 +130,11 @@ class Train:
         n = self.size
         self.mass, self.gyroscopic = np.zeros((n, n)), np.zeros((n, n))
         self.elastic = np.zeros((n, n))  # only the shafts
+        self.elements: dict[str, list[Array]] = {}  # elastic matrices along each shaft
         for shaft in self.shafts:
             x, i = self.nodes[shaft.name], self.offset[shaft.name]
             ends = np.cumsum([part.length for part in shaft.parts])
+            self.elements[shaft.name] = []
             for j in range(len(x) - 1):
                 middle = (x[j] + x[j + 1]) / 2
                 section = shaft.parts[int(np.searchsorted(ends, middle))].section
@@ -129,6 +142,7 @@ class Train:
                 here = slice(i + 5 * j, i + 5 * j + 10)
                 self.mass[here, here] += m
                 self.elastic[here, here] += k
+                self.elements[shaft.name].append(k)
                 self.gyroscopic[here, here] += shaft.ratio * g
         ratios = {s.name: s.ratio for s in self.shafts}
         for body in self.rigid:
@@ -163,6 +177,40 @@ class Train:
             b, slope = shaft.bow(float(x)) * turn, shaft.bow_slope(float(x)) * turn
             q[i : i + 4] = b.real, b.imag, -slope.imag, slope.real
         return q
+
+    @cached_property
+    def turning_bows(self) -> list[TurningBow]:
+        bows = []
+        for shaft in (s for s in self.shafts if s.bow is not None):
+            shapes = [self.bow_shape(shaft, angle) for angle in (0.0, np.pi / 2)]
+            start = self.offset[shaft.name]
+            twist = np.zeros(self.size)
+            for j, k in enumerate(self.elements[shaft.name]):
+                ends = [b[start + 5 * j : start + 5 * j + 10] for b in shapes]
+                strain = sum(end @ k @ end for end in ends)
+                twist[[start + 5 * j + elements.T, start + 5 * j + 5 + elements.T]] += strain
+            twist /= twist.sum()
+            # the drive holds the rigid-body rotation
+            rotation = np.zeros(self.size)
+            for other in self.shafts:
+                at = self.offset[other.name] + elements.T
+                nodes = len(self.nodes[other.name])
+                rotation[at : at + 5 * nodes : 5] = other.ratio / shaft.ratio
+            momentum = self.mass @ rotation
+            twist -= momentum / (momentum @ rotation)
+            bows.append(TurningBow(shaft.ratio, *(self.elastic @ b for b in shapes), twist))
+        return bows
+
+    def twisted_bow(self, angle: float, q: Array) -> Array:
+        """Give what the twist adds to the bow forces at an angle of the reference shaft."""
+        force = np.zeros(self.size)
+        for bow in self.turning_bows:
+            before = bow.ratio * angle
+            after = before + bow.twist @ q
+            force += (np.cos(after) - np.cos(before)) * bow.at_0
+            force += (np.sin(after) - np.sin(before)) * bow.at_90
+            force += (np.cos(after) * bow.at_90 - np.sin(after) * bow.at_0) @ q * bow.twist
+        return force
 
     def steady_force(self) -> Array:
         """Give the forces of torques and gravity."""

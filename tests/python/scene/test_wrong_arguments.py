@@ -185,6 +185,16 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         gb.sweep,
         {"make": lambda x: system(), "parameters": {"x": [1.0]}, "measure": measure},  # noqa: ARG005
     ),
+    "dataset": (
+        gb.dataset,
+        {
+            "make": lambda x: system(),  # noqa: ARG005
+            "parameters": {"x": [1.0]},
+            "run": lambda made, x: response(),  # noqa: ARG005
+            "sensors": {"y": gb.Probe("input", 0.25)},
+            "path": "x.nc",
+        },
+    ),
     "Measurement": (
         gb.Measurement,
         {
@@ -240,6 +250,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         as_limit("bearing_life"),
         {"at": ("input", 0.0), "hours": 1e4, "capacity": 5e4, "exponent": 3.0},
     ),
+    "BowLimit.clearance": (gb.BowLimit.clearance, {"at": ("input", 0.0), "approach": 1e-5}),
     "BowLimit.film": (gb.BowLimit.film, {"at": ("input", 0.0), "thickness": 1e-5}),
     "Gear": (
         with_part("Gear"),
@@ -266,6 +277,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "RollingBearing": (with_part("RollingBearing"), {**AT, **ROLLING}),
     "RollingBearing.coefficients": (
         gb.RollingBearing(**AT, **ROLLING).coefficients,
+        {"load": 100.0},
+    ),
+    "RollingBearing.ring_coefficients": (
+        gb.RollingBearing(**AT, **ROLLING).ring_coefficients,
         {"load": 100.0},
     ),
     "Support": (with_part("Support"), {"name": "s", "mass": 1.0, "stiffness": 1e8}),
@@ -384,6 +399,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "mesh_response": {"at": "g1/g2", "speeds": [100.0]},
             "modes": {},
             "plot": {},
+            "report": {"path": "x.html", "modes": 1},
             "save": {"path": "x.toml"},
             "sensitivity": {"parameters": PARAMETERS, "of": system().modes(100.0, count=2)},
             "simulate": {"duration": 1e-3, "speed": 100.0},
