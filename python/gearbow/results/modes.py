@@ -27,6 +27,10 @@ __all__ = ["Modes"]
 _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"}
 
 
+#: Smallest |Im λ|/|λ| of a vibration; the diagrams of the core have the same limit.
+_MIN_OSCILLATION = 0.05
+
+
 @dataclass(frozen=True, eq=False)
 class Modes(Result, ReadOnly):
     """Natural modes at one speed, in ascending order of frequency.
@@ -217,7 +221,9 @@ class Modes(Result, ReadOnly):
 
     def _order(self) -> NDArray[np.intp]:
         """Give the numbers of the modes from 0, the overdamped ones last."""
-        overdamped = (self.frequencies_hz == 0.0) & (self.eigenvalues.real < 0.0)
+        # Overdamped motions turn slowly with the gyroscopic moments.
+        turning = np.abs(self.eigenvalues.imag) > _MIN_OSCILLATION * np.abs(self.eigenvalues)
+        overdamped = ~turning & (self.eigenvalues.real < 0.0)
         overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
         return np.argsort(overdamped, kind="stable")
 
