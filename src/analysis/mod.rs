@@ -2,8 +2,8 @@
 //!
 //! - Before a model: `discretisation` chooses number and degree of the shaft elements.
 //! - Linear analyses: `modes`, `campbell` with `assignment` (which modes continue which), `critical`, `equilibrium`,
-//!   `synchronous` (one speed) and `responses` (several speeds), `frequency_response` to the harmonic `sources`, `peaks`, `instability` (speeds at which the motion is
-//!   unstable), `stability` (step limits of explicit methods).
+//!   `synchronous` (one speed) and `responses` (several speeds), `frequency_response` to the harmonic `sources` with
+//!   `harmonic_terms` for its derivatives, `peaks`, `instability` (speeds at which the motion is unstable), `stability` (step limits of explicit methods).
 //! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
 //! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
 //!   (refuses matrices and results that do not fit).
@@ -16,6 +16,7 @@ mod discretisation;
 mod equilibrium;
 mod error;
 mod frequency_response;
+mod harmonic_terms;
 mod instability;
 mod interrupt;
 mod memory;
@@ -35,6 +36,7 @@ pub use discretisation::{Choice, ElementErrors, Resolved, resolve, resolve_varia
 pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;
 pub use frequency_response::FrequencyResponses;
+pub use harmonic_terms::{HarmonicOutputs, HarmonicPoint, TERMS, harmonic_terms};
 pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;
 pub use memory::{Dense, Kept, product};

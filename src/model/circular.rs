@@ -9,7 +9,7 @@
 use num_complex::Complex64;
 
 use super::{Model, RodChain};
-use crate::linalg::{BandOrder, CoupledBands, CoupledFactors, Singular};
+use crate::linalg::{BandOrder, CoupledBands, CoupledFactors, Side, Singular};
 
 /// The coordinates of one chain of a shaft.
 struct Part {
@@ -115,7 +115,7 @@ impl Model {
     pub fn solve_real(&self, factors: &CoupledFactors, tolerance: f64, right: &[f64]) -> Result<Vec<f64>, Singular> {
         let right: Vec<Complex64> = right.iter().map(|value| Complex64::from(*value)).collect();
         let mut x = self.to_circular(&right);
-        factors.solve_to(tolerance, &mut x)?;
+        factors.solve_to(Side::Right, tolerance, &mut x)?;
         Ok(self.from_circular(&x).iter().map(|value| value.re).collect())
     }
 }
