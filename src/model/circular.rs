@@ -107,6 +107,13 @@ impl Model {
         out
     }
 
+    /// Multiplies the circular coordinates p and m by a factor.
+    pub fn scale_circular(&self, x: &mut [Complex64], factor: f64) {
+        for Part { start, order, .. } in self.parts().filter(|part| part.lateral) {
+            x[start..start + 2 * order.len()].iter_mut().for_each(|value| *value *= factor);
+        }
+    }
+
     /// Solution of a real system in the order of the core, with the componentwise backward error `tolerance`, or the
     /// smallest one if it is zero.
     ///

@@ -96,6 +96,12 @@ impl PyModel {
         })
     }
 
+    /// Whether stiffness or damping depend on the speed.
+    #[getter]
+    fn depends_on_speed(&self) -> bool {
+        self.model().depends_on_speed()
+    }
+
     #[getter]
     fn has_meshes(&self) -> bool {
         !self.model().meshes.is_empty()

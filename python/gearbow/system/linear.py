@@ -149,6 +149,7 @@ def static(
         layout=_layout(self),
         speed=speed,
         speed_unit=unit,
+        geometry=geometry,
     )
 
 

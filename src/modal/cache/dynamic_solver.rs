@@ -175,8 +175,10 @@ impl DynamicStiffnessSolver {
     }
 }
 
-/// Solves with circular coordinates, in which `solve` replaces the right-hand side by the solution. As they are unitary but for a
-/// factor, S⁻ᵀ f is the conjugate of S⁻ᴴ f* in them.
+/// Solves with circular coordinates, in which `solve` replaces the right-hand side by the solution.
+///
+/// They are T x, with TᴴT = D: 2 for p and m, and 1 for others. With S_c = T S T⁻¹, S⁻ᵀ f is the conjugate of
+/// S⁻ᴴ f* = T⁻¹ D S_c⁻ᴴ D⁻¹ T f*.
 fn in_circular<T>(
     model: &Model,
     side: Side,
@@ -190,9 +192,11 @@ fn in_circular<T>(
     }
     let conjugate = |values: &mut [Complex64]| values.iter_mut().for_each(|value| *value = value.conj());
     let mut x = model.to_circular(force.conjugate().as_slice());
+    model.scale_circular(&mut x, 0.5);
     conjugate(&mut x);
     let found = solve(&mut x)?;
     conjugate(&mut x);
+    model.scale_circular(&mut x, 2.0);
     let mut y = model.from_circular(&x);
     conjugate(&mut y);
     Ok((DVector::from_vec(y), found))
