@@ -54,10 +54,16 @@ def draw() -> Figure:
         # Round-off of the fit is no order.
         kept = (np.abs(found.amplitudes) > 1.0) & (orders < 30.0)
         label = "straight" if bow == 0.0 else f"bow {1e6 * bow:.0f} µm"
-        top.vlines(orders[kept], 0.5, np.abs(found.amplitudes)[kept], lw=width, label=label,
-                   color="0.6" if bow == 0.0 else "C1")
+        top.vlines(
+            orders[kept],
+            0.5,
+            np.abs(found.amplitudes)[kept],
+            lw=width,
+            label=label,
+            color="0.6" if bow == 0.0 else "C1",
+        )
     top.set(xlabel="order of the input shaft", ylabel="mesh force [N]", yscale="log", xlim=(0, 30))
-    top.legend()
+    top.legend(loc="upper center")
     speeds = np.linspace(20.0, 1500.0, 741)
     noise = train(0.0, gb.Stiffness.constant(3e8)).mesh_response("pinion/wheel", speeds=speeds)
     bottom.semilogy(speeds, np.abs(noise.mesh_force("pinion/wheel"))[:, 0, 0])

@@ -225,7 +225,10 @@ def frequency_response(machine: Machine) -> Work:
 
     probe = timed(lambda: prepare(len(SHARES)))[1] / len(SHARES)
     count = MANY if MANY * probe <= LONGEST else FEW
-    frequencies, pencil = machine.speed * np.geomspace(*FREQUENCIES, count), machine.pencil(machine.speed)
+    frequencies, pencil = (
+        machine.speed * np.geomspace(*FREQUENCIES, count),
+        machine.pencil(machine.speed),
+    )
     coordinates = machine.system.coordinates
     at = coordinates.lateral(str(body.name))[0] if lateral else coordinates.twist(str(body.name))
     force = np.zeros(len(machine.system.dofs), dtype=complex)

@@ -57,9 +57,7 @@ def _real(shape: ComplexArray, drawn: Sequence[bool]) -> Array:
     return np.real(shape / largest) if largest != 0.0 else np.real(shape)
 
 
-def assurance(
-    mac: Array, computed: Array, measured: Array, *, ax: GivenAxes = None
-) -> Figure:
+def assurance(mac: Array, computed: Array, measured: Array, *, ax: GivenAxes = None) -> Figure:
     """Draw MAC of computed and measured modes as a table of colours."""
     with panels(1, 6.0, columns=1, width=8.0, ax=ax) as (figure, (panel,)):
         image = panel.imshow(mac.T, vmin=0.0, vmax=1.0, origin="lower", cmap="Blues", aspect="auto")
@@ -67,7 +65,14 @@ def assurance(
         for (i, j), value in np.ndenumerate(mac):
             dark = value > 0.6  # light text on a dark colour
             if value >= 0.005:
-                panel.text(i, j, f"{value:.2f}", ha="center", va="center", color="white" if dark else "black")
+                panel.text(
+                    i,
+                    j,
+                    f"{value:.2f}",
+                    ha="center",
+                    va="center",
+                    color="white" if dark else "black",
+                )
         for ticks, axis, values in (
             (panel.set_xticks, "computed", computed),
             (panel.set_yticks, "measured", measured),

@@ -31,7 +31,6 @@ _STEPS_FROM_ZERO, _CHANGE_FROM_ZERO = tuple(10.0**n for n in range(-6, 13, 2)), 
 _SAME_NODE = 1e-9
 
 
-
 class ParameterFamily:
     """Systems over a parameter, whose elements keep their number and move with the parts."""
 

@@ -69,7 +69,9 @@ class _Signal:
         lateral = quantity not in ("twist", "axial_displacement")
         name = "" if quantity == "displacement" else f" {quantity.replace('_', ' ')}"
         label = f"{place_label(found)}{name}"
-        return cls(found, quantity, label, _QUANTITIES[quantity][0], ("y", "z") if lateral else ("",))
+        return cls(
+            found, quantity, label, _QUANTITIES[quantity][0], ("y", "z") if lateral else ("",)
+        )
 
     @property
     def kind(self) -> str:
@@ -112,7 +114,7 @@ class _Signal:
 
 @dataclass(frozen=True, eq=False)
 class _Terms:
-    """Entries of the equations and outputs of harmonic motions, and the numbers of these motions."""
+    """Entries of equations and outputs of harmonic motions, and the numbers of these motions."""
 
     keys: Any
     values: ComplexArray

@@ -30,7 +30,9 @@ def test_mac_is_that_of_the_definition_and_leaves_out_what_was_not_measured():
 
 def test_modes_of_another_model_are_compared_at_gears():
     system = train()
-    stiffer = system.replace(bearings=[*system.bearings[:3], gb.Bearing("out", 0.5, stiffness=1.5e8)])
+    stiffer = system.replace(
+        bearings=[*system.bearings[:3], gb.Bearing("out", 0.5, stiffness=1.5e8)]
+    )
     found = system.modes(count=6).compare(stiffer.modes(count=6))
     assert [pair[0] for pair in found.pairs[1:3]] == [2, 3]
     assert "MAC" in found.table()
@@ -52,7 +54,7 @@ def test_a_universal_file_keeps_shapes(tmp_path: Path):
     named = {1: ("in", 0.0), 3: "pinion"}
     fewer = modes.compare(tmp_path / "modes.uff", places=named)
     assert fewer.mac.shape == (6, 6)
-    import pyuff  # noqa: PLC0415
+    import pyuff
 
     sets = pyuff.UFF(str(tmp_path / "modes.uff")).read_sets()
     nodes, first = sets[0], sets[1]
