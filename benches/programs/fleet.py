@@ -212,7 +212,7 @@ def synchronous(machine: Machine) -> Work:
 
 
 def frequency_response(machine: Machine) -> Work:
-    """Find the response of the machine at its rated speed to a force, or a torque without bending."""
+    """Find the response at the rated speed to a force, or to a torque without bending."""
     body = bodies(machine.system)[0]
     lateral = machine.system.motion != "torsion"
     source = gb.Force(str(body.name), 1.0) if lateral else gb.Torque(str(body.name), 1.0)

@@ -50,6 +50,7 @@ class MeasuredShapes(ReadOnly):
 
 def write_uff(
     path: Path,
+    *,
     positions: Array,
     displacements: ComplexArray,
     eigenvalues: ComplexArray,

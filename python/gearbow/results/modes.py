@@ -252,7 +252,8 @@ class Modes(Result, ReadOnly):
             )
         if not isinstance(measured, MeasuredShapes):
             raise SceneError(
-                f"measured: must be a universal file, measured shapes or modes, got {shown(measured)}"
+                "measured: must be a universal file, measured shapes or modes, got "
+                f"{shown(measured)}"
             )
         known = np.isfinite(measured.displacements)
         shapes = [np.where(known, measured.displacements, 0.0), self.shapes_at(measured.places)]
@@ -283,7 +284,14 @@ class Modes(Result, ReadOnly):
             if (name, x, "u") in index:
                 along[:, j] = self.shapes[:, index[name, x, "u"]]
         shapes = np.concatenate([along[..., None], self.shapes_at(nodes)], axis=-1)
-        write_uff(path, np.array(positions), shapes, self.eigenvalues, self.names(), self.speed)
+        write_uff(
+            path,
+            positions=np.array(positions),
+            displacements=shapes,
+            eigenvalues=self.eigenvalues,
+            names=self.names(),
+            speed=self.speed,
+        )
 
     def energy_shares(self) -> dict[tuple[str, str], Array]:
         """Share of each shaft and direction in the kinetic energy of each mode.

@@ -181,5 +181,5 @@ class ResponseSensitivity(Result, ReadOnly):
         """Give a row for each largest amplitude and parameter."""
         return self.largest()._columns()
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+    def _heading(self, _speed_unit: SpeedUnit) -> list[str]:
         return [f"derivatives of the {self.kind}, at the largest amplitudes"]

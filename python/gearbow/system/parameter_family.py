@@ -1,4 +1,4 @@
-"""Systems over a parameter, and derivatives of what follows from them by extrapolated differences."""
+"""Systems over a parameter, and derivatives of what follows from them."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
