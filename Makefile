@@ -24,7 +24,7 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 # Two or more tests run at the same time; a free process takes tests from a busy one.
 PYTEST_PARALLEL := -n logical --dist worksteal
 
-.PHONY: help demo test check docs random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check deny licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python lint-files types documents
+.PHONY: help demo test check docs web random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check deny licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python lint-files types documents
 .DELETE_ON_ERROR:
 
 help:
@@ -35,6 +35,7 @@ help:
 	@echo "make mutants       change one place of the program at a time: what share of 210 changes do the tests catch? (hours)"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
 	@echo "make docs          build the documentation site into site/; open site/index.html"
+	@echo "make web           build target/web/try.html, a page that runs gearbow in a browser, and test it"
 	@echo "make bench         what a step costs"
 	@echo "make bench-check   instructions of kernels and runs under Valgrind, held against those stored"
 	@echo "make bench-accept  store the instructions as they are now"
@@ -114,6 +115,12 @@ documents: $(VENV)/.dev
 # Warnings and broken links are errors. Examples, notebooks and pages are kept in target/docs-site.
 docs: $(VENV)/.docs
 	$(BIN)/python docs/site/build.py
+
+# The site takes the page over. The build says what it needs where something is missing.
+web: $(VENV)/.dev
+	$(PIP) install -q plotly playwright
+	$(BIN)/python web/build.py target/web/try.html
+	$(BIN)/pytest -q tests/python/package/test_web_page.py
 
 readme: $(VENV)/.dev
 	$(BIN)/python docs/printed.py

@@ -21,7 +21,7 @@ import pytest
 
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: Scene files that documents load.
-MACHINES = Path(__file__).parent / "examples" / "machines"
+MACHINES = Path(__file__).parent / "python" / "gearbow" / "machines"
 # They need the packages of the extra docs, and have no examples.
 collect_ignore_glob = ["docs/site/*.py"]
 #: File that a block becomes, by its language.
@@ -95,7 +95,9 @@ class Examples(pytest.Item):
         printed = io.StringIO()
         with tempfile.TemporaryDirectory() as folder, inside(folder):
             # Documents name the machines from the root of the repository.
-            shutil.copytree(MACHINES, "examples/machines")
+            shutil.copytree(
+                MACHINES, "examples/machines", ignore=shutil.ignore_patterns("*.py", "__pycache__")
+            )
             for language, text, line in self.blocks:
                 if language in FILES:
                     Path(FILES[language]).write_text(text, encoding="utf-8")

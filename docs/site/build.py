@@ -73,6 +73,15 @@ def digest() -> str:
     return digest.hexdigest()
 
 
+def add_trial_page(output: Path) -> None:
+    """Copy the page that runs gearbow in a browser to the site, or say that it is left out."""
+    built = ROOT / "target" / "web" / "try.html"
+    if built.exists():
+        shutil.copyfile(built, output / "try.html")
+    else:
+        print("try.html is left out of the site: `make web` builds it")
+
+
 def main() -> None:
     """Build the site and check its links."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
@@ -98,6 +107,7 @@ def main() -> None:
         sys.exit("\n".join(found))
     shutil.rmtree(output, ignore_errors=True)
     shutil.copytree(html, output)
+    add_trial_page(output)
     print(f"open {output / 'index.html'}")
 
 

@@ -47,6 +47,7 @@ from gearbow.description.shafts import (
     Material as Material,
     Segment as Segment,
     Shaft as Shaft,
+    Sleeve as Sleeve,
 )
 from gearbow.description.sources import (
     GroundMotion as GroundMotion,
@@ -96,6 +97,7 @@ from gearbow.units.values import (
 _LAZY = {
     "Measurement": "gearbow.identification.measurement",
     "Sweep": "gearbow.sweeps.result",
+    "examples": "gearbow.machines.examples",
     "identify": "gearbow.identification.identify",
     "rexs_contents": "gearbow.exchange.rexs",
     "sweep": "gearbow.sweeps.run",
@@ -105,6 +107,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.exchange.rexs import rexs_contents as rexs_contents
     from gearbow.identification.identify import identify as identify
     from gearbow.identification.measurement import Measurement as Measurement
+    from gearbow.machines.examples import examples as examples
     from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep
 else:  # a type checker would accept every name

@@ -11,6 +11,8 @@ __all__ = ["extra"]
 #: Packages that each extra of the distribution installs.
 _PACKAGES = {
     "plot": {"matplotlib", "mpl_toolkits", "PIL"},
+    "report": {"matplotlib", "mpl_toolkits", "PIL", "plotly", "jinja2"},
+    "completion": {"shtab"},
     "netcdf": {"xarray", "h5netcdf", "h5py"},
     "dataframe": {"pandas", "openpyxl"},
     "matlab": {"scipy"},

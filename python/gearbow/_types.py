@@ -128,12 +128,13 @@ class MeshGeometry(TypedDict):
 
 
 class RollingData(TypedDict):
-    """Equilibrium of one rolling bearing; stiffness of one element, speed ratio of the cage."""
+    """Equilibrium of one rolling bearing; its elements, stiffness of one, speed of the cage."""
 
     displacement: list[float]
     stiffness: Array
     damping: Array
     contact_forces: list[float]
+    elements: int
     hertz_stiffness: float
     cage_ratio: float
 

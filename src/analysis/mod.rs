@@ -3,7 +3,8 @@
 //! - Before a model: `discretisation` chooses number and degree of the shaft elements.
 //! - Linear analyses: `modes`, `campbell` with `assignment` (which modes continue which), `critical`, `equilibrium`,
 //!   `synchronous` (one speed) and `responses` (several speeds), `frequency_response` to the harmonic `sources` with
-//!   `harmonic_terms` for its derivatives, `peaks`, `instability` (speeds at which the motion is unstable), `stability` (step limits of explicit methods).
+//!   `harmonic_terms` for its derivatives, `peaks`, `instability` (speeds at which the motion is unstable), `stability`
+//!   (step limits of explicit methods); `mass` (mass properties), `thrust` (axial forces of the equilibrium).
 //! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
 //! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
 //!   (refuses matrices and results that do not fit).
@@ -19,6 +20,7 @@ mod frequency_response;
 mod harmonic_terms;
 mod instability;
 mod interrupt;
+mod mass;
 mod memory;
 mod modes;
 mod peaks;
@@ -28,6 +30,7 @@ mod sources;
 mod stability;
 pub mod steady;
 mod synchronous;
+mod thrust;
 
 pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, Threshold, campbell, lines};
 pub use critical::{Critical, CriticalPoint, critical_speed_map, critical_speeds, memory_of_critical_speeds};
@@ -39,6 +42,7 @@ pub use frequency_response::FrequencyResponses;
 pub use harmonic_terms::{HarmonicOutputs, HarmonicPoint, TERMS, harmonic_terms};
 pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;
+pub use mass::{ShaftMass, mass_properties};
 pub use memory::{Dense, Kept, product};
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
@@ -46,3 +50,4 @@ pub use responses::{Response, Responses, memory_of_responses, synchronous};
 pub use sources::{Harmonic, HarmonicForces, HarmonicSource};
 pub use stability::Spectrum;
 pub use synchronous::{ExcitationPart, SourceResponse, bow};
+pub use thrust::with_axial_forces;

@@ -29,10 +29,13 @@ impl Spectrum {
     /// [`AnalysisError`] if the undamped modes cannot be found, or a bearing has no coefficients at the speed.
     pub fn new(cached: &CachedModel, speed: f64) -> Result<Self, AnalysisError> {
         let (model, reference) = (&cached.model, cached.at_speed(speed)?);
-        let additional = stiffening(cached, speed) + skew_part(&reference);
-        let omega_max = (reference.spectral_range(speed)?.fastest.powi(2) + additional).sqrt();
+        let fastest = reference.spectral_range(speed)?.fastest;
+        let internal = model.scene.shafts.iter().map(|shaft| shaft.internal_damping).fold(0.0, f64::max);
+        let circulatory = internal * model.max_speed_ratio() * speed.abs() * fastest * fastest;
+        let additional = stiffening(cached, speed) + skew_part(&reference) + circulatory;
+        let omega_max = (fastest.powi(2) + additional).sqrt();
         let [alpha, beta] = model.scene.rayleigh;
-        let spread = alpha + beta * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
+        let spread = alpha + (beta + internal) * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
         let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);
         Ok(Self { omega_max, damping: spread + dampers(cached, speed)?, gyroscopic: 2.0 * spin })
     }

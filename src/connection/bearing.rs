@@ -1,4 +1,5 @@
 //! A bearing whose stiffness or damping depends on the speed of its shaft: f = −K(Ω_s) u − C(Ω_s) u̇ over u = (v, w).
+//! Between two shafts Ω_s is the speed of its shaft relative to the other one.
 //!
 //! At a constant speed K and C are constant, and `Model::with_tables_at` includes the bearing in the matrices. At a changing
 //! speed every evaluation computes K and C for the current speed. The linear motion of the exponential method contains K
@@ -20,31 +21,36 @@ pub struct SpeedDependentBearing {
     pub bearing: Bearing,
     /// The scalars v and w: displacements of the shaft relative to what the bearing stands on.
     pub rows: [Row; 2],
-    /// Ratio of the speed of its shaft to the speed of the reference shaft.
+    /// Ratio of the speed of its shaft, relative to what it stands on, to the speed of the reference shaft.
     pub ratio: f64,
+    /// Index of this speed in [`Model::turning_ratio`](crate::model::Model::turning_ratio).
+    pub turning: usize,
 }
 
 impl SpeedDependentBearing {
     /// Refuses a speed of the reference shaft [rad/s] that a table of the bearing does not contain.
     ///
     /// # Errors
-    /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table; `shaft` is the name
-    /// of the shaft.
-    pub fn check(&self, speed: f64, shaft: &str) -> Result<(), SceneError> {
+    /// [`SceneError`] with the path of the table, the speed and the range of the table; `turning` says what has the speed.
+    pub fn check(&self, speed: f64, turning: &str) -> Result<(), SceneError> {
         let own = (self.ratio * speed).abs();
         for (name, coefficient) in [("stiffness", &self.bearing.stiffness), ("damping", &self.bearing.damping)] {
             if let Some([first, last]) = coefficient.excludes(own) {
-                let message = outside_table([first, last], &format!("the shaft \"{shaft}\""), own);
+                let message = outside_table([first, last], turning, own);
                 return Err(EntryPath::entry("bearings", self.number).field(name).error(message));
             }
         }
         Ok(())
     }
 
-    /// Speeds of the reference shaft at the knots of its tables, rad/s.
+    /// Speeds of the reference shaft at the knots of its tables, rad/s; none between shafts of one speed.
     pub fn knots(&self) -> impl Iterator<Item = f64> {
         let coefficients = [&self.bearing.stiffness, &self.bearing.damping];
-        coefficients.into_iter().flat_map(|coefficient| coefficient.speeds()).map(|speed| speed / self.ratio.abs())
+        coefficients
+            .into_iter()
+            .filter(|_| self.ratio != 0.0)
+            .flat_map(|coefficient| coefficient.speeds())
+            .map(|speed| speed / self.ratio.abs())
     }
 
     /// Whether its tables use their end values at speeds outside their range.

@@ -51,13 +51,13 @@ impl Interface {
         }
     }
 
-    /// Index, among the shafts and, after them, the nonlinear bearings, of that on whose angle and speed it depends; none for
-    /// a mesh, which depends on two shafts.
+    /// Index in [`Model::turning_ratio`](crate::model::Model::turning_ratio) of the angle and speed on which it depends; none
+    /// for a mesh, which depends on two shafts.
     #[inline(always)]
     pub fn turning(&self) -> Option<usize> {
         match self {
             Self::Mesh(_) => None,
-            Self::Bearing(interface) => Some(interface.bearing.bearing.node.shaft),
+            Self::Bearing(interface) => Some(interface.bearing.turning),
             Self::Nonlinear(interface) => Some(interface.bearing.turning),
             Self::Load(interface) => Some(interface.load.shaft),
         }

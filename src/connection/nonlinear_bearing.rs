@@ -74,11 +74,12 @@ impl BearingLaw {
         }
     }
 
-    /// Speed of what turns the bearing over the speed of the shaft.
-    fn ratio(&self) -> f64 {
+    /// Mean speed of the bearing, from the speeds of its shaft and of what it stands on: the sum of both, with which a film
+    /// draws in oil (Reynolds' equation), or the speed of the cage.
+    fn mean_speed(&self, [shaft, base]: [f64; 2]) -> f64 {
         match self {
-            Self::Film(_) => 1.0,
-            Self::Rolling(elements) => elements.cage_ratio,
+            Self::Film(_) => shaft + base,
+            Self::Rolling(elements) => elements.cage_ratio * shaft + (1.0 - elements.cage_ratio) * base,
         }
     }
 }
@@ -90,10 +91,10 @@ pub struct NonlinearBearing {
     pub number: usize,
     /// The scalars v and w: displacements of the shaft relative to what the bearing stands on.
     pub rows: [Row; 2],
-    /// Ratio of the speed of what turns the bearing, the shaft of a film or the cage of rolling elements, to the speed of the
+    /// Ratio of the speed of what turns the bearing, the shafts of a film or the cage of rolling elements, to the speed of the
     /// reference shaft.
     pub ratio: f64,
-    /// Index of what turns the bearing among the shafts and, after them, the nonlinear bearings.
+    /// Index of what turns the bearing in [`Model::turning_ratio`](crate::model::Model::turning_ratio).
     pub turning: usize,
     /// The law.
     pub law: BearingLaw,
@@ -104,9 +105,10 @@ pub struct NonlinearBearing {
 }
 
 impl NonlinearBearing {
-    /// A bearing with these scalars on a shaft with this speed ratio, without coefficients in the matrices.
-    pub fn new(number: usize, rows: [Row; 2], turning: usize, ratio: f64, law: BearingLaw) -> Self {
-        Self { number, rows, ratio: ratio * law.ratio(), turning, law, initial_stiffness: 0.0, point: None }
+    /// A bearing with these scalars, without coefficients in the matrices, from the speed ratios of its shaft and of what it
+    /// stands on.
+    pub fn new(number: usize, rows: [Row; 2], turning: usize, ratios: [f64; 2], law: BearingLaw) -> Self {
+        Self { number, rows, ratio: law.mean_speed(ratios), turning, law, initial_stiffness: 0.0, point: None }
     }
 
     /// Its film, if it has one.

@@ -9,11 +9,11 @@
 //! therefore has no entries between nodal and internal coordinates, static displacements of the nodes do not depend on
 //! p, and only mass and gyroscopic matrix are coupled. Natural frequencies converge with the order 2p.
 
-use nalgebra::{DMatrix, DVector, Vector4};
+use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
-use super::beam::{Section, displacement, rotation};
+use super::profile::{Profile, Section};
 use crate::numerics::{gauss, integrated, integrated_slope, twice_integrated};
-use crate::scene::{Element, Material, Shaft};
+use crate::scene::{Element, Shaft};
 
 /// An internal shape function of bending, with its degree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +74,12 @@ impl BendingFunction {
         }
     }
 
+    /// Slope u' at ξ in [−1, 1] of an element of length `l`, m.
+    fn slope(self, xi: f64, l: f64) -> f64 {
+        let shape = self.at(xi, l);
+        shape.shear + shape.rotation
+    }
+
     /// Curvature φ' at ξ in [−1, 1] of an element of length `l`, m.
     pub fn curvature(self, xi: f64, l: f64) -> f64 {
         self.at(xi, l).curvature
@@ -90,6 +96,10 @@ pub fn rod_degrees(degree: usize) -> std::ops::RangeInclusive<usize> {
 pub struct PlaceShape {
     /// Factors of the coordinates of the two nodes: (u₁, φ₁, u₂, φ₂) in bending.
     pub nodal: Vector4<f64>,
+    /// Factors of the twists of the two nodes.
+    pub torsion: [f64; 2],
+    /// Factors of the axial displacements of the two nodes.
+    pub axial: [f64; 2],
     /// Factors of the internal coordinates of bending.
     pub internal: Vec<f64>,
     /// Factors of the internal coordinates of a rod (twist or axial displacement), by degree from 2.
@@ -98,11 +108,13 @@ pub struct PlaceShape {
 
 impl PlaceShape {
     /// The displacement at ξ = x/l of an element of this degree.
-    pub fn new(element: &Element, material: &Material, shear: bool, degree: usize, xi: f64) -> Self {
-        let (l, phi) = (element.length, Section::new(element, material, shear).phi);
+    pub fn new(element: &Element, shear: bool, degree: usize, xi: f64) -> Self {
+        let (l, profile) = (element.length, Profile::new(element, shear));
         let functions = BendingFunction::all(degree, shear);
         Self {
-            nodal: displacement(xi, l, phi),
+            nodal: profile.displacement(xi),
+            torsion: profile.rod(xi, |section| section.torsional).0,
+            axial: profile.rod(xi, |section| section.axial).0,
             internal: functions.iter().map(|function| function.at(2.0 * xi - 1.0, l).displacement).collect(),
             rod: rod_degrees(degree).map(|n| integrated(n, 2.0 * xi - 1.0)).collect(),
         }
@@ -148,68 +160,100 @@ impl InternalBeam {
         if shaft.degree == 1 {
             return Vec::new();
         }
-        let matrices = |element| Self::new(element, &shaft.material, shaft.shear, shaft.degree);
+        let matrices = |element| Self::new(element, shaft.shear, shaft.degree);
         shaft.elements.iter().map(matrices).collect()
     }
 
     /// Matrices of `element` with degree p = `degree`; without `shear` the shear deformation is neglected.
-    pub fn new(element: &Element, material: &Material, shear: bool, degree: usize) -> Self {
-        let (l, section) = (element.length, Section::new(element, material, shear));
+    pub fn new(element: &Element, shear: bool, degree: usize) -> Self {
+        let (l, profile) = (element.length, Profile::new(element, shear));
         let functions = BendingFunction::all(degree, shear);
         let shapes = |xi: f64| -> Vec<Shape> { functions.iter().map(|f| f.at(2.0 * xi - 1.0, l)).collect() };
         let inertia = |xi: f64, area: f64, rotary: f64| {
             let shapes = shapes(xi);
             let u = DVector::from_iterator(shapes.len(), shapes.iter().map(|shape| shape.displacement));
             let phi = DVector::from_iterator(shapes.len(), shapes.iter().map(|shape| shape.rotation));
-            let (nodal_u, nodal_phi) = (displacement(xi, l, section.phi), rotation(xi, l, section.phi));
+            let (nodal_u, nodal_phi) = (profile.displacement(xi), profile.rotation(xi));
             InternalBlocks {
                 coupling: Some(outer(nodal_u.as_slice(), &u) * area + outer(nodal_phi.as_slice(), &phi) * rotary),
                 block: &u * u.transpose() * area + &phi * phi.transpose() * rotary,
             }
         };
         let strain = |xi: f64, dx: f64| {
-            let shapes = shapes(xi);
+            let (shapes, section) = (shapes(xi), profile.section(xi));
             let curvature = DVector::from_iterator(shapes.len(), shapes.iter().map(|shape| shape.curvature));
             let sheared = DVector::from_iterator(shapes.len(), shapes.iter().map(|shape| shape.shear));
             let bending = &curvature * curvature.transpose() * (section.flexural * dx);
             InternalBlocks::uncoupled(bending + &sheared * sheared.transpose() * (section.shear * dx))
         };
+        let rod = |inertia, rigidity| InternalRod::new(&profile, l, degree, inertia, rigidity);
+        let points = degree + 2 + profile.further_points();
+        let section = |xi: f64| profile.section(xi);
         Self {
-            mass: over_element(degree, l, |xi, dx| inertia(xi, section.mass * dx, section.rotary * dx)),
-            gyroscopic: over_element(degree, l, |xi, dx| inertia(xi, 0.0, 2.0 * section.rotary * dx)),
-            stiffness: over_element(degree, l, strain),
-            torsion: InternalRod::new(section.polar_mass, section.torsional, l, degree),
-            axial: InternalRod::new(section.mass, section.axial, l, degree),
+            mass: over_element(points, l, |xi, dx| inertia(xi, section(xi).mass * dx, section(xi).rotary * dx)),
+            gyroscopic: over_element(points, l, |xi, dx| inertia(xi, 0.0, 2.0 * section(xi).rotary * dx)),
+            stiffness: over_element(points, l, strain),
+            torsion: rod(|section| section.polar_mass, |section| section.torsional),
+            axial: rod(|section| section.mass, |section| section.axial),
         }
     }
 }
 
+/// Geometric stiffness ∫u'ᵀu' dx of bending for an axial force of 1 N (Friswell et al. 2010, Dynamics of Rotating Machines,
+/// section 5.4.6): over the coordinates of the nodes, and of the internal coordinates of an element of this degree; entries in
+/// 1/m, 1 and m.
+pub fn geometric_stiffness(element: &Element, shear: bool, degree: usize) -> (Matrix4<f64>, InternalBlocks) {
+    let (l, profile) = (element.length, Profile::new(element, shear));
+    let functions = BendingFunction::all(degree, shear);
+    let points = degree + 2 + profile.further_points();
+    let nodal = gauss(points).iter().fold(Matrix4::zeros(), |sum, (xi, weight)| {
+        let slope = profile.slope(*xi);
+        sum + slope * slope.transpose() * (weight * l)
+    });
+    let internal = over_element(points, l, |xi, dx| {
+        let slopes = functions.iter().map(|function| function.slope(2.0 * xi - 1.0, l));
+        let slopes = DVector::from_iterator(functions.len(), slopes);
+        InternalBlocks {
+            coupling: Some(outer(profile.slope(xi).as_slice(), &slopes) * dx),
+            block: &slopes * slopes.transpose() * dx,
+        }
+    });
+    (nodal, internal)
+}
+
 impl InternalRod {
     /// Matrices of an element of length `l`, m, and of this degree, with this inertia per unit length and this rigidity.
-    fn new(inertia: f64, rigidity: f64, l: f64, degree: usize) -> Self {
+    fn new(
+        profile: &Profile<'_>,
+        l: f64,
+        degree: usize,
+        inertia: fn(&Section) -> f64,
+        rigidity: fn(&Section) -> f64,
+    ) -> Self {
         let degrees: Vec<usize> = rod_degrees(degree).collect();
         let values = |xi: f64, function: fn(usize, f64) -> f64| {
             DVector::from_iterator(degrees.len(), degrees.iter().map(|n| function(*n, 2.0 * xi - 1.0)))
         };
         let mass = |xi: f64, dx: f64| {
-            let shape = values(xi, integrated);
+            let (shape, inertia) = (values(xi, integrated), inertia(&profile.section(xi)));
             InternalBlocks {
-                coupling: Some(outer(&[1.0 - xi, xi], &shape) * (inertia * dx)),
+                coupling: Some(outer(&profile.rod(xi, rigidity).0, &shape) * (inertia * dx)),
                 block: &shape * shape.transpose() * (inertia * dx),
             }
         };
         let strain = |xi: f64, dx: f64| {
             let slope = values(xi, integrated_slope) * (2.0 / l);
-            InternalBlocks::uncoupled(&slope * slope.transpose() * (rigidity * dx))
+            InternalBlocks::uncoupled(&slope * slope.transpose() * (rigidity(&profile.section(xi)) * dx))
         };
-        Self { mass: over_element(degree, l, mass), stiffness: over_element(degree, l, strain) }
+        let points = degree + 2 + profile.further_points();
+        Self { mass: over_element(points, l, mass), stiffness: over_element(points, l, strain) }
     }
 }
 
-/// Integral over an element of length `l`, m: the sum of `point(ξ, dx)` over the points of a Gauss rule. The products of
-/// shape functions of degree p = `degree` have at most the degree 2(p + 1).
-fn over_element(degree: usize, l: f64, point: impl Fn(f64, f64) -> InternalBlocks) -> InternalBlocks {
-    let rule = gauss(degree + 2);
+/// Integral over an element of length `l`, m: the sum of `point(ξ, dx)` over the points of a Gauss rule. In a cylinder, the
+/// products of shape functions of degree p have at most the degree 2(p + 1), for which p + 2 points are exact.
+fn over_element(points: usize, l: f64, point: impl Fn(f64, f64) -> InternalBlocks) -> InternalBlocks {
+    let rule = gauss(points);
     rule.iter().map(|(xi, weight)| point(*xi, weight * l)).reduce(InternalBlocks::plus).unwrap_or_default()
 }
 

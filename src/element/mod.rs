@@ -1,13 +1,18 @@
 //! Shaft elements: matrices, and elastic forces from strains, in bending, in torsion and along the axis.
 //!
-//! One complex beam, u = v + iw and φ = Γ − iB, represents both bending planes. `beam` has the matrices, `elastic` forces
+//! One complex beam, u = v + iw and φ = Γ − iB, represents both bending planes. `profile` has the section
+//! properties and static shape functions of cylinders, cones and layers, `beam` the matrices, `elastic` forces
 //! and energies from strains, so that rigid motions cause no round-off, and `internal` the internal coordinates of
 //! elements of degree 2 and above, with the polynomials of `src/numerics/legendre.rs`.
 
 mod beam;
 mod elastic;
 mod internal;
+mod profile;
 
-pub use beam::{Beam, RodMatrices, deflection, flexural_rigidity, shear_coefficient};
+pub use beam::{Beam, RodMatrices, deflection};
 pub use elastic::{Bending, Elastic, Rod, Values};
-pub use internal::{BendingFunction, InternalBeam, InternalBlocks, InternalRod, PlaceShape, rod_degrees};
+pub use internal::{
+    BendingFunction, InternalBeam, InternalBlocks, InternalRod, PlaceShape, geometric_stiffness, rod_degrees,
+};
+pub use profile::{Section, shear_coefficient};

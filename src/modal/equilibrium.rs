@@ -505,7 +505,7 @@ fn unmounted(name: &str, motion: DofKind) -> SceneError {
 /// The error for a load that moves a shaft laterally: its bearings do not constrain it.
 fn unsupported(model: &Model, shaft: usize) -> SceneError {
     let name = &model.scene.shafts[shaft].name;
-    let has_bearing = model.scene.bearings.iter().any(|bearing| bearing.node.shaft == shaft);
+    let has_bearing = model.scene.held_nodes(shaft).next().is_some();
     let cause = if has_bearing {
         format!(
             "the load moves or tilts \"{name}\", which its bearings do not constrain; add a bearing at another position, or give its bearings a stiffness in both directions"

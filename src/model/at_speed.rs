@@ -15,20 +15,22 @@ use crate::scene::{
 /// Bearings with constant coefficients on the ground, and bearings that depend on the speed.
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
+    let nonlinear = scene.bearings.iter().filter(|bearing| bearing.nonlinear.is_some()).count();
     for (number, bearing) in scene.bearings.iter().enumerate() {
         let rows = bearing_rows(scene, numbering, bearing).filter(|_| bearing.nonlinear.is_none());
         let (Some(index), Some(rows)) = (numbering.translation(bearing.node), rows) else {
             continue;
         };
         match (bearing.stiffness.constant(), bearing.damping.constant()) {
-            // A bearing on a housing is a link.
+            // A bearing that does not stand on the ground is a link.
             (Some(_), Some(_)) if bearing.attachment.is_some() => {}
             (Some(stiffness), Some(damping)) => {
                 supports.push(Support::new(index, stiffness, damping).with_loss_factor(bearing.loss_factor));
             }
             _ => {
-                let ratio = scene.speed_ratios[bearing.node.shaft];
-                bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), rows, ratio });
+                let [shaft, base] = scene.bearing_speed_ratios(bearing);
+                let (ratio, turning) = (shaft - base, scene.shafts.len() + nonlinear + bearings.len());
+                bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), rows, ratio, turning });
             }
         }
     }
@@ -47,8 +49,8 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
     let mut found = Vec::new();
     for (number, bearing) in scene.bearings.iter().enumerate() {
         if let Some((law, rows)) = law(bearing).zip(bearing_rows(scene, numbering, bearing)) {
-            let (turning, ratio) = (scene.shafts.len() + found.len(), scene.speed_ratios[bearing.node.shaft]);
-            found.push(NonlinearBearing::new(number, rows, turning, ratio, law));
+            let (turning, ratios) = (scene.shafts.len() + found.len(), scene.bearing_speed_ratios(bearing));
+            found.push(NonlinearBearing::new(number, rows, turning, ratios, law));
         }
     }
     found
@@ -57,13 +59,21 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
 impl Model {
     /// Whether the matrices need a speed: they lack the coefficients of bearings that depend on the speed.
     pub fn needs_speed(&self) -> bool {
-        !self.bearings.is_empty() || self.nonlinear_bearings.iter().any(|bearing| bearing.point.is_none())
+        !self.bearings.is_empty()
+            || self.nonlinear_bearings.iter().any(|bearing| bearing.point.is_none())
+            || self.has_internal_damping() && self.circulation.is_none()
+    }
+
+    /// Whether a shaft has internal damping, whose circulatory forces depend on the speed.
+    pub fn has_internal_damping(&self) -> bool {
+        self.shafts.iter().any(|shaft| shaft.circulatory.is_some())
     }
 
     /// Whether this is the model at a speed of the reference shaft, rad/s.
     pub fn is_at_speed(&self, speed: f64) -> bool {
         let is_at = |bearing: &NonlinearBearing| bearing.point.is_some_and(|point| point.speed == Some(speed));
-        self.bearings.is_empty() && self.nonlinear_bearings.iter().all(is_at)
+        let circulates = !self.has_internal_damping() || self.circulation == Some(speed);
+        self.bearings.is_empty() && circulates && self.nonlinear_bearings.iter().all(is_at)
     }
 
     /// The model with coefficients of its nonlinear bearings in the matrices, one for each.
@@ -157,10 +167,20 @@ impl Model {
         self.nonlinear_bearings.iter().filter(move |bearing| self.scene.bearings[bearing.number].node == node)
     }
 
-    /// Ratio of the speed of a shaft or, after the shafts, of what turns a nonlinear bearing to that of the reference shaft.
+    /// Ratio of a speed to that of the reference shaft: the speed of a shaft or, after the shafts, the mean speed of a nonlinear
+    /// bearing or, after them, the speed of a bearing with tables.
     pub fn turning_ratio(&self, turning: usize) -> f64 {
-        let bearing = |index: usize| self.nonlinear_bearings[index].ratio;
-        self.shafts.get(turning).map_or_else(|| bearing(turning - self.shafts.len()), |shaft| shaft.ratio)
+        let (shafts, nonlinear) = (self.shafts.len(), self.nonlinear_bearings.len());
+        match turning {
+            _ if turning < shafts => self.shafts[turning].ratio,
+            _ if turning < shafts + nonlinear => self.nonlinear_bearings[turning - shafts].ratio,
+            _ => self.bearings[turning - shafts - nonlinear].ratio,
+        }
+    }
+
+    /// Number of shafts and bearings that [`Self::turning_ratio`] knows.
+    pub fn turning_count(&self) -> usize {
+        self.shafts.len() + self.nonlinear_bearings.len() + self.bearings.len()
     }
 
     /// Whether a bearing at a node has rolling elements.
@@ -192,7 +212,11 @@ impl Model {
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
     pub fn check_speed(&self, speed: f64) -> Result<(), SceneError> {
         if let Some(journal) = self.nonlinear_bearings.iter().find(|bearing| bearing.stands(speed)) {
-            let message = "the film of a journal bearing carries no load at speed 0; give a speed, such as static(speed=...) or modes(speed=...), or speeds of a diagram that begin above 0";
+            let message = if journal.ratio == 0.0 {
+                "the film of a journal bearing between two shafts carries no load, because the sum of their speeds is 0; use another bearing"
+            } else {
+                "the film of a journal bearing carries no load at speed 0; give a speed, such as static(speed=...) or modes(speed=...), or speeds of a diagram that begin above 0"
+            };
             return Err(EntryPath::entry("bearings", journal.number).error(message));
         }
         self.check_tables(speed)
@@ -202,8 +226,10 @@ impl Model {
     fn check_tables(&self, speed: f64) -> Result<(), SceneError> {
         self.loads.iter().try_for_each(|load| load.check(speed))?;
         self.bearings.iter().try_for_each(|bearing| {
-            let shaft = &self.scene.shafts[bearing.bearing.node.shaft];
-            bearing.check(speed, &shaft.name)
+            let mut names = bearing.bearing.nodes().map(|node| &self.scene.shafts[node.shaft].name);
+            let shaft = names.next().map(|name| format!("the shaft \"{name}\"")).unwrap_or_default();
+            let base = names.next().map(|name| format!(" relative to \"{name}\"")).unwrap_or_default();
+            bearing.check(speed, &format!("{shaft}{base}"))
         })
     }
 
@@ -224,6 +250,7 @@ impl Model {
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
         model.links = links(&model.scene, &model.numbering);
         model.add_operating_points();
+        model.circulation = model.has_internal_damping().then_some(speed);
         Ok(model)
     }
 

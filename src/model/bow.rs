@@ -10,7 +10,7 @@ use std::convert::Infallible;
 use nalgebra::{DMatrix, Vector4};
 use num_complex::Complex64;
 
-use crate::element::{BendingFunction, deflection, flexural_rigidity};
+use crate::element::{BendingFunction, Section, deflection};
 use crate::linalg::ChainMatrix;
 use crate::numerics::{Sample, gauss, maximum};
 use crate::scene::{Bow, BowCurve, Element, Scene, SceneError, Shaft};
@@ -72,11 +72,11 @@ fn internal(
 ) -> Vec<Complex64> {
     let functions = BendingFunction::all(shaft.degree, shaft.shear);
     let (start, length) = (shaft.nodes[element], shaft.elements[element].length);
-    let rigidity = flexural_rigidity(&shaft.elements[element], &shaft.material);
     let mut forces = DMatrix::<f64>::zeros(functions.len(), 2);
     for piece in curve.pieces(start, start + length).windows(2) {
         for (at, weight) in rule {
             let x = piece[0] + at * (piece[1] - piece[0]);
+            let rigidity = Section::at(&shaft.elements[element], false, (x - start) / length).flexural;
             let moment = curve.curvature(x) * (rigidity * weight * (piece[1] - piece[0]));
             for (i, function) in functions.iter().enumerate() {
                 let shape = function.curvature(2.0 * (x - start) / length - 1.0, length);
@@ -103,8 +103,7 @@ fn unit_sag(
 ) -> Result<Vec<f64>, SceneError> {
     let shaft = &scene.shafts[index];
     let undefined = |message: &str| SceneError::new(format!("shafts[{index}].bow"), message);
-    let mut bearings: Vec<usize> =
-        scene.bearings.iter().filter(|bearing| bearing.node.shaft == index).map(|bearing| bearing.node.node).collect();
+    let mut bearings: Vec<usize> = scene.held_nodes(index).map(|(_, node)| node).collect();
     bearings.sort_unstable();
     bearings.dedup();
     if bearings.len() < 2 {
@@ -138,7 +137,7 @@ fn unit_sag(
 fn largest_deflection(shaft: &Shaft, nodes: &[f64]) -> f64 {
     let within = |(index, element): (usize, &Element)| {
         let ends = Vector4::from_column_slice(&nodes[2 * index..2 * index + 4]);
-        let at = |xi: f64| deflection(element, &shaft.material, shaft.shear, ends, xi).abs();
+        let at = |xi: f64| deflection(element, shaft.shear, ends, xi).abs();
         let point = |i: usize| i as f64 / DEFLECTION_SAMPLES as f64;
         let best = (0..=DEFLECTION_SAMPLES).max_by(|a, b| at(point(*a)).total_cmp(&at(point(*b)))).unwrap_or_default();
         // Between two samples the deflection has one maximum.

@@ -100,7 +100,7 @@ impl Model {
     pub fn shaft_stiffness(&self, weights: &Weights) -> CoupledBands {
         let mut sum = CoupledBands::default();
         for shaft in &self.shafts {
-            push_bending(&mut sum, shaft, weights);
+            push_bending(&mut sum, shaft, weights, self.circulation);
             shaft.rods().for_each(|chain| sum.push(weighted_sum(chain, weights)));
         }
         push_housings(&mut sum, &self.housings, weights);
@@ -179,8 +179,8 @@ impl Model {
     }
 }
 
-/// Appends the chains p and m of a shaft.
-fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
+/// Appends the chains p and m of a shaft, with its circulatory forces at the speed `circulation`, rad/s.
+fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights, circulation: Option<f64>) {
     let Some(chain) = &shaft.bending else {
         return;
     };
@@ -188,6 +188,10 @@ fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights) {
     for sign in [-1.0, 1.0] {
         let mut band = band.clone();
         add(&mut band, &shaft.gyroscopic, weights.gyroscopic * Complex64::new(0.0, sign * shaft.ratio));
+        if let (Some(circulatory), Some(speed), false) = (&shaft.circulatory, circulation, weights.symmetric) {
+            let weight = weights.stiffness * Complex64::new(0.0, sign * shaft.ratio * speed);
+            add(&mut band, circulatory, weight);
+        }
         sum.push(band);
     }
 }

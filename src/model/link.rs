@@ -1,7 +1,7 @@
 //! Linear springs and dampers of constant coefficients over one or two scalars of the displacements.
 //!
 //! A bearing between a shaft and the ground acts on v and w of a node and is a [`Support`]. Every other linear element is a
-//! link: a bearing on a housing, the stiffness of a bearing along the axis and against tilting, the mount of a housing, a
+//! link: a bearing on a housing or between two shafts, the stiffness of a bearing along the axis and against tilting, the mount of a housing, a
 //! coupling, a drive. All are part of the matrices.
 
 use std::ops::Range;
@@ -163,8 +163,8 @@ impl Model {
     }
 }
 
-/// The links of a scene: mounts of supports and housings, couplings, drives, bearings with constant coefficients that stand
-/// on them, and the axial and tilting coefficients of all bearings.
+/// The links of a scene: mounts of supports and housings, couplings, drives, bearings with constant coefficients that do not
+/// stand on the ground, and the axial and tilting coefficients of all bearings.
 pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
     let mut links = Vec::new();
     for (index, housing) in scene.housings.iter().enumerate() {
@@ -199,27 +199,37 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
 }
 
 /// Springs and dampers of a bearing along the axis and against tilting, relative to what the bearing stands on: a support may
-/// move along the axis, and a housing that rotates moves along the axis at the place of the bearing and tilts.
+/// move along the axis, and a housing that rotates or another shaft moves along the axis at the place of the bearing and
+/// tilts.
 fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, links: &mut Vec<Link>) {
     let name = format!("bearings[{number}]");
-    let base = bearing.attachment.map(|Attachment { housing, arm }| {
-        (Node { shaft: scene.shafts.len() + housing, node: 0 }, arm, &scene.housings[housing])
-    });
     let isotropic = |value: f64| [[value, 0.0], [0.0, value]];
     if let Some(index) = numbering.displacement_along(bearing.node).filter(|_| bearing.axial != [0.0; 2]) {
         let mut row = vec![(index, 1.0)];
-        let under = base.map_or_else(Vec::new, |(node, arm, _)| axial_row(scene, numbering, node, arm));
+        let under = match bearing.attachment {
+            None => Row::new(),
+            Some(Attachment::Shaft(node)) => numbering.displacement_along(node).map(|u| (u, 1.0)).into_iter().collect(),
+            Some(Attachment::Housing { housing, arm }) => {
+                axial_row(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, arm)
+            }
+        };
         row.extend(under.into_iter().map(|(index, coefficient)| (index, -coefficient)));
         let [stiffness, damping] = bearing.axial.map(|value| [[value, 0.0], [0.0, 0.0]]);
         let link = Link::new(name.clone(), vec![row], stiffness, damping).with_loss_factor(bearing.loss_factor);
         links.push(Link { thrust: Some(bearing.node), ..link });
     }
     if let Some(v) = numbering.translation(bearing.node).filter(|_| bearing.tilting != [0.0; 2]) {
+        let tilting = match bearing.attachment {
+            Some(Attachment::Shaft(node)) => Some(node),
+            Some(Attachment::Housing { housing, .. }) if scene.housings[housing].inertia.is_some() => {
+                Some(Node { shaft: scene.shafts.len() + housing, node: 0 })
+            }
+            Some(Attachment::Housing { .. }) | None => None,
+        };
+        let tilting = tilting.and_then(|node| numbering.translation(node));
         let row = |lane: usize| {
-            let base = base.filter(|(.., housing)| housing.inertia.is_some());
-            let base = base.and_then(|(node, ..)| numbering.translation(node));
-            let base = base.map(|first| (first + 2 + lane, -1.0));
-            std::iter::once((v + 2 + lane, 1.0)).chain(base).collect()
+            let tilted = tilting.map(|first| (first + 2 + lane, -1.0));
+            std::iter::once((v + 2 + lane, 1.0)).chain(tilted).collect()
         };
         let [stiffness, damping] = bearing.tilting.map(isotropic);
         links.push(Link::new(name, vec![row(0), row(1)], stiffness, damping).with_loss_factor(bearing.loss_factor));
@@ -230,12 +240,19 @@ fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, 
 pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> Option<[Row; 2]> {
     let index = numbering.translation(bearing.node)?;
     let mut rows = [vec![(index, 1.0)], vec![(index + 1, 1.0)]];
-    if let Some(Attachment { housing, arm }) = bearing.attachment {
-        let first = numbering.translation(Node { shaft: scene.shafts.len() + housing, node: 0 })?;
-        let base = point_rows(&scene.housings[housing], first, arm);
-        for (row, base) in rows.iter_mut().zip(base) {
-            row.extend(base.into_iter().map(|(index, coefficient)| (index, -coefficient)));
+    let base = match bearing.attachment {
+        None => return Some(rows),
+        Some(Attachment::Shaft(node)) => {
+            let first = numbering.translation(node)?;
+            [vec![(first, 1.0)], vec![(first + 1, 1.0)]]
         }
+        Some(Attachment::Housing { housing, arm }) => {
+            let first = numbering.translation(Node { shaft: scene.shafts.len() + housing, node: 0 })?;
+            point_rows(&scene.housings[housing], first, arm)
+        }
+    };
+    for (row, base) in rows.iter_mut().zip(base) {
+        row.extend(base.into_iter().map(|(index, coefficient)| (index, -coefficient)));
     }
     Some(rows)
 }

@@ -12,7 +12,7 @@ use crate::connection::{Connection, Row};
 use crate::linalg::{ChainMatrix, Sparse};
 
 /// Adds a value to the entry (row, column) of a matrix.
-type Add<'a> = &'a mut dyn FnMut(usize, usize, f64);
+pub type Add<'a> = &'a mut dyn FnMut(usize, usize, f64);
 
 impl Model {
     /// Mass matrix M.
@@ -25,9 +25,12 @@ impl Model {
         self.dense(|add| self.visit_shaft_stiffness(add))
     }
 
-    /// Stiffness matrix of the bearings.
+    /// Stiffness matrix of the bearings, with the circulatory forces of the shafts.
     pub fn support_stiffness_matrix(&self) -> DMatrix<f64> {
-        self.dense(|add| self.visit_supports(|support| support.stiffness, add))
+        self.dense(|add| {
+            self.visit_supports(|support| support.stiffness, add);
+            self.visit_circulation(add);
+        })
     }
 
     /// Symmetric part of the bearing stiffness.
@@ -35,9 +38,12 @@ impl Model {
         self.dense(|add| self.visit_supports(|support| support.symmetric_part, add))
     }
 
-    /// Bearing stiffness without its symmetric part.
+    /// Bearing stiffness without its symmetric part, with the circulatory forces of the shafts.
     pub fn skew_part_matrix(&self) -> DMatrix<f64> {
-        self.dense(|add| self.visit_supports(Support::skew_part, add))
+        self.dense(|add| {
+            self.visit_supports(Support::skew_part, add);
+            self.visit_circulation(add);
+        })
     }
 
     /// Stiffness matrix of the connections at a speed of the reference shaft; meshes are linearised at rest.
@@ -82,6 +88,7 @@ impl Model {
         self.sparse(|add| {
             self.visit_shaft_stiffness(add);
             self.visit_supports(|support| support.stiffness, add);
+            self.visit_circulation(add);
             self.visit_connections(speed, |connection| connection.linear(speed).stiffness, add);
         })
     }
@@ -103,9 +110,12 @@ impl Model {
         })
     }
 
-    /// Bearing stiffness without its symmetric part.
+    /// Bearing stiffness without its symmetric part, with the circulatory forces of the shafts.
     pub fn sparse_skew_part(&self) -> Sparse {
-        self.sparse(|add| self.visit_supports(Support::skew_part, add))
+        self.sparse(|add| {
+            self.visit_supports(Support::skew_part, add);
+            self.visit_circulation(add);
+        })
     }
 
     /// Damping matrix of shafts, bearings and connections, without modal damping.
@@ -162,6 +172,9 @@ impl Model {
         out.iter_mut().for_each(|value| *value = -*value);
         let add: Add<'_> = &mut |row, column, value| out[row] += value * x[column];
         self.visit_supports(|support| if symmetric { support.symmetric_part } else { support.stiffness }, add);
+        if !symmetric {
+            self.visit_circulation(add);
+        }
         for connection in self.connections(speed) {
             let (rows, coefficients) = (connection.rows(), connection.linear(speed));
             let scalar = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * x[*index]).sum::<f64>();
@@ -232,6 +245,20 @@ impl Model {
         for shaft in &self.shafts {
             visit_bending(shaft.bending.as_ref(), |chain| chain.damping.as_ref(), add);
             shaft.rods().for_each(|chain| visit_rod(chain, chain.damping.as_ref(), add));
+        }
+    }
+
+    /// −iΩ_s βK_s of each shaft with internal damping, at the speed that the model contains.
+    pub fn visit_circulation(&self, add: Add<'_>) {
+        let Some(speed) = self.circulation else { return };
+        for shaft in &self.shafts {
+            if let (Some(chain), Some(circulatory)) = (&shaft.bending, &shaft.circulatory) {
+                circulatory.for_each(|row, column, value| {
+                    let (row, column) = (chain.start + 2 * row, chain.start + 2 * column);
+                    add(row, column + 1, shaft.ratio * speed * value);
+                    add(row + 1, column, -shaft.ratio * speed * value);
+                });
+            }
         }
     }
 

@@ -31,6 +31,7 @@ mod quadratic_forms;
 mod shaft;
 
 use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
 pub use dynamic_stiffness::Weights;
 pub use flanks::Rotation;
@@ -115,6 +116,9 @@ impl Support {
     }
 }
 
+/// Natural frequency, rad/s, below which a motion without stiffness and one that buckles are not told apart.
+const SLOWEST_STABLE: f64 = 1e-2;
+
 /// (K + Kᵀ)/2 counts as positive definite if its lower eigenvalue exceeds this fraction of ‖K‖.
 const MIN_DEFINITE_FRACTION: f64 = 1e-3;
 
@@ -164,6 +168,8 @@ pub struct Model {
     pub loads: Vec<AppliedLoad>,
     /// Constant load of torques, forces, gravity and misaligned couplings, n entries, N or N m.
     pub constant_load: DVector<f64>,
+    /// Speed of the reference shaft, rad/s, whose circulatory forces of internal damping belong to the stiffness.
+    pub circulation: Option<f64>,
     /// σ of every mesh at speed zero.
     sigma_standing: Vec<f64>,
 }
@@ -209,10 +215,30 @@ impl Model {
             nonlinear_bearings,
             meshes,
             loads: Vec::new(),
+            circulation: None,
         };
         model.set_initial_stiffness();
         model.add_loads();
+        model.check_buckling()?;
         Ok(model)
+    }
+
+    /// Refuses axial forces under which the shafts have no stable equilibrium.
+    fn check_buckling(&self) -> Result<(), SceneError> {
+        let compressed = |shaft: &crate::scene::Shaft| shaft.elements.iter().any(|element| element.axial_force < 0.0);
+        let Some(index) = self.scene.shafts.iter().position(compressed) else { return Ok(()) };
+        // Rigid-body motions count as stable.
+        let mass = Complex64::from(SLOWEST_STABLE * SLOWEST_STABLE);
+        let weights = Weights { mass, symmetric: true, ..Weights::stiffness() };
+        if self.dynamic_stiffness(&weights, 0.0).negative_eigenvalues() == Some(0) {
+            return Ok(());
+        }
+        let name = &self.scene.shafts[index].name;
+        let force = self.scene.shafts[index].elements.iter().map(|element| element.axial_force).fold(0.0, f64::min);
+        Err(SceneError::new(
+            format!("shafts[{index}].axial_force"),
+            format!("the shaft \"{name}\" buckles under the compression of {} N; use a smaller force", -force),
+        ))
     }
 
     /// Number of degrees of freedom n.
@@ -309,6 +335,7 @@ impl Model {
         for link in &self.links {
             link.subtract(link.local.elastic_force(&link.scalars(q)), force.as_mut_slice());
         }
+        self.visit_circulation(&mut |row, column, value| force[row] -= value * q[column]);
         -force
     }
 

@@ -108,7 +108,7 @@ fn element_at(shaft: &Shaft, position: f64, at: &EntryPath<'_>) -> Result<Within
 /// The displacements within an element of shaft `index`.
 fn between_nodes(scene: &Scene, numbering: &Numbering, index: usize, Within { element, xi }: Within) -> PlaceRows {
     let shaft = &scene.shafts[index];
-    let shape = PlaceShape::new(&shaft.elements[element], &shaft.material, shaft.shear, shaft.degree, xi);
+    let shape = PlaceShape::new(&shaft.elements[element], shaft.shear, shaft.degree, xi);
     let nodes = shaft.nodes.len();
     let bending = |start: usize| {
         let lane = |lane: usize| {
@@ -121,14 +121,15 @@ fn between_nodes(scene: &Scene, numbering: &Numbering, index: usize, Within { el
         };
         [lane(0), lane(1)]
     };
-    let rod = |start: usize| {
+    let rod = |start: usize, ends: [f64; 2]| {
         let first = start + nodes + shape.rod.len() * element;
-        let nodal = [(start + element, 1.0 - xi), (start + element + 1, xi)];
+        let [left, right] = ends;
+        let nodal = [(start + element, left), (start + element + 1, right)];
         nodal.into_iter().chain(shape.rod.iter().enumerate().map(|(i, factor)| (first + i, *factor))).collect()
     };
     PlaceRows {
         displacement: numbering.lateral(index).map(bending),
-        twist: numbering.torsion(index).map(rod),
-        axial: numbering.axial(index).map(rod),
+        twist: numbering.torsion(index).map(|start| rod(start, shape.torsion)),
+        axial: numbering.axial(index).map(|start| rod(start, shape.axial)),
     }
 }

@@ -5,6 +5,8 @@
 //! J θ̈ + (αJ_s + βK_θ) θ̇ + K_θ θ = f               torsion, and axial displacement with the mass instead of J
 //! ```
 //!
+//! An axial force adds its geometric stiffness to K_s, and internal damping β adds βK_s to the damping and −iΩ_s βK_s to the
+//! stiffness, because it damps the motion relative to the rotating shaft.
 //! M and J contain shaft and bodies; Rayleigh damping (α, β) uses the matrices M_s and J_s of the shaft without bodies.
 //! The forces of bow and unbalance rotate with the shaft angle ϑ:
 //!
@@ -18,9 +20,11 @@ use num_complex::Complex64;
 
 use super::numbering::Numbering;
 use super::{bow, mass_error};
-use crate::element::{Beam, Bending, Elastic, InternalBeam, InternalBlocks, InternalRod, Rod, RodMatrices, Values};
-use crate::linalg::{ChainFactor, ChainMatrix, load};
-use crate::scene::{Body, Node, Scene, SceneError};
+use crate::element::{
+    Beam, Bending, Elastic, InternalBeam, InternalBlocks, InternalRod, Rod, RodMatrices, Values, geometric_stiffness,
+};
+use crate::linalg::{BlockTridiagonal, ChainFactor, ChainMatrix, load};
+use crate::scene::{Body, Element, Node, Scene, SceneError, Shaft};
 
 /// Matrices of one chain: elements of type `E` between nodes with `B` unknowns.
 #[derive(Clone, Debug)]
@@ -35,8 +39,10 @@ pub struct Chain<const B: usize, E> {
     pub mass_factor: ChainFactor<B>,
     /// Elastic elements between the nodes.
     pub elements: Vec<E>,
-    /// Assembled stiffness matrix of the elements. Nodal and internal coordinates are not coupled.
+    /// Assembled stiffness matrix.
     pub stiffness: ChainMatrix<B>,
+    /// Stiffness between nodes that the strains of `elements` do not contain; `None` if it is zero.
+    pub beyond_strains: Option<BlockTridiagonal<B>>,
     /// Rayleigh damping matrix of the shaft; `None` if it is zero.
     pub damping: Option<ChainMatrix<B>>,
 }
@@ -71,16 +77,19 @@ impl<const B: usize, E: Elastic<B>> Chain<B, E> {
                 *force -= value;
             }
         });
+        if let Some(stiffness) = &self.beyond_strains {
+            stiffness.multiply_add::<L>(-1.0, q, force);
+        }
     }
 
     /// qᵀKq, J; `q` begins at the first coordinate of this chain.
     pub fn elastic_form<const L: usize>(&self, q: &[f64]) -> f64 {
         let pair = |(node, element): (usize, &E)| element.quadratic_form::<L>(&load(q, node), &load(q, node + 1));
-        let mut sum = self.elements.iter().enumerate().map(pair).sum();
+        let mut sum: f64 = self.elements.iter().enumerate().map(pair).sum();
         self.stiffness.internal_product::<L>(q, |unknown, values| {
             sum += values.iter().zip(&q[unknown * L..]).map(|(value, q)| value * q).sum::<f64>();
         });
-        sum
+        sum + self.beyond_strains.as_ref().map_or(0.0, |stiffness| stiffness.quadratic_form::<L>(q))
     }
 }
 
@@ -128,6 +137,10 @@ pub struct ShaftModel {
     pub twist: Option<RodChain>,
     /// Axial motion; `None` if the scene excludes it.
     pub axial: Option<RodChain>,
+    /// Geometric stiffness of bending by axial forces, which `bending` contains; `None` without them.
+    pub geometric: Option<ChainMatrix<2>>,
+    /// βK of bending with the internal damping β, N s/m: the circulatory force on u is iΩ_s βK u; `None` without it.
+    pub circulatory: Option<ChainMatrix<2>>,
     /// Forces of bow and unbalance.
     pub excitations: Vec<Excitation>,
     /// Stress-free shape in shaft coordinates: (u, φ) of the nodes, then the internal coordinates of bending; `None` for a
@@ -144,18 +157,22 @@ impl ShaftModel {
         let shaft = &scene.shafts[index];
         let nodes = shaft.nodes.len();
         let [alpha, beta] = scene.rayleigh;
-        let beams: Vec<_> =
-            shaft.elements.iter().map(|element| Beam::new(element, &shaft.material, shaft.shear)).collect();
+        let beams: Vec<_> = shaft.elements.iter().map(|element| Beam::new(element, shaft.shear)).collect();
         let inner = InternalBeam::of_shaft(shaft);
         let mut gyroscopic = ChainMatrix::zeros(nodes);
+        let (mut geometric, mut circulatory) = (None, None);
+        let internal_damping = shaft.internal_damping;
 
         let bending = match numbering.lateral(index) {
             None => None,
             Some(start) => {
                 let mut mass = assemble(&beams, |beam, i, j| beam.mass[(i, j)], &inner, |inner| &inner.mass);
-                let stiffness = assemble(&beams, |beam, i, j| beam.stiffness[(i, j)], &inner, |inner| &inner.stiffness);
+                let mut stiffness =
+                    assemble(&beams, |beam, i, j| beam.stiffness[(i, j)], &inner, |inner| &inner.stiffness);
                 gyroscopic = assemble(&beams, |beam, i, j| beam.gyroscopic[(i, j)], &inner, |inner| &inner.gyroscopic);
-                let damping = rayleigh(alpha, &mass, beta, &stiffness);
+                let damping = rayleigh(alpha, &mass, beta + internal_damping, &stiffness);
+                circulatory = (internal_damping > 0.0)
+                    .then(|| ChainMatrix::combination(internal_damping, &stiffness, 0.0, &stiffness));
                 for body in scene.bodies().filter(|body| body.node.shaft == index) {
                     mass.nodal.add_at_node(body.node.node, 0, 0, body.mass);
                     mass.nodal.add_at_node(body.node.node, 1, 1, body.diametral_inertia);
@@ -163,7 +180,14 @@ impl ShaftModel {
                 }
                 let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
                 let elements = beams.iter().map(|beam| beam.bending).collect();
-                Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, damping })
+                let mut beyond_strains = beyond_strains(shaft, &beams);
+                geometric = self::geometric(shaft);
+                if let Some(geometric) = &geometric {
+                    stiffness = ChainMatrix::combination(1.0, &stiffness, 1.0, geometric);
+                    let own = beyond_strains.get_or_insert_with(|| BlockTridiagonal::zeros(nodes));
+                    own.add_scaled(1.0, &geometric.nodal);
+                }
+                Some(Chain { start, nodes, mass, mass_factor, elements, stiffness, beyond_strains, damping })
             }
         };
         let elements = ShaftElements { beams: &beams, inner: &inner };
@@ -173,7 +197,9 @@ impl ShaftModel {
         let twist = rod(RodMotion::Torsion, numbering.torsion(index))?;
         let axial = rod(RodMotion::Axial, numbering.axial(index))?;
         let ratio = scene.speed_ratios[index];
-        let mut shaft = Self { ratio, bending, gyroscopic, twist, axial, excitations: Vec::new(), bow: None };
+        let excitations = Vec::new();
+        let mut shaft =
+            Self { ratio, bending, gyroscopic, twist, axial, geometric, circulatory, excitations, bow: None };
         shaft.set_bow_and_unbalance(scene, index)?;
         Ok(shaft)
     }
@@ -184,8 +210,10 @@ impl ShaftModel {
     /// [`SceneError`] if the bearings do not define the sag of the bow.
     pub fn set_bow_and_unbalance(&mut self, scene: &Scene, index: usize) -> Result<(), SceneError> {
         if let Some(chain) = &self.bending {
-            self.bow = bow::shape(scene, index, &chain.mass, &chain.stiffness)?;
-            self.excitations = excitations(scene, index, chain, self.bow.as_deref());
+            let elastic =
+                self.geometric.as_ref().map(|part| ChainMatrix::combination(1.0, &chain.stiffness, -1.0, part));
+            self.bow = bow::shape(scene, index, &chain.mass, elastic.as_ref().unwrap_or(&chain.stiffness))?;
+            self.excitations = excitations(scene, index, self, chain);
         }
         Ok(())
     }
@@ -264,7 +292,7 @@ fn rod(
     motion: RodMotion,
     elements: &ShaftElements<'_>,
 ) -> Result<RodChain, SceneError> {
-    let [alpha, beta] = scene.rayleigh;
+    let ([alpha, beta], internal_damping) = (scene.rayleigh, scene.shafts[index].internal_damping);
     let ShaftElements { beams, inner } = *elements;
     let mut mass =
         assemble(beams, |beam, i, j| motion.matrices(beam).mass[(i, j)], inner, |inner| &motion.internal(inner).mass);
@@ -274,13 +302,44 @@ fn rod(
         inner,
         |inner| &motion.internal(inner).stiffness,
     );
-    let damping = rayleigh(alpha, &mass, beta, &stiffness);
+    let damping = rayleigh(alpha, &mass, beta + internal_damping, &stiffness);
     for body in scene.bodies().filter(|body| body.node.shaft == index) {
         mass.nodal.add_at_node(body.node.node, 0, 0, motion.inertia(body));
     }
     let mass_factor = mass.factor().map_err(|failure| mass_error(scene, index, failure))?;
     let elements = beams.iter().map(|beam| motion.matrices(beam).rod).collect();
-    Ok(Chain { start, nodes: beams.len() + 1, mass, mass_factor, elements, stiffness, damping })
+    let nodes = beams.len() + 1;
+    Ok(Chain { start, nodes, mass, mass_factor, elements, stiffness, beyond_strains: None, damping })
+}
+
+/// Geometric stiffness of bending of a shaft; `None` without axial force.
+fn geometric(shaft: &Shaft) -> Option<ChainMatrix<2>> {
+    if shaft.elements.iter().all(|element| element.axial_force == 0.0) {
+        return None;
+    }
+    let mut sum = ChainMatrix::zeros(shaft.nodes.len());
+    for (node, element) in shaft.elements.iter().enumerate() {
+        let (nodal, internal) = geometric_stiffness(element, shaft.shear, shaft.degree);
+        sum.nodal.add_element(node, |i, j| element.axial_force * nodal[(i, j)]);
+        if shaft.degree > 1 {
+            sum.internal.push(internal.times(element.axial_force));
+        }
+    }
+    Some(sum)
+}
+
+/// Stiffness of bending between nodes that the strains of the elements do not contain: that of cones.
+fn beyond_strains(shaft: &Shaft, beams: &[Beam]) -> Option<BlockTridiagonal<2>> {
+    let is_cone = |element: &Element| !element.body.is_cylinder();
+    shaft.elements.iter().any(is_cone).then(|| {
+        let mut sum = BlockTridiagonal::zeros(beams.len() + 1);
+        let cones = shaft.elements.iter().zip(beams).enumerate().filter(|(_, (element, _))| is_cone(element));
+        for (node, (_, beam)) in cones {
+            let stiffness = beam.stiffness_beyond_strains();
+            sum.add_element(node, |i, j| stiffness[(i, j)]);
+        }
+        sum
+    })
 }
 
 /// Assembles a matrix of the elements from the entries between their nodes and those of their internal coordinates.
@@ -311,11 +370,14 @@ fn rayleigh<const B: usize>(
 
 /// Forces of bow and unbalance, without zero entries. The force of the bow is K_s b of the free shaft: bearings, bodies
 /// and meshes do not contribute.
-fn excitations(scene: &Scene, index: usize, chain: &BendingChain, bow: Option<&[Complex64]>) -> Vec<Excitation> {
+fn excitations(scene: &Scene, index: usize, shaft: &ShaftModel, chain: &BendingChain) -> Vec<Excitation> {
     let mut force = vec![0.0; chain.coordinates::<2>().len()];
-    if let Some(bow) = bow {
+    if let Some(bow) = &shaft.bow {
         let opposite: Vec<f64> = bow.iter().flat_map(|value| [-value.re, -value.im]).collect();
         chain.subtract_elastic::<2>(&opposite, &mut force);
+        if let Some(geometric) = &shaft.geometric {
+            geometric.multiply_add::<2>(1.0, &opposite, &mut force);
+        }
     }
     let mut unbalance = vec![Complex64::ZERO; force.len() / 2];
     for body in scene.bodies().filter(|body| body.node.shaft == index) {

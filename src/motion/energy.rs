@@ -56,7 +56,15 @@ impl<'m> EquationOfMotion<'m> {
     /// displacements.
     pub fn shaft_energies(&self, elapsed: f64, q: &[f64], v: &[f64], unbent: &mut [f64]) -> [f64; 2] {
         self.subtract_bow(elapsed, q, unbent);
-        [self.model.kinetic_form(v) / 2.0, self.model.shaft_form(unbent) / 2.0]
+        let mut elastic = self.model.shaft_form(unbent);
+        // An axial force acts along the line of the bearings: its energy is that of the complete slope.
+        for shaft in self.model.shafts.iter().filter(|shaft| shaft.bow.is_some()) {
+            if let (Some(geometric), Some(chain)) = (&shaft.geometric, &shaft.bending) {
+                elastic += geometric.quadratic_form::<2>(&q[chain.start..]);
+                elastic -= geometric.quadratic_form::<2>(&unbent[chain.start..]);
+            }
+        }
+        [self.model.kinetic_form(v) / 2.0, elastic / 2.0]
     }
 
     /// Elastic energy of the bearings and of all other connections except meshes, and that of the meshes, J, from the

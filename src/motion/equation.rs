@@ -98,8 +98,7 @@ impl<'m> EquationOfMotion<'m> {
         equilibrium: DVector<f64>,
     ) -> Self {
         let (model, speed) = (&cached.model, rotation.fastest);
-        let ratios =
-            || (0..model.shafts.len() + model.nonlinear_bearings.len()).map(|index| model.turning_ratio(index));
+        let ratios = || (0..model.turning_count()).map(|index| model.turning_ratio(index));
         let spins: Vec<f64> = ratios().map(|ratio| ratio * speed).collect();
         let at_origin: Vec<_> = ratios().map(|ratio| rotation.phasor_at_origin(ratio)).collect();
         let rotating_loads = if rotation.is_constant() {

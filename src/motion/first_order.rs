@@ -81,6 +81,19 @@ fn accelerate(shaft: &ShaftModel, spin: f64, q: &[f64], v: &[f64], force: &mut [
                 force[2 * unknown] -= spin * im;
                 force[2 * unknown + 1] += spin * re;
             });
+            if let Some(circulatory) = &shaft.circulatory {
+                for (node, force) in force.chunks_exact_mut(4).take(chain.nodes).enumerate() {
+                    let [[u_re, u_im], [phi_re, phi_im]] = circulatory.nodal.row::<2>(node, q);
+                    force[0] -= spin * u_im;
+                    force[1] += spin * u_re;
+                    force[2] -= spin * phi_im;
+                    force[3] += spin * phi_re;
+                }
+                circulatory.internal_product::<2>(q, |unknown, [re, im]| {
+                    force[2 * unknown] -= spin * im;
+                    force[2 * unknown + 1] += spin * re;
+                });
+            }
         }
         if let Some(damping) = &chain.damping {
             damping.multiply_add::<2>(-1.0, v, force);

@@ -197,7 +197,8 @@ impl EquationOfMotion<'_> {
 
     /// The matrix D of [`Self::distributed_damping_power`], N s/m, shape (n, n); none without such damping.
     pub fn distributed_damping(&self) -> Option<DMatrix<f64>> {
-        let shafts = (self.model.scene.rayleigh != [0.0; 2]).then(|| self.model.shaft_damping_matrix());
+        let is_damped = self.model.scene.rayleigh != [0.0; 2] || self.model.has_internal_damping();
+        let shafts = is_damped.then(|| self.model.shaft_damping_matrix());
         match (shafts, &self.modal_damping) {
             (Some(shafts), Some(modal)) => Some(shafts + modal),
             (shafts, modal) => shafts.or_else(|| modal.clone()),

@@ -8,7 +8,7 @@ use super::convert::table;
 use crate::analysis::AnalysisError;
 use crate::bearing_force::{BearingForce, Uncarried};
 use crate::film::Film;
-use crate::rolling::RollingElements;
+use crate::rolling::{Ring, RollingElements};
 use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError};
 
 /// Computes displacement (2,), stiffness and damping (2, 2) of a journal bearing under a static load over (y, z), N, at a
@@ -68,9 +68,63 @@ pub fn rolling_coefficients<'py>(
     let (displacement, found) = elements.carrying(load, cage).map_err(|cause| uncarried(cause, load, None))?;
     let dict = coefficients(py, displacement, &found)?;
     dict.set_item("contact_forces", elements.contact_forces(displacement, cage.unwrap_or(0.0)).collect::<Vec<_>>())?;
+    dict.set_item("elements", rolling.elements)?;
     dict.set_item("hertz_stiffness", rolling.hertz_stiffness)?;
     dict.set_item("cage_ratio", elements.cage_ratio)?;
     Ok(dict)
+}
+
+/// Computes the displacements (u, v, w, B, Γ) of a rolling bearing under the forces (axial, y, z), N, with given rotations
+/// (B, Γ), rad; force (5,), stiffness (5, 5), contact forces and contact angles there.
+#[pyfunction]
+pub fn ring_coefficients<'py>(
+    py: Python<'py>,
+    bearing: &Bound<'_, PyAny>,
+    load: [f64; 3],
+    tilt: [f64; 2],
+) -> PyResult<Bound<'py, PyDict>> {
+    let given = SceneDescription::bearing_from_objects(&mut Depythonizer::from_object(bearing))?;
+    let (Nonlinear::Rolling(rolling), _) = scene::bearing(&given)? else {
+        return Err(SceneError::new("bearing", "is no rolling bearing").into());
+    };
+    for (name, values) in [("load", &load[..]), ("tilt", &tilt[..])] {
+        for value in values {
+            EntryPath::root(name).finite(*value)?;
+        }
+    }
+    let [thrust, y, z] = load;
+    let carried = Ring::new(&rolling).carrying(load.into(), tilt.into());
+    let (displacement, found) = carried.map_err(|cause| uncarried(cause, [thrust, y.hypot(z)], None))?;
+    let dict = PyDict::new(py);
+    dict.set_item("displacement", displacement.as_slice().to_vec())?;
+    dict.set_item("force", found.force.as_slice().to_vec())?;
+    dict.set_item("stiffness", table(py, found.stiffness.transpose().as_slice().to_vec(), 5, 5)?)?;
+    let column = |at: usize| found.contacts.iter().map(|contact| contact[at]).collect::<Vec<_>>();
+    dict.set_item("contact_forces", column(0))?;
+    dict.set_item("contact_angles", column(1))?;
+    Ok(dict)
+}
+
+/// The estimate of the elements of a rolling bearing with a designation or boundary as a dictionary; none for another bearing.
+#[pyfunction]
+pub fn rolling_estimate<'py>(py: Python<'py>, bearing: &Bound<'_, PyAny>) -> PyResult<Option<Bound<'py, PyDict>>> {
+    let given = SceneDescription::bearing_from_objects(&mut Depythonizer::from_object(bearing))?;
+    let Some(found) = scene::estimate(&given, &EntryPath::root("bearing"))? else {
+        return Ok(None);
+    };
+    let dict = PyDict::new(py);
+    dict.set_item("kind", pythonize::pythonize(py, &found.kind)?)?;
+    let [bore, outer, width] = found.boundary;
+    dict.set_item("bore", bore)?;
+    dict.set_item("outer", outer)?;
+    dict.set_item("width", width)?;
+    dict.set_item("elements", found.elements)?;
+    dict.set_item("element_diameter", found.element_diameter)?;
+    dict.set_item("pitch_diameter", found.pitch_diameter)?;
+    dict.set_item("roller_length", found.roller_length)?;
+    dict.set_item("contact_angle", found.contact_angle)?;
+    dict.set_item("stiffness_uncertainty", found.stiffness_uncertainty)?;
+    Ok(Some(dict))
 }
 
 /// Displacement, stiffness and damping as a dictionary.

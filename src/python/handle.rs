@@ -31,7 +31,7 @@ impl PyModel {
     /// Checks and assembles a description.
     pub fn build(description: SceneDescription, interrupt: &Interrupt) -> Result<Self, AnalysisError> {
         let resolved = analysis::resolve(&description, interrupt)?;
-        let model = Model::new(Scene::new(&resolved.description)?)?;
+        let model = assemble(&resolved.description)?;
         Ok(Self::of_model(description, resolved, CachedModel::new(model)))
     }
 
@@ -53,6 +53,7 @@ impl PyModel {
         let resolved = resolved.map_or_else(|| analysis::resolve(&description, interrupt), Ok)?;
         let scene = || Scene::new(&resolved.description);
         if base.model().nonlinear_bearings.is_empty()
+            && !description.geometric_stiffness
             && linear_part(&resolved.description) == linear_part(&base.resolved.description)
             && let Some(model) = base.model().with_loads(scene()?)?
         {
@@ -60,7 +61,7 @@ impl PyModel {
             let cached = if shares { CachedModel::variation(model, &base.cached) } else { CachedModel::new(model) };
             return Ok(Self::of_model(description, resolved, cached));
         }
-        let model = Model::new(scene()?)?;
+        let model = assemble(&resolved.description)?;
         Ok(Self::of_model(description, resolved, CachedModel::new(model)))
     }
 
@@ -83,6 +84,7 @@ impl PyModel {
     /// bearings depends on the loads, so that systems with them share nothing. Returns whether the two share.
     pub fn share_linear_part(&self, other: &Self) -> bool {
         let shares = self.model().nonlinear_bearings.is_empty()
+            && !self.description.geometric_stiffness
             && self.model().has_coordinates_of(other.model())
             && linear_part(&self.resolved.description) == linear_part(&other.resolved.description);
         if shares {
@@ -128,6 +130,12 @@ impl PyModel {
     pub fn place(&self, node: Node) -> (&str, f64) {
         self.model().scene.place(node)
     }
+}
+
+/// The model of a description with elements.
+fn assemble(description: &SceneDescription) -> Result<Model, AnalysisError> {
+    let scene = Scene::new(description)?;
+    if description.geometric_stiffness { analysis::with_axial_forces(scene) } else { Ok(Model::new(scene)?) }
 }
 
 /// The description without loads and without the accuracy. A resolved description contains the elements, which are all of

@@ -37,6 +37,8 @@ mod _core {
     #[pymodule_export]
     use super::bearing::rolling_coefficients;
     #[pymodule_export]
+    use super::bearing::{ring_coefficients, rolling_estimate};
+    #[pymodule_export]
     use super::convert::connection_channels;
     #[pymodule_export]
     use super::convert::require_memory;

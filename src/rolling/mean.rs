@@ -11,6 +11,7 @@
 //! accurate at u = 0 as well.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 use super::RollingElements;
 use crate::bearing_force::{BearingForce, Vector};
@@ -18,6 +19,8 @@ use crate::numerics::gauss;
 
 /// Points of the Gauss rule. The substitution makes the integrands smooth, so that the error is round-off.
 const GAUSS_POINTS: usize = 48;
+/// Abscissae and weights of the rule.
+static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(GAUSS_POINTS));
 
 impl RollingElements {
     /// Force, stiffness and damping of a shaft at rest, averaged over the angles of the cage, at a displacement, m.
@@ -43,7 +46,7 @@ impl RollingElements {
         // 1 − ψ/ψ_l = (1 − x)^m turns h^{p−1} ∝ (1 − ψ/ψ_l)^{p−1} into 1 − x.
         let power = if is_partial { 1.0 / exponent } else { 1.0 };
         let (mut along, mut across) = (0.0, 0.0);
-        for (x, weight) in gauss(GAUSS_POINTS) {
+        for &(x, weight) in GAUSS.iter() {
             let left = end * (1.0 - x).powf(power);
             let angle = end - left;
             // r (cos ψ − cos ψ_l), without cancellation at the end of the loaded zone.

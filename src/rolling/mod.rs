@@ -10,18 +10,21 @@
 //! ```
 //!
 //! With a contact angle α, the contact deflects by δ cos α and the radial part of its force is Q cos α: K contains
-//! cos^{p + 1} α. The cage turns at (1 − (d/D) cos α)/2 times the speed of the inner ring, where the outer ring stands
-//! (Harris, Rolling Bearing Analysis, 4th ed., 2001, chapters 7 and 8). Centrifugal forces and slip are neglected.
+//! cos^{p + 1} α. The cage turns at (1 − γ)/2 times the speed of the inner ring plus (1 + γ)/2 times that of the outer ring,
+//! γ = (d/D) cos α (Harris, Rolling Bearing Analysis, 4th ed., 2001, chapters 7 and 8). Centrifugal forces and slip are neglected.
 //!
-//! `mean.rs` is the force averaged over the angles of the cage, `equilibrium.rs` the displacement under a load. K is given,
-//! or that of `src/scene/hertz.rs`.
+//! `mean.rs` is the force averaged over the angles of the cage, `equilibrium.rs` the displacement under a load, and `ring.rs` a
+//! ring that also moves along the axis and tilts. K is given, or that of `src/scene/hertz.rs`.
 
 mod equilibrium;
 mod mean;
+mod ring;
 
 use std::f64::consts::TAU;
 
 use crate::bearing_force::{BearingForce, Matrix, Vector};
+pub use ring::{Ring, RingForce};
+
 use crate::scene::{LINE_CONTACT, POINT_CONTACT, Rolling};
 
 /// The rolling elements of a bearing.
@@ -39,7 +42,7 @@ pub struct RollingElements {
     radial: f64,
     /// Damping C over (y, z), N s/m.
     damping: Matrix,
-    /// Speed of the cage over the speed of the shaft.
+    /// Speed of the cage over the speed of the shaft where the outer ring stands.
     pub cage_ratio: f64,
 }
 
@@ -136,6 +139,8 @@ mod tests {
         let rolling = Rolling {
             elements,
             diameter_ratio: 0.2,
+            pitch_diameter: 0.1,
+            groove: [0.52; 2],
             clearance,
             hertz_stiffness: 1e10,
             line_contact,

@@ -23,8 +23,19 @@ pub struct Bearing {
     pub tilting: [f64; 2],
     /// Loss factor η of the stiffness.
     pub loss_factor: f64,
-    /// Its place on a housing; `None` on the ground.
+    /// Its place on a housing or on another shaft; `None` on the ground.
     pub attachment: Option<Attachment>,
+}
+
+impl Bearing {
+    /// Its nodes: that of its shaft and, for a bearing between two shafts, that of the other one.
+    pub fn nodes(&self) -> impl Iterator<Item = Node> + use<> {
+        let other = match self.attachment {
+            Some(Attachment::Shaft(node)) => Some(node),
+            Some(Attachment::Housing { .. }) | None => None,
+        };
+        std::iter::once(self.node).chain(other)
+    }
 }
 
 /// Checks the bearings of a scene.

@@ -1,4 +1,4 @@
-//! What bearings stand on: supports and housings, and where each bearing is attached to its housing.
+//! What bearings stand on: supports, housings and other shafts, and where each bearing is attached to them.
 //!
 //! A support is a housing that does not rotate. The arms of the bearings follow from the positions of the shafts at rest.
 
@@ -6,7 +6,11 @@ use super::description::{self, Base, SceneDescription};
 use super::place::{Names, own_supports};
 use super::speed_table::checked;
 use super::train::Train;
-use super::{Coupling, EntryPath, Matrix2, Node, SceneError, Shaft, nearest};
+use super::{EntryPath, Matrix2, Node, SceneError, Shaft, nearest};
+
+/// Largest distance of the two places of a bearing between shafts, over the radius of the shaft on which it stands: rounded
+/// centre distances leave one.
+const MAX_SHARED_DISTANCE: f64 = 0.01;
 
 /// A rigid body on springs and dampers, on which bearings stand.
 #[derive(Clone, Debug)]
@@ -35,13 +39,19 @@ pub struct Housing {
     pub points: Vec<(String, [f64; 3])>,
 }
 
-/// Place of a bearing on a housing.
+/// Place of a bearing on what it stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Attachment {
-    /// Index of the housing.
-    pub housing: usize,
-    /// Distance (x, y, z) of the bearing from the centre of mass of the housing, m; zero if the housing does not rotate.
-    pub arm: [f64; 3],
+pub enum Attachment {
+    /// A support or housing.
+    Housing {
+        /// Index of the housing.
+        housing: usize,
+        /// Distance (x, y, z) of the bearing from the centre of mass of the housing, m; zero if the housing does not
+        /// rotate.
+        arm: [f64; 3],
+    },
+    /// A node of another shaft.
+    Shaft(Node),
 }
 
 /// All supports and housings: the listed supports, the listed housings, then the supports of single bearings.
@@ -79,7 +89,7 @@ fn named_bases(system: &SceneDescription) -> impl Iterator<Item = (&'static str,
     supports.chain(housings.map(|(index, given)| ("housings", index, given.name.as_str())))
 }
 
-/// Place of each bearing on its housing; `None` for a bearing on the ground.
+/// Place of each bearing on its housing or on another shaft; `None` for a bearing on the ground.
 pub(super) fn attachments(
     system: &SceneDescription,
     names: &Names,
@@ -87,12 +97,15 @@ pub(super) fn attachments(
     train: Train<'_>,
     housings: &[Housing],
 ) -> Result<Vec<Option<Attachment>>, SceneError> {
-    let origins = origins(shafts, train);
+    let shared = shared_places(system, names, shafts)?;
+    let origins = origins(shafts, train, shared.iter().flatten());
+    check_shared(&shared, shafts, &origins)?;
     let mut own = system.supports.len() + system.housings.len();
     let attachment = |(index, bearing): (usize, &description::Bearing)| {
         let at = EntryPath::entry("bearings", index);
         let housing = match &bearing.support {
             None => return Ok(None),
+            Some(Base::Shaft(..)) => return Ok(shared[index].map(|[_, base]| Attachment::Shaft(base))),
             Some(Base::Own(_)) => {
                 own += 1;
                 own - 1
@@ -102,7 +115,7 @@ pub(super) fn attachments(
                 bases.position(|(_, _, base)| base == name).ok_or_else(|| {
                     let near = nearest(name, named_bases(system).map(|(_, _, base)| base));
                     at.field("support").error(format!(
-                        "no support or housing is called \"{name}\"{near}; list it in supports= or housings="
+                        "no support or housing is called \"{name}\"{near}; list it in supports= or housings=, or give (shaft, position) for a bearing on another shaft"
                     ))
                 })?
             }
@@ -112,17 +125,65 @@ pub(super) fn attachments(
         let [x, y, z] = origins[shaft];
         let place = [x + bearing.position, y, z];
         let arm = std::array::from_fn(|axis| place[axis] - body.centre[axis]);
-        Ok(Some(Attachment { housing, arm: if body.inertia.is_some() { arm } else { [0.0; 3] } }))
+        Ok(Some(Attachment::Housing { housing, arm: if body.inertia.is_some() { arm } else { [0.0; 3] } }))
     };
     system.bearings.iter().enumerate().map(attachment).collect()
 }
 
-/// Left end (x, y, z) of each shaft, m. The first shaft begins at the origin; meshes and couplings give the positions of
-/// the shafts relative to each other; a shaft without them begins at the origin too.
-fn origins(shafts: &[Shaft], Train { gears, meshes, couplings }: Train<'_>) -> Vec<[f64; 3]> {
+/// Nodes of each bearing between two shafts, on its own shaft and on the other one; `None` for another bearing.
+fn shared_places(
+    system: &SceneDescription,
+    names: &Names,
+    shafts: &[Shaft],
+) -> Result<Vec<Option<[Node; 2]>>, SceneError> {
+    let places = |(index, bearing): (usize, &description::Bearing)| {
+        let Some(Base::Shaft(shaft, position)) = &bearing.support else {
+            return Ok(None);
+        };
+        let entry = EntryPath::entry("bearings", index);
+        let at = entry.field("support");
+        let own = names.node(shafts, &bearing.shaft, bearing.position, &entry)?;
+        let base = names.place(shafts, &description::Place::Shaft(shaft.clone(), *position), &at)?;
+        if own.shaft == base.shaft {
+            let message = format!("is on \"{shaft}\", the shaft of the bearing; name the other shaft");
+            return Err(at.error(message));
+        }
+        Ok(Some([own, base]))
+    };
+    system.bearings.iter().enumerate().map(places).collect()
+}
+
+/// Refuses a bearing between two shafts whose places are apart.
+fn check_shared(shared: &[Option<[Node; 2]>], shafts: &[Shaft], origins: &[[f64; 3]]) -> Result<(), SceneError> {
+    for (index, nodes) in shared.iter().enumerate() {
+        let Some(nodes) = nodes else { continue };
+        let [own, base] = nodes.map(|node| {
+            let [x, y, z] = origins[node.shaft];
+            [x + shafts[node.shaft].nodes[node.node], y, z]
+        });
+        let distance = (0..3).map(|axis| own[axis] - base[axis]).fold(0.0, f64::hypot);
+        if distance > MAX_SHARED_DISTANCE * shafts[nodes[1].shaft].radius_at(nodes[1].node) {
+            let message = format!(
+                "is {distance:.6} m from the place of the bearing on its shaft: meshes, couplings and other bearings between the shafts put them at {own:.6?} and {base:.6?} m; mend a position or a centre distance"
+            );
+            return Err(EntryPath::entry("bearings", index).field("support").error(message));
+        }
+    }
+    Ok(())
+}
+
+/// Left end (x, y, z) of each shaft, m. The first shaft begins at the origin; meshes, couplings and the bearings between two
+/// shafts, given as pairs of nodes, give the positions of the shafts relative to each other; a shaft without them begins at
+/// the origin too.
+fn origins<'a>(
+    shafts: &[Shaft],
+    Train { gears, meshes, couplings }: Train<'a>,
+    shared: impl Iterator<Item = &'a [Node; 2]>,
+) -> Vec<[f64; 3]> {
     let mut origins: Vec<Option<[f64; 3]>> = vec![None; shafts.len()];
     let place = |node: Node| shafts[node.shaft].nodes[node.node];
     let position = |gear: usize| place(gears[gear].body.node);
+    let coaxial: Vec<&[Node; 2]> = couplings.iter().map(|coupling| &coupling.hubs).chain(shared).collect();
     while let Some(next) = origins.iter().position(Option::is_none) {
         origins[next] = Some([0.0; 3]);
         let mut found = true;
@@ -141,7 +202,7 @@ fn origins(shafts: &[Shaft], Train { gears, meshes, couplings }: Train<'_>) -> V
                     }
                 }
             }
-            for Coupling { hubs: [a, b], .. } in couplings {
+            for [a, b] in &coaxial {
                 for (known, wanted) in [(*a, *b), (*b, *a)] {
                     if let (Some([x, y, z]), None) = (origins[known.shaft], origins[wanted.shaft]) {
                         origins[wanted.shaft] = Some([x + place(known) - place(wanted), y, z]);

@@ -6,7 +6,7 @@
 //!
 //! - What the user describes: [`description`], one serde type for TOML files and Python dictionaries.
 //! - Parts: `shaft`, `material`, `bow`, `gear`, `mesh`, `teeth`, `stiffness`, `bearing`, `nonlinear`, `journal`,
-//!   `rolling`, `housing`, `loads`.
+//!   `rolling` (`catalogue` estimates its elements), `housing`, `loads`.
 //! - The train: `train` (speed ratios, balance of the torques), `centre_distance` (gears with profile shift), `contact`
 //!   (path of contact at rest), `place` (names and positions).
 //! - Values: `curve` and `speed_table` (tables), `hertz` (stiffness of rolling elements), `accuracy` (the promised errors
@@ -16,6 +16,7 @@
 mod accuracy;
 mod bearing;
 mod bow;
+mod catalogue;
 mod centre_distance;
 mod contact;
 mod curve;
@@ -44,6 +45,7 @@ use num_complex::Complex64;
 pub use accuracy::{Accuracy, AccuracyLevel, COMPARED_DURATION, REDUCTION_SHARE, SHARE_OF_MEAN};
 pub use bearing::Bearing;
 pub use bow::{Bow, BowCurve};
+pub(crate) use catalogue::estimate;
 pub(crate) use contact::path_of_contact;
 pub use curve::Curve;
 pub use description::{Foundation, MotionKind, STEEL, STEEL_POISSON_RATIO, SceneDescription};
@@ -58,7 +60,7 @@ pub use mesh::{Damping, Mesh};
 pub use nonlinear::{Nonlinear, bearing};
 pub use number::{outside_table, range_with_rpm, short, with_rpm};
 pub use rolling::Rolling;
-pub use shaft::{Element, MAX_DEGREE, Shaft};
+pub use shaft::{Element, MAX_DEGREE, Shaft, Tube};
 pub use speed_table::{BearingCoefficient, Matrix2, SpeedTable};
 pub use stiffness::{Scale, StiffnessModel};
 pub use teeth::{Engagement, Phase, Relief, Teeth, TransmissionError};
@@ -269,6 +271,22 @@ impl Scene {
             }
         }
         nodes
+    }
+
+    /// The nodes of a shaft at which bearings hold it, with the index of each bearing.
+    pub fn held_nodes(&self, shaft: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let nodes = |(index, bearing): (usize, &Bearing)| bearing.nodes().map(move |node| (index, node));
+        self.bearings
+            .iter()
+            .enumerate()
+            .flat_map(nodes)
+            .filter_map(move |(index, node)| (node.shaft == shaft).then_some((index, node.node)))
+    }
+
+    /// Speeds of the shaft of a bearing and of what the bearing stands on, over that of the reference shaft.
+    pub fn bearing_speed_ratios(&self, bearing: &Bearing) -> [f64; 2] {
+        let mut ratios = bearing.nodes().map(|node| self.speed_ratios[node.shaft]);
+        [(); 2].map(|()| ratios.next().unwrap_or(0.0))
     }
 
     /// Finds a shaft by name.

@@ -122,6 +122,17 @@ impl<'a> Names<'a> {
             let shaft = self.shaft(shaft, &EntryPath::entry(list, index).field("shaft"))?;
             stations[shaft].push(Station { position, list, index, field: "position" });
         }
+        for (index, bearing) in system.bearings.iter().enumerate() {
+            if let Some(Base::Shaft(shaft, position)) = &bearing.support {
+                let shaft = self.shaft(shaft, &EntryPath::entry("bearings", index).field("support"))?;
+                stations[shaft].push(Station { position: *position, list: "bearings", index, field: "support" });
+            }
+        }
+        for (index, sleeve) in system.sleeves.iter().enumerate() {
+            let shaft = self.shaft(&sleeve.shaft, &EntryPath::entry("sleeves", index).field("shaft"))?;
+            let ends = [(sleeve.begin, "begin"), (sleeve.end, "end")];
+            stations[shaft].extend(ends.map(|(position, field)| Station { position, list: "sleeves", index, field }));
+        }
         for (place, list, index, field) in places(system) {
             let entry = EntryPath::entry(list, index);
             let at = entry.field(field);

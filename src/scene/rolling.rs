@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::description::{self, ContactKind};
 use super::hertz::{ball_stiffness, roller_stiffness};
-use super::{EntryPath, SceneError};
+use super::{EntryPath, SceneError, catalogue};
 
 /// Fewest elements that hold the shaft in every direction.
 const MIN_ELEMENTS: u32 = 3;
@@ -20,6 +20,10 @@ pub struct Rolling {
     pub elements: u32,
     /// Diameter of an element over the pitch diameter, d/D.
     pub diameter_ratio: f64,
+    /// Pitch diameter D, m.
+    pub pitch_diameter: f64,
+    /// Groove radii of the inner and the outer race over the diameter of a ball.
+    pub groove: [f64; 2],
     /// Radial internal clearance, the free motion of the shaft from side to side, m; negative for a preload.
     pub clearance: f64,
     /// Stiffness K of one element between both races, N/m^p.
@@ -42,6 +46,7 @@ impl Rolling {
         if !given.is_rolling() {
             return Ok(None);
         }
+        let given = &catalogue::completed(given, at)?;
         for (name, is_given) in given.film_entries().into_iter().chain([("stiffness", given.stiffness.is_some())]) {
             if is_given && name != "clearance" {
                 let message = "a rolling bearing takes none; leave it out, or leave out elements, element_diameter, pitch_diameter and the other entries of a rolling bearing";
@@ -70,15 +75,23 @@ impl Rolling {
         }
         let line_contact = given.contact == Some(ContactKind::Roller);
         let ratio = diameter / pitch;
-        let hertz_stiffness = if line_contact {
-            line_stiffness(given, at)?
+        let (hertz_stiffness, groove) = if line_contact {
+            (line_stiffness(given, at)?, [GROOVE_CONFORMITY; 2])
         } else {
-            point_stiffness(given, diameter, ratio, contact_angle, at)?
+            point_contact(given, diameter, ratio, contact_angle, at)?
         };
         let phase = at.field("phase").finite(given.phase.unwrap_or(0.0))?;
-        let known =
-            Self { elements, diameter_ratio: ratio, clearance, hertz_stiffness, line_contact, contact_angle, phase };
-        Ok(Some(known))
+        Ok(Some(Self {
+            elements,
+            diameter_ratio: ratio,
+            pitch_diameter: pitch,
+            groove,
+            clearance,
+            hertz_stiffness,
+            line_contact,
+            contact_angle,
+            phase,
+        }))
     }
 }
 
@@ -105,14 +118,14 @@ fn check_fit(elements: u32, diameter: f64, pitch: f64, at: &EntryPath) -> Result
     Ok(())
 }
 
-/// Stiffness of a ball: the given one, or that of its geometry.
-fn point_stiffness(
+/// Stiffness of a ball, the given one or that of its geometry, and its groove radii.
+fn point_contact(
     given: &description::Bearing,
     diameter: f64,
     ratio: f64,
     contact_angle: f64,
     at: &EntryPath,
-) -> Result<f64, SceneError> {
+) -> Result<(f64, [f64; 2]), SceneError> {
     if given.roller_length.is_some() {
         return Err(at.field("roller_length").error("a ball has none; give contact=\"roller\""));
     }
@@ -127,10 +140,11 @@ fn point_stiffness(
         Err(at.field(name).error(message))
     };
     let groove = [radius("inner_groove", given.inner_groove)?, radius("outer_groove", given.outer_groove)?];
-    match given.hertz_stiffness {
-        Some(stiffness) => at.field("hertz_stiffness").positive(stiffness),
-        None => Ok(ball_stiffness(diameter, ratio, contact_angle, groove)),
-    }
+    let stiffness = match given.hertz_stiffness {
+        Some(stiffness) => at.field("hertz_stiffness").positive(stiffness)?,
+        None => ball_stiffness(diameter, ratio, contact_angle, groove),
+    };
+    Ok((stiffness, groove))
 }
 
 /// Stiffness of a roller: the given one, or that of its length.

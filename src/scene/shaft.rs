@@ -1,21 +1,93 @@
 //! Checks shafts and divides them into nodes and elements.
 
-use super::description::{self, STEEL, SceneDescription};
+use std::f64::consts::PI;
+
+use super::description::{self, STEEL, SceneDescription, SleeveStiffness, SleeveStiffnessWord};
 use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
 use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Largest degree of an element.
 pub const MAX_DEGREE: usize = 8;
 
-/// A hollow circular cylinder between two nodes of a shaft.
+/// A tube of one material, cylindrical or conical.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tube {
+    /// Outer radius at its begin and at its end, m.
+    pub outer_radius: [f64; 2],
+    /// Inner radius at its begin and at its end, m.
+    pub inner_radius: [f64; 2],
+    /// Material.
+    pub material: Material,
+    /// Fraction of its stiffness that acts: 1 for a part of a shaft.
+    pub stiffness: f64,
+}
+
+/// A part of a shaft between two nodes, with the sleeves around it.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Element {
     /// Length l, m.
     pub length: f64,
-    /// Outer radius, m.
-    pub outer_radius: f64,
-    /// Inner radius, m.
-    pub inner_radius: f64,
+    /// The shaft itself.
+    pub body: Tube,
+    /// Sleeves around it, which are as long as the element.
+    pub sleeves: Vec<Tube>,
+    /// Axial force, N, positive for tension.
+    pub axial_force: f64,
+}
+
+impl Tube {
+    /// A cylinder.
+    pub fn cylinder(outer_radius: f64, inner_radius: f64, material: Material) -> Self {
+        Self { outer_radius: [outer_radius; 2], inner_radius: [inner_radius; 2], material, stiffness: 1.0 }
+    }
+
+    /// Outer and inner radius at ξ = x/l, m.
+    pub fn radii(&self, xi: f64) -> [f64; 2] {
+        [self.outer_radius, self.inner_radius].map(|[begin, end]| begin + xi * (end - begin))
+    }
+
+    /// Whether both ends have the same radii.
+    pub fn is_cylinder(&self) -> bool {
+        self.outer_radius[0] == self.outer_radius[1] && self.inner_radius[0] == self.inner_radius[1]
+    }
+
+    /// The part between two values of ξ.
+    fn between(&self, begin: f64, end: f64) -> Self {
+        if self.is_cylinder() {
+            return *self;
+        }
+        let [[outer, inner], [outer_end, inner_end]] = [self.radii(begin), self.radii(end)];
+        Self { outer_radius: [outer, outer_end], inner_radius: [inner, inner_end], ..*self }
+    }
+
+    /// Mass of a length, kg.
+    fn mass(&self, length: f64) -> f64 {
+        let square = |[a, b]: [f64; 2]| if a == b { a * a } else { (a * a + a * b + b * b) / 3.0 };
+        self.material.density * PI * (square(self.outer_radius) - square(self.inner_radius)) * length
+    }
+}
+
+impl Element {
+    /// A cylinder without sleeves.
+    pub fn cylinder(length: f64, outer_radius: f64, inner_radius: f64, material: Material) -> Self {
+        let body = Tube::cylinder(outer_radius, inner_radius, material);
+        Self { length, body, sleeves: Vec::new(), axial_force: 0.0 }
+    }
+
+    /// Larger outer radius of both ends of the shaft, m.
+    pub fn outer_radius(&self) -> f64 {
+        self.body.outer_radius[0].max(self.body.outer_radius[1])
+    }
+
+    /// The tubes that it consists of.
+    pub fn tubes(&self) -> impl Iterator<Item = &Tube> {
+        std::iter::once(&self.body).chain(&self.sleeves)
+    }
+
+    /// Mass with sleeves, kg.
+    pub fn mass(&self) -> f64 {
+        self.tubes().map(|tube| tube.mass(self.length)).sum()
+    }
 }
 
 /// A checked shaft.
@@ -27,14 +99,16 @@ pub struct Shaft {
     pub nodes: Vec<f64>,
     /// Elements between successive nodes.
     pub elements: Vec<Element>,
-    /// Material.
-    pub material: Material,
     /// Whether shear deformation is modelled.
     pub shear: bool,
     /// Degree p of the elements.
     pub degree: usize,
+    /// Internal damping β, s.
+    pub internal_damping: f64,
     /// Residual bow.
     pub bow: Option<Bow>,
+    /// Speed relative to the reference shaft where the description gives it.
+    pub speed_ratio: Option<f64>,
 }
 
 /// A position on a shaft that needs a node.
@@ -59,7 +133,7 @@ impl Shaft {
     /// Outer radius at a node, m; at a step the larger one.
     pub fn radius_at(&self, node: usize) -> f64 {
         let around = &self.elements[node.saturating_sub(1)..(node + 1).min(self.elements.len())];
-        around.iter().map(|element| element.outer_radius).fold(0.0, f64::max)
+        around.iter().map(Element::outer_radius).fold(0.0, f64::max)
     }
 
     /// Finds the node at a position, m.
@@ -101,7 +175,67 @@ pub(super) fn build(system: &SceneDescription, stations: &[Vec<Station>]) -> Res
         }
         shafts.push(shaft(given, &segments, &stations[index], &at)?);
     }
+    for (index, sleeve) in system.sleeves.iter().enumerate() {
+        add_sleeve(&mut shafts, sleeve, &EntryPath::entry("sleeves", index))?;
+    }
     Ok(shafts)
+}
+
+/// Adds a sleeve to the elements between its ends, which are nodes.
+fn add_sleeve(shafts: &mut [Shaft], given: &description::Sleeve, at: &EntryPath) -> Result<(), SceneError> {
+    let [outer, inner] = [given.outer_diameter, given.inner_diameter];
+    at.field("outer_diameter").positive(outer)?;
+    at.field("inner_diameter").positive(inner)?;
+    if inner >= outer {
+        return Err(at.field("inner_diameter").error(does_not_fit(inner, outer)));
+    }
+    if given.begin >= given.end {
+        return Err(at.field("end").error(format!("must exceed begin, {} m, got {}", given.begin, given.end)));
+    }
+    let stiffness = match given.stiffness {
+        None | Some(SleeveStiffness::Word(SleeveStiffnessWord::None)) => 0.0,
+        Some(SleeveStiffness::Word(SleeveStiffnessWord::Full)) => 1.0,
+        Some(SleeveStiffness::Fraction(fraction)) => fraction,
+    };
+    if !(0.0..=1.0).contains(&stiffness) {
+        return Err(at.field("stiffness").error(format!(
+            "must be \"none\", \"full\" or a fraction of the stiffness of the sleeve from 0 to 1, got {stiffness}"
+        )));
+    }
+    let material = Material::new(given.material.as_ref().unwrap_or(&STEEL), &at.field("material"))?;
+    let tube = Tube { stiffness, ..Tube::cylinder(outer / 2.0, inner / 2.0, material) };
+    // The place of names found the shaft, and made nodes of both ends.
+    let Some(shaft) = shafts.iter_mut().find(|shaft| shaft.name == given.shaft) else { return Ok(()) };
+    let [begin, end] =
+        [shaft.require_node(given.begin, &at.field("begin"))?, shaft.require_node(given.end, &at.field("end"))?];
+    for (element, x) in shaft.elements[begin..end].iter_mut().zip(&shaft.nodes[begin..]) {
+        for (radius, place) in element.body.outer_radius.into_iter().zip([*x, x + element.length]) {
+            if tube.inner_radius[0] < radius * (1.0 - EQUALITY_TOLERANCE) {
+                return Err(at.field("inner_diameter").error(format!(
+                    "{inner} m is less than the diameter of the shaft \"{}\" at {place} m, {} m",
+                    shaft.name,
+                    2.0 * radius
+                )));
+            }
+        }
+        let around = element.sleeves.iter().find(|other| {
+            let [own, other] = [tube, **other].map(|tube| [tube.inner_radius[0], tube.outer_radius[0]]);
+            own[0] < other[1] * (1.0 - EQUALITY_TOLERANCE) && other[0] < own[1] * (1.0 - EQUALITY_TOLERANCE)
+        });
+        if let Some(other) = around {
+            return Err(at.field("begin").error(format!(
+                "another sleeve with diameters of {} and {} m is at the same place, from {x} m on",
+                2.0 * other.inner_radius[0],
+                2.0 * other.outer_radius[0]
+            )));
+        }
+        element.sleeves.push(tube);
+    }
+    Ok(())
+}
+
+fn does_not_fit(inner: f64, outer: f64) -> String {
+    format!("{inner} m does not fit into the outer diameter of {outer} m")
 }
 
 /// The degree of the elements of a shaft.
@@ -140,6 +274,9 @@ fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<descriptio
                 outer_diameter: needed(given.outer_diameter, "outer_diameter")?,
                 inner_diameter: given.inner_diameter.unwrap_or(0.0),
                 elements: given.elements,
+                end_outer_diameter: None,
+                end_inner_diameter: None,
+                material: None,
             };
             vec![segment]
         }
@@ -150,16 +287,26 @@ fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<descriptio
         at.field("outer_diameter").positive(segment.outer_diameter)?;
         at.field("inner_diameter").non_negative(segment.inner_diameter)?;
         if segment.inner_diameter >= segment.outer_diameter {
-            return Err(at.field("inner_diameter").error(format!(
-                "{} m does not fit into the outer diameter of {} m",
-                segment.inner_diameter, segment.outer_diameter
-            )));
+            return Err(at.field("inner_diameter").error(does_not_fit(segment.inner_diameter, segment.outer_diameter)));
+        }
+        let [outer, inner] = end_diameters(segment);
+        at.field("end_outer_diameter").positive(outer)?;
+        at.field("end_inner_diameter").non_negative(inner)?;
+        if inner >= outer {
+            let field = if segment.end_inner_diameter.is_some() { "end_inner_diameter" } else { "end_outer_diameter" };
+            return Err(at.field(field).error(format!("{}, at the end of the segment", does_not_fit(inner, outer))));
         }
         if segment.elements == Some(0) {
             return Err(at.field("elements").error("must be at least 1, got 0"));
         }
     }
     Ok(segments)
+}
+
+/// Outer and inner diameter at the end of a segment, m.
+fn end_diameters(segment: &description::Segment) -> [f64; 2] {
+    let end = |given: Option<f64>, begin: f64| given.unwrap_or(begin);
+    [end(segment.end_outer_diameter, segment.outer_diameter), end(segment.end_inner_diameter, segment.inner_diameter)]
 }
 
 fn shaft(
@@ -199,19 +346,38 @@ fn shaft(
             sections.insert(next - 1, sections[next - 1]);
         }
     }
-    let element = |(span, section): (&[f64], &usize)| Element {
-        length: span[1] - span[0],
-        outer_radius: segments[*section].outer_diameter / 2.0,
-        inner_radius: segments[*section].inner_diameter / 2.0,
+    let material = Material::new(given.material.as_ref().unwrap_or(&STEEL), &at.field("material"))?;
+    let axial_force = at.field("axial_force").finite(given.axial_force.unwrap_or(0.0))?;
+    let list = at.field("segments");
+    let mut tubes = Vec::with_capacity(segments.len());
+    let mut start = 0.0;
+    for (index, segment) in segments.iter().enumerate() {
+        let place = list.index(index);
+        let own = segment.material.as_ref().map(|given| Material::new(given, &place.field("material"))).transpose()?;
+        let [outer_end, inner_end] = end_diameters(segment);
+        let tube = Tube {
+            outer_radius: [segment.outer_diameter / 2.0, outer_end / 2.0],
+            inner_radius: [segment.inner_diameter / 2.0, inner_end / 2.0],
+            material: own.unwrap_or(material),
+            stiffness: 1.0,
+        };
+        tubes.push((start, segment.length, tube));
+        start += segment.length;
+    }
+    let element = |(span, section): (&[f64], &usize)| {
+        let (start, length, tube) = &tubes[*section];
+        let body = tube.between((span[0] - start) / length, (span[1] - start) / length);
+        Element { length: span[1] - span[0], body, sleeves: Vec::new(), axial_force }
     };
     let bow = given.bow.as_ref().map(|bow| Bow::new(bow, length, &at.field("bow"))).transpose()?;
     Ok(Shaft {
         name: given.name.clone(),
         elements: nodes.windows(2).zip(&sections).map(element).collect(),
         nodes,
-        material: Material::new(given.material.as_ref().unwrap_or(&STEEL), &at.field("material"))?,
         shear: given.shear,
         degree: degree(given, at)?,
+        internal_damping: at.field("internal_damping").non_negative(given.internal_damping.unwrap_or(0.0))?,
         bow,
+        speed_ratio: given.speed_ratio,
     })
 }

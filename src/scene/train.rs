@@ -1,6 +1,7 @@
 //! Speed ratios of the shafts and the balance of the torques.
 //!
-//! Meshes and couplings connect the shafts. A coupling joins shafts of one speed.
+//! Meshes and couplings connect the shafts. A coupling joins shafts of one speed. A shaft without such a connection to the
+//! reference shaft has a speed ratio of its own.
 
 use super::description::{SceneDescription, TorqueValue};
 use super::place::Names;
@@ -12,12 +13,20 @@ pub(super) fn speed_ratios(system: &SceneDescription, names: &Names, train: Trai
     let Train { gears, meshes, couplings } = train;
     let reference = reference(system, names)?;
     let teeth = |gear: usize| f64::from(gears[gear].teeth);
-    let ratios = ratios_by(system.shafts.len(), reference, train, teeth);
+    let mut ratios = vec![None; system.shafts.len()];
+    connect(&mut ratios, Known { shaft: reference, ratio: 1.0 }, train, teeth);
+    for (shaft, given) in system.shafts.iter().enumerate() {
+        if let Some(ratio) = given.speed_ratio {
+            let entry = EntryPath::entry("shafts", shaft);
+            check_ratio(ratio, ratios[shaft], &entry.field("speed_ratio"))?;
+            connect(&mut ratios, Known { shaft, ratio }, train, teeth);
+        }
+    }
     let of = |shaft: usize| {
         let name = |shaft: usize| &system.shafts[shaft].name;
         ratios[shaft].ok_or_else(|| {
             let message = format!(
-                "no mesh or coupling connects \"{}\" to the reference shaft \"{}\", so its speed is unknown",
+                "no mesh or coupling connects \"{}\" to the reference shaft \"{}\", so its speed is unknown; for a shaft with a drive of its own give speed_ratio=, its speed over that of the reference shaft",
                 name(shaft),
                 name(reference)
             );
@@ -49,7 +58,20 @@ pub(super) fn speed_ratios(system: &SceneDescription, names: &Names, train: Trai
     Ok(ratios)
 }
 
-/// All torques, with the value of the torque that balances the others.
+/// Refuses a given speed ratio that is 0 or differs from that of meshes and couplings.
+fn check_ratio(given: f64, connected: Option<f64>, at: &EntryPath) -> Result<(), SceneError> {
+    if at.finite(given)? == 0.0 {
+        return Err(at.error("must not be 0; what stands still is a support or housing"));
+    }
+    match connected {
+        Some(ratio) if (ratio - given).abs() > EQUALITY_TOLERANCE * ratio.abs() => {
+            Err(at.error(format!("is {ratio} by the meshes and couplings of the shaft, got {given}; remove it")))
+        }
+        Some(_) | None => Ok(()),
+    }
+}
+
+/// All torques, with the values of the torques that balance the others: one for all shafts that meshes and couplings connect.
 ///
 /// Balanced torques do no work on the rigid-body rotation, which does not deflect any mesh. That rotation follows from
 /// the base radii, which published data may round differently from the tooth numbers.
@@ -60,10 +82,13 @@ pub(super) fn torques(
     train: Train<'_>,
 ) -> Result<Vec<Torque>, SceneError> {
     let radius = |gear: usize| train.gears[gear].base_radius;
-    let rotation = ratios_by(shafts.len(), reference(system, names)?, train, radius);
+    let rotation_with = |shaft: usize| {
+        let mut rotation = vec![None; shafts.len()];
+        connect(&mut rotation, Known { shaft, ratio: 1.0 }, train, radius);
+        rotation
+    };
     let mut torques: Vec<Torque> = Vec::with_capacity(system.torques.len());
-    let mut balance: Option<usize> = None;
-    let mut power = 0.0;
+    let mut balances: Vec<usize> = Vec::new();
     for (index, given) in system.torques.iter().enumerate() {
         let at = EntryPath::entry("torques", index);
         let node = names.place(shafts, &given.at, &at.field("at"))?;
@@ -79,19 +104,21 @@ pub(super) fn torques(
                 0.0
             }
             (None, true) => {
-                if let Some(first) = balance.replace(index) {
+                let rotation = rotation_with(node.shaft);
+                if let Some(first) = balances.iter().find(|first| rotation[torques[**first].node.shaft].is_some()) {
                     return Err(at.error(format!("torques[{first}] is a balancing torque too; only one is possible")));
                 }
+                balances.push(index);
                 0.0
             }
             _ => return Err(at.error("needs a value, or balance = true")),
         };
-        power += value * rotation[node.shaft].unwrap_or(0.0);
         torques.push(Torque { node, value });
     }
-    if let Some(index) = balance {
-        // `speed_ratios` has checked that meshes and couplings connect every shaft to the reference shaft.
-        torques[index].value = -power / rotation[torques[index].node.shaft].unwrap_or(1.0);
+    for index in balances {
+        let rotation = rotation_with(torques[index].node.shaft);
+        let powers = torques.iter().map(|torque| torque.value * rotation[torque.node.shaft].unwrap_or(0.0));
+        torques[index].value = -powers.sum::<f64>();
     }
     Ok(torques)
 }
@@ -108,16 +135,21 @@ pub(super) struct Train<'a> {
     pub couplings: &'a [Coupling],
 }
 
-/// Speed ratio of each shaft to shaft `start`; None if no meshes or couplings connect them. `size` of a gear is its number of teeth
-/// or its base radius.
-fn ratios_by(
-    shafts: usize,
-    start: usize,
+/// A shaft with a known speed ratio.
+struct Known {
+    shaft: usize,
+    ratio: f64,
+}
+
+/// Sets the speed ratios of a shaft and of all shafts that meshes and couplings connect to it. `size` of a gear is its number of
+/// teeth or its base radius.
+fn connect(
+    ratios: &mut [Option<f64>],
+    Known { shaft, ratio }: Known,
     Train { gears, meshes, couplings }: Train<'_>,
     size: impl Fn(usize) -> f64,
-) -> Vec<Option<f64>> {
-    let mut ratios: Vec<Option<f64>> = vec![None; shafts];
-    ratios[start] = Some(1.0);
+) {
+    ratios[shaft] = Some(ratio);
     // Repeated passes in the order of the description, so that the last mesh of a loop closes it.
     loop {
         let mut found = false;
@@ -139,7 +171,7 @@ fn ratios_by(
             }
         }
         if !found {
-            return ratios;
+            return;
         }
     }
 }

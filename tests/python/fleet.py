@@ -1,4 +1,4 @@
-"""The machines of examples/machines: scene, size, rated speed, and the warnings and refusals of each analysis.
+"""The machines of the package: scene, size, rated speed, and the warnings and refusals of each analysis.
 
 A machine is a scene file whose header names the rated speed. A new file is a new row of the test matrix; it needs an entry in
 `WARNINGS` or `REFUSALS` only if an analysis warns or is refused.
@@ -11,12 +11,12 @@ import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import pi
 from pathlib import Path
 from typing import Any
 
 import gearbow as gb
 
+#: The list of machines; `gb.examples` gives their files.
 FOLDER = Path(__file__).parents[2] / "examples" / "machines"
 
 _ACCURACY = (gb.AccuracyWarning, r"accuracy: \d+ modes leave an error of")
@@ -55,16 +55,12 @@ class Machine:
 
     @property
     def path(self) -> Path:
-        return FOLDER / f"{self.name}.toml"
+        return gb.examples()[self.name].path
 
-    @cached_property
+    @property
     def speed(self) -> float:
         """Rated speed of the reference shaft [rad/s], from the header of the file."""
-        found = re.search(
-            r"^# Rated speed: ([\d.]+) (rpm|rad/s)", self.path.read_text("utf-8"), re.MULTILINE
-        )
-        assert found, f"{self.path.name} names no rated speed"
-        return float(found[1]) * (pi / 30.0 if found[2] == "rpm" else 1.0)
+        return float(gb.examples()[self.name].speed)
 
     @cached_property
     def system(self) -> gb.RotorSystem:
@@ -120,8 +116,6 @@ def rows_of_list() -> list[list[str]]:
     ]
 
 
-MACHINES = tuple(path.stem for path in sorted(FOLDER.glob("*.toml")))
+MACHINES = tuple(gb.examples())
 #: Number of degrees of freedom of each machine, from the list of machines.
-SIZES = (
-    {row[0].split(".toml")[0].strip("["): int(row[1]) for row in rows_of_list()} if MACHINES else {}
-)
+SIZES = {row[0].split(".toml")[0].strip("["): int(row[1]) for row in rows_of_list()}

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use gearbow::element::{Beam, Elastic, shear_coefficient};
-use gearbow::scene::{Element, Material};
+use gearbow::scene::{Element, Material, Tube};
 use nalgebra::{Matrix2, Matrix4, Vector4};
 use proptest::prelude::*;
 
@@ -26,7 +26,7 @@ struct Section {
 }
 
 fn section(element: &Element, material: &Material) -> Section {
-    let (outer, inner) = (element.outer_radius, element.inner_radius);
+    let [outer, inner] = element.body.radii(0.0);
     let area = PI * (outer.powi(2) - inner.powi(2));
     let second = PI * (outer.powi(4) - inner.powi(4)) / 4.0;
     let kappa = shear_coefficient(material.poisson_ratio, inner / outer);
@@ -39,7 +39,7 @@ fn section(element: &Element, material: &Material) -> Section {
 }
 
 fn solid(length: f64, outer_radius: f64) -> Element {
-    Element { length, outer_radius, inner_radius: 0.0 }
+    Element::cylinder(length, outer_radius, 0.0, STEEL)
 }
 
 /// Largest difference of entries relative to √(aᵢᵢ aⱼⱼ) of `expected`, which has the unit of the entry.
@@ -76,11 +76,11 @@ fn published_mass(section: &Section, l: f64, phi: f64) -> [Matrix4<f64>; 2] {
 #[test]
 fn mass_and_gyroscopic_matrices_equal_the_published_ones() {
     for (length, inner_radius, shear) in [(0.1, 0.0, true), (0.02, 0.015, true), (0.3, 0.01, false)] {
-        let element = Element { length, outer_radius: 0.025, inner_radius };
+        let element = Element::cylinder(length, 0.025, inner_radius, STEEL);
         let section = section(&element, &STEEL);
         let phi = if shear { 12.0 * section.bending / (section.shear * length * length) } else { 0.0 };
         let [translation, rotary] = published_mass(&section, length, phi);
-        let beam = Beam::new(&element, &STEEL, shear);
+        let beam = Beam::new(&element, shear);
         assert!(difference(&beam.mass, &(translation + rotary)) < ROUND_OFF);
         assert!(difference(&beam.gyroscopic, &(2.0 * rotary)) < ROUND_OFF);
     }
@@ -94,22 +94,22 @@ fn stiffness_without_shear_is_that_of_the_euler_bernoulli_beam() {
         section(&element, &STEEL).bending / l.powi(3),
         [12.0, 6.0 * l, -12.0, 6.0 * l, 4.0 * l * l, -6.0 * l, 2.0 * l * l, 12.0, -6.0 * l, 4.0 * l * l],
     );
-    assert!(difference(&Beam::new(&element, &STEEL, false).stiffness, &expected) < ROUND_OFF);
+    assert!(difference(&Beam::new(&element, false).stiffness, &expected) < ROUND_OFF);
 }
 
 #[test]
 fn shear_deformation_vanishes_for_large_shear_modulus_and_for_slender_elements() {
     // φ = 12EI/(κGAl²) is 1e-18 here, which is below round-off.
     let rigid = Material { shear_modulus: 1e30, ..STEEL };
-    let element = solid(0.1, 0.02);
-    let (with, without) = (Beam::new(&element, &rigid, true), Beam::new(&element, &rigid, false));
+    let element = Element::cylinder(0.1, 0.02, 0.0, rigid);
+    let (with, without) = (Beam::new(&element, true), Beam::new(&element, false));
     assert!(difference(&with.stiffness, &without.stiffness) < ROUND_OFF);
     assert!(difference(&with.mass, &without.mass) < ROUND_OFF);
 
     // For a slender element the difference is φ to first order, so it decreases with the square of the length.
     let deviation = |length: f64| {
         let element = solid(length, 0.02);
-        difference(&Beam::new(&element, &STEEL, true).stiffness, &Beam::new(&element, &STEEL, false).stiffness)
+        difference(&Beam::new(&element, true).stiffness, &Beam::new(&element, false).stiffness)
     };
     let ratio = deviation(2.0) / deviation(4.0);
     // φ is 1e-3 at 2 m. Terms of second order change the ratio by a similar relative amount.
@@ -122,7 +122,7 @@ fn a_cantilever_of_one_element_has_the_exact_flexibility() {
         let section = section(&element, &STEEL);
         let l = element.length;
         let shear_flexibility = if shear { l / section.shear } else { 0.0 };
-        let stiffness = Beam::new(&element, &STEEL, shear).stiffness;
+        let stiffness = Beam::new(&element, shear).stiffness;
         let free: Matrix2<f64> = stiffness.fixed_view::<2, 2>(2, 2).into();
         let flexibility = free.try_inverse().unwrap();
         // Tip deflection and section rotation for a unit force and a unit moment at the tip.
@@ -139,8 +139,8 @@ fn a_cantilever_of_one_element_has_the_exact_flexibility() {
 
 #[test]
 fn torsion_has_the_stiffness_and_the_inertia_of_a_tube() {
-    let element = Element { length: 0.3, outer_radius: 0.03, inner_radius: 0.02 };
-    let beam = Beam::new(&element, &STEEL, true);
+    let element = Element::cylinder(0.3, 0.03, 0.02, STEEL);
+    let beam = Beam::new(&element, true);
     let polar = PI / 2.0 * (0.03_f64.powi(4) - 0.02_f64.powi(4));
     let stiffness = STEEL.shear_modulus * polar / element.length;
     let inertia = STEEL.density * polar * element.length;
@@ -168,11 +168,52 @@ fn shear_coefficient_agrees_with_cowper() {
 fn a_tube_equals_the_solid_shaft_minus_its_core() {
     // Without shear all matrices are linear in A and I. With shear κ depends on the ratio of radii.
     let [tube, solid, core] = [(0.03, 0.02), (0.03, 0.0), (0.02, 0.0)].map(|(outer_radius, inner_radius)| {
-        Beam::new(&Element { length: 0.1, outer_radius, inner_radius }, &STEEL, false)
+        Beam::new(&Element::cylinder(0.1, outer_radius, inner_radius, STEEL), false)
     });
     for matrix in [|beam: &Beam| beam.mass, |beam: &Beam| beam.stiffness, |beam: &Beam| beam.gyroscopic] {
         assert!(difference(&matrix(&tube), &(matrix(&solid) - matrix(&core))) < ROUND_OFF);
     }
+}
+
+/// A solid cone of steel.
+fn cone(length: f64, outer_radius: [f64; 2]) -> Element {
+    let body = Tube { outer_radius, ..Tube::cylinder(outer_radius[0], 0.0, STEEL) };
+    Element { body, ..Element::cylinder(length, outer_radius[0], 0.0, STEEL) }
+}
+
+#[test]
+fn a_cantilever_cone_has_the_exact_flexibility() {
+    let (l, radii) = (0.4, [0.03, 0.015]);
+    for shear in [false, true] {
+        let stiffness = Beam::new(&cone(l, radii), shear).stiffness;
+        let free: Matrix2<f64> = stiffness.fixed_view::<2, 2>(2, 2).into();
+        let flexibility = free.try_inverse().unwrap();
+        // ∫(l − x)ⁿ/EI dx with EI = EI₀ s⁴ and s = 1 − cx, from the begin to the end, where s is `end`: l − x = (s − end)/c.
+        let (bending, end) = (STEEL.youngs_modulus * PI / 4.0 * radii[0].powi(4), radii[1] / radii[0]);
+        let c = (1.0 - end) / l;
+        let power = |n: i32| (end.powi(-n) - 1.0) / (f64::from(n) * c);
+        let [first, second, third] = [power(1), power(2), power(3)];
+        let kappa = shear_coefficient(STEEL.poisson_ratio, 0.0);
+        let sheared = if shear { l / (kappa * STEEL.shear_modulus * PI * radii[0] * radii[1]) } else { 0.0 };
+        let square = (first - 2.0 * end * second + end * end * third) / (c * c * bending) + sheared;
+        let linear = (second - end * third) / (c * bending);
+        let expected = Matrix2::new(square, linear, linear, third / bending);
+        assert!((flexibility - expected).component_div(&expected).amax() < 1e-11, "{flexibility} {expected}");
+    }
+}
+
+#[test]
+fn layers_with_full_stiffness_equal_one_tube_of_their_material() {
+    // Without shear deformation all matrices are linear in A and I.
+    let shaft = Element::cylinder(0.1, 0.02, 0.01, STEEL);
+    let layered = Element { sleeves: vec![Tube::cylinder(0.03, 0.02, STEEL)], ..shaft };
+    let [layered, tube] =
+        [layered, Element::cylinder(0.1, 0.03, 0.01, STEEL)].map(|element| Beam::new(&element, false));
+    for matrix in [|beam: &Beam| beam.mass, |beam: &Beam| beam.stiffness, |beam: &Beam| beam.gyroscopic] {
+        assert!(difference(&matrix(&layered), &matrix(&tube)) < ROUND_OFF);
+    }
+    assert!((layered.torsion.stiffness - tube.torsion.stiffness).amax() < ROUND_OFF * tube.torsion.stiffness.amax());
+    assert!((layered.axial.mass - tube.axial.mass).amax() < ROUND_OFF * tube.axial.mass.amax());
 }
 
 proptest! {
@@ -182,9 +223,9 @@ proptest! {
     fn rigid_motions_have_no_elastic_force_and_the_exact_inertia(
         length in 1e-3..2.0, outer_radius in 1e-3..0.5, bore in 0.0..0.95, nu in -0.5..0.5, shear: bool,
     ) {
-        let element = Element { length, outer_radius, inner_radius: bore * outer_radius };
         let material = Material { poisson_ratio: nu, shear_modulus: 207e9 / (2.0 + 2.0 * nu), ..STEEL };
-        let beam = Beam::new(&element, &material, shear);
+        let element = Element::cylinder(length, outer_radius, bore * outer_radius, material);
+        let beam = Beam::new(&element, shear);
         let section = section(&element, &material);
         prop_assert_eq!(beam.stiffness, beam.stiffness.transpose());
         // Both triangles are summed over the Gauss points in the same order, but their products round differently.
@@ -215,7 +256,7 @@ proptest! {
     fn strains_give_the_same_force_and_energy_as_the_matrix(
         length in 1e-2..2.0, outer_radius in 1e-3..0.2, q in prop::array::uniform8(-1.0..1.0),
     ) {
-        let beam = Beam::new(&solid(length, outer_radius), &STEEL, true);
+        let beam = Beam::new(&solid(length, outer_radius), true);
         // Two lanes of (u₁, φ₁, u₂, φ₂) must stay independent.
         let at = |lane: usize| Vector4::from_fn(|i, _| q[2 * i + lane]);
         let node = |first: usize| [[q[first], q[first + 1]], [q[first + 2], q[first + 3]]];

@@ -84,6 +84,7 @@ fn shafts(name: &'static str) -> BoxedStrategy<(Shaft, f64)> {
                 shear,
                 material,
                 bow: None,
+                speed_ratio: None,
                 segments: (!uniform).then_some(segments),
             };
             maybe(bows(length)).prop_map(move |bow| (Shaft { bow, ..shaft.clone() }, length))

@@ -13,7 +13,7 @@ from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.shafts import Shaft
+from gearbow.description.shafts import Shaft, Sleeve
 from gearbow.description.supports import Housing
 from gearbow.errors import SceneWarning
 from gearbow.results.discretisation import Discretisation
@@ -37,6 +37,7 @@ class System(Protocol):
     housings: tuple[Housing, ...]
     couplings: tuple[Coupling, ...]
     forces: tuple[Force, ...]
+    sleeves: tuple[Sleeve, ...]
     accuracy: str
     _model: Model
     _speed_unit: SpeedUnit

@@ -33,6 +33,7 @@ __all__ = [
     "add_command",
     "add_duration",
     "add_kind",
+    "add_progress",
     "add_scene",
     "add_speed",
     "figure",
@@ -94,6 +95,11 @@ def add_speed(parser: argparse.ArgumentParser) -> None:
         required=True,
         help='speed of the reference shaft, for example "1500 rpm"; a plain number is in rad/s',
     )
+    add_progress(parser)
+
+
+def add_progress(parser: argparse.ArgumentParser) -> None:
+    """Add the option for a progress bar."""
     parser.add_argument(
         "--progress",
         action=argparse.BooleanOptionalAction,

@@ -15,7 +15,17 @@ from pathlib import Path
 from typing import Any
 
 from gearbow._core import __version__
-from gearbow.cli import files, foreign, identify, linear, new, response, runs
+from gearbow.cli import (
+    completion,
+    files,
+    foreign,
+    identify,
+    linear,
+    new,
+    report,
+    response,
+    runs,
+)
 from gearbow.cli.answer import Answer
 from gearbow.errors import GearbowError, SceneError
 
@@ -87,6 +97,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="gearbow",
         description="Dynamics of geared shaft trains with residual bow.",
         epilog="examples:\n"
+        "  gearbow demo\n"
         "  gearbow new train.toml\n"
         "  gearbow check train.toml\n"
         '  gearbow modes train.toml --speed "1500 rpm"\n'
@@ -97,8 +108,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"gearbow {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for module in (new, foreign, linear, response, runs, files, identify):
+    for module in (new, report, foreign, linear, response, runs, files, identify):
         module.add(commands)
+    completion.add(commands, parser)
     return parser
 
 

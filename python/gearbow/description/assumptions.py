@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from gearbow.description.gears import Gear, Mesh
-from gearbow.description.shafts import STEEL, Shaft
+from gearbow.description.shafts import STEEL, Shaft, segments_of
 from gearbow.description.stiffness import Stiffness
 
 __all__ = ["assumptions"]
@@ -18,11 +18,16 @@ def _engages_by_default(mesh: Mesh) -> bool:
     return isinstance(model, Stiffness) and model.model in _PAIRS and model.engagement is None
 
 
+def _uses_steel(shaft: Shaft) -> bool:
+    """Return whether a part of a shaft has the default material."""
+    return shaft.material == STEEL and any(each.material is None for each in segments_of(shaft))
+
+
 def assumptions(
     shafts: Sequence[Shaft], gears: Sequence[Gear], meshes: Sequence[Mesh]
 ) -> list[str]:
     """List the defaults of physical models that these parts use, with the parts that use them."""
-    steel = [shaft.name for shaft in shafts if shaft.material == STEEL]
+    steel = [shaft.name for shaft in shafts if _uses_steel(shaft)]
     tips = [gear.name for gear in gears if gear.tip_radius is None]
     disks = [gear.name for gear in gears if gear.mass is None]
 

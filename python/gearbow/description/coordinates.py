@@ -14,7 +14,7 @@ from gearbow._types import Array, At, Dof
 from gearbow.description.gears import Disk, Gear
 from gearbow.description.layout import ShearLengths, shear_lengths
 from gearbow.description.places import Places, is_place, place
-from gearbow.description.shafts import Shaft
+from gearbow.description.shafts import Shaft, Sleeve
 from gearbow.description.supports import Housing
 from gearbow.description.within_elements import Entries, motion_within
 from gearbow.errors import GearbowError, SceneError
@@ -41,6 +41,7 @@ class Coordinates(Shown):
         bases: Sequence[str] = (),
         housings: Sequence[Housing] = (),
         shafts: Sequence[Shaft] = (),
+        sleeves: Sequence[Sleeve] = (),
     ) -> "Coordinates":
         """Collect the coordinates of a system."""
         given: list[Gear | Disk] = [*gears, *disks]
@@ -51,9 +52,8 @@ class Coordinates(Shown):
             for housing in housings
             for name, point in housing.points.items()
         }
-        return cls(
-            tuple(dofs), bodies, points, {shaft.name: shear_lengths(shaft) for shaft in shafts}
-        )
+        lengths = {shaft.name: shear_lengths(shaft, sleeves) for shaft in shafts}
+        return cls(tuple(dofs), bodies, points, lengths)
 
     def displacement(self, values: Any, at: At) -> Any:
         """Give the lateral displacement of a place."""

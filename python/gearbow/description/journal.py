@@ -11,7 +11,7 @@ from gearbow._core import film_coefficients
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze
-from gearbow.description.supports import Support, with_support
+from gearbow.description.supports import Base, with_support
 
 __all__ = ["FilmCoefficients", "JournalBearing"]
 
@@ -84,13 +84,14 @@ class JournalBearing(Part):
         Stiffness along the axis of the shaft [N/m], that of a thrust bearing.
     axial_damping : float
         Damping along the axis of the shaft [N s/m].
-    support : str or Support, optional
-        What it stands on: the name of a support or housing of the system, or a support of its own.
-        None is the ground.
+    support : str, Support or tuple of (str, float), optional
+        What it stands on: the name of a support or housing of the system, a support of its own, or
+        (shaft, position [m]) of another shaft. None is the ground.
 
     Notes
     -----
-    The film is isoviscous, laminar and incompressible, and the journal stays parallel to the
+    Between two shafts, the film depends on the sum of their speeds, and carries nothing where they
+    counter-rotate at one speed. The film is isoviscous, laminar and incompressible, and the journal stays parallel to the
     bearing. The pressure is never negative: the short film ruptures where it is not squeezed
     (Gümbel), the finite film where pressure and its gradient vanish (Reynolds).
 
@@ -122,7 +123,7 @@ class JournalBearing(Part):
     grooves: ArrayLike | None = None
     axial_stiffness: float = 0.0
     axial_damping: float = 0.0
-    support: str | Support | None = None
+    support: Base | None = None
 
     def __post_init__(self) -> None:
         freeze(self, "grooves")

@@ -90,7 +90,7 @@ class Kinematics(Shown):
         Driving and driven gear, their shafts, and the order of the tooth frequency.
     bearings : tuple of (str, float, float)
         Name of each rolling bearing, "shaft@position", the order of its cage and the order at which
-        its elements pass a point of the outer ring.
+        its elements pass a direction that is fixed in space.
     forces : tuple of (str, str, float)
         Place and shaft of each force that turns, and its order relative to the shaft.
 
@@ -132,14 +132,14 @@ class Kinematics(Shown):
             driver, driven = gears[mesh.driver], gears[mesh.driven]
             tooth = driver.teeth * ratios[driver.shaft]
             meshes.append((driver.name, driven.name, driver.shaft, driven.shaft, tooth))
-        bearings = {
-            f"{bearing.shaft}@{bearing.position:g}": (
-                bearing.cage_order * ratios[bearing.shaft],
-                bearing.ball_pass_order * ratios[bearing.shaft],
-            )
-            for bearing in system.bearings
-            if isinstance(bearing, RollingBearing)
-        }
+        bearings = {}
+        for bearing in system.bearings:
+            if isinstance(bearing, RollingBearing):
+                outer = signed[bearing.support[0]] if isinstance(bearing.support, tuple) else 0.0
+                own = bearing.cage_order
+                cage = abs(own * signed[bearing.shaft] + (1.0 - own) * outer)
+                name = f"{bearing.shaft}@{bearing.position:g}"
+                bearings[name] = (cage, bearing._count * cage)
         rolling = tuple((name, *orders) for name, orders in bearings.items())
         bodies = {gear.name: gear.shaft for gear in system.gears}
         bodies |= {disk.name: disk.shaft for disk in system.disks}
@@ -217,7 +217,7 @@ class Kinematics(Shown):
             yield order * ratios[shaft], f"{order:g}× force at {at}"
 
     def _bearings(self, harmonics: int) -> Iterator[tuple[float, str]]:
-        """Give the orders of cages, and of the elements that pass the outer ring."""
+        """Give the orders of cages, and of the elements that pass a fixed direction."""
         for name, cage, passing in self.bearings:
             if harmonics:
                 yield cage, f"1× cage {name}"

@@ -1,8 +1,8 @@
 """Positions of shafts, gears, disks and bearings at rest: the geometry for a drawing."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -15,7 +15,7 @@ from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.shafts import Segment, Shaft, segments_of
+from gearbow.description.shafts import Material, Shaft, Sleeve, segments_of
 from gearbow.description.supports import Housing
 
 __all__ = [
@@ -24,12 +24,13 @@ __all__ = [
     "Layout",
     "ShaftOutline",
     "ShearLengths",
+    "Step",
     "layout",
     "reference_radius",
     "shear_lengths",
 ]
 
-#: End and shear length √(12EI/(κGA)) of each segment of a shaft [m].
+#: End and shear length √(12EI/(κGA)) of each part of a shaft [m].
 ShearLengths: TypeAlias = tuple[tuple[float, float], ...]
 
 
@@ -39,27 +40,43 @@ class ShaftOutline(ReadOnly):
 
     name: str
     origin: Array
-    steps: tuple[tuple[float, float], ...]
-    bores: tuple[float, ...]
-    shear_lengths: tuple[float, ...]
+    steps: tuple["Step", ...]
+    sleeves: tuple["Step", ...]
+    shear_lengths: ShearLengths
 
     @property
     def length(self) -> float:
         """Length of the shaft."""
-        return self.steps[-1][0]
+        return self.steps[-1].end
 
     def outer_radius(self, position: float) -> float:
-        """Look up the outer radius at a position."""
-        return self.steps[self._segment(position)][1]
+        """Look up the outer radius at a position; at a step, that on the left."""
+        step = next((step for step in self.steps if position <= step.end), self.steps[-1])
+        return step.radius(position)
 
     def shear_length(self, position: float) -> float:
         """Look up the shear length at a position."""
-        return self.shear_lengths[self._segment(position)]
+        lengths = (length for end, length in self.shear_lengths if position <= end)
+        return next(lengths, self.shear_lengths[-1][1])
 
-    def _segment(self, position: float) -> int:
-        """Find the segment at a position; at a step, that on the left."""
-        inner = [end for end, _ in self.steps[:-1]]
-        return next((i for i, end in enumerate(inner) if position <= end), len(inner))
+
+@dataclass(frozen=True)
+class Step:
+    """Outline of a segment or a sleeve: its ends, with outer and inner radius at both [m]."""
+
+    begin: float
+    end: float
+    outer: tuple[float, float]
+    inner: tuple[float, float]
+
+    def radius(self, position: float) -> float:
+        """Give the outer radius at a position."""
+        return float(np.interp(position, (self.begin, self.end), self.outer))
+
+    @property
+    def largest(self) -> float:
+        """Largest outer radius."""
+        return max(self.outer)
 
 
 @dataclass(frozen=True)
@@ -105,6 +122,7 @@ def layout(
     centre_distances: Sequence[float],
     couplings: Sequence[Coupling] = (),
     housings: Sequence[Housing] = (),
+    sleeves: Sequence[Sleeve] = (),
 ) -> Layout:
     """Find the geometry of a train at rest."""
     by_name = {gear.name: gear for gear in gears}
@@ -114,7 +132,7 @@ def layout(
     while found := next(
         chain(
             _next_origin(meshes, centre_distances, by_name, origins),
-            _next_coupled(couplings, places, origins),
+            _next_coaxial(_coaxial(couplings, bearings, places), origins),
         ),
         None,
     ):
@@ -124,8 +142,8 @@ def layout(
             shaft.name,
             origins.get(shaft.name, np.zeros(3)),
             _steps(shaft),
-            tuple(segment.inner_diameter / 2.0 for segment in segments_of(shaft)),
-            tuple(_shear_length(shaft, segment) for segment in segments_of(shaft)),
+            tuple(_around(sleeve) for sleeve in sleeves if sleeve.shaft == shaft.name),
+            shear_lengths(shaft, sleeves),
         )
         for shaft in shafts
     )
@@ -192,47 +210,77 @@ def _next_origin(
                 yield new.shaft, origins[known.shaft] + sign * offset
 
 
-def _next_coupled(
-    couplings: Sequence[Coupling], places: dict[str, tuple[str, float]], origins: dict[str, Array]
-) -> Iterator[tuple[str, Array]]:
-    """Give the origins of shafts that a coupling joins to a shaft whose origin is known."""
+def _coaxial(
+    couplings: Sequence[Coupling],
+    bearings: Sequence[Bearing | JournalBearing | RollingBearing],
+    places: dict[str, tuple[str, float]],
+) -> Iterator[tuple[tuple[str, float], tuple[str, float]]]:
+    """Give the places that couplings, and bearings between two shafts, put at one point."""
     for coupling in couplings:
         a, b = (places[at] if isinstance(at, str) else at for at in (coupling.a, coupling.b))
+        yield a, b
+    for bearing in bearings:
+        if isinstance(bearing.support, tuple):
+            yield (bearing.shaft, bearing.position), bearing.support
+
+
+def _next_coaxial(
+    pairs: Iterable[tuple[tuple[str, float], tuple[str, float]]], origins: dict[str, Array]
+) -> Iterator[tuple[str, Array]]:
+    """Give the origins of shafts on the axis of a shaft whose origin is known."""
+    for a, b in pairs:
         for (known, x), (new, position) in ((a, b), (b, a)):
             if known in origins and new not in origins:
                 yield new, origins[known] + np.array([x - position, 0.0, 0.0])
 
 
-def _steps(shaft: Shaft) -> tuple[tuple[float, float], ...]:
-    """Give the end and the outer radius of every segment of a shaft."""
+def _steps(shaft: Shaft) -> tuple[Step, ...]:
+    """Give the outline of every segment of a shaft."""
     segments = segments_of(shaft)
-    ends = np.cumsum([segment.length for segment in segments])
-    return tuple(
-        (float(end), segment.outer_diameter / 2.0)
-        for end, segment in zip(ends, segments, strict=True)
-    )
+    ends = [0.0, *np.cumsum([segment.length for segment in segments]).tolist()]
+    found = []
+    for (begin, end), segment in zip(pairwise(ends), segments, strict=True):
+        outer, inner = (np.array(segment._ends).T / 2.0).tolist()
+        found.append(Step(begin, end, tuple(outer), tuple(inner)))
+    return tuple(found)
 
 
-def shear_lengths(shaft: Shaft) -> ShearLengths:
-    """Give the end [m] and the shear length of each segment of a shaft."""
-    ends = (end for end, _ in _steps(shaft))
-    lengths = (_shear_length(shaft, segment) for segment in segments_of(shaft))
-    return tuple(zip(ends, lengths, strict=True))
+def _around(sleeve: Sleeve) -> Step:
+    """Give the outline of a sleeve."""
+    outer, inner = sleeve.outer_diameter / 2.0, sleeve.inner_diameter / 2.0
+    return Step(sleeve.begin, sleeve.end, (outer, outer), (inner, inner))
 
 
-def _shear_length(shaft: Shaft, segment: Segment) -> float:
-    """Give √(12EI/(κGA)) of a hollow circular section, with κ of Cowper (1966) [m]."""
-    if not shaft.shear:
-        return 0.0
-    material = shaft.material
-    ratio = material.poisson_ratio
+def shear_lengths(shaft: Shaft, sleeves: Sequence[Sleeve] = ()) -> ShearLengths:
+    """Give the end [m] and the shear length of each part of a shaft, of a cone in its middle."""
+    own = [sleeve for sleeve in sleeves if sleeve.shaft == shaft.name]
+    steps, segments = _steps(shaft), segments_of(shaft)
+    cuts = {step.end for step in steps} | {x for each in own for x in (each.begin, each.end)}
+    found = []
+    for begin, end in pairwise(sorted(cuts | {0.0})):
+        middle = (begin + end) / 2.0
+        at = next(i for i, step in enumerate(steps) if middle <= step.end)
+        (outer, inner), material = np.mean(segments[at]._ends, axis=0), segments[at].material
+        sums = _rigidities(outer, inner, material or shaft.material)
+        for each in own:
+            if each.begin <= middle <= each.end:
+                tube = _rigidities(each.outer_diameter, each.inner_diameter, each.material)
+                sums = sums + each._fraction * tube
+        found.append((end, float(np.sqrt(12.0 * sums[0] / sums[1])) if shaft.shear else 0.0))
+    return tuple(found)
+
+
+def _rigidities(outer: float, inner: float, material: Material) -> Array:
+    """Give EI and κGA of a hollow circular section, with κ of Cowper (1966) [N m², N]."""
+    ratio, shear = material.poisson_ratio, material.shear_modulus
     if ratio is None:
-        ratio = material.youngs_modulus / (2.0 * (material.shear_modulus or 1.0)) - 1.0
-    square = (segment.inner_diameter / segment.outer_diameter) ** 2
+        ratio = material.youngs_modulus / (2.0 * (shear or 1.0)) - 1.0
+    shear = material.youngs_modulus / (2.0 * (1.0 + ratio)) if shear is None else shear
+    square = (inner / outer) ** 2
     total = (1.0 + square) ** 2
     kappa = (
         6.0 * (1.0 + ratio) * total / ((7.0 + 6.0 * ratio) * total + (20.0 + 12.0 * ratio) * square)
     )
-    # I/A = (d² + d_i²)/16 and E/G = 2(1 + ν).
-    gyration = segment.outer_diameter**2 * (1.0 + square) / 16.0
-    return float(np.sqrt(24.0 * (1.0 + ratio) * gyration / kappa))
+    area = np.pi / 4.0 * (outer**2 - inner**2)
+    second = area * (outer**2 + inner**2) / 16.0
+    return np.array([material.youngs_modulus * second, kappa * shear * area])

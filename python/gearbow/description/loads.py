@@ -12,9 +12,9 @@ from gearbow.description.journal import JournalBearing
 from gearbow.description.load_values import described_value
 from gearbow.description.part import Part
 from gearbow.description.places import place
-from gearbow.description.rolling import RollingBearing
+from gearbow.description.rolling import ROLLING_FIELDS, RollingBearing
 from gearbow.description.speed_table import SpeedTable
-from gearbow.description.supports import Support, with_support
+from gearbow.description.supports import Base, with_support
 from gearbow.description.time_series import TimeSeries
 
 __all__ = ["Bearing", "Torque"]
@@ -32,7 +32,8 @@ class Bearing(Part):
         Position on the shaft, from its left end [m].
     stiffness : float, pair, 2×2 array or SpeedTable
         Stiffness [N/m]: a number for every direction, (yy, zz), or [[yy, yz], [zy, zz]]; or a table
-        of one of these against the speed of the shaft.
+        of one of these against the speed of the shaft; between two shafts, against the speed of one
+        relative to the other.
     damping : float, pair, 2×2 array or SpeedTable
         Damping [N s/m], in the same forms.
     axial_stiffness : float
@@ -47,9 +48,9 @@ class Bearing(Part):
     loss_factor : float
         Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of `frequency_response`
         and `synchronous`. Modes do not contain it, and runs refuse it.
-    support : str or Support, optional
-        What it stands on: the name of a support or housing of the system, or a support of its own.
-        None is the ground.
+    support : str, Support or tuple of (str, float), optional
+        What it stands on: the name of a support or housing of the system, a support of its own, or
+        (shaft, position [m]) of another shaft. None is the ground.
 
     Examples
     --------
@@ -67,13 +68,13 @@ class Bearing(Part):
     tilting_stiffness: float = 0.0
     tilting_damping: float = 0.0
     loss_factor: float = 0.0
-    support: str | Support | None = None
+    support: Base | None = None
 
     @classmethod
     def _from_description(  # type: ignore[override]  # one list holds several classes
         cls, description: Mapping[str, Plain]
     ) -> "Bearing | JournalBearing | RollingBearing":
-        if "elements" in description:
+        if any(name in description for name in ROLLING_FIELDS):
             return RollingBearing._from_description(description)
         if "stiffness" not in description:
             return JournalBearing._from_description(description)

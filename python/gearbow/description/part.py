@@ -84,6 +84,10 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
         return expect(value, parts_allowed[0], path)._describe(path)
     if ArrayLike in kinds:
         return nested(value, path)
+    tuples_allowed = (get_args(kind) for kind in kinds if get_origin(kind) is tuple)
+    forms = [form for form in tuples_allowed if form[0] is str]
+    if forms and isinstance(value, tuple | list):
+        return _read_place(value, forms[0], path)
     if str in kinds and (isinstance(value, str) or float not in kinds):
         return text(value, path)
     if float in kinds or int in kinds:
@@ -103,6 +107,14 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
             found = parts(value, entries[0], path)
             return [part._describe(f"{path}[{i}]") for i, part in enumerate(found)]
     return nested(value, path)
+
+
+def _read_place(value: Sequence[object], form: tuple[Any, ...], path: str) -> list[Plain]:
+    """Convert (shaft, position), with entries of the types of `form`."""
+    if not isinstance(value, tuple) or len(value) != len(form):
+        raise SceneError(f"{path}: must be a tuple (shaft, position), got {shown(value)}")
+    pairs = enumerate(zip(value, form, strict=True))
+    return [(text if kind is str else real)(item, f"{path}[{i}]") for i, (item, kind) in pairs]
 
 
 def _in_si(value: Any, path: str) -> Any:

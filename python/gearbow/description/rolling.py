@@ -2,18 +2,23 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import number
-from gearbow._core import rolling_coefficients
+from gearbow._convert import matrix, number
+from gearbow._core import ring_coefficients, rolling_coefficients, rolling_estimate
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part
-from gearbow.description.supports import Support, with_support
+from gearbow.description.supports import Base, with_support
+from gearbow.errors import SceneError
 
-__all__ = ["RollingBearing", "RollingCoefficients"]
+__all__ = ["RingCoefficients", "RollingBearing", "RollingCoefficients", "RollingEstimate"]
+
+#: Fields of a rolling bearing of which a description has at least one.
+ROLLING_FIELDS = ("elements", "designation", "boundary")
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +52,83 @@ class RollingCoefficients(ReadOnly):
     contact_forces: Array
 
 
+@dataclass(frozen=True, eq=False)
+class RingCoefficients(ReadOnly):
+    """Equilibrium of a rolling bearing under radial load, thrust and tilt, and its stiffness there.
+
+    The coordinates are u along the axis, v along y, w along z, and the rotations B and G about y
+    and z of the inner ring relative to the outer one.
+
+    Parameters
+    ----------
+    displacement : ndarray, shape (5,)
+        Displacements (u, v, w) [m] and rotations (B, G) [rad].
+    force : ndarray, shape (5,)
+        Forces [N] and moments [N m] of the shaft on the bearing.
+    stiffness : ndarray, shape (5, 5)
+        Their derivatives [N/m, N/rad, N m/rad], a symmetric matrix.
+    contact_forces : ndarray, shape (n,)
+        Contact force of each rolling element, normal to the races [N].
+    contact_angles : ndarray, shape (n,)
+        Contact angle of each element under the load [rad].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bearing = gb.RollingBearing("rotor", 0.0, "32008X").ring_coefficients(1000.0, thrust=800.0)
+    >>> print(f"{1e6 * bearing.displacement[0]:.1f} µm along the axis")
+    2.9 µm along the axis
+    """
+
+    displacement: Array
+    force: Array
+    stiffness: Array
+    contact_forces: Array
+    contact_angles: Array
+
+
+@dataclass(frozen=True)
+class RollingEstimate(ReadOnly):
+    """Rolling elements of a bearing, estimated from its boundary dimensions.
+
+    Parameters
+    ----------
+    kind : str
+        Kind of the bearing, e.g. "deep_groove".
+    bore, outer, width : float
+        Boundary dimensions [m].
+    elements : int
+        Number of rolling elements.
+    element_diameter, pitch_diameter : float
+        Diameter of an element, and of the circle through their centres [m].
+    roller_length : float or None
+        Effective length of a roller [m].
+    contact_angle : float
+        Contact angle [rad].
+    stiffness_uncertainty : float
+        Relative uncertainty of the stiffness under a load without clearance: the number of elements
+        is uncertain by one to three, their sizes by about a tenth.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> estimate = gb.RollingBearing("rotor", 0.0, "6308").estimate
+    >>> estimate.elements, round(1e3 * estimate.element_diameter, 2)
+    (8, 15.0)
+    """
+
+    kind: str
+    bore: float
+    outer: float
+    width: float
+    elements: int
+    element_diameter: float
+    pitch_diameter: float
+    roller_length: float | None
+    contact_angle: float
+    stiffness_uncertainty: float
+
+
 @dataclass(frozen=True)
 class RollingBearing(Part):
     """A ball or roller bearing, whose elements turn with the cage and carry in compression only.
@@ -62,23 +144,32 @@ class RollingBearing(Part):
         Name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
-    elements : int
+    designation : str, optional
+        Designation of the series 60, 62, 63, N2, NU2 or 320 without suffixes, e.g. "6308". Its
+        elements are estimated (`estimate`); fields that are given replace the estimate.
+    kind : {"deep_groove", "angular_contact", "cylindrical_roller", "tapered_roller", "needle_cage"}, \
+            optional
+        Kind of a bearing whose elements are estimated from its `boundary`.
+    boundary : (float, float, float), optional
+        Bore, outside diameter and width [m]; of a needle cage the diameters of both raceways.
+    elements : int, optional
         Number n of rolling elements, balls or rollers.
-    element_diameter : float
+    element_diameter : float, optional
         Diameter d of a ball or roller [m].
-    pitch_diameter : float
+    pitch_diameter : float, optional
         Diameter D of the circle through the centres of the elements [m].
-    clearance : float
-        Radial internal clearance (ISO 5753): motion of the unloaded shaft from one side to the
-        opposite one, twice the radial gap [m]. A negative clearance is a preload.
+    clearance : float, optional
+        Radial internal clearance (ISO 5753) in operation: motion of the unloaded shaft from one
+        side to the opposite one, twice the radial gap [m]. A negative clearance is a preload. None
+        is 0 with a designation or a boundary: fits and temperature take up most of the clearance.
     hertz_stiffness : float, optional
         Stiffness K of one element between both races [N/m^1.5] or, for a roller, [N/m^(10/9)]. None
         is that of the geometry for bearing steel (206 GPa, 0.3): Brewe and Hamrock for balls,
         Palmgren for rollers.
-    contact : {"ball", "roller"}
-        Point contact, or line contact.
-    contact_angle : float
-        Angle of the line of contact to the radial plane [rad].
+    contact : {"ball", "roller"}, optional
+        Point contact, or line contact; None is that of the kind, or balls.
+    contact_angle : float, optional
+        Angle of the line of contact to the radial plane [rad]; None is that of the estimate, or 0.
     damping : float, pair or 2×2 array
         Damping between shaft and bearing [N s/m], constant.
     phase : float
@@ -95,15 +186,16 @@ class RollingBearing(Part):
         Stiffness against rotations of the shaft about y and z [N m/rad].
     tilting_damping : float
         Damping of these rotations [N m s/rad].
-    support : str or Support, optional
-        What it stands on: the name of a support or housing of the system, or a support of its own.
-        None is the ground.
+    support : str, Support or tuple of (str, float), optional
+        What it stands on: the name of a support or housing of the system, a support of its own, or
+        (shaft, position [m]) of another shaft. None is the ground.
 
     Notes
     -----
-    The outer ring stands. The cage turns at (1 − (d/D) cos α)/2 times the speed of the shaft
-    (`cage_order`); n times this is the ball-pass order of the outer ring (`ball_pass_order`).
-    Slip, centrifugal forces and the axial motion of the shaft are not modelled.
+    The cage turns at (1 − γ)/2 times the speed of the shaft (`cage_order`), γ = (d/D) cos α, where
+    the outer ring stands; n times this is the ball-pass order of the outer ring
+    (`ball_pass_order`). Between two shafts, `shaft` carries the inner ring and the shaft of
+    `support` the outer one, whose speed adds (1 + γ)/2 of itself to that of the cage. Slip, centrifugal forces and the axial motion of the shaft are not modelled.
 
     References
     ----------
@@ -123,14 +215,17 @@ class RollingBearing(Part):
 
     shaft: str
     position: float
+    designation: str | None = None
     _: KW_ONLY
-    elements: int
-    element_diameter: float
-    pitch_diameter: float
-    clearance: float
+    kind: str | None = None
+    boundary: tuple[float, float, float] | None = None
+    elements: int | None = None
+    element_diameter: float | None = None
+    pitch_diameter: float | None = None
+    clearance: float | None = None
     hertz_stiffness: float | None = None
-    contact: str = "ball"
-    contact_angle: float = 0.0
+    contact: str | None = None
+    contact_angle: float | None = None
     damping: ArrayLike = 0.0
     phase: float = 0.0
     inner_groove: float | None = None
@@ -140,7 +235,15 @@ class RollingBearing(Part):
     axial_damping: float = 0.0
     tilting_stiffness: float = 0.0
     tilting_damping: float = 0.0
-    support: str | Support | None = None
+    support: Base | None = None
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        if all(getattr(self, name) is None for name in ROLLING_FIELDS):
+            raise SceneError(
+                f'{path}: needs a designation such as "6308", or kind and boundary, or elements, '
+                "element_diameter, pitch_diameter and clearance"
+            )
+        return super()._describe(path)
 
     def coefficients(self, load: float, cage_angle: float | None = None) -> RollingCoefficients:
         """Find the displacement under a static load, and stiffness and damping there.
@@ -172,6 +275,115 @@ class RollingBearing(Part):
             np.array(found["contact_forces"]),
         )
 
+    def ring_coefficients(
+        self, load: float, thrust: float = 0.0, tilt: ArrayLike = (0.0, 0.0)
+    ) -> RingCoefficients:
+        """Find the displacement under radial load and thrust, and the coupled stiffness there.
+
+        The rings move radially and along the axis and tilt against each other. The contact angle of
+        a ball follows from the load (Jones); that of a roller is fixed.
+
+        Parameters
+        ----------
+        load : float
+            Load of the shaft on the bearing along −z [N].
+        thrust : float
+            Load of the shaft on the bearing along +x [N], which presses the elements for a positive
+            contact angle.
+        tilt : (float, float)
+            Rotations of the shaft about y and z [rad], which the shaft prescribes.
+
+        Returns
+        -------
+        RingCoefficients
+            Displacement, force, stiffness, contact forces and contact angles.
+
+        Raises
+        ------
+        SceneError
+            If an entry of the bearing is impossible.
+        ConvergenceError
+            If the bearing does not carry the load, such as a thrust without a contact angle.
+
+        References
+        ----------
+        T. A. Harris, *Rolling Bearing Analysis*, 4th ed., Wiley, 2001, chapter 7.
+
+        Examples
+        --------
+        >>> import gearbow as gb
+        >>> bearing = gb.RollingBearing.from_dimensions(
+        ...     "rotor", 0.0, bore=0.09, outer=0.16, width=0.03, kind="angular_contact"
+        ... )
+        >>> found = bearing.ring_coefficients(0.0, thrust=17800.0)
+        >>> found.contact_angles.round(2)[0]
+        0.73
+        """
+        turned = matrix(tilt, "tilt")
+        if turned.shape != (2,):
+            raise SceneError(f"tilt: must be two rotations (B, G), got the shape {turned.shape}")
+        forces = (number(thrust, "thrust"), 0.0, -number(load, "load"))
+        rotations = (float(turned[0]), float(turned[1]))
+        found = ring_coefficients(self._describe("bearing"), forces, rotations)
+        return RingCoefficients(**{name: np.array(value) for name, value in found.items()})
+
+    @classmethod
+    def from_dimensions(
+        cls,
+        shaft: str,
+        position: float,
+        *,
+        bore: float,
+        outer: float,
+        width: float,
+        kind: str = "deep_groove",
+        **options: Any,
+    ) -> "RollingBearing":
+        """Make a bearing from its boundary dimensions, with an estimate of its elements.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of its shaft.
+        position : float
+            Position on the shaft, from its left end [m].
+        bore, outer, width : float
+            Bore, outside diameter and width [m].
+        kind : {"deep_groove", "angular_contact", "cylindrical_roller", "tapered_roller", \
+                "needle_cage"}
+            Kind of the bearing.
+        **options
+            Other fields of `RollingBearing`, such as `clearance` and `support`.
+
+        Returns
+        -------
+        RollingBearing
+            The bearing; its `estimate` has number and size of the elements.
+
+        Examples
+        --------
+        >>> import gearbow as gb
+        >>> bearing = gb.RollingBearing.from_dimensions(
+        ...     "rotor", 0.1, bore=0.045, outer=0.085, width=0.019, kind="cylindrical_roller"
+        ... )
+        >>> bearing.estimate.elements
+        14
+        """
+        return cls(shaft, position, kind=kind, boundary=(bore, outer, width), **options)
+
+    @property
+    def estimate(self) -> RollingEstimate | None:
+        """Elements estimated from a designation or from boundary dimensions.
+
+        Returns
+        -------
+        RollingEstimate or None
+            The estimate, without the fields that the bearing gives itself; None for a bearing
+            without designation and boundary.
+        """
+        found = rolling_estimate(self._describe("bearing"))
+        return None if found is None else RollingEstimate(**found)
+
     @property
     def stiffness_of_contact(self) -> float:
         """Stiffness K of one element between both races, given or that of the geometry.
@@ -191,7 +403,7 @@ class RollingBearing(Part):
         Returns
         -------
         float
-            (1 − (d/D) cos α)/2.
+            (1 − (d/D) cos α)/2, where the outer ring stands.
         """
         found = rolling_coefficients(self._describe("bearing"), (0.0, 0.0), None)
         return found["cage_ratio"]
@@ -205,8 +417,24 @@ class RollingBearing(Part):
         float
             The number of elements times `cage_order`.
         """
-        return self.elements * self.cage_order
+        return self._count * self.cage_order
+
+    @property
+    def _count(self) -> int:
+        """Number of elements, given or estimated."""
+        found = rolling_coefficients(self._describe("bearing"), (0.0, 0.0), None)
+        return found["elements"]
+
+    @property
+    def _rolls(self) -> bool:
+        """Whether the elements are rollers."""
+        estimate = self.estimate if self.contact is None else None
+        length = None if estimate is None else estimate.roller_length
+        return self.contact == "roller" or length is not None
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "RollingBearing":
-        return cls(**with_support(description))
+        given = with_support(description)
+        if "boundary" in given:
+            given["boundary"] = tuple(given["boundary"])
+        return cls(**given)

@@ -1,4 +1,4 @@
-"""Shafts: material, segments and the shaft itself.
+"""Shafts: material, segments, the shaft itself, and sleeves around it.
 
 A part is an immutable record of its arguments. `gearbow.RotorSystem` checks all of them; the error
 names the entry.
@@ -7,13 +7,16 @@ names the entry.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
+from typing import Any
+
+import numpy as np
 
 from gearbow._convert import real
 from gearbow._types import Plain
 from gearbow.description.bow import Bow
 from gearbow.description.part import Part, expect, parts
 
-__all__ = ["STEEL", "Material", "Segment", "Shaft", "segments_of"]
+__all__ = ["STEEL", "Material", "Segment", "Shaft", "Sleeve", "segments_of"]
 
 
 @dataclass(frozen=True)
@@ -49,30 +52,129 @@ STEEL = Material(youngs_modulus=207e9, density=7850.0, poisson_ratio=0.3)
 
 @dataclass(frozen=True)
 class Segment(Part):
-    """A segment of a stepped shaft, with a uniform cross section.
+    """A segment of a stepped shaft: a cylinder, or a cone.
 
     Parameters
     ----------
     length : float
         Length [m].
     outer_diameter : float
-        Outer diameter [m].
+        Outer diameter [m], of a cone that at its begin.
     inner_diameter : float
-        Diameter of the bore [m].
+        Diameter of the bore [m], of a conical bore that at its begin.
     elements : int, optional
         Minimum number of elements; None is 1 if another segment of the shaft has a number. If none
         has, gearbow chooses all numbers.
+    end_outer_diameter : float, optional
+        Outer diameter at the end of a cone [m]; None is that at its begin.
+    end_inner_diameter : float, optional
+        Diameter of a conical bore at its end [m]; None is that at its begin.
+    material : Material, optional
+        Material; None is that of the shaft.
+
+    Notes
+    -----
+    The shape functions of a conical element are its static solutions, and its matrices are Gauss
+    integrals over the cone, so that one element has the exact flexibility.
 
     Examples
     --------
     >>> import gearbow as gb
     >>> seat = gb.Segment(length=0.1, outer_diameter=0.06)
+    >>> cone = gb.Segment(0.1, 0.06, end_outer_diameter=0.04)
     """
 
     length: float
     outer_diameter: float
     inner_diameter: float = 0.0
     elements: int | None = None
+    _: KW_ONLY
+    end_outer_diameter: float | None = None
+    end_inner_diameter: float | None = None
+    material: Material | None = None
+
+    @property
+    def _ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Give outer and inner diameter at the begin, and at the end [m]."""
+        outer, inner = self.end_outer_diameter, self.end_inner_diameter
+        return (self.outer_diameter, self.inner_diameter), (
+            self.outer_diameter if outer is None else outer,
+            self.inner_diameter if inner is None else inner,
+        )
+
+    def _between(self, begin: float, end: float) -> "Segment":
+        """Give the part between two fractions of the length."""
+        first, last = np.array(self._ends)
+        (outer, inner), (end_outer, end_inner) = (
+            (first + part * (last - first)).tolist() for part in (begin, end)
+        )
+        diameters: dict[str, Any] = {}
+        if self.end_outer_diameter is not None:
+            diameters |= {"outer_diameter": outer, "end_outer_diameter": end_outer}
+        if self.end_inner_diameter is not None:
+            diameters |= {"inner_diameter": inner, "end_inner_diameter": end_inner}
+        return replace(self, length=(end - begin) * self.length, elements=1, **diameters)
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Segment":
+        return cls(**_with_material(description))
+
+
+@dataclass(frozen=True)
+class Sleeve(Part):
+    """A tube around a shaft: the hub of an impeller or a coupling, a shrunk ring, a bush.
+
+    Its mass and inertia belong to the shaft. How much it stiffens the shaft depends on its fit: a
+    shrink fit may carry all of the bending, a loose one nothing.
+
+    Parameters
+    ----------
+    shaft : str
+        Name of the shaft.
+    begin, end : float
+        Positions of its ends [m], which become nodes.
+    outer_diameter : float
+        Outer diameter [m].
+    inner_diameter : float
+        Inner diameter [m], at least the diameter of the shaft there.
+    material : Material
+        Material.
+    stiffness : {"none", "full"} or float
+        What it adds to the rigidities of the shaft (bending, shear, torsion and extension): "none"
+        of its own, all of it, or a fraction from 0 to 1. There is no slip.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> hub = gb.Sleeve("rotor", 0.2, 0.3, outer_diameter=0.1, inner_diameter=0.06)
+    >>> shrunk = gb.Sleeve("rotor", 0.4, 0.5, 0.08, 0.06, stiffness="full")
+    """
+
+    shaft: str
+    begin: float
+    end: float
+    outer_diameter: float
+    inner_diameter: float
+    material: Material = STEEL
+    stiffness: str | float = "none"
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Sleeve":
+        return cls(**_with_material(description))
+
+    @property
+    def _fraction(self) -> float:
+        """Give the fraction of its stiffness that acts."""
+        words = {"none": 0.0, "full": 1.0}
+        return words[self.stiffness] if isinstance(self.stiffness, str) else float(self.stiffness)
+
+
+def _with_material(description: Mapping[str, Plain]) -> dict[str, Any]:
+    """Give the arguments of a part, with its material as one."""
+    given = dict(description)
+    if "material" in given:
+        given["material"] = Material._from_description(given["material"])
+    return given
 
 
 @dataclass(frozen=True)
@@ -100,11 +202,21 @@ class Shaft(Part):
     segments : sequence of Segment
         The segments from x = 0 on, instead of length, diameters and number of elements.
     material : Material
-        Material of the shaft.
+        Material of the shaft, and of all segments without one.
     shear : bool
         Whether the model includes shear deformation; False is the Rayleigh beam.
+    axial_force : float
+        Axial force [N], positive for tension, which stiffens the shaft in bending. A force at which
+        the shaft buckles is an error.
+    internal_damping : float
+        Internal damping β [s]: viscous damping βK of the shaft in coordinates that rotate with it,
+        of hysteresis and fits. Above a critical speed it makes the rotor unstable where the
+        damping of the bearings does not prevent it. It damps torsion and axial motion as well.
     bow : Bow, optional
         Residual bow; None is a straight shaft.
+    speed_ratio : float, optional
+        Signed speed over that of the reference shaft, for a shaft that no mesh or coupling connects
+        to it: the other spool of a dual rotor.
 
     Notes
     -----
@@ -130,7 +242,10 @@ class Shaft(Part):
     segments: Sequence[Segment] | None = None
     material: Material = STEEL
     shear: bool = True
+    axial_force: float = 0.0
+    internal_damping: float = 0.0
     bow: Bow | None = None
+    speed_ratio: float | None = None
 
     def _describe(self, path: str) -> dict[str, Plain]:
         shaft = self
@@ -155,10 +270,9 @@ class Shaft(Part):
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Shaft":
-        given = dict(description)
-        for key, kind in (("material", Material), ("bow", Bow)):
-            if key in given:
-                given[key] = kind._from_description(given[key])
+        given = _with_material(description)
+        if "bow" in given:
+            given["bow"] = Bow._from_description(given["bow"])
         if "segments" in given:
             given["segments"] = tuple(Segment._from_description(s) for s in given["segments"])
         return cls(**given)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 from numpy.typing import ArrayLike
 
@@ -11,7 +11,7 @@ from gearbow._types import Plain
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.errors import SceneError
 
-__all__ = ["Housing", "Support", "with_support"]
+__all__ = ["Base", "Housing", "Support", "with_support"]
 
 
 @dataclass(frozen=True)
@@ -60,11 +60,18 @@ class Support(Part):
     loss_factor: float = 0.0
 
 
+#: What a bearing stands on: the name of a support or housing, a support, or (shaft, position [m]).
+Base: TypeAlias = str | Support | tuple[str, float]
+
+
 def with_support(bearing: Mapping[str, Plain]) -> dict[str, Any]:
-    """Replace the description of the support of a bearing by the support."""
+    """Replace the description of what a bearing stands on by the support or the place."""
     given = dict(bearing)
-    if isinstance(given.get("support"), Mapping):
-        given["support"] = Support._from_description(given["support"])
+    base = given.get("support")
+    if isinstance(base, Mapping):
+        given["support"] = Support._from_description(base)
+    elif isinstance(base, (list, tuple)):
+        given["support"] = tuple(base)
     return given
 
 

@@ -15,7 +15,7 @@ from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part
-from gearbow.description.shafts import Shaft
+from gearbow.description.shafts import Shaft, Sleeve
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import AccuracyWarning
 
@@ -34,6 +34,7 @@ PARTS: dict[str, type[Part]] = {
     "couplings": Coupling,
     "drives": Drive,
     "forces": Force,
+    "sleeves": Sleeve,
 }
 
 
@@ -67,6 +68,7 @@ class Train(ReadOnly):
                 *(parts[key] for key in lists),
                 centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(description)],
                 couplings=parts["couplings"],
+                sleeves=parts["sleeves"],
             ),
             ratios={s.name: float(r) for s, r in zip(parts["shafts"], ratios, strict=True)},
             dofs=tuple(dof for dofs, _ in bows for dof in dofs),
@@ -78,14 +80,15 @@ def _bow(description: Mapping[str, Plain], name: str) -> tuple[list[Dof], Comple
     """Give the degrees of freedom and the bow of one shaft, from a model of this shaft alone."""
     own: dict[str, list[Plain]] = {
         key: [part for part in description.get(key, ()) if part["shaft"] == name]
-        for key in ("gears", "disks", "bearings")
+        for key in ("gears", "disks", "bearings", "sleeves")
     }
-    # Of the bearings, a sag depends on the positions only.
-    own["bearings"] = [
-        {"shaft": name, "position": bearing["position"], "stiffness": 1e8}
-        for bearing in own["bearings"]
-    ]
-    own["shafts"] = [shaft for shaft in description["shafts"] if shaft["name"] == name]
+    # Of the bearings, also of those that stand on the shaft, a sag depends on the positions only.
+    positions = [bearing["position"] for bearing in own["bearings"]]
+    bases = [bearing.get("support") for bearing in description.get("bearings", ())]
+    positions += [base[1] for base in bases if isinstance(base, list) and base[0] == name]
+    own["bearings"] = [{"shaft": name, "position": x, "stiffness": 1e8} for x in positions]
+    shafts = (shaft for shaft in description["shafts"] if shaft["name"] == name)
+    own["shafts"] = [{**shaft, "speed_ratio": 1.0} for shaft in shafts]
     model = Model({**own, "motion": "lateral"})
     with warnings.catch_warnings():
         # The conditioning of the modes does not affect the bow.

@@ -1,8 +1,8 @@
 """Rotors of ROSS: the plain description of a rotor that ``rotor.save`` wrote.
 
 The axes x, y and z of ROSS, with z along the shaft, are y, z and x here. A shaft element becomes a
-segment with one element. Tables of bearings are over the speed in ROSS 3, and over the frequency,
-which means the same, in ROSS 2. https://ross.readthedocs.io
+segment with one element, and an element around another one a sleeve with its stiffness. Tables of
+bearings are over the speed in ROSS 3, and over the frequency, which means the same, in ROSS 2. https://ross.readthedocs.io
 """
 
 import json
@@ -34,15 +34,16 @@ SHAFT = "rotor"
 _FIXED = {
     "axial_force": 0,
     "torque": 0,
-    "rotary_inertia": True,
     "gyroscopic": True,
     "shear_method_calc": "cowper",
 }
 #: Properties that all elements of a shaft must share.
-_SHARED = ("material", "shear_effects", "alpha", "beta")
+_SHARED = ("shear_effects", "alpha", "beta")
 _KINDS = ("ShaftElement", "DiskElement", "PointMass")
 
 
+#: Young's modulus of a layer, relative to that of the shaft, up to which it stands for mass only.
+_MASS_ONLY = 1e-6
 #: Version of ROSS from which `speed` is the axis of a table over the speed of the rotor.
 _WITH_SPEED = 3
 
@@ -77,9 +78,10 @@ def read_ross(path: str | os.PathLike[str]) -> dict[str, Plain]:
 
 
 def _description(file: _File) -> dict[str, Plain]:
-    shaft, positions = _shaft(file)
+    shaft, sleeves, positions = _shaft(file)
     masses = {mass["n"]: (name, mass) for name, mass in file.all("PointMass")}
-    description: dict[str, Plain] = {"shafts": [shaft], "disks": [], "bearings": []}
+    description: dict[str, Plain] = {"shafts": [shaft], "sleeves": sleeves, "disks": []}
+    description["bearings"] = []
     _, first = file.all("ShaftElement")[0]
     if first.get("alpha") or first.get("beta"):
         description["rayleigh"] = [first.get("alpha", 0.0), first.get("beta", 0.0)]
@@ -137,37 +139,70 @@ def _read(path: str | os.PathLike[str]) -> _File:
     return file
 
 
-def _shaft(file: _File) -> tuple[dict[str, Plain], list[float]]:
-    """Give the shaft, and the position of each node [m]."""
-    elements = sorted(file.all("ShaftElement"), key=lambda one: int(one[1]["n"]))
-    _, first = elements[0]
-    positions, segments = [0.0], []
-    for i, (name, element) in enumerate(elements):
-        if element["n"] != i:
-            raise file.error(name, f"must begin at node {i}; layers and gaps are not possible")
-        for end in ("od", "id"):
-            left, right = element[f"{end}l"], element[f"{end}r"]
-            if left != right:
-                raise file.error(
-                    name, f"conical: {end}l is {left} m, {end}r is {right} m; divide it into steps"
-                )
-        for key, value in _FIXED.items():
-            if element.get(key, value) != value:
-                raise file.error(name, f"{key} must be {value}, got {element[key]}")
-        for key in _SHARED:
-            if element.get(key) != first.get(key):
-                raise file.error(name, f"{key} must be that of the other elements of the shaft")
+def _shaft(file: _File) -> tuple[dict[str, Plain], list[dict[str, Plain]], list[float]]:
+    """Give the shaft, its sleeves, and the position of each node [m]."""
+    layers: dict[int, list[tuple[str, dict[str, Any]]]] = {}
+    for name, element in file.all("ShaftElement"):
+        layers.setdefault(int(element["n"]), []).append((name, element))
+    _, first = layers[min(layers)][0]
+    positions, segments, sleeves = [0.0], [], []
+    for i, (n, found) in enumerate(sorted(layers.items())):
+        # The layers from the inside to the outside: the shaft, and what is around it.
+        (name, element), *around = sorted(found, key=lambda one: float(one[1]["odl"]))
+        if n != i:
+            raise file.error(name, f"must begin at node {i}; gearbow reads one shaft without gaps")
+        for each, values in found:
+            _check_element(file, each, values, first)
+        begin, end = positions[-1], positions[-1] + element["L"]
         segment = {"length": element["L"], "outer_diameter": element["odl"], "elements": 1}
-        segments.append({**segment, "inner_diameter": element["idl"]})
-        positions.append(positions[-1] + element["L"])
-    given = first["material"]
-    material = {
+        segment |= {"inner_diameter": element["idl"]}
+        if element["material"] != first["material"]:
+            segment["material"] = _material(element)
+        for key, side in (("end_outer_diameter", "od"), ("end_inner_diameter", "id")):
+            if element[f"{side}r"] != element[f"{side}l"]:
+                segment[key] = element[f"{side}r"]
+        segments.append(segment)
+        for each, values in around:
+            if values["L"] != element["L"]:
+                raise file.error(each, f"must be as long as the other layer at node {n}")
+            if values["odl"] != values["odr"] or values["idl"] != values["idr"]:
+                raise file.error(each, "a conical layer around a shaft; divide it into steps")
+            sleeve = {"outer_diameter": values["odl"], "inner_diameter": values["idl"]}
+            sleeve |= {"begin": begin, "end": end, "material": _material(values)}
+            carries = values["material"]["E"] > _MASS_ONLY * element["material"]["E"]
+            sleeves.append({"shaft": SHAFT, **sleeve, "stiffness": "full" if carries else "none"})
+        positions.append(end)
+    if any(not one.get("rotary_inertia", True) for _, one in file.all("ShaftElement")):
+        warnings.warn(
+            f"{file.path}: rotary_inertia is false for some elements of the shaft; gearbow "
+            "includes the rotary inertia of all, which lowers frequencies of short shafts",
+            SceneWarning,
+            stacklevel=outside(),
+        )
+    shear = bool(first.get("shear_effects", True))
+    shaft = {"name": SHAFT, "segments": segments, "material": _material(first), "shear": shear}
+    return shaft, sleeves, positions
+
+
+def _check_element(
+    file: _File, name: str, element: Mapping[str, Any], first: Mapping[str, Any]
+) -> None:
+    """Refuse what elements of gearbow do not have."""
+    for key, value in _FIXED.items():
+        if element.get(key, value) != value:
+            raise file.error(name, f"{key} must be {value}, got {element[key]}")
+    for key in _SHARED:
+        if element.get(key) != first.get(key):
+            raise file.error(name, f"{key} must be that of the other elements of the shaft")
+
+
+def _material(element: Mapping[str, Any]) -> dict[str, Plain]:
+    given = element["material"]
+    return {
         "youngs_modulus": given["E"],
         "density": given["rho"],
         "shear_modulus": given["G_s"],
     }
-    shear = bool(first.get("shear_effects", True))
-    return {"name": SHAFT, "segments": segments, "material": material, "shear": shear}, positions
 
 
 def _position(file: _File, name: str, n: int, positions: list[float]) -> dict[str, Plain]:

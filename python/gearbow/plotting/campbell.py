@@ -106,7 +106,7 @@ def campbell(
             lower.plot(factor * x, 0.0 * x, **_THRESHOLD)
         if intersections:
             _, x, y, _ = np.transpose(intersections)
-            upper.plot(factor * x, y, **_CROSSED)
+            upper.plot(factor * x, y, label="intersection", **_CROSSED)
         upper.set(ylabel="frequency [Hz]")
         lower.set(ylabel="damping ratio [%]")
         _scale(lower, 100.0 * damping_ratios, signed=bool(thresholds))
@@ -195,7 +195,7 @@ def _excitation_lines(panel: Axes, lines: Sequence[tuple[str, float]]) -> None:
         if reach < first:
             continue
         path = np.array([0.0, reach])
-        panel.plot(path, slope * path / (2.0 * np.pi), color="0.45", linewidth=1.0)
+        panel.plot(path, slope * path / (2.0 * np.pi), color="0.45", linewidth=1.0, label=name)
         if reach == last:
             beside.append((slope * reach / (2.0 * np.pi), name))
             continue
@@ -232,7 +232,7 @@ def _by_whirl(
         # Each piece begins at the last point of the previous one, so that the line has no gap.
         ends = speeds[max(first - 1, 0)], speeds[last - 1]
         within = (x >= ends[0]) & (x <= ends[1])
-        panel.plot(x[within], y[within], color=shade, linestyle=line)
+        panel.plot(x[within], y[within], color=shade, linestyle=line, label=str(whirl[first]))
         panel.plot(
             speeds[first:last],
             values[first:last],
@@ -241,4 +241,5 @@ def _by_whirl(
             marker=mark,
             markersize=5,
             markevery=max(1, len(speeds) // 24),
+            label=str(whirl[first]),
         )

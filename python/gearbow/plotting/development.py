@@ -7,7 +7,6 @@ farther away where both sides are covered.
 
 from collections import deque
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -81,7 +80,7 @@ def body_box(train: Train, body: BodyOutline, height: float) -> Box:
 
 
 def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
-    """Give the shafts that mesh with a shaft or are coupled to it, with their signed distance."""
+    """Give the shafts that mesh with a shaft or lie on its axis, with their signed distance."""
     found = []
     origins = {shaft.name: shaft.origin for shaft in train.layout.shafts}
     gears = {gear.name: gear for gear in train.parts["gears"]}
@@ -96,16 +95,19 @@ def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
     for coupling in train.parts["couplings"]:
         ends = [bodies[at] if isinstance(at, str) else at[0] for at in (coupling.a, coupling.b)]
         found += [(other, 0.0) for own, other in (ends, ends[::-1]) if own == known]
+    for bearing in train.parts["bearings"]:
+        if isinstance(bearing.support, tuple):
+            pair = (bearing.shaft, bearing.support[0])
+            found += [(other, 0.0) for own, other in (pair, pair[::-1]) if own == known]
     return found
 
 
 def _boxes(train: Train, shaft: ShaftOutline, height: float) -> list[Box]:
-    """Give the boxes of the segments, gears and disks of a shaft."""
+    """Give the boxes of the segments, sleeves, gears and disks of a shaft."""
     left = float(shaft.origin[0])
-    ends = [0.0, *(end for end, _ in shaft.steps)]
     boxes = [
-        (left + begin, height - radius, left + end, height + radius)
-        for (begin, end), (_, radius) in zip(pairwise(ends), shaft.steps, strict=True)
+        (left + step.begin, height - step.largest, left + step.end, height + step.largest)
+        for step in (*shaft.steps, *shaft.sleeves)
     ]
     own = (body for body in train.layout.bodies if body.shaft == shaft.name)
     return [*boxes, *(body_box(train, body, height) for body in own)]

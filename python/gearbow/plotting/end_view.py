@@ -31,7 +31,7 @@ def extent(train: Train) -> Box:
     """Give the box of the view."""
     found = [(train.layout.shaft(body.shaft).origin, body.radius) for body in circles(train)]
     found += [
-        (shaft.origin, max(radius for _, radius in shaft.steps)) for shaft in train.layout.shafts
+        (shaft.origin, max(step.largest for step in shaft.steps)) for shaft in train.layout.shafts
     ]
     low = np.min([centre[1:] - radius for centre, radius in found], axis=0)
     high = np.max([centre[1:] + radius for centre, radius in found], axis=0)
@@ -60,7 +60,7 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
             labels.avoid((*low, *high))
     for shaft in train.layout.shafts:
         y, z = shaft.origin[1:]
-        radius = max(radius for _, radius in shaft.steps)
+        radius = max(step.largest for step in shaft.steps)
         style = {"facecolor": shades[shaft.name], "edgecolor": "black", "alpha": 0.55}
         panel.add_patch(Circle((y, z), radius, linewidth=0.8, zorder=3.0, **style))
         panel.plot([y], [z], "+", color="black", markersize=9.0, zorder=6.0)
@@ -142,7 +142,7 @@ def _reach(train: Train, name: str) -> float:
     """Give the largest radius on a shaft [m]."""
     shaft = train.layout.shaft(name)
     own = [body.radius for body in train.layout.bodies if body.shaft == name]
-    return max([*own, *(radius for _, radius in shaft.steps)])
+    return max([*own, *(step.largest for step in shaft.steps)])
 
 
 def _sense(panel: Axes, centre: Array, radius: float, ratio: float, shade: str) -> None:

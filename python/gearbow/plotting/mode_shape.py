@@ -19,7 +19,7 @@ from gearbow.description.layout import BaseOutline, BodyOutline, Layout, ShaftOu
 from gearbow.errors import GearbowError
 from gearbow.plotting.style import STYLE, GivenAxes, colour, figure_of, given_axes
 
-__all__ = ["draw"]
+__all__ = ["Path", "Surface", "draw", "parts"]
 
 #: Largest motion of the drawing, relative to the diagonal of the train.
 LARGEST_MOTION = 0.07
@@ -27,6 +27,25 @@ LARGEST_MOTION = 0.07
 LARGEST_TWIST = 0.8
 #: Angles of the points around a shaft or a gear [rad].
 AROUND = np.linspace(0.0, 2.0 * np.pi, 25)
+
+
+class Surface(NamedTuple):
+    """A surface: points (3, rings, around), or the corners of a polygon (3, 1, around)."""
+
+    points: Array
+    colour: str
+    opacity: float
+
+
+class Path(NamedTuple):
+    """A line through points (k, 3), with a label for the legend and a marker of matplotlib."""
+
+    points: Array
+    colour: str
+    width: float
+    label: str | None = None
+    marker: str = ""
+    marker_size: float = 6.0
 
 
 class _Motion(NamedTuple):
@@ -54,6 +73,32 @@ def draw(
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw one mode of the train."""
+    with _panel(ax) as (figure, axes):
+        for part in parts(shape, dofs, layout):
+            if isinstance(part, Path):
+                style: dict[str, Any] = {"marker": part.marker, "markersize": part.marker_size}
+                style |= {"color": part.colour, "linewidth": part.width, "label": part.label}
+                axes.plot(*part.points.T, **style)
+            elif part.points.shape[1] > 1:
+                style = {"color": part.colour, "alpha": part.opacity}
+                axes.plot_surface(*part.points, linewidth=0.0, shade=True, **style)
+            else:
+                style = {"facecolor": part.colour, "edgecolor": part.colour, "alpha": part.opacity}
+                axes.add_collection3d(Poly3DCollection([part.points[:, 0].T], lw=1.6, **style))
+        _finish(axes, _extent(layout))
+        if ax is None:
+            figure.legend(loc="upper left", bbox_to_anchor=(0.02, 0.88))
+            figure.suptitle(title)
+        else:
+            axes.legend(loc="upper left", fontsize="small")
+            axes.set_title(title)
+    return figure
+
+
+def parts(
+    shape: ComplexArray, dofs: Sequence[NodalDof], layout: Layout
+) -> Iterator[Surface | Path]:
+    """Give the surfaces and lines of a mode, with enlarged motions."""
     extent = _extent(layout)
     moving = shape * np.array([_lever(layout, dof) for dof in dofs])
     shafts = {shaft.name for shaft in layout.shafts}
@@ -63,33 +108,22 @@ def draw(
     factor = LARGEST_MOTION * float(np.linalg.norm(extent)) / float(np.abs(moving).max())
     factor = min(factor, LARGEST_TWIST / max([*twists, LARGEST_TWIST / factor]))
     scaled = _at_maximum(shape, moving) * factor
-
-    with _panel(ax) as (figure, axes):
-        for index, shaft in enumerate(layout.shafts):
-            motion = _motion(dofs, shaft.name, np.real(scaled))
-            rest = np.array([[0.0, 0.0, 0.0], [shaft.length, 0.0, 0.0]])
-            axes.plot(*(shaft.origin + rest).T, color="0.6", linewidth=0.8)
-            _draw_tube(axes, shaft, motion, colour(index))
-            axes.plot([], [], color=colour(index), linewidth=6.0, label=shaft.name)
-            for body in (body for body in layout.bodies if body.shaft == shaft.name):
-                _draw_disc(axes, shaft.origin, body, motion, colour(index))
-                orbit = _orbit(dofs, body, scaled)
-                axes.plot(*(shaft.origin + orbit).T, color=colour(index), linewidth=1.2)
-        for index, base in enumerate(layout.bases):
-            shade = colour(len(layout.shafts) + index)
-            _draw_base(axes, layout, base, _motion(dofs, base.name, np.real(scaled)), shade)
-        for name, position in layout.bearings:
-            shaft = layout.shaft(name)
-            foot = shaft.origin + np.array([position, 0.0, -shaft.outer_radius(position)])
-            axes.plot(*foot[:, np.newaxis], "^", color="black", markersize=10)
-        _finish(axes, extent)
-        if ax is None:
-            figure.legend(loc="upper left", bbox_to_anchor=(0.02, 0.88))
-            figure.suptitle(title)
-        else:
-            axes.legend(loc="upper left", fontsize="small")
-            axes.set_title(title)
-    return figure
+    for index, shaft in enumerate(layout.shafts):
+        motion = _motion(dofs, shaft.name, np.real(scaled))
+        rest = np.array([[0.0, 0.0, 0.0], [shaft.length, 0.0, 0.0]])
+        yield Path(shaft.origin + rest, "0.6", 0.8)
+        yield from _tube(shaft, motion, colour(index))
+        yield Path(np.empty((0, 3)), colour(index), 6.0, shaft.name)
+        for body in (body for body in layout.bodies if body.shaft == shaft.name):
+            yield from _disc(shaft.origin, body, motion, colour(index))
+            yield Path(shaft.origin + _orbit(dofs, body, scaled), colour(index), 1.2)
+    for index, base in enumerate(layout.bases):
+        shade = colour(len(layout.shafts) + index)
+        yield from _base(layout, base, _motion(dofs, base.name, np.real(scaled)), shade)
+    for name, position in layout.bearings:
+        shaft = layout.shaft(name)
+        foot = shaft.origin + np.array([position, 0.0, -shaft.outer_radius(position)])
+        yield Path(foot[np.newaxis], "black", 0.0, marker="^", marker_size=10.0)
 
 
 @contextmanager
@@ -126,7 +160,7 @@ def _extent(layout: Layout) -> Array:
     corners = []
     for shaft in layout.shafts:
         radii = [body.radius for body in layout.bodies if body.shaft == shaft.name]
-        reach = max(radii + [radius for _, radius in shaft.steps])
+        reach = max(radii + [step.largest for step in shaft.steps])
         for x in (0.0, shaft.length):
             for side in (-reach, reach):
                 corners.append(shaft.origin + np.array([x, side, side]))
@@ -174,37 +208,39 @@ def _ring(position: float, radius: float, moved: Array, around: Array) -> Array:
     return np.column_stack([position + along - gamma * y + beta * z, v + y, w + z])
 
 
-def _draw_tube(axes: Any, shaft: ShaftOutline, motion: _Motion, shade: str) -> None:
+def _tube(shaft: ShaftOutline, motion: _Motion, shade: str) -> Iterator[Surface | Path]:
+    """Give the moved surface of a shaft."""
     stations = [
-        (position, radius)
-        for begin, (end, radius) in zip(
-            [0.0, *(end for end, _ in shaft.steps)], shaft.steps, strict=False
+        (position, step.radius(position))
+        for step in shaft.steps
+        for position in np.linspace(
+            step.begin, step.end, max(2, int(24 * (step.end - step.begin) / shaft.length))
         )
-        for position in np.linspace(begin, end, max(2, int(24 * (end - begin) / shaft.length)))
     ]
     rings = np.array([shaft.origin + _ring(x, r, motion.at(x), AROUND) for x, r in stations])
-    surface = np.moveaxis(rings, -1, 0)
-    axes.plot_surface(*surface, color=shade, alpha=0.35, linewidth=0.0, shade=True)
+    yield Surface(np.moveaxis(rings, -1, 0), shade, 0.35)
     # This line is straight and parallel to the shaft at rest.
     top = np.array([np.pi / 2.0])
     mark = np.array([shaft.origin + _ring(x, r, motion.at(x), top)[0] for x, r in stations])
-    axes.plot(*mark.T, color="black", linewidth=1.4)
+    yield Path(mark, "black", 1.4)
 
 
-def _draw_disc(axes: Any, origin: Array, body: BodyOutline, motion: _Motion, shade: str) -> None:
+def _disc(
+    origin: Array, body: BodyOutline, motion: _Motion, shade: str
+) -> Iterator[Surface | Path]:
+    """Give a moved disk with a mark on its radius, and its rim at rest."""
     moved = motion.at(body.position)
     rim = origin + _ring(body.position, body.radius, moved, AROUND)
-    disc = Poly3DCollection([rim], facecolor=shade, edgecolor=shade, alpha=0.25, linewidth=1.6)
-    axes.add_collection3d(disc)
+    yield Surface(rim.T[:, np.newaxis], shade, 0.25)
     rest = origin + _ring(body.position, body.radius, np.zeros(6), AROUND)
-    axes.plot(*rest.T, color="0.6", linewidth=0.8)
+    yield Path(rest, "0.6", 0.8)
     spoke = origin + _ring(body.position, body.radius, moved, np.array([np.pi / 2.0]))
     centre = origin + np.array([body.position + moved[5], *moved[:2]])
-    axes.plot(*np.vstack([centre, spoke]).T, color="black", linewidth=1.4)
+    yield Path(np.vstack([centre, spoke]), "black", 1.4)
 
 
-def _draw_base(axes: Any, layout: Layout, base: BaseOutline, motion: _Motion, shade: str) -> None:
-    """Draw lines from the centre of a support or housing to its bearings, at rest and moved."""
+def _base(layout: Layout, base: BaseOutline, motion: _Motion, shade: str) -> Iterator[Path]:
+    """Give lines from the centre of a support or housing to its bearings, at rest and moved."""
     if not motion.x.size:
         return
     feet = []
@@ -218,11 +254,9 @@ def _draw_base(axes: Any, layout: Layout, base: BaseOutline, motion: _Motion, sh
         moved = np.array([along, v, w])
         moved += [beta * z - gamma * y, gamma * x - twist * z, twist * y - beta * x]
         centre = base.centre + np.array([along, v, w])
-        rest = np.array([base.centre, base.centre + foot])
-        axes.plot(*rest.T, color="0.6", linewidth=0.8)
+        yield Path(np.array([base.centre, base.centre + foot]), "0.6", 0.8)
         path = np.array([centre, base.centre + foot + moved])
-        label = base.name if number == 0 else None
-        axes.plot(*path.T, "s-", color=shade, linewidth=3.0, markersize=6.0, label=label)
+        yield Path(path, shade, 3.0, base.name if number == 0 else None, marker="s")
 
 
 def _orbit(dofs: Sequence[NodalDof], body: BodyOutline, scaled: Any) -> Array:

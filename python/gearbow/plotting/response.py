@@ -125,6 +125,8 @@ def bearings(
                 panel.plot(time, values[:, column], color=colour(column), linewidth=1.1)
                 panel.set(ylabel=f"force along {along} [N]")
                 _settle(panel, values[:, column], skipped)
+                # A short time at the end of a long run has numbers of many digits.
+                panel.locator_params(axis="x", nbins=4)
             axes[2 * row].set_title(label, loc="left", fontsize=text_size(1.0))
         _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
     return figure

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Polygon, Rectangle
 
 from gearbow._types import Array, ComplexArray
-from gearbow.description.layout import ShaftOutline
+from gearbow.description.layout import ShaftOutline, Step
 from gearbow.description.train import Train
 from gearbow.plotting import loads, symbols
 from gearbow.plotting.development import Box, Development, body_box, developed
@@ -56,11 +56,10 @@ class SideView:
         return self.development.heights[name]
 
     def _own(self, shaft: ShaftOutline) -> Iterator[Box]:
-        """Give the boxes of the segments, gears and disks of a shaft."""
+        """Give the boxes of the segments, sleeves, gears and disks of a shaft."""
         left, y = float(shaft.origin[0]), self._height(shaft.name)
-        ends = [0.0, *(end for end, _ in shaft.steps)]
-        for (begin, end), (_, radius) in zip(pairwise(ends), shaft.steps, strict=True):
-            yield left + begin, y - radius, left + end, y + radius
+        for step in (*shaft.steps, *shaft.sleeves):
+            yield left + step.begin, y - step.largest, left + step.end, y + step.largest
         for body in self.train.layout.bodies:
             if body.shaft == shaft.name:
                 yield body_box(self.train, body, y)
@@ -68,29 +67,35 @@ class SideView:
     def _shaft(self, panel: Axes, shaft: ShaftOutline) -> None:
         """Draw the segments, gears and disks of a shaft, and its axis."""
         shade = self.shades[shaft.name]
-        count = len(shaft.steps)
-        for number, (left, bottom, right, top) in enumerate(self._own(shaft)):
-            panel.add_patch(
-                Rectangle(
-                    (left, bottom),
-                    right - left,
-                    top - bottom,
-                    facecolor=shade,
-                    edgecolor=shade if number < count else "black",
-                    alpha=0.35 if number < count else 0.55,
-                    linewidth=1.0,
-                    zorder=2.0 if number < count else 3.0,
+        x, y = float(shaft.origin[0]), self._height(shaft.name)
+        boxes = self._own(shaft)
+        for step, box in zip(shaft.steps, boxes, strict=False):
+            style: dict[str, Any] = {"facecolor": shade, "edgecolor": shade, "alpha": 0.35}
+            if step.outer[0] == step.outer[1]:
+                panel.add_patch(_rectangle(box, zorder=2.0, **style))
+            else:
+                corners = [*_edge(step, 1.0, x, y), *_edge(step, -1.0, x, y)[::-1]]
+                panel.add_patch(Polygon(corners, zorder=2.0, **style))
+            # The hidden edges of a bore.
+            if max(step.inner) > 0.0:
+                for side in (1.0, -1.0):
+                    edge = [y + side * radius for radius in step.inner]
+                    ends = [x + step.begin, x + step.end]
+                    panel.plot(ends, edge, color=shade, linewidth=1.0, linestyle="--", zorder=2.5)
+        for sleeve in shaft.sleeves:
+            left, right = x + sleeve.begin, x + sleeve.end
+            for side in (1.0, -1.0):
+                bottom, top = sorted(
+                    y + side * radius[0] for radius in (sleeve.inner, sleeve.outer)
                 )
-            )
-        # The hidden edges of a bore.
-        for (left, _, right, _), bore in zip(self._own(shaft), shaft.bores, strict=False):
-            for y in (self._height(shaft.name) + bore, self._height(shaft.name) - bore):
-                if bore > 0.0:
-                    style: dict[str, Any] = {"color": shade, "linewidth": 1.0, "linestyle": "--"}
-                    panel.plot([left, right], [y, y], zorder=2.5, **style)
-        x = float(shaft.origin[0])
+                style = {"facecolor": "none", "edgecolor": shade, "hatch": "/////"}
+                panel.add_patch(_rectangle((left, bottom, right, top), zorder=2.2, **style))
+        bodies = list(self._own(shaft))[len(shaft.steps) + len(shaft.sleeves) :]
+        for box in bodies:
+            style = {"facecolor": shade, "edgecolor": "black", "alpha": 0.55}
+            panel.add_patch(_rectangle(box, zorder=3.0, **style))
         over = 0.03 * shaft.length
-        ends, y = [x - over, x + shaft.length + over], self._height(shaft.name)
+        ends = [x - over, x + shaft.length + over]
         panel.plot(ends, [y, y], color="0.25", linewidth=0.8, linestyle="-.", zorder=4.0)
 
     def _feet(self, labels: Labels) -> Iterator[Box]:
@@ -100,13 +105,17 @@ class SideView:
             housing.name: [] for housing in self.train.parts["housings"]
         }
         for part in self.train.parts["bearings"]:
-            shaft = self.train.layout.shaft(part.shaft)
+            shaft, base = self.train.layout.shaft(part.shaft), part.support
             x = float(shaft.origin[0]) + part.position
-            y = self._height(part.shaft) - shaft.outer_radius(part.position)
+            radius = shaft.outer_radius(part.position)
+            if isinstance(base, tuple):  # on the surface of the inner one of two shafts
+                radius = min(radius, self.train.layout.shaft(base[0]).outer_radius(base[1]))
+            y = self._height(part.shaft) - radius
             kind = symbols.bearing_kind(part)
             foot = symbols.bearing(panel, kind, x, y, point)
             yield foot
-            base = part.support
+            if isinstance(base, tuple):
+                continue
             name = base if isinstance(base, str) else getattr(base, "name", None)
             if name in housings:
                 housings[name].append(foot)
@@ -210,3 +219,15 @@ def bows(train: Train) -> dict[str, tuple[Array, ComplexArray]]:
         curve = np.array([complex(y[x], z[x]) for x in positions])
         curves[name] = np.array(positions), curve
     return curves
+
+
+def _rectangle(box: Box, **style: Any) -> Rectangle:
+    """Give the patch of a box."""
+    left, bottom, right, top = box
+    return Rectangle((left, bottom), right - left, top - bottom, linewidth=1.0, **style)
+
+
+def _edge(step: Step, side: float, x: float, y: float) -> list[tuple[float, float]]:
+    """Give the ends of the upper (1) or lower (-1) edge of a segment."""
+    begin, end = (y + side * radius for radius in step.outer)
+    return [(x + step.begin, begin), (x + step.end, end)]

@@ -11,6 +11,7 @@ from matplotlib.path import Path
 from gearbow._types import Array
 from gearbow.description.journal import JournalBearing
 from gearbow.description.rolling import RollingBearing
+from gearbow.description.supports import Support
 from gearbow.description.train import Train
 from gearbow.plotting.development import Box
 
@@ -26,7 +27,7 @@ def bearing_kind(part: object) -> str:
     if isinstance(part, JournalBearing):
         return "journal bearing"
     if isinstance(part, RollingBearing):
-        return "roller bearing" if part.contact == "roller" else "ball bearing"
+        return "roller bearing" if part._rolls else "ball bearing"
     return "bearing"
 
 
@@ -106,7 +107,7 @@ def kinds(train: Train) -> list[str]:
     """List the kinds of symbols of a train."""
     bearings = train.parts["bearings"]
     housings = {housing.name for housing in train.parts["housings"]}
-    bases = [each.support for each in bearings if each.support is not None]
+    bases = [each.support for each in bearings if isinstance(each.support, str | Support)]
     found = list(dict.fromkeys(bearing_kind(each) for each in bearings))
     found += ["housing"] if any(base in housings for base in bases) else []
     found += ["support"] if any(base not in housings for base in bases) else []

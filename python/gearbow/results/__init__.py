@@ -19,7 +19,9 @@ _MODULES = {
     "Balance": "gearbow.analysis.balance",
     "FilmCoefficients": "gearbow.description.journal",
     "Order": "gearbow.description.kinematics",
+    "RingCoefficients": "gearbow.description.rolling",
     "RollingCoefficients": "gearbow.description.rolling",
+    "RollingEstimate": "gearbow.description.rolling",
     "Correction": "gearbow.identification.correction",
     "Identification": "gearbow.identification.result",
     "ProbeResidual": "gearbow.identification.result",
@@ -46,6 +48,7 @@ _MODULES = {
     "Discretisation": "gearbow.results.discretisation",
     "FrequencyComparison": "gearbow.results.frequency_comparison",
     "FrequencyResponse": "gearbow.results.frequency_response",
+    "MassProperties": "gearbow.results.mass",
     "Matrices": "gearbow.results.matrices",
     "MeasuredShapes": "gearbow.exchange.mode_shapes",
     "ModeComparison": "gearbow.results.mode_comparison",
@@ -70,7 +73,11 @@ if _typing.TYPE_CHECKING:
     from gearbow.analysis.balance import Balance as Balance
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
     from gearbow.description.kinematics import Order as Order
-    from gearbow.description.rolling import RollingCoefficients as RollingCoefficients
+    from gearbow.description.rolling import (
+        RingCoefficients as RingCoefficients,
+        RollingCoefficients as RollingCoefficients,
+        RollingEstimate as RollingEstimate,
+    )
     from gearbow.exchange.harmonic import MeasuredCurve as MeasuredCurve
     from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
     from gearbow.exchange.rexs_joints import MissingValue as MissingValue
@@ -105,6 +112,7 @@ if _typing.TYPE_CHECKING:
         FrequencyComparison as FrequencyComparison,
     )
     from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
+    from gearbow.results.mass import MassProperties as MassProperties
     from gearbow.results.matrices import Matrices as Matrices
     from gearbow.results.mode_comparison import ModeComparison as ModeComparison
     from gearbow.results.modes import Modes as Modes

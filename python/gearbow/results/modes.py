@@ -15,7 +15,7 @@ from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_percent, plain_text
 from gearbow._shown import listed
-from gearbow._types import Array, At, ComplexArray, Dof, ModesData
+from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.errors import GearbowError, SceneError
@@ -415,13 +415,18 @@ class Modes(Result, ReadOnly):
                 self.layout,
                 ax=ax,
             )
-        number = whole(number, "number")
+        title, shape, nodes = self._drawn(whole(number, "number"))
+        return mode_shape.draw(title, shape, nodes, self.layout, ax=ax)
+
+    def _drawn(self, number: int) -> tuple[str, ComplexArray, Sequence[NodalDof]]:
+        """Give title, shape and degrees of freedom of a mode, from 1, with points in elements."""
+        from gearbow.plotting import within_elements  # noqa: PLC0415
+
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
-        title = self._titles()[number - 1]
         own = self.shapes[number - 1 : number]
         shapes, dofs = within_elements.refined(own, self.dofs, self.layout)
-        return mode_shape.draw(title, shapes[0], dofs, self.layout, ax=ax)
+        return self._titles()[number - 1], shapes[0], dofs
 
 
 def _name(groups: Sequence[tuple[str, str]]) -> str:

@@ -14,6 +14,7 @@ from gearbow.description.part import Part
 from gearbow.description.speed_table import SpeedTable
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
+from gearbow.results.mass import MassProperties
 from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
@@ -101,7 +102,21 @@ def _layout(self: System) -> Layout:
         centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
         couplings=self.couplings,
         housings=self.housings,
+        sleeves=self.sleeves,
     )
+
+
+def mass_properties(self: System) -> MassProperties:
+    """Find mass, centre of mass and moments of inertia of each shaft and of the machine.
+
+    Returns
+    -------
+    MassProperties
+        The shafts with their sleeves, gears and disks. Compare them with a drawing first.
+    """
+    names = [shaft.name for shaft in self.shafts]
+    origins = [_layout(self).shaft(name).origin for name in names]
+    return MassProperties._of(names, self._model.mass_properties(), origins)
 
 
 def static(

@@ -10,7 +10,7 @@ import numpy as np
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.parameter import Parameter
 from gearbow.description.places import is_place
-from gearbow.description.shafts import Shaft, segments_of
+from gearbow.description.shafts import Shaft, Sleeve, segments_of
 from gearbow.description.train import PARTS
 from gearbow.errors import ConvergenceError, GearbowError
 
@@ -78,7 +78,8 @@ def _parts_along(system: System, shaft: Shaft) -> list[list[float]]:
     for key in PARTS:
         for part in getattr(system, key):
             if getattr(part, "shaft", None) == shaft.name:
-                places.append(float(part.position))
+                ends = ("begin", "end") if isinstance(part, Sleeve) else ("position",)
+                places += [float(getattr(part, end)) for end in ends]
             for each in (getattr(part, name, None) for name in ("at", "a", "b")):
                 if is_place(each) and each[0] == shaft.name:  # type: ignore[index]  # checked
                     places.append(float(each[1]))  # type: ignore[index]  # checked
@@ -102,10 +103,7 @@ def _of_nodes(shaft: Shaft, boundaries: list[list[float]]) -> Shaft:
     made = []
     for segment, inner in zip(segments_of(shaft), boundaries, strict=True):
         ends = [0.0, *inner, 1.0]
-        made += [
-            replace(segment, length=(end - begin) * segment.length, elements=1)
-            for begin, end in pairwise(ends)
-        ]
+        made += [segment._between(begin, end) for begin, end in pairwise(ends)]
     none: dict[str, Any] = {"length": None, "outer_diameter": None, "inner_diameter": 0.0}
     return replace(shaft, segments=made, elements=None, **none)
 

@@ -5,6 +5,8 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from gearbow._convert import copied, nested, number, showing, shown, text
 from gearbow._core import Model
 from gearbow._files import check_name, replacing
@@ -24,7 +26,7 @@ from gearbow.description.loads import Bearing, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import names_of_bases
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.shafts import Shaft
+from gearbow.description.shafts import Shaft, Sleeve
 from gearbow.description.supports import Housing, Support
 from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning, outside
@@ -37,11 +39,13 @@ from gearbow.system.frequency import frequency_response, mesh_response
 from gearbow.system.linear import (
     campbell,
     critical_speed_map,
+    mass_properties,
     matrices,
     modes,
     static,
     synchronous,
 )
+from gearbow.system.report import report
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
@@ -56,17 +60,27 @@ __all__ = ["RotorSystem"]
 
 #: Further classes of a list of parts.
 _OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing, RollingBearing)}
+
+
+def _flag(value: object, path: str) -> bool:
+    """Convert a truth value."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise SceneError(f"{path}: must be True or False, got {shown(value)}")
+    return bool(value)
+
+
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
     "reference": text,
     "modal_damping": number,
     "rayleigh": nested,
+    "geometric_stiffness": _flag,
     "gravity": nested,
     "motion": text,
     "accuracy": text,
 }
 #: Values of options that were not given, where they are not None.
-_DEFAULTS = {"accuracy": DEFAULT}
+_DEFAULTS: dict[str, Plain] = {"accuracy": DEFAULT, "geometric_stiffness": False}
 
 
 class RotorSystem(CheckedKeywords, Shown):
@@ -96,12 +110,17 @@ class RotorSystem(CheckedKeywords, Shown):
         Drives, which hold the rotation.
     forces : sequence of Force
         Lateral forces.
+    sleeves : sequence of Sleeve
+        Sleeves around shafts.
     reference : str, optional
         Name of the reference shaft, whose speed all speeds refer to; None is the first.
     modal_damping : float, optional
         Damping ratio of the shafts, the same for every mode.
     rayleigh : tuple of (float, float), optional
         Damping αM + βK of the shafts [1/s, s].
+    geometric_stiffness : bool
+        Whether the axial forces of the static equilibrium, such as the thrust of helical gears,
+        change the bending stiffness of the shafts, beside `Shaft.axial_force`.
     gravity : float or tuple of (float, float), optional
         Gravity [m/s²], along −z or as (y, z).
     motion : {"lateral", "torsion", "coupled"}, optional
@@ -117,9 +136,9 @@ class RotorSystem(CheckedKeywords, Shown):
     ----------
     shafts, gears, meshes, bearings, torques, disks : tuple
         The given parts.
-    supports, housings, couplings, drives, forces : tuple
+    supports, housings, couplings, drives, forces, sleeves : tuple
         The given parts.
-    reference, modal_damping, rayleigh, gravity, motion, accuracy
+    reference, modal_damping, rayleigh, geometric_stiffness, gravity, motion, accuracy
         The given options; None if not given.
 
     Raises
@@ -174,9 +193,11 @@ class RotorSystem(CheckedKeywords, Shown):
     couplings: tuple[Coupling, ...]
     drives: tuple[Drive, ...]
     forces: tuple[Force, ...]
+    sleeves: tuple[Sleeve, ...]
     reference: str | None
     modal_damping: float | None
     rayleigh: tuple[float, float] | None
+    geometric_stiffness: bool
     gravity: float | tuple[float, float] | None
     motion: str | None
     accuracy: str
@@ -197,19 +218,22 @@ class RotorSystem(CheckedKeywords, Shown):
         couplings: Sequence[Coupling] = (),
         drives: Sequence[Drive] = (),
         forces: Sequence[Force] = (),
+        sleeves: Sequence[Sleeve] = (),
         reference: str | None = None,
         modal_damping: float | None = None,
         rayleigh: tuple[float, float] | None = None,
+        geometric_stiffness: bool = False,
         gravity: float | tuple[float, float] | None = None,
         motion: str | None = None,
         accuracy: str = DEFAULT,
     ) -> None:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
-        lists = (*lists, supports, housings, couplings, drives, forces)
+        lists = (*lists, supports, housings, couplings, drives, forces, sleeves)
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
             "rayleigh": rayleigh,
+            "geometric_stiffness": geometric_stiffness,
             "gravity": gravity,
             "motion": motion,
             "accuracy": accuracy,
@@ -339,21 +363,22 @@ class RotorSystem(CheckedKeywords, Shown):
         -------
         RotorSystem
             The rotor, with one element of degree 1 for each element of ROSS. The shaft has the name
-            "rotor". A speed-dependent bearing has a `SpeedTable`, which ends at its speeds.
+            "rotor". An element around another one is a `Sleeve` with all of its stiffness. A
+            speed-dependent bearing has a `SpeedTable`, which ends at its speeds.
 
         Raises
         ------
         SceneError
             If the file is not one of ROSS, or has an element that gearbow cannot represent, for
-            example a conical shaft element; the message names it.
+            example a bearing with added mass; the message names it.
         OSError
             If the file cannot be opened.
 
         Warns
         -----
         SceneWarning
-            If a table of ROSS 3 over speed and frequency is read at the frequency of the speed, or
-            the rotor is implausible.
+            If a table of ROSS 3 over speed and frequency is read at the frequency of the speed, an
+            element excludes its rotary inertia, or the rotor is implausible.
 
         Notes
         -----
@@ -613,9 +638,11 @@ class RotorSystem(CheckedKeywords, Shown):
             bases=bases,
             housings=self.housings,
             shafts=self.shafts,
+            sleeves=self.sleeves,
         )
 
     plot = plot
+    mass_properties = mass_properties
     matrices = matrices
     modes = modes
     static = static
@@ -634,6 +661,7 @@ class RotorSystem(CheckedKeywords, Shown):
     steady_state = steady_state
     continuation = continuation
     tradeoff = tradeoff
+    report = report
 
     def __reduce__(self) -> tuple[Callable[[dict[str, Plain]], "Self"], tuple[dict[str, Plain]]]:
         return type(self)._from_description, (self.description,)

@@ -8,15 +8,15 @@ from functools import cache
 from gearbow.errors import SceneError
 from gearbow.units.fields import DIMENSIONLESS, unit_of
 
-__all__ = ["parsed"]
+__all__ = ["OTHERS", "PREFIXES", "SIGNS", "WITH_PREFIX", "parsed"]
 
 #: Exponents of m, kg and s.
 _Dimension = tuple[int, int, int]
 
-_PREFIXES = {"": 0, "n": -9, "u": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
+PREFIXES = {"": 0, "n": -9, "u": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
 #: Exponent of ten and exponents of m, kg and s of units that take a prefix. Angles have no
 #: dimension.
-_WITH_PREFIX: dict[str, tuple[int, _Dimension]] = {
+WITH_PREFIX: dict[str, tuple[int, _Dimension]] = {
     "m": (0, (1, 0, 0)),
     "g": (-3, (0, 1, 0)),
     "s": (0, (0, 0, 1)),
@@ -27,7 +27,7 @@ _WITH_PREFIX: dict[str, tuple[int, _Dimension]] = {
     "rad": (0, (0, 0, 0)),
 }
 #: Factor, power of π and exponents of the other units.
-_OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
+OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
     "1": (Fraction(1), 0, (0, 0, 0)),
     "%": (Fraction(1, 100), 0, (0, 0, 0)),
     "deg": (Fraction(1, 180), 1, (0, 0, 0)),
@@ -38,7 +38,7 @@ _OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
     "t": (Fraction(1000), 0, (0, 1, 0)),
     "bar": (Fraction(100_000), 0, (-1, 1, -2)),
 }
-_SIGNS = {"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"}
+SIGNS = {"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"}
 _TEXT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?", re.ASCII)
 _FACTOR = re.compile(r"([A-Za-z%]+|1)(?:\^\(?(-?\d)\)?)?")
 
@@ -82,7 +82,7 @@ def _unit(text: str, path: str) -> tuple[Fraction, int, _Dimension]:
     factor, pi = Fraction(1), 0
     dimension = (0, 0, 0)
     plain = text.replace("**", "^")
-    for sign, replacement in _SIGNS.items():
+    for sign, replacement in SIGNS.items():
         plain = plain.replace(sign, replacement)
     for word in re.findall(r"/?\s*[^\s/^]+(?:\^[^\s/]+)?|\S", plain):
         one = _FACTOR.fullmatch(word.lstrip("/ "))
@@ -99,12 +99,12 @@ def _unit(text: str, path: str) -> tuple[Fraction, int, _Dimension]:
 
 def _single(name: str) -> tuple[Fraction, int, _Dimension] | None:
     """Find one unit, with or without a prefix."""
-    if name in _OTHERS:
-        return _OTHERS[name]
-    for unit, (ten, dimension) in _WITH_PREFIX.items():
+    if name in OTHERS:
+        return OTHERS[name]
+    for unit, (ten, dimension) in WITH_PREFIX.items():
         prefix = name.removesuffix(unit)
-        if name.endswith(unit) and prefix in _PREFIXES:
-            return Fraction(10) ** (ten + _PREFIXES[prefix]), 0, dimension
+        if name.endswith(unit) and prefix in PREFIXES:
+            return Fraction(10) ** (ten + PREFIXES[prefix]), 0, dimension
     return None
 
 
@@ -116,6 +116,6 @@ def _known(word: str) -> str:
     if _single(small) is not None:
         return f'did you mean "{small}"? Capital and small letters differ'
     return (
-        f"known are {', '.join([*_WITH_PREFIX, *(name for name in _OTHERS if name != '1')])} and "
-        f"the prefixes {' '.join(prefix for prefix in _PREFIXES if prefix)}"
+        f"known are {', '.join([*WITH_PREFIX, *(name for name in OTHERS if name != '1')])} and "
+        f"the prefixes {' '.join(prefix for prefix in PREFIXES if prefix)}"
     )

@@ -1,8 +1,8 @@
 //! Elements of a shaft of which the scene gives neither number nor degree, and their dispersion error.
 
 use super::LENGTH_RATIO;
-use crate::element::shear_coefficient;
-use crate::scene::{Material, Shaft, description};
+use crate::element::Section;
+use crate::scene::{Shaft, description};
 
 /// Largest number of elements of a segment.
 const MAX_ELEMENTS: f64 = 100.0;
@@ -17,7 +17,7 @@ const TONE_LENGTHS: i32 = 10;
 /// square. Lengths and positions are round numbers, so that distances of exactly 0.1 are common: round-off must not decide.
 const MIN_STATION_DISTANCE: f64 = 0.1 - 1e-6;
 
-/// A segment of a shaft: a uniform cross-section, with nodes at given positions.
+/// A segment of a shaft, with nodes at given positions.
 #[derive(Clone, Debug)]
 struct Segment {
     /// Length, m.
@@ -84,18 +84,19 @@ impl Layout {
             let tolerance = 1e-9 * shaft.length();
             let inside = |x: &f64| *x > start + tolerance && *x < start + length - tolerance;
             let stations: Vec<f64> = shaft.nodes.iter().copied().filter(inside).map(|x| x - start).collect();
-            let element = shaft.nodes.partition_point(|x| *x <= start + tolerance).max(1) - 1;
-            let element = shaft.elements[element.min(shaft.elements.len() - 1)];
-            let Material { youngs_modulus, shear_modulus, density, poisson_ratio } = shaft.material;
-            let gyration = element.outer_radius.hypot(element.inner_radius) / 2.0;
-            let kappa = shear_coefficient(poisson_ratio, element.inner_radius / element.outer_radius);
-            let longitudinal = density / youngs_modulus;
+            // The shortest waves of the segment: cones and sleeves change its section.
+            let elements = shaft.elements.iter().zip(&shaft.nodes);
+            let within = elements.filter(|(_, x)| **x > start - tolerance && **x < start + length - tolerance);
+            let sections: Vec<Section> =
+                within.flat_map(|(element, _)| [0.0, 1.0].map(|xi| Section::at(element, shaft.shear, xi))).collect();
+            let largest = |of: fn(&Section) -> f64| sections.iter().map(of).fold(0.0, f64::max);
             let bending = BendingWave {
-                longitudinal,
-                shear: if shaft.shear { density / (kappa * shear_modulus) } else { 0.0 },
-                flexural: longitudinal / (gyration * gyration),
+                longitudinal: largest(|section| section.rotary / section.flexural),
+                shear: if shaft.shear { largest(|section| section.mass / section.shear) } else { 0.0 },
+                flexural: largest(|section| section.mass / section.flexural),
             };
-            let [torsion, axial] = [shear_modulus, youngs_modulus].map(|modulus| (modulus / density).sqrt());
+            let torsion = 1.0 / largest(|section| section.polar_mass / section.torsional).sqrt();
+            let axial = 1.0 / largest(|section| section.mass / section.axial).sqrt();
             segments.push(Segment { length, stations, bending, torsion, axial });
             start += length;
         }

@@ -121,7 +121,7 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
     let tone = highest_tone(&scene);
     let first = |i: usize| {
         let shaft = &scene.shafts[automatic[i]];
-        let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius).fold(f64::INFINITY, f64::min);
+        let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius()).fold(f64::INFINITY, f64::min);
         let longest = (probe_length * diameter).max(shaft.length() / PROBE_ELEMENTS);
         (layouts[i].counts_for(tone, longest, probe_degree), given.shafts[automatic[i]].degree.unwrap_or(probe_degree))
     };

@@ -4,7 +4,7 @@
 //! - The modes of a run: `reduced_setup` → `reduction` (how many, by `pilot` runs, `known_reduction` from earlier ones)
 //!   with `ports` (the interfaces of the linear motion) → `modal_setup`; `ramp` at a changing speed. `run_cache` keeps
 //!   what the runs of a system share.
-//! - Steps: `exponential`, `longest_step`; `period_map` integrates one period with equal steps, for the steady state.
+//! - Steps: `exponential`, `longest_step`, `heartbeat` (when a run asks whether to continue); `period_map` integrates one period with equal steps, for the steady state.
 //! - What is recorded: `record`, `events`, `audit` with `audit_piece`.
 
 mod audit;
@@ -12,6 +12,7 @@ mod audit_piece;
 mod checkpoint;
 mod events;
 mod exponential;
+mod heartbeat;
 mod initial;
 mod known_reduction;
 mod longest_step;
@@ -26,8 +27,6 @@ mod record_plan;
 mod reduced_setup;
 mod reduction;
 mod run_cache;
-
-use std::time::{Duration, Instant};
 
 pub use checkpoint::{Checkpoint, Margins, RecorderState};
 pub use events::{Event, EventKind};
@@ -50,12 +49,10 @@ use crate::integrate::{
 use crate::modal::{AtSpeed, CachedModel, MAX_CONDITION};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
+use heartbeat::Heartbeat;
 use initial::Start;
 use modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use record::Recorder;
-
-/// Interval at which a run asks whether to continue.
-const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(50);
 
 /// The result of a run.
 #[derive(Clone, Debug)]
@@ -120,10 +117,9 @@ pub fn simulate(
     let (start_elapsed, tolerance) = (options.start - origin, tolerance(options, &motion));
     let mut observer = RunObserver {
         recorder: Recorder::new(motion.clone(), plan, &options.times, origin, start_elapsed, tolerance),
-        watch,
+        heartbeat: Heartbeat::starting(watch),
         start: start_elapsed,
         end,
-        last_check: Instant::now() - HEARTBEAT_INTERVAL,
     };
     let mut statistics = Statistics::new();
     if let Some(checkpoint) = &options.checkpoint {
@@ -155,6 +151,11 @@ pub fn simulate(
 /// The model of a run. At a constant speed, bearings that depend on it belong to the matrices.
 fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, AnalysisError> {
     cached.model.scene.refuse_loss_factors()?;
+    let explicit = matches!(options.method, Method::Rk4 | Method::Rk45);
+    if cached.model.has_internal_damping() && matches!(options.speed, Speed::Changing(_)) && !explicit {
+        let message = "internal damping depends on the speed; at a changing speed use method=\"rk45\" or \"rk4\"";
+        return Err(SceneError::new("method", message).into());
+    }
     Ok(match options.speed {
         Speed::Constant(_) => cached.at_speed(options.fastest())?,
         Speed::Changing(_) => cached.with_operating_points_of(options.fastest())?,
@@ -168,6 +169,10 @@ fn motion<'a>(
     plan: &RecordPlan,
     start: &Start,
 ) -> Result<EquationOfMotion<'a>, AnalysisError> {
+    if plan.energy && cached.model.has_internal_damping() {
+        let message = "the energy audit does not contain the work of internal damping; record other items";
+        return Err(SceneError::new("record", message).into());
+    }
     let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
     if plan.energy || !options.in_modes(&cached.model) {
         motion = motion.with_modal_damping(cached)?;
@@ -350,12 +355,11 @@ fn explain(cached: &CachedModel, halted: &Halted, origin: f64) -> AnalysisError 
 /// Records the motion, and asks at intervals whether to continue.
 struct RunObserver<'a, 'm> {
     recorder: Recorder<'a, 'm>,
-    watch: &'a mut dyn FnMut(f64) -> bool,
+    heartbeat: Heartbeat<'a>,
     /// Elapsed time at the beginning, s.
     start: f64,
     /// Elapsed time at the end, s.
     end: f64,
-    last_check: Instant,
 }
 
 impl Observer for RunObserver<'_, '_> {
@@ -380,12 +384,7 @@ impl Observer for RunObserver<'_, '_> {
     }
 
     fn continues(&mut self, elapsed: f64) -> bool {
-        if self.last_check.elapsed() < HEARTBEAT_INTERVAL {
-            return true;
-        }
-        self.last_check = Instant::now();
         let Self { start, end, .. } = *self;
-        let done = if end > start { ((elapsed - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
-        (self.watch)(done)
+        self.heartbeat.continues(|| if end > start { ((elapsed - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 })
     }
 }

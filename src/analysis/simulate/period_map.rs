@@ -6,7 +6,6 @@
 //! state as far as the loads are.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use nalgebra::Complex;
 
@@ -17,8 +16,8 @@ use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinat
 use super::options::is_large;
 use super::record::Recorder;
 use super::{
-    HEARTBEAT_INTERVAL, Options, RecordPlan, Response, Run, RunObserver, explain, foreign_contact_modes, limited_by,
-    motion, of_run, reduced_setup, tolerance,
+    Heartbeat, Options, RecordPlan, Response, Run, RunObserver, explain, foreign_contact_modes, limited_by, motion,
+    of_run, reduced_setup, tolerance,
 };
 use crate::analysis::instability::growing_modes;
 use crate::analysis::{AnalysisError, Spectrum};
@@ -49,7 +48,7 @@ pub struct PeriodMap<'a> {
     spectrum: Spectrum,
     /// Step levels of [`Self::apply`].
     levels: Arc<[u8]>,
-    heartbeat: PeriodHeartbeat<'a>,
+    observer: PeriodObserver<'a>,
     /// Number of periods that have been integrated.
     pub runs: usize,
 }
@@ -89,8 +88,8 @@ pub fn kept_modes(
     let start = start(cached, &several, &spectrum, watch)?;
     let end = start.state.elapsed + several.duration;
     let run = Run { cached, base: None, options: &several, spectrum: &spectrum, floor: start.floor, end };
-    let mut heartbeat = PeriodHeartbeat { watch, last_check: Instant::now(), done: 0.0 };
-    let known = reduced_setup::kept_modes(&run, &start, plan, &mut heartbeat)?;
+    let mut observer = PeriodObserver { heartbeat: Heartbeat::waiting(watch), done: 0.0 };
+    let known = reduced_setup::kept_modes(&run, &start, plan, &mut observer)?;
     Ok(known.map(|known| (Arc::new(known.projected.modes.clone()), known.reduction)))
 }
 
@@ -151,8 +150,8 @@ fn with_map_of<T>(
     }
     let end = start.state.elapsed + several.duration;
     let run = Run { cached, base: None, options: several, spectrum: &spectrum, floor: start.floor, end };
-    let mut heartbeat = PeriodHeartbeat { watch, last_check: Instant::now(), done: 0.0 };
-    let (setup, reduction) = reduced_setup::set_up(&run, motion.clone(), &start, plan, &mut heartbeat)?;
+    let mut observer = PeriodObserver { heartbeat: Heartbeat::waiting(watch), done: 0.0 };
+    let (setup, reduction) = reduced_setup::set_up(&run, motion.clone(), &start, plan, &mut observer)?;
     let setup = if setup.linear.includes_meshes {
         setup
     } else {
@@ -187,7 +186,7 @@ fn with_map_of<T>(
         start,
         spectrum,
         levels,
-        heartbeat,
+        observer,
         runs: 0,
     };
     solve(&mut map)
@@ -288,7 +287,7 @@ impl PeriodMap<'_> {
 
     /// Announces the completed part of the solution, at which Ctrl-C is checked too.
     pub fn report(&mut self, done: f64) {
-        self.heartbeat.done = done;
+        self.observer.done = done;
     }
 
     /// State after one period, with the step levels of the last [`Self::adapt`].
@@ -380,13 +379,13 @@ impl PeriodMap<'_> {
         let mut output = self.setup.output.clone();
         let (mut state, mut statistics) = (self.state(z), Statistics::new());
         let control = self.control(self.tolerance());
-        let done = self.heartbeat.done;
+        let done = self.observer.done;
+        let mut watch = |_| (self.observer.heartbeat.watch)(done);
         let mut observer = RunObserver {
             recorder: Recorder::new(motion, self.plan, &times, origin, begin, tolerance),
-            watch: &mut |_| (self.heartbeat.watch)(done),
+            heartbeat: Heartbeat::waiting(&mut watch),
             start: begin,
             end,
-            last_check: Instant::now(),
         };
         let outcome = integrate(&mut stepper, &mut output, control, &mut state, end, &mut observer, &mut statistics);
         let (record, recorder_state) = observer.recorder.finish();
@@ -430,7 +429,7 @@ impl PeriodMap<'_> {
     ) -> Result<State, AnalysisError> {
         let mut output = self.setup.output.clone();
         let outcome =
-            integrate(stepper, &mut output, control, &mut state, end, &mut self.heartbeat, &mut Statistics::new());
+            integrate(stepper, &mut output, control, &mut state, end, &mut self.observer, &mut Statistics::new());
         outcome.map_err(|halted| self.explained(&halted))?;
         self.runs += count as usize;
         Ok(state)
@@ -477,14 +476,13 @@ fn without_closest(all: Vec<Complex<f64>>, kept: &[Complex<f64>]) -> Vec<Complex
 }
 
 /// An observer that only asks whether to continue.
-struct PeriodHeartbeat<'a> {
-    watch: &'a mut dyn FnMut(f64) -> bool,
-    last_check: Instant,
+struct PeriodObserver<'a> {
+    heartbeat: Heartbeat<'a>,
     /// Completed part of the solution.
     done: f64,
 }
 
-impl Observer for PeriodHeartbeat<'_> {
+impl Observer for PeriodObserver<'_> {
     fn next(&self) -> Option<f64> {
         None
     }
@@ -494,10 +492,7 @@ impl Observer for PeriodHeartbeat<'_> {
     }
 
     fn continues(&mut self, _elapsed: f64) -> bool {
-        if self.last_check.elapsed() < HEARTBEAT_INTERVAL {
-            return true;
-        }
-        self.last_check = Instant::now();
-        (self.watch)(self.done)
+        let done = self.done;
+        self.heartbeat.continues(|| done)
     }
 }

@@ -3,8 +3,7 @@
 //! It is the first part at a constant speed. At a changing speed it is the part around the largest speed, where the teeth
 //! excite the highest frequencies.
 
-use std::time::Instant;
-
+use super::heartbeat::Heartbeat;
 use super::initial::Start;
 use super::modal_setup::ModalSetup;
 use super::record::{Record, Recorder};
@@ -83,12 +82,12 @@ impl Pilot {
         let [begin, end] = self.span;
         let plan = RecordPlan { energy: false, velocity: false, acceleration: false, ..plan.clone() };
         let (motion, origin) = (setup.loads.motion.clone(), self.start.rotation.origin);
+        let mut watch = |_| observer.continues(run.options.start - origin);
         let mut pilot = RunObserver {
             recorder: Recorder::new(motion, &plan, &self.times, origin, begin, 0.0),
-            watch: &mut |_| observer.continues(run.options.start - origin),
+            heartbeat: Heartbeat::waiting(&mut watch),
             start: begin,
             end,
-            last_check: Instant::now(),
         };
         let mut counts = Statistics::new();
         let (_, outcome) =

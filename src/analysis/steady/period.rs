@@ -292,8 +292,8 @@ fn loads<'a>(model: &'a Model, ratios: &'a [Option<Ratio>]) -> impl Iterator<Ite
 
 /// Speed ratio of each shaft to the reference shaft, without its sign; none where the numbers are too large.
 fn speed_ratios(scene: &Scene) -> Vec<Option<Ratio>> {
+    let mut ratios: Vec<Option<Ratio>> = scene.shafts.iter().map(|shaft| Ratio::of(shaft.speed_ratio?.abs())).collect();
     let reference = scene.speed_ratios.iter().position(|ratio| *ratio == 1.0).unwrap_or(0);
-    let mut ratios: Vec<Option<Ratio>> = vec![None; scene.shafts.len()];
     ratios[reference] = Some(Ratio::ONE);
     let teeth = |gear: usize| (scene.gears[gear].body.node.shaft, u128::from(scene.gears[gear].teeth));
     let meshes = scene.meshes.iter().map(|mesh| [teeth(mesh.driver), teeth(mesh.driven)]);

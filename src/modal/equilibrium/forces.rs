@@ -372,6 +372,7 @@ impl Forces {
                 self.add_round_off::<1, 1>(&chain.stiffness, chain.start, q);
             }
         }
+        model.visit_circulation(&mut |row, column, value| self.elastic[row] -= value * q[column]);
     }
 
     /// Adds the round-off of K q for a chain whose unknowns have `L` lanes.

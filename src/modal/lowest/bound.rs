@@ -69,6 +69,12 @@ impl Bound {
             bound.damping += mobility * damping.norm();
             bound.dissipative &= damping.amax() == 0.0 || damping.nrows() == 1 && damping[(0, 0)] >= 0.0;
         }
+        let internal = model.scene.shafts.iter().zip(&model.shafts);
+        for (given, shaft) in internal.filter(|(given, _)| given.internal_damping > 0.0) {
+            bound.damping += given.internal_damping * fastest * fastest;
+            let spin = shaft.ratio * model.circulation.unwrap_or(0.0);
+            bound.circulatory += given.internal_damping * spin.abs() * fastest * fastest;
+        }
         // Polar over diametral inertia is at most two, apart from bodies whose data say otherwise.
         let ratio = |body: &crate::scene::Body| body.polar_inertia / body.diametral_inertia;
         let ratios = model.scene.bodies().map(ratio).filter(|ratio| ratio.is_finite());

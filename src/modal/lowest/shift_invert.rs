@@ -82,7 +82,8 @@ impl<'m> Problem<'m> {
     ) -> Result<Self, DecompositionError> {
         let rate = model.sparse_rate(speed);
         let circulates =
-            model.local_elements().any(|element| element.skew_part().as_flattened().iter().any(|k| *k != 0.0));
+            model.local_elements().any(|element| element.skew_part().as_flattened().iter().any(|k| *k != 0.0))
+                || model.circulation.is_some_and(|speed| speed != 0.0);
         let null = null_motions(model, speed)?;
         // Coordinates with unit inertia have one unit; round-off of the rigid-body modes is relative to their largest entry.
         let inertia = model.sparse_mass().diagonal();
@@ -289,6 +290,9 @@ impl<'m> Problem<'m> {
                 }
             }
         }
+        self.model.visit_circulation(&mut |row, column, value| {
+            stiffness += shape[row].conj() * shape[column] * value;
+        });
         let images = parts.each_ref().map(|part| {
             let mut image = DVector::zeros(part.len());
             self.rate.multiply_add(1.0, part.as_slice(), image.as_mut_slice());

@@ -52,6 +52,15 @@ pub struct Bearing {
     /// Axial grooves of a finite film: angle of the middle from y towards z, and extent, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grooves: Option<Vec<[f64; 2]>>,
+    /// Designation of a rolling bearing, e.g. "6308", from which its elements are estimated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub designation: Option<String>,
+    /// Kind of a rolling bearing whose elements are estimated from its boundary.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kind: Option<BearingKind>,
+    /// Bore, outside diameter and width of a rolling bearing, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub boundary: Option<[f64; 3]>,
     /// Number of rolling elements.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elements: Option<u32>,
@@ -107,7 +116,11 @@ impl Bearing {
         let lengths =
             [self.element_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];
         let others = [self.inner_groove, self.outer_groove, self.roller_length];
-        self.elements.is_some() || self.contact.is_some() || lengths.iter().chain(&others).any(Option::is_some)
+        let catalogue = self.designation.is_some() || self.kind.is_some() || self.boundary.is_some();
+        catalogue
+            || self.elements.is_some()
+            || self.contact.is_some()
+            || lengths.iter().chain(&others).any(Option::is_some)
     }
 
     /// The entries of a journal bearing, and whether each is given.
@@ -121,6 +134,22 @@ impl Bearing {
             ("grooves", self.grooves.is_some()),
         ]
     }
+}
+
+/// Kind of a rolling bearing in a catalogue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BearingKind {
+    /// Deep groove ball bearing.
+    DeepGroove,
+    /// Angular contact ball bearing.
+    AngularContact,
+    /// Cylindrical roller bearing.
+    CylindricalRoller,
+    /// Tapered roller bearing.
+    TaperedRoller,
+    /// Needle roller and cage assembly, whose raceways are the shaft and the bore around it.
+    NeedleCage,
 }
 
 /// Kind of rolling elements.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, MapAccess, Visitor};
+use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Coefficient;
@@ -74,7 +74,7 @@ pub struct Housing {
     pub points: BTreeMap<String, [f64; 3]>,
 }
 
-/// What a bearing stands on: the name of a support or housing, or its own support.
+/// What a bearing stands on: the name of a support or housing, its own support, or a place of another shaft.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Base {
@@ -82,6 +82,8 @@ pub enum Base {
     Named(String),
     /// A support of this bearing alone.
     Own(Support),
+    /// Name of another shaft and position on it, m.
+    Shaft(String, f64),
 }
 
 /// Not derived: an error inside a support names the field; an untagged enum only says that no variant fits.
@@ -93,7 +95,7 @@ impl<'de> Deserialize<'de> for Base {
             type Value = Base;
 
             fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("the name of a support or housing, or a support")
+                formatter.write_str("the name of a support or housing, a support, or a pair [shaft, position]")
             }
 
             fn visit_str<E: Error>(self, name: &str) -> Result<Base, E> {
@@ -102,6 +104,16 @@ impl<'de> Deserialize<'de> for Base {
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Base, A::Error> {
                 Support::deserialize(MapAccessDeserializer::new(map)).map(Base::Own)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Base, A::Error> {
+                let missing = |length: usize| A::Error::invalid_length(length, &self);
+                let shaft = list.next_element()?.ok_or_else(|| missing(0))?;
+                let position = list.next_element()?.ok_or_else(|| missing(1))?;
+                match list.next_element::<IgnoredAny>()? {
+                    Some(_) => Err(missing(3)),
+                    None => Ok(Base::Shaft(shaft, position)),
+                }
             }
         }
 

@@ -15,10 +15,12 @@ mod teeth;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-pub use bearing::{Bearing, ContactKind, FilmModel};
+pub use bearing::{Bearing, BearingKind, ContactKind, FilmModel};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
-pub use shaft::{Bow, BowShape, Material, STEEL, STEEL_POISSON_RATIO, Segment, Shaft};
+pub use shaft::{
+    Bow, BowShape, Material, STEEL, STEEL_POISSON_RATIO, Segment, Shaft, Sleeve, SleeveStiffness, SleeveStiffnessWord,
+};
 pub use sources::{GroundQuantity, Source};
 pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable};
 pub use teeth::{
@@ -42,6 +44,9 @@ pub struct SceneDescription {
     /// Rayleigh damping αM + βK of the shafts: `[α, β]`, 1/s and s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<[f64; 2]>,
+    /// Whether the axial forces of the static equilibrium change the stiffness of the shafts; false by default.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub geometric_stiffness: bool,
     /// Gravity, m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,
@@ -53,6 +58,9 @@ pub struct SceneDescription {
     pub accuracy: Option<Accuracy>,
     /// Shafts.
     pub shafts: Vec<Shaft>,
+    /// Sleeves around shafts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sleeves: Vec<Sleeve>,
     /// Gears.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gears: Vec<Gear>,

@@ -10,12 +10,13 @@ use crate::numerics::LARGEST_EXACT_INTEGER;
 use crate::scene::{SceneError, nearest};
 
 /// Names of the entries that are lists of a fixed length, and what their numbers are.
-const FIXED_LISTS: [(&[&str], &str); 6] = [
+const FIXED_LISTS: [(&[&str], &str); 7] = [
     (&["inertia", "position", "rotational_stiffness", "rotational_damping", "points"], "3 numbers [x, y, z]"),
     (&["value"], "a pair [y, z]"),
     (&["grooves"], "a pair [angle of the middle, extent] for each groove"),
     (&["tooth", "driver", "driven"], "a pair [amplitude, phase] for each harmonic"),
     (&["bore_radii"], "a pair [driver, driven]"),
+    (&["boundary"], "3 numbers [bore, outer, width]"),
     (&["rayleigh"], "a pair [alpha, beta]"),
 ];
 

@@ -53,9 +53,18 @@ pub struct Shaft {
     /// Material; steel by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,
+    /// Axial force, N, positive for tension; zero by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_force: Option<f64>,
+    /// Internal damping β, s: the viscous damping βK of the shaft in coordinates that rotate with it; zero by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub internal_damping: Option<f64>,
     /// Residual bow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bow: Option<Bow>,
+    /// Speed relative to the reference shaft, of a shaft that no mesh or coupling connects to it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_ratio: Option<f64>,
     /// Segments of a stepped shaft, from x = 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub segments: Option<Vec<Segment>>,
@@ -69,20 +78,72 @@ impl Shaft {
     }
 }
 
-/// A part of a shaft with a constant cross-section.
+/// A part of a shaft: a cylinder, or a cone with other diameters at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
     /// Length, m.
     pub length: f64,
-    /// Outer diameter, m.
+    /// Outer diameter at its begin, m.
     pub outer_diameter: f64,
-    /// Inner diameter, m; zero by default.
+    /// Inner diameter at its begin, m; zero by default.
     #[serde(default)]
     pub inner_diameter: f64,
+    /// Outer diameter at its end, m; that at its begin by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end_outer_diameter: Option<f64>,
+    /// Inner diameter at its end, m; that at its begin by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end_inner_diameter: Option<f64>,
+    /// Material; that of the shaft by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
     /// Smallest number of elements.
     #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
     pub elements: Option<usize>,
+}
+
+/// A tube around a shaft between two positions, such as an impeller hub, a coupling hub or a shrunk ring. Its mass and inertia
+/// always belong to the shaft.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sleeve {
+    /// Name of the shaft.
+    pub shaft: String,
+    /// Position of its begin, m.
+    pub begin: f64,
+    /// Position of its end, m.
+    pub end: f64,
+    /// Outer diameter, m.
+    pub outer_diameter: f64,
+    /// Inner diameter, m.
+    pub inner_diameter: f64,
+    /// Material; steel by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
+    /// What it adds to the stiffness of the shaft; nothing by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<SleeveStiffness>,
+}
+
+/// What a sleeve adds to the stiffness of its shaft.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected \"none\", \"full\" or a number from 0 to 1")]
+pub enum SleeveStiffness {
+    /// Nothing, or all of its own stiffness.
+    Word(SleeveStiffnessWord),
+    /// A fraction of its own stiffness.
+    Fraction(f64),
+}
+
+/// A word for the stiffness of a sleeve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SleeveStiffnessWord {
+    /// Mass only.
+    None,
+    /// All of its own stiffness.
+    Full,
 }
 
 /// Shape of a residual bow.

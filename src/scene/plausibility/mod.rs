@@ -9,7 +9,7 @@ mod ranges;
 
 use std::f64::consts::PI;
 
-use super::description::{self, SceneDescription};
+use super::description::{self, SceneDescription, SleeveStiffness, SleeveStiffnessWord};
 use super::gear::PUBLISHED_DATA_TOLERANCE;
 use super::number::short;
 use super::{
@@ -54,6 +54,18 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     for (list, (index, body)) in gears.chain(disks) {
         check_body(scene, body, &EntryPath::entry(list, index), &mut found)?;
     }
+    for (index, sleeve) in system.sleeves.iter().enumerate() {
+        let at = EntryPath::entry("sleeves", index);
+        found.check(&at.field("outer_diameter"), sleeve.outer_diameter, &SHAFT_DIAMETER);
+        // A sleeve without stiffness may have any modulus.
+        let stiff = sleeve.stiffness.is_some_and(|given| given != SleeveStiffness::Word(SleeveStiffnessWord::None));
+        match &sleeve.material {
+            Some(given) if !stiff => {
+                found.check(&at.field("material").field("density"), given.density, &SOLID_DENSITY);
+            }
+            given => check_material(given.as_ref(), &at.field("material"), &mut found),
+        }
+    }
     for (index, given) in system.meshes.iter().enumerate() {
         check_mesh(scene, given, index, &mut found);
     }
@@ -73,7 +85,8 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     }
     for (index, torque) in scene.torques.iter().enumerate() {
         let (shaft, node) = (&scene.shafts[torque.node.shaft], torque.node.node);
-        let strain = 2.0 * torque.value.abs() / (PI * shaft.radius_at(node).powi(3) * shaft.material.shear_modulus);
+        let modulus = shaft.elements[node.min(shaft.elements.len() - 1)].body.material.shear_modulus;
+        let strain = 2.0 * torque.value.abs() / (PI * shaft.radius_at(node).powi(3) * modulus);
         found.check(&EntryPath::entry("torques", index), strain, &SHAFT_TORSION);
     }
     if scene.lateral {
@@ -95,13 +108,9 @@ fn check_shaft(
     found.check(&place("length"), length, &SHAFT_LENGTH);
     found.check(&place("outer_diameter"), diameter, &SHAFT_DIAMETER);
     found.check(&place("length"), length / diameter, &SHAFT_SLENDERNESS);
-    let material = at.field("material");
-    found.check(&material.field("youngs_modulus"), shaft.material.youngs_modulus, &YOUNGS_MODULUS);
-    if !is_massless(shaft.material.density) {
-        found.check(&material.field("density"), shaft.material.density, &SOLID_DENSITY);
-    }
-    if given.material.is_some_and(|material| material.shear_modulus.is_some()) {
-        found.check(&material.field("shear_modulus"), shaft.material.shear_modulus, &SHEAR_MODULUS);
+    check_material(given.material.as_ref(), &at.field("material"), found);
+    for (index, segment) in given.segments.iter().flatten().enumerate() {
+        check_material(segment.material.as_ref(), &at.field("segments").index(index).field("material"), found);
     }
     let Some(bow) = &given.bow else { return Ok(()) };
     let at = at.field("bow");
@@ -123,6 +132,18 @@ fn check_shaft(
         .for_each(|(i, phase)| found.check_angle(&at.field("phases").index(i), *phase));
     check_extrapolation(shaft, list.unwrap_or(0.0), &at, found);
     Ok(())
+}
+
+/// Checks a material that the description gives; the default is plausible.
+fn check_material(given: Option<&description::Material>, at: &EntryPath, found: &mut Findings) {
+    let Some(material) = given else { return };
+    found.check(&at.field("youngs_modulus"), material.youngs_modulus, &YOUNGS_MODULUS);
+    if !is_massless(material.density) {
+        found.check(&at.field("density"), material.density, &SOLID_DENSITY);
+    }
+    if let Some(modulus) = material.shear_modulus {
+        found.check(&at.field("shear_modulus"), modulus, &SHEAR_MODULUS);
+    }
 }
 
 /// Warns of a bow whose points end before the shaft does, if the straight extrapolation is large compared with the points.
@@ -247,11 +268,10 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
 /// Checks the deflection of a shaft and of its bearings under its weight. The weight of the bodies on the shaft is
 /// distributed over its length.
 fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
-    let bearings: Vec<_> =
-        scene.bearings.iter().enumerate().filter(|(_, bearing)| bearing.node.shaft == shaft).collect();
+    let bearings: Vec<_> = scene.held_nodes(shaft).map(|(index, node)| (index, node, &scene.bearings[index])).collect();
     let at = EntryPath::entry("shafts", shaft);
     let shape = &scene.shafts[shaft];
-    let mut supports: Vec<f64> = bearings.iter().map(|(_, bearing)| shape.nodes[bearing.node.node]).collect();
+    let mut supports: Vec<f64> = bearings.iter().map(|(_, node, _)| shape.nodes[*node]).collect();
     supports.sort_by(f64::total_cmp);
     let span = supports.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     if span == 0.0 {
@@ -260,14 +280,14 @@ fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
     let weight = STANDARD_GRAVITY * mass_on(scene, shaft);
     let length = shape.length();
     // A beam on two supports has the deflection 5qs⁴/384EI. The compliance is the mean over the sections.
-    let compliance: f64 = shape.elements.iter().map(|element| element.length / second_moment(element)).sum();
-    let compliance = compliance / (length * shape.material.youngs_modulus);
+    let compliance: f64 = shape.elements.iter().map(|element| element.length / bending_stiffness(element)).sum();
+    let compliance = compliance / length;
     let radius = largest_radius(shape);
     found.check(&at, 5.0 / 384.0 * weight / length * span.powi(4) * compliance / radius, &SHAFT_SAG);
-    let total: f64 = bearings.iter().map(|(_, bearing)| largest_stiffness(&bearing.stiffness)).sum();
+    let total: f64 = bearings.iter().map(|(.., bearing)| largest_stiffness(&bearing.stiffness)).sum();
     let settling = weight / total / radius;
     let own = 48.0 / (compliance * span.powi(3));
-    for (index, bearing) in bearings {
+    for (index, _, bearing) in bearings {
         let stiffness = largest_stiffness(&bearing.stiffness);
         if stiffness > 0.0 && stiffness < MIN_RELATIVE_STIFFNESS * own && settling > MAX_SETTLING {
             let message = format!(
@@ -310,21 +330,22 @@ impl Scene {
 
 fn mass_on(scene: &Scene, shaft: usize) -> f64 {
     let own = &scene.shafts[shaft];
-    let volume: f64 = own
-        .elements
-        .iter()
-        .map(|element| PI * (element.outer_radius.powi(2) - element.inner_radius.powi(2)) * element.length)
-        .sum();
+    let shaft_mass: f64 = own.elements.iter().map(super::Element::mass).sum();
     let bodies: f64 = scene.bodies().filter(|body| body.node.shaft == shaft).map(|body| body.mass).sum();
-    own.material.density * volume + bodies
+    shaft_mass + bodies
 }
 
 fn largest_radius(shaft: &Shaft) -> f64 {
-    shaft.elements.iter().map(|element| element.outer_radius).fold(0.0, f64::max)
+    shaft.elements.iter().map(super::Element::outer_radius).fold(0.0, f64::max)
 }
 
-fn second_moment(element: &super::Element) -> f64 {
-    PI / 4.0 * (element.outer_radius.powi(4) - element.inner_radius.powi(4))
+/// EI in the middle of an element, N m².
+fn bending_stiffness(element: &super::Element) -> f64 {
+    let of = |tube: &super::Tube| {
+        let [outer, inner] = tube.radii(0.5);
+        tube.stiffness * tube.material.youngs_modulus * PI / 4.0 * (outer.powi(4) - inner.powi(4))
+    };
+    element.tubes().map(of).sum()
 }
 
 /// The largest stiffness along y or z, at any speed, N/m.

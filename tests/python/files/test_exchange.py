@@ -91,20 +91,12 @@ def element(plain: dict, kind: str, i: int = 0) -> dict:
     ("change", "message"),
     [
         (
-            lambda p: element(p, "ShaftElement", 3).update(odr=0.06),
-            "Shaft Element 3: conical: odl is 0.07 m, odr is 0.06 m; divide it into steps",
-        ),
-        (
             lambda p: element(p, "ShaftElement", 3).update(n=2),
-            "Shaft Element 3: must begin at node 3; layers and gaps are not possible",
+            "must begin at node 3; gearbow reads one shaft without gaps",
         ),
         (
             lambda p: element(p, "ShaftElement", 2).update(axial_force=10.0),
             "Shaft Element 2: axial_force must be 0, got 10.0",
-        ),
-        (
-            lambda p: element(p, "ShaftElement", 2)["material"].update(E=1e11),
-            "Shaft Element 2: material must be that of the other elements",
         ),
         (
             lambda p: element(p, "ShaftElement", 2).update(gyroscopic=False),

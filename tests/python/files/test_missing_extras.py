@@ -48,6 +48,7 @@ calls = {
     ],
     "matlab": [lambda: gb.SpeedTable.read_table("x.mat")],
     "sweep": [sweep.to_xarray],
+    "report": [lambda: system.report(f"{folder}/report.html")],
     "dataframe": [
         response.to_dataframe, modes.to_dataframe, campbell.to_dataframe, run.energy_balance().to_dataframe,
         sweep.to_dataframe, lambda: modes.save(f"{folder}/modes.csv"),
@@ -74,6 +75,8 @@ print("done")
         ("dataframe", "pandas"),
         ("matlab", "scipy"),
         ("sweep", "xarray,pandas"),
+        ("report", "jinja2"),
+        ("report", "matplotlib"),
     ],
 )
 def test_the_error_says_how_to_install_a_missing_library(tmp_path, extra, missing):

@@ -46,10 +46,18 @@ def everything() -> dict[str, Any]:
     return {
         **results(),
         "mesh state": system.static().mesh(("g1", "g2")),
+        "example": gb.examples()["geared_pair"],
         "line": campbell.lines[0],
         "intersection": bowed.campbell([0.0, 900.0], count=2).criticals[0],
         "comparison": results()["frequency response"].compare(MEASURED),
         "measured": MEASURED[0],
+        "mode comparison": bowed.modes(count=2).compare(bowed.modes(count=2)),
+        "measured shapes": gb.results.MeasuredShapes(
+            ("g1",), np.array([5.0]), np.array([[[1.0, 1j]]])
+        ),
+        "response sensitivity": bowed.sensitivity(
+            "bearings[0].damping", bowed.synchronous([100.0, 200.0]), at=("rotor", 0.5)
+        ),
         "peak": response.peaks(("rotor", 0.5))[0],
         "peaks": response.peaks(("rotor", 0.5)),
         "limits": system.bow_limits(system.shafts[0].name, 100.0),
@@ -63,6 +71,8 @@ def everything() -> dict[str, Any]:
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),
         "rolling coefficients": balls.coefficients(100.0),
+        "ring coefficients": balls.ring_coefficients(100.0),
+        "rolling estimate": gb.RollingBearing("rotor", 0.0, "6308").estimate,
         "rolling motion": rolling.simulate(1e-3, 100.0, record=["bearings"]).rolling(
             ("rotor", 0.0)
         ),

@@ -61,6 +61,72 @@ def test_new_writes_a_scene_with_comments(tmp_path: Path, capsys):
     assert path.read_text() == text
 
 
+def test_new_writes_a_machine_of_the_package(tmp_path: Path, capsys):
+    path = tmp_path / "reducer.toml"
+    code, out, _ = called(capsys, "new", path, "--example", "reducer")
+    assert code == 0
+    assert out.endswith('--speed "1234 rpm"\n')
+    machine = gb.examples()["coaxial_reducer"]
+    assert path.read_bytes() == machine.path.read_bytes()
+    assert machine.speed == gb.rpm(1234.0)
+    code, _, err = called(capsys, "new", tmp_path / "x.toml", "--example", "rotor")
+    assert code == 2
+    assert "'rotor' is a part of bowed_rotor, overhung_rotor, turbine_rotor" in err
+    code, _, err = called(capsys, "new", tmp_path / "x.toml", "--example", "geared_par")
+    assert 'did you mean "geared_pair"?' in err
+
+
+def test_machines_of_the_package():
+    machines = gb.examples()
+    assert len(machines) >= 12
+    for name, machine in machines.items():
+        assert (machine.name, machine.path.suffix) == (name, ".toml")
+        assert machine.title.strip()
+        assert machine.speed > 0.0
+    assert machines["geared_pair"].load().speed_ratios[0] == 1.0
+
+
+def test_report(scene: str, tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch):
+    written: list[tuple] = []
+    monkeypatch.setattr(gb.RotorSystem, "report", lambda _, *a, **o: written.append((*a, o)))
+    out = tmp_path / "train.html"
+    found = answer(
+        capsys, "report", scene, "--speed", "900 rpm", "1500 rpm", "--to", "3000 rpm", "--out", out
+    )
+    assert found == {"file": str(out)}
+    ((path, options),) = written
+    assert (path, options["title"], options["modes"]) == (out, "scene", 8)
+    assert options["operating"] == (gb.rpm(900), gb.rpm(1500))
+    np.testing.assert_allclose(options["speeds"], gb.rpm(np.linspace(150.0, 3000.0, 100)))
+    for wrong in (["--speed", 1, 2, 3], ["--from", 1], ["--out", "x.pdf"]):
+        code, _, err = called(capsys, "report", scene, *wrong)
+        assert code == 2
+        assert err.startswith(f"report: {wrong[0]}: ")
+
+
+def test_demo(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch):
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr(
+        gb.RotorSystem, "report", lambda _, path, **__: Path(path).write_text("report")
+    )
+    out = tmp_path / "demo.html"
+    code, text, _ = called(capsys, "demo", "reducer", "--out", out)
+    assert (code, text) == (0, f"report: {out}\n")
+    assert opened == [out.resolve().as_uri()]
+    assert called(capsys, "demo", "--out", out, "--no-open")[0] == 0
+    assert len(opened) == 1
+
+
+def test_completion_knows_commands_options_and_machines(capsys):
+    pytest.importorskip("shtab")
+    code, out, _ = called(capsys, "completion", "bash")
+    assert code == 0
+    for word in ("bow-limits", "--harmonics", "coaxial_reducer", "_shtab_compgen_files"):
+        assert word in out
+    assert called(capsys, "completion", "zsh")[1].startswith("#compdef gearbow")
+
+
 def test_check(scene: str, capsys):
     code, out, err = called(capsys, "check", scene)
     assert (code, err) == (0, "")

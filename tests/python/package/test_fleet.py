@@ -8,6 +8,7 @@ command one of `COMMANDS`, a new machine a file (see `fleet`). Cells of large ma
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
@@ -22,6 +23,7 @@ from fleet import FOLDER, MACHINES, SIZES, Machine, rows_of_list
 from fleet_analyses import ANALYSES, COUNT, SHARES, lateral, meshed, places, quantity, turn
 from gearbow.cli.main import main
 from reference.figure_texts import check_texts
+from test_report import SECTION_NAMES, read_sections
 
 pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the examples are not installed")
 
@@ -386,6 +388,9 @@ COMMANDS = {
     ),
 }
 
+#: Largest system whose report `make test` writes.
+_LARGEST_REPORT = 60
+
 CELLS = [(name, sense) for name, analysis in ANALYSES.items() for sense in analysis.senses]
 
 
@@ -394,6 +399,8 @@ def is_slow(parameters: dict[str, Any]) -> bool:
     machine, analysis = parameters.get("machine"), parameters.get("analysis")
     if parameters.get("command") == "tradeoff":
         return True
+    if "report" in parameters:
+        return SIZES[machine] > _LARGEST_REPORT
     for table, kind in (
         (FIGURES, "figure"),
         (TABLES, "table"),
@@ -528,6 +535,20 @@ def test_commands_answer_as_the_package(machine, command, tmp_path, capsys):
     assert end.value.code == 0, err
     result = None if given.analysis is None else obtain(machine, given.analysis)
     given.check(json.loads(out), result, machine, tmp_path)
+
+
+@pytest.mark.parametrize("report", [1, -1])
+def test_a_report_has_every_section(machine, report, tmp_path):
+    pytest.importorskip("plotly")
+    path = tmp_path / "report.html"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # they are in the report
+        machine.system.report(path, operating=report * machine.speed)
+    sections = read_sections(path)
+    assert list(sections) == [*SECTION_NAMES]
+    # a machine at its rated speed lacks no section
+    for name, text in sections.items():
+        assert "Not computed" not in text, name
 
 
 @pytest.mark.parametrize("figure", ["campbell"])

@@ -17,6 +17,8 @@ SCENE: dict[str, Any] = {
             "inner_diameter": 0.01,
             "elements": 4,
             "degree": 2,
+            "axial_force": 10.0,
+            "internal_damping": 0.0,
             "material": {"youngs_modulus": 2e11, "density": 7800.0, "poisson_ratio": 0.3},
         },
         {
@@ -30,7 +32,12 @@ SCENE: dict[str, Any] = {
             "name": "third",
             "segments": [
                 {"length": 0.2, "outer_diameter": 0.05, "inner_diameter": 0.01, "elements": 2},
-                {"length": 0.3, "outer_diameter": 0.06},
+                {
+                    "length": 0.3,
+                    "outer_diameter": 0.06,
+                    "end_outer_diameter": 0.05,
+                    "end_inner_diameter": 0.01,
+                },
             ],
             "bow": (
                 "points",

@@ -268,6 +268,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         gb.RollingBearing(**AT, **ROLLING).coefficients,
         {"load": 100.0},
     ),
+    "RollingBearing.ring_coefficients": (
+        gb.RollingBearing(**AT, **ROLLING).ring_coefficients,
+        {"load": 100.0},
+    ),
     "Support": (with_part("Support"), {"name": "s", "mass": 1.0, "stiffness": 1e8}),
     "Housing": (with_part("Housing"), {"name": "h", "mass": 1.0, "stiffness": 1e8}),
     "Coupling": (
@@ -384,6 +388,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "mesh_response": {"at": "g1/g2", "speeds": [100.0]},
             "modes": {},
             "plot": {},
+            "report": {"path": "x.html", "modes": 1},
             "save": {"path": "x.toml"},
             "sensitivity": {"parameters": PARAMETERS, "of": system().modes(100.0, count=2)},
             "simulate": {"duration": 1e-3, "speed": 100.0},
@@ -517,6 +522,8 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {
             "displacement": {"at": "g1"},
             "twist": {"at": "g1"},
+            "shapes_at": {"places": ["g1"]},
+            "compare": {"measured": "x.uff"},
             "energy_shares": {},
             "names": {},
             "plot": {},
@@ -593,6 +600,14 @@ METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
 METHODS["BowLimits"] = (lambda: system().bow_limits("input", 100.0), {"plot": {}})
 METHODS["Sensitivity"] = (
     lambda: system().sensitivity(PARAMETERS, system().modes(100.0, count=2)),
+    {"plot": {}},
+)
+METHODS["ResponseSensitivity"] = (
+    lambda: system().sensitivity(PARAMETERS, system().synchronous([100.0]), at="g1"),
+    {"plot": {}, "largest": {}},
+)
+METHODS["ModeComparison"] = (
+    lambda: system().modes(count=2).compare(system().modes(count=2)),
     {"plot": {}},
 )
 METHODS["Peaks"] = (

@@ -1,0 +1,1 @@
+"""Complete machines as scene files, which are examples for users and the yardstick of the tests."""

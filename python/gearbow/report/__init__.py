@@ -1,0 +1,1 @@
+"""Reports: the results of a system as one HTML page with interactive figures."""

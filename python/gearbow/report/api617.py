@@ -1,0 +1,267 @@
+"""Unbalance placement and level 1 of the stability analysis of API 617, for a report.
+
+API Standard 617 (2002) and API RP 684 (2005). The unbalance of the response analysis is twice
+6350 W/N [g mm], with the mass W on the journals [kg] and the highest continuous speed N [rpm].
+Level 1 raises a cross-coupled stiffness in the middle of the rotor until the first forward mode
+loses its damping.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearbow._result import Column, in_micrometres
+from gearbow._types import Array
+from gearbow.analysis.protocol import variant
+from gearbow.description.bow_limit import DISPLACEMENTS
+from gearbow.description.loads import Bearing
+from gearbow.description.places import place_label
+from gearbow.report.data import shaft_masses
+from gearbow.report.page import Block, Note, Table, picture
+from gearbow.results.modes import Modes
+
+if TYPE_CHECKING:
+    from gearbow.report.contents import Contents
+
+__all__ = ["level_1", "unbalance"]
+
+#: Unbalance of the response analysis: W/N times this [g mm rpm/kg].
+_UNBALANCE = 2.0 * 6350.0
+#: Displacement of a second plane from which it has half the unbalance, relative to the largest.
+_SECOND_PLANE = 0.5
+#: Share of the kinetic energy from which a mode belongs to a shaft.
+_OWN_MODE = 0.5
+#: Damping ratio above which a mode is no resonance.
+_OVERDAMPED = 0.7
+#: First cross-coupled stiffness of the search [N/m], and the numbers of steps of search and curve.
+_FIRST_STIFFNESS, _SEARCH, _CURVE = 1e6, 4, 7
+#: Smallest logarithmic decrement of level 1, and smallest ratio Q₀/Q_A.
+_DECREMENT, _RATIO = 0.1, 2.0
+
+
+def unbalance(contents: "Contents") -> Iterator[Block]:
+    """Give the response to the unbalance of API 617 on each shaft."""
+    speed, system = contents.need_operating(), contents.system
+    bodies = [*system.gears, *system.disks]
+    if not any(direction == "v" for *_, direction in system.dofs):
+        yield Note("Unbalance placement of API 617: the system has no lateral motion.")
+        return
+    planes: dict[str, complex] = {}
+    rows: list[tuple[Any, ...]] = []
+    first: dict[str, str] = {}
+    for shaft, ratio, mass in zip(
+        system.shafts, system.speed_ratios, shaft_masses(system, speed), strict=True
+    ):
+        own = [body.name for body in bodies if body.shaft == shaft.name]
+        mode = _own_mode(contents.modes, shaft.name)
+        if not own or mode is None:
+            lacks = (
+                "no gear or disk as a plane"
+                if not own
+                else f"no mode of its own among {len(contents.modes.whirl)}"
+            )
+            yield Note(f"Unbalance placement of API 617: {shaft.name} has {lacks}.")
+            continue
+        rpm = abs(ratio * speed) * 30.0 / math.pi
+        amount = 1e-6 * _UNBALANCE * mass / rpm
+        chosen = _planes(contents.modes, mode, own)
+        planes |= {name: amount * share for name, share in chosen.items()}
+        first[shaft.name] = next(iter(chosen))
+        hertz, whirl = contents.modes.frequencies_hz[mode], contents.modes.whirl[mode]
+        places = ", ".join(
+            f"{name}{'' if share.real > 0 else ' (opposite)'}" for name, share in chosen.items()
+        )
+        rows.append((shaft.name, mass, rpm, hertz, whirl, places, 1e6 * amount))
+    if not rows:
+        return
+    names, masses, speeds, frequencies, whirls, at, amounts = zip(*rows, strict=True)
+    yield Table.of(
+        "Unbalance of API 617, 2 · 6350 W/N, where the lowest mode of each shaft moves most",
+        [
+            Column("shaft", names),
+            Column("mass W", np.array(masses), "kg"),
+            Column("speed N", np.array(speeds), "rpm", ".5g"),
+            Column("mode", np.array(frequencies), "Hz", ".4g"),
+            Column("whirl", whirls),
+            Column("planes", at),
+            Column("unbalance", np.array(amounts), "g mm"),
+        ],
+        remarks=["Two planes of opposite motion have half of it each. The bows are left out."],
+    )
+    made = variant(
+        system,
+        shafts=[replace(shaft, bow=None) for shaft in system.shafts],
+        **{
+            kind: [
+                replace(body, unbalance=planes.get(body.name, 0.0))
+                for body in getattr(system, kind)
+            ]
+            for kind in ("gears", "disks")
+        },
+    )
+    found = contents.response_of(made)
+    for name, place in first.items():
+        peaks = found._peaks(made._model, place, name, contents.options.operating)
+        if len(peaks):
+            yield Table.of_result(peaks, "Unbalance of API 617")
+        else:
+            yield Note(
+                f"Unbalance of API 617 on {name}: the response at {place} has no peak in this "
+                "range."
+            )
+    yield from _vibration(contents, made, list(first))
+
+
+def _own_mode(modes: Modes, shaft: str) -> int | None:
+    """Find the lowest lateral oscillation that belongs to a shaft."""
+    shares = modes.energy_shares()
+    lateral = sum(shares.get((shaft, direction), 0.0) for direction in "vw")
+    is_own = (np.broadcast_to(lateral, modes.frequencies_hz.shape) >= _OWN_MODE) & (
+        modes.frequencies_hz > 0.0
+    )
+    found = np.flatnonzero(is_own & (np.abs(modes.damping_ratios) < _OVERDAMPED))
+    return int(found[0]) if found.size else None
+
+
+def _planes(modes: Modes, mode: int, own: list[str]) -> dict[str, complex]:
+    """Give the share of the unbalance on one body, or on two that move against each other."""
+    sense = math.copysign(1.0, modes.speed)
+    motion = {}
+    for name in own:
+        v, w = modes.displacement(name)[mode]
+        motion[name] = v + 1j * sense * w
+    largest = max(own, key=lambda name: abs(motion[name]))
+    relative = {name: float((value / motion[largest]).real) for name, value in motion.items()}
+    second = min(own, key=lambda name: relative[name])
+    if relative[second] > -_SECOND_PLANE:
+        return {largest: 1.0 + 0j}
+    return {largest: 0.5 + 0j, second: -0.5 + 0j}
+
+
+def _vibration(contents: "Contents", made: Any, shafts: list[str]) -> Iterator[Block]:
+    """Compare the vibration at the bearings with the limit of API 617."""
+    operating = contents.options.operating
+    assert operating is not None
+    found = made.synchronous(
+        np.linspace(*operating, 9) if operating[0] != operating[1] else [operating[1]]
+    )
+    factor, most = DISPLACEMENTS["API 617"]
+    ratios = dict(zip((s.name for s in made.shafts), made.speed_ratios, strict=True))
+    places = [(b.shaft, b.position) for b in made.bearings if b.shaft in shafts]
+    if not places:
+        return
+    largest = [2.0 * float(found._own(found.orbit(at), at).max()) for at in places]
+    limits = [
+        min(factor / math.sqrt(abs(ratios[shaft] * contents.speed) * 30.0 / math.pi), most)
+        for shaft, _ in places
+    ]
+    within = ["yes" if size <= limit else "no" for size, limit in zip(largest, limits, strict=True)]
+    yield Table.of(
+        "Vibration at the bearings with this unbalance, at the operating speed",
+        [
+            Column("bearing", list(map(place_label, places))),
+            Column("peak-to-peak", np.array(largest), "m", ".4g", in_micrometres()),
+            Column("limit of API 617", np.array(limits), "m", ".4g", in_micrometres()),
+            Column("within", within),
+        ],
+        remarks=[
+            "25.4 µm √(12000/N), at most 25.4 µm; of the shaft itself, not relative to a support."
+        ],
+    )
+
+
+def level_1(contents: "Contents") -> Iterator[Block]:
+    """Find the cross-coupled stiffness at which the first forward mode loses its damping."""
+    system, speed = contents.system, contents.need_operating()
+    name = "Stability level 1 of API 617"
+    if len(system.shafts) > 1:
+        yield Note(
+            f"{name}: it is defined for one rotor, and this train has {len(system.shafts)} shafts."
+        )
+        return
+    modes, (shaft,) = contents.modes, system.shafts
+    forward = [
+        i
+        for i, whirl in enumerate(modes.whirl)
+        if whirl == "forward"
+        and modes.frequencies_hz[i] > 0.0
+        and modes.damping_ratios[i] < _OVERDAMPED
+    ]
+    bodies = [*system.gears, *system.disks]
+    if not forward or not bodies:
+        lacks = "no disk or gear" if not bodies else f"no forward mode among {len(modes.whirl)}"
+        yield Note(f"{name}: the rotor has {lacks}.")
+        return
+    mode = forward[0]
+    body = max(bodies, key=lambda body: float(np.abs(modes.displacement(body.name)[mode]).max()))
+
+    def decrement(stiffness: float) -> float:
+        cross = math.copysign(stiffness, speed)
+        added = Bearing(shaft.name, body.position, stiffness=[[0.0, cross], [-cross, 0.0]])
+        made = variant(system, bearings=[*system.bearings, added])
+        found = made.modes(speed, count=len(modes.whirl))
+        nearest = min(
+            (
+                i
+                for i, whirl in enumerate(found.whirl)
+                if whirl == "forward" and found.frequencies_hz[i] > 0.0
+            ),
+            key=lambda i: abs(found.frequencies_hz[i] - modes.frequencies_hz[mode]),
+            default=mode,
+        )
+        ratio = float(found.damping_ratios[nearest])
+        return 2.0 * math.pi * ratio / math.sqrt(1.0 - ratio**2)
+
+    known = {0.0: decrement(0.0)}
+    stiffness = _FIRST_STIFFNESS
+    for _ in range(_SEARCH):
+        known[stiffness] = decrement(stiffness)
+        slope = (known[stiffness] - known[0.0]) / stiffness
+        if not slope < 0.0:
+            yield Note(
+                f"{name}: a cross-coupled stiffness at {body.name} does not reduce the damping."
+            )
+            return
+        stiffness = float(min(-known[0.0] / slope, 100.0 * stiffness))
+    curve = np.linspace(0.0, 1.2 * stiffness, _CURVE)
+    values = np.array([known[0.0], *map(decrement, curve[1:])])
+    limits = [float(_crossing(curve, values, level)) for level in (0.0, _DECREMENT)]
+    yield picture(
+        _figure(curve, values),
+        f"{name}: logarithmic decrement of the first forward mode over a cross-coupled stiffness "
+        f"at {body.name}.",
+    )
+    largest = min(limits[0] / _RATIO, limits[1])
+    yield Note(
+        f"{name}: the decrement is {known[0.0]:.3g} without cross coupling and zero at Q₀ = "
+        f"{limits[0]:.3g} N/m. Level 1 is passed up to an anticipated cross coupling Q_A of "
+        f"{max(largest, 0.0):.3g} N/m (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, "
+        "diameters and densities of the stages, which a scene does not have; the criterion of the "
+        "gas density is not evaluated."
+    )
+
+
+def _crossing(x: Array, y: Array, level: float) -> float:
+    """Find where a falling curve reaches a level."""
+    below = np.flatnonzero(y <= level)
+    if not below.size:
+        return math.inf
+    i = int(below[0])
+    if i == 0:
+        return 0.0
+    return float(x[i - 1] + (level - y[i - 1]) * (x[i] - x[i - 1]) / (y[i] - y[i - 1]))
+
+
+def _figure(stiffnesses: Array, decrements: Array) -> Any:
+    """Draw the decrement over the cross-coupled stiffness."""
+    from gearbow.plotting.style import panels  # noqa: PLC0415
+
+    with panels(1, 3.6, columns=1) as (figure, (panel,)):
+        panel.plot(1e-6 * stiffnesses, decrements, "o-", markersize=4.0)
+        panel.axhline(0.0, color="black", linewidth=1.0)
+        panel.axhline(_DECREMENT, color="0.4", linestyle="--", linewidth=1.0)
+        panel.set(xlabel="cross-coupled stiffness [N/µm]", ylabel="logarithmic decrement")
+    return figure

@@ -1,0 +1,594 @@
+"""The sections of a report and what they compute.
+
+A section is a generator of blocks. What it cannot compute for a system becomes a sentence with the
+reason, and the blocks before it stay.
+"""
+
+import math
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+
+from gearbow._result import Column, in_micrometres, in_percent
+from gearbow._types import Array
+from gearbow.description.assumptions import assumptions
+from gearbow.description.bow_limit import BowLimit
+from gearbow.description.places import place_label
+from gearbow.errors import ConvergenceError, GearbowError, StabilityError
+from gearbow.report import api617
+from gearbow.report.data import masses, parts_tables
+from gearbow.report.page import Block, Note, Picture, Section, Table, picture
+from gearbow.results.campbell import Campbell
+from gearbow.results.modes import Modes
+from gearbow.results.peak import Peak, marks
+from gearbow.results.response import Response
+from gearbow.results.static import Static
+from gearbow.results.synchronous import Synchronous
+from gearbow.units.speed import SpeedUnit, speed_text
+
+__all__ = ["SECTIONS", "Contents", "Options"]
+
+#: Largest number of speeds of a Campbell diagram, whose curves are smooth between them.
+_DIAGRAM_SPEEDS = 25
+#: Number of modes of the overview, and of those in three dimensions.
+_OVERVIEW, _IN_SPACE = 6, 4
+#: Largest numbers of panels of a figure: orbits, bearings, spectra.
+_ORBITS, _BEARINGS, _SPECTRA = 8, 4, 3
+#: Revolutions of the slowest shaft of a run in place of a steady state, and of its figures.
+_REVOLUTIONS, _SHOWN_REVOLUTIONS = 20.0, 1.0
+#: Lines of many points keep those that are half a point of the page away from the others.
+_DENSE: Any = {"path.simplify_threshold": 0.5}
+
+
+@dataclass(frozen=True)
+class Options:
+    """Heading, operating speeds, speeds of diagrams [rad/s], number of modes, limits of bows."""
+
+    title: str
+    operating: tuple[float, float] | None
+    speeds: Array | None
+    modes: int
+    limits: tuple[BowLimit, ...]
+    unit: SpeedUnit
+
+
+@dataclass
+class Contents:
+    """The results that sections share; each is computed once, also if it fails."""
+
+    system: Any
+    options: Options
+    #: Sentences of the summary; True for one that asks for attention.
+    findings: list[tuple[str, bool]] = field(default_factory=list)
+    #: Section and text of each warning.
+    warned: list[tuple[str, str]] = field(default_factory=list)
+    _kept: dict[str, Any] = field(default_factory=dict)
+
+    def kept(self, name: str, compute: Callable[[], Any]) -> Any:
+        """Give a result, or raise the error of the first attempt."""
+        if name not in self._kept:
+            try:
+                self._kept[name] = compute()
+            except GearbowError as error:
+                self._kept[name] = error
+        if isinstance(self._kept[name], GearbowError):
+            raise self._kept[name]
+        return self._kept[name]
+
+    def finished(self, name: str) -> Any:
+        """Give a result that was computed; None for another one."""
+        found = self._kept.get(name)
+        return None if isinstance(found, GearbowError) else found
+
+    @cached_property
+    def speed(self) -> float:
+        """Highest operating speed, or standstill [rad/s]."""
+        return 0.0 if self.options.operating is None else self.options.operating[1]
+
+    def need_operating(self) -> float:
+        """Give the highest operating speed, which must be given."""
+        if self.options.operating is None:
+            raise GearbowError("no operating speed was given (operating=, or --speed)")
+        return self.speed
+
+    def text(self, speed: float) -> str:
+        """Write a speed in the unit of the report."""
+        return speed_text(speed, self.options.unit)
+
+    @property
+    def static(self) -> Static:
+        """Static equilibrium at the highest operating speed."""
+        return self.kept("static", lambda: self.system.static(self.speed))  # type: ignore[no-any-return]
+
+    @property
+    def modes(self) -> Modes:
+        """Modes at the highest operating speed: as many oscillations as wanted."""
+        return self.kept("modes", self._modes)  # type: ignore[no-any-return]
+
+    def _modes(self) -> Modes:
+        wanted, count = self.options.modes, self.options.modes
+        while True:
+            found: Modes = self.system.modes(self.speed, count=count)
+            oscillating = int(np.sum(found.frequencies_hz > 0.0))
+            if oscillating >= wanted or len(found.whirl) < count:
+                return found
+            count += 2 * (wanted - oscillating)
+
+    @property
+    def campbell(self) -> Campbell:
+        """Campbell diagram."""
+        return self.kept("campbell", self._campbell)  # type: ignore[no-any-return]
+
+    def _campbell(self) -> Campbell:
+        speeds = np.sort(np.abs(self._speeds()))
+        if speeds.size > _DIAGRAM_SPEEDS:
+            speeds = speeds[np.linspace(0, speeds.size - 1, _DIAGRAM_SPEEDS).round().astype(int)]
+        # The rigid-body rotation does not count there.
+        rigid = sum(whirl == "rigid" for whirl in self.modes.whirl)
+        return self.system.campbell(speeds, count=len(self.modes.whirl) - rigid)  # type: ignore[no-any-return]
+
+    @property
+    def synchronous(self) -> Synchronous:
+        """Response to bow and unbalance."""
+        return self.kept("synchronous", lambda: self.response_of(self.system))  # type: ignore[no-any-return]
+
+    def response_of(self, system: Any) -> Synchronous:
+        """Find the response of a system at the speeds of the report."""
+        return system.synchronous(self._speeds())  # type: ignore[no-any-return]
+
+    def _speeds(self) -> Array:
+        if self.options.speeds is None:
+            raise GearbowError("no speeds were given (speeds=, or --to)")
+        return self.options.speeds
+
+    @property
+    def motion(self) -> tuple[Response, str]:
+        """Motion at the highest operating speed, and what it is."""
+        return self.kept("motion", self._motion)  # type: ignore[no-any-return]
+
+    def _motion(self) -> tuple[Response, str]:
+        speed = self.need_operating()
+        record = ["gears", "disks", "meshes", "bearings"]
+        try:
+            steady = self.system.steady_state(speed, record=record)
+        except (ConvergenceError, StabilityError) as error:
+            turn = 2.0 * math.pi / float(np.abs(self.system.speed_ratios * speed).min())
+            run: Response = self.system.simulate(_REVOLUTIONS * turn, speed, record=record)
+            what = f"a run of {_REVOLUTIONS:g} revolutions of the slowest shaft, because {error}"
+            return run, what
+        period = (
+            "without a common period" if math.isinf(steady.period) else f"{steady.period:.4g} s"
+        )
+        what = f"the steady state, {steady.method}, period {period}, residual {steady.residual:.1e}"
+        return steady.response, what
+
+    def section(self, name: str, title: str, make: "Make") -> Section:
+        """Make a section, with a sentence in place of what cannot be computed."""
+        section = Section(name, title)
+        with warnings.catch_warnings(record=True) as caught, mpl.rc_context(_DENSE):
+            warnings.simplefilter("always")
+            try:
+                for block in make(self):
+                    section.blocks.append(block)
+            except GearbowError as error:
+                reason = str(error).rstrip(".")
+                section.blocks.append(Note(f"Not computed: {reason}."))
+                self.findings.append((f"{title}: not complete, because {reason}.", True))
+        for text in dict.fromkeys(str(one.message) for one in caught):
+            self.warned.append((title, text))
+            section.blocks.append(Note(f"Warning: {text}", warning=True))
+        return section
+
+
+Make = Callable[[Contents], Iterator[Block]]
+
+
+def drawing(contents: Contents) -> Iterator[Block]:
+    """Draw the train to scale."""
+    system = contents.system
+    yield picture(system.plot(), "The train to scale; bows are enlarged.")
+    rows = system._rows()
+    yield Table(
+        "Shafts and tooth frequencies", rows[0], rows[1:], numeric=(False, True, False, True)
+    )
+
+
+def data(contents: Contents) -> Iterator[Block]:
+    """List the data and what is assumed."""
+    system = contents.system
+    yield Note(
+        "Values are those of the description; fields that are not listed have their defaults. "
+        "x runs along the shafts; seen with +x towards the viewer, y points right and z up. "
+        "Positions count from the left end of a shaft."
+    )
+    yield from parts_tables(system)
+    assumed = assumptions(system.shafts, system.gears, system.meshes)
+    if assumed:
+        yield Table(
+            "Assumed where the description says nothing",
+            ("parts", "assumption"),
+            [text.split(": ", 1) for text in assumed],
+            numeric=(False, False),
+        )
+
+
+def mass(contents: Contents) -> Iterator[Block]:
+    """List masses and inertias."""
+    yield masses(contents.system, contents.speed)
+
+
+def static(contents: Contents) -> Iterator[Block]:
+    """Give the loads of meshes and bearings at equilibrium."""
+    from gearbow.plotting.style import quantity  # noqa: PLC0415
+
+    found = contents.static
+    yield Table.of_result(found)
+    meshes = [(mesh.driver, mesh.driven) for mesh in contents.system.meshes]
+    if meshes:
+        states = [found.mesh(pair) for pair in meshes]
+        columns = [Column("mesh", ["–".join(pair) for pair in meshes])]
+        for name, factor, unit in (
+            ("force", 1.0, "N"),
+            ("thrust", 1.0, "N"),
+            ("stiffness", 1e-6, "N/µm"),
+            ("pressure_angle", 180.0 / math.pi, "°"),
+            ("centre_distance", 1e3, "mm"),
+            ("contact_ratio", 1.0, ""),
+        ):
+            values = factor * np.array([getattr(state, name) for state in states])
+            columns.append(Column(name.replace("_", " "), values, unit, ".6g"))
+        yield Table.of("Meshes at equilibrium", columns)
+        pair, state = max(zip(meshes, states, strict=True), key=lambda one: abs(one[1].force))
+        force = f"{quantity(abs(state.force), 'N')}, {'–'.join(pair)}"
+        contents.findings.append((f"Largest static mesh force: {force}.", False))
+    yield picture(found.plot(), "Static deflection of the shafts.")
+
+
+def modes(contents: Contents) -> Iterator[Block]:
+    """Show natural modes."""
+    found = contents.modes
+    yield Table.of_result(found)
+    yield picture(found.plot(count=_OVERVIEW), "Shapes along the shafts.")
+    elastic = [i for i in found._order().tolist() if found.frequencies_hz[i] > 0.0]
+    for number in elastic[:_IN_SPACE]:
+        yield _in_space(found, number + 1)
+
+
+def _in_space(found: Modes, number: int) -> Picture:
+    """Show a mode in three dimensions."""
+    from gearbow.plotting.interactive import scene  # noqa: PLC0415
+    from gearbow.plotting.mode_shape import parts  # noqa: PLC0415
+
+    title, shape, dofs = found._drawn(number)
+    space = scene(parts(shape, dofs, found.layout), title)
+    caption = f"Mode {number} in three dimensions, enlarged; the mouse turns and enlarges the view."
+    return picture(found.plot(number), caption, space=space)
+
+
+def campbell(contents: Contents) -> Iterator[Block]:
+    """Show the Campbell diagram."""
+    found = contents.campbell
+    operating = contents.options.operating
+    if contents.speed < 0.0:
+        yield Note(
+            "The diagram is that of positive speeds; it shades the size of the operating speed."
+        )
+    yield picture(found.plot(operating=operating), "Campbell diagram. Grey: operating speed.")
+    yield Table.of_result(found)
+
+
+def criticals(contents: Contents) -> Iterator[Block]:
+    """Give separation margins and amplification factors."""
+    operating = contents.options.operating
+    found = contents.campbell.criticals
+    span = None if operating is None else (abs(operating[0]), abs(operating[1]))
+    if found:
+        # The half-power points of a mode of damping ratio ζ are at N (1 ± ζ).
+        peaks = [
+            Peak(
+                one.speed,
+                math.nan,
+                one.speed * (1.0 - one.damping_ratio),
+                one.speed * (1.0 + one.damping_ratio),
+                span,
+                one.damping_ratio >= 0.0,
+            )
+            for one in found
+        ]
+        yield Table.of(
+            "Critical speeds of the Campbell diagram, with the amplification factor 1/(2ζ)",
+            [
+                Column("critical speed", [one.speed for one in found], "rad/s", ".2f"),
+                Column("frequency", [one.frequency_hz for one in found], "Hz", ".3f"),
+                Column("excited by", [one.line.name for one in found]),
+                Column("whirl", [one.whirl for one in found]),
+                Column(
+                    "damping ratio",
+                    np.array([one.damping_ratio for one in found]),
+                    "",
+                    ".3f",
+                    in_percent("damping"),
+                ),
+                *_margins(peaks),
+            ],
+            contents.options.unit,
+            [_API_684],
+        )
+    else:
+        yield Note("No shaft excites a mode at its own frequency in this range of speeds.")
+    places = _largest(contents)
+    close = 0
+    for place in places:
+        peaks_at = _peaks(contents, place)
+        close += sum(peak.verdict in ("too close", "unstable") for peak in peaks_at)
+        if len(peaks_at):
+            yield Table.of_result(peaks_at)
+        else:
+            yield Note(f"{place_label(place)}: the response has no peak in this range of speeds.")
+    if operating is not None and places:
+        text = "no peak of the response is too close to the operating speed"
+        if close:
+            count = f"{close} peak{'s' if close > 1 else ''} of the response"
+            text = f"{count} too close to the operating speed, or unstable"
+        contents.findings.append((f"Separation margins after API 684: {text}.", close > 0))
+    yield from api617.unbalance(contents)
+
+
+_API_684 = (
+    "Required margin after API RP 684: 17 (1 − 1/(AF − 1.5)) % below and 10 % more above the "
+    "operating speed; none for AF < 2.5."
+)
+
+
+def _margins(peaks: list[Peak]) -> list[Column]:
+    """Give the columns of API 684."""
+    return [
+        Column("amplification factor", [peak.amplification_factor for peak in peaks]),
+        Column("margin", [peak.separation_margin for peak in peaks], "%"),
+        Column("required margin", [peak.required_margin for peak in peaks], "%"),
+        Column("verdict", [peak.verdict for peak in peaks]),
+    ]
+
+
+def _largest(contents: Contents) -> list[Any]:
+    """Give the places with the largest response."""
+    found = contents.synchronous
+    moving = [at for at in found._places() if np.any(found._own(found.orbit(at), at) > 0.0)]
+    return found._largest(moving)
+
+
+def _peaks(contents: Contents, place: Any) -> Any:
+    """Find the peaks at a place once for all sections."""
+    found = contents.synchronous
+    model, span = contents.system._model, contents.options.operating
+    return contents.kept(
+        f"peaks of {place_label(place)}", lambda: found._peaks(model, place, None, span)
+    )
+
+
+def stability(contents: Contents) -> Iterator[Block]:
+    """Give damping at the operating speed, thresholds and ranges of instability."""
+    found = contents.modes
+    ratio = np.clip(found.damping_ratios, -1.0, 1.0)
+    order = [i for i in found._order().tolist() if found.frequencies_hz[i] > 0.0]
+    with np.errstate(divide="ignore"):
+        decrement = 2.0 * math.pi * ratio / np.sqrt(1.0 - ratio**2)
+    names = found.names()
+    where = "at standstill" if not contents.speed else f"at {contents.text(contents.speed)}"
+    yield Table.of(
+        f"Logarithmic decrement {where}",
+        [
+            Column("mode", np.array(order) + 1),
+            Column("frequency", found.frequencies_hz[order], "Hz", ".3f"),
+            Column("decrement", decrement[order], "", ".4g"),
+            Column("whirl", [found.whirl[i] for i in order]),
+            Column("largest motion", [names[i] for i in order]),
+        ],
+    )
+    growing = [
+        i for i in range(len(ratio)) if found.eigenvalues[i].real > 1e-6 * abs(found.eigenvalues[i])
+    ]
+    state = "unstable" if growing else "stable"
+    contents.findings.append((f"The linear motion {where} is {state}.", bool(growing)))
+    yield Note(
+        f"The motion {where} is {state}: {len(growing)} of {len(ratio)} modes grow.", bool(growing)
+    )
+    ranges = contents.campbell.unstable_ranges
+    if ranges:
+        ends = ", ".join(f"{contents.text(low)} to {contents.text(high)}" for low, high in ranges)
+        yield Note(f"Speeds at which a mode is unstable: {ends}.", True)
+        contents.findings.append((f"A mode is unstable at {ends}.", True))
+    else:
+        yield Note("No mode of the Campbell diagram is unstable in its range of speeds.")
+    yield from api617.level_1(contents)
+
+
+def response(contents: Contents) -> Iterator[Block]:
+    """Show the response to bow and unbalance."""
+    from gearbow.plotting import frequency  # noqa: PLC0415
+
+    system, found = contents.system, contents.synchronous
+    places = _largest(contents)
+    if not places:
+        lateral = any(direction == "v" for *_, direction in system.dofs)
+        reason = (
+            "no shaft has a bow and no body an unbalance"
+            if lateral
+            else "the system has no lateral motion"
+        )
+        yield Note(f"There is no response to bow and unbalance: {reason}.")
+        return
+    lines, peaks = {}, {}
+    for place in places:
+        own = _peaks(contents, place)
+        lines[place_label(place)] = (own.phase, own.amplitude)
+        peaks[place_label(place)] = marks(own)
+    figure = frequency.bode(
+        found.speeds,
+        lines,
+        peaks=peaks,
+        operating=contents.options.operating,
+        speed_unit=contents.options.unit,
+    )
+    yield picture(
+        figure,
+        "Phase and amplitude (major semi-axis) where the orbits are largest; AF: amplification "
+        "factor.",
+    )
+    speed = contents.need_operating()
+    parts = {
+        kind: system.synchronous([speed], excitation=kind) for kind in ("both", "bow", "unbalance")
+    }
+    every = found._places()
+    orbits = {
+        kind: np.array([part._own(part.orbit(at), at)[0] for at in every])
+        for kind, part in parts.items()
+    }
+    phase = np.array([parts["both"]._own(parts["both"].phase(at), at)[0] for at in every])
+    yield Table.of(
+        f"Major semi-axis of the orbit that the own shaft excites at {contents.text(speed)}",
+        [
+            Column("place", list(map(place_label, every))),
+            *(
+                Column(
+                    "bow and unbalance" if kind == "both" else kind,
+                    values,
+                    "m",
+                    ".4g",
+                    in_micrometres(),
+                )
+                for kind, values in orbits.items()
+            ),
+            Column("phase", np.degrees(phase), "°", ".1f"),
+        ],
+    )
+
+
+def bow(contents: Contents) -> Iterator[Block]:
+    """Give the largest bow of each shaft."""
+    speed, system = contents.need_operating(), contents.system
+    if not any(direction == "v" for *_, direction in system.dofs):
+        yield Note("A bow has no effect: the system has no lateral motion.")
+        return
+    for shaft in system.shafts:
+        bearings = [bearing.position for bearing in system.bearings if bearing.shaft == shaft.name]
+        limits = [BowLimit.displacement((shaft.name, x), "API 617") for x in bearings]
+        try:
+            found = system.bow_limits(shaft.name, speed, limits=[*limits, *contents.options.limits])
+        except GearbowError as error:
+            yield Note(f"{shaft.name}: not computed, because {error}")
+            continue
+        yield Table.of_result(found)
+        first = found.deciding
+        if first is not None and found.present > 0.0:
+            sizes = f"{1e6 * found.present:.4g} µm of {1e6 * first.bow:.4g} µm"
+            text = f"Bow of {shaft.name}: {sizes} ({first.limit}, {first.at})."
+            contents.findings.append((text, found.margin < 0.0))
+    yield Note(
+        "The value of API 617 for the vibration of a shaft, 25.4 µm √(12000/n), is a reference at "
+        "each bearing; whether the standard applies to this machine is for its user to decide."
+    )
+
+
+def motion(contents: Contents) -> Iterator[Block]:
+    """Show orbits, spectra and mesh geometry at the operating speed."""
+    run, what = contents.motion
+    speed = contents.need_operating()
+    yield Note(f"Motion at {contents.text(speed)}: {what}.")
+    yield Table.of_result(run)
+    turn = 2.0 * math.pi / float(np.abs(contents.system.speed_ratios * speed).min())
+    end = float(run.time[-1])
+    times = (max(float(run.time[0]), end - _SHOWN_REVOLUTIONS * turn), end)
+    bodies = [names[0] for _, _, names in run.to_record().data["points"] if names]
+    lateral = any(direction == "v" for *_, direction in contents.system.dofs)
+    if lateral and bodies:
+        for first in range(0, len(bodies), _ORBITS):
+            own = bodies[first : first + _ORBITS]
+            yield picture(run.plot("orbits", own, times=times), f"Orbits: {', '.join(own)}.")
+        size = {name: float(np.ptp(run.displacement(name), axis=0).max()) for name in bodies}
+        largest = sorted(bodies, key=lambda name: -size[name])[:_SPECTRA]
+        yield picture(
+            run.plot("spectrum", [name for name in bodies if name in largest]),
+            "Amplitude spectra of the places with the largest motion.",
+        )
+    elif bodies:
+        yield picture(run.plot("twist", bodies[:_ORBITS], times=times), "Twist of gears and disks.")
+    pairs = [(mesh.driver, mesh.driven) for mesh in contents.system.meshes]
+    for first in range(0, len(pairs), 2):
+        two = pairs[first : first + 2]
+        names = ", ".join("–".join(pair) for pair in two)
+        for kind, what in (
+            ("mesh", "Force, deflection and stiffness"),
+            ("geometry", "Mesh geometry at the moving centres"),
+        ):
+            yield picture(run.plot(kind, two, times=times), f"{what}: {names}.")
+    if not pairs:
+        yield Note("There is no mesh geometry: the system has no gears in mesh.")
+    places = [(bearing.shaft, bearing.position) for bearing in contents.system.bearings]
+    for first in range(0, len(places) if lateral else 0, _BEARINGS):
+        few = places[first : first + _BEARINGS]
+        names = ", ".join(map(place_label, few))
+        yield picture(run.plot("bearings", few, times=times), f"Bearing forces: {names}.")
+
+
+def accuracy(contents: Contents) -> Iterator[Block]:
+    """Give elements, residuals and warnings."""
+    system = contents.system
+    for line in str(system.discretisation).splitlines()[len(system.shafts) :]:
+        yield Note(f"{line[:1].upper()}{line[1:]}.")
+    elements = system.discretisation.shafts.items()
+    rows = [(name, " + ".join(map(str, each.numbers)), str(each.degree)) for name, each in elements]
+    yield Table(
+        "Elements",
+        ("shaft", "elements of its segments", "degree"),
+        rows,
+        numeric=(False, False, True),
+    )
+    residuals: list[tuple[str, str]] = []
+    measured: dict[str, tuple[str, Callable[[Any], float]]] = {
+        "static": ("static equilibrium: unbalanced part of the load", lambda r: r.residual),
+        "modes": ("modes: part of the forces, largest", lambda r: r.residuals.max()),
+        "campbell": (
+            "critical speeds and tooth resonances, largest",
+            lambda r: max((one.residual for one in r.intersections), default=0.0),
+        ),
+        "synchronous": (
+            "response to bow and unbalance: backward error, largest",
+            lambda r: r.residuals.max(),
+        ),
+    }
+    for name, (title, value) in measured.items():
+        found = contents.finished(name)
+        if found is not None:
+            residuals.append((title, f"{float(value(found)):.1e}"))
+    yield Table(
+        "Residuals of the equations", ("result", "residual"), residuals, numeric=(False, True)
+    )
+    given = [("description", text) for text in system._model.warnings]
+    every = [*given, *contents.warned]
+    if every:
+        yield Table("Warnings", ("section", "warning"), every, numeric=(False, False))
+    else:
+        yield Note("There were no warnings.")
+
+
+#: Name, title and content of each section, in their order.
+SECTIONS: tuple[tuple[str, str, Make], ...] = (
+    ("drawing", "Drawing", drawing),
+    ("data", "Data and assumptions", data),
+    ("mass", "Mass properties", mass),
+    ("static", "Static loads", static),
+    ("modes", "Natural modes", modes),
+    ("campbell", "Campbell diagram", campbell),
+    ("criticals", "Critical speeds", criticals),
+    ("stability", "Stability", stability),
+    ("response", "Response to unbalance and bow", response),
+    ("bow", "Limits of the bow", bow),
+    ("motion", "Motion at the operating speed", motion),
+    ("accuracy", "Accuracy and warnings", accuracy),
+)

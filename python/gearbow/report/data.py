@@ -1,0 +1,155 @@
+"""Tables of the data of a system: its parts with units, and masses."""
+
+import cmath
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from gearbow._result import Column
+from gearbow._shown import short
+from gearbow.report.page import Table
+from gearbow.units.fields import DIMENSIONLESS, unit_of
+
+__all__ = ["masses", "parts_tables", "shaft_masses"]
+
+#: How a drawing writes quantities in SI units: factor and unit.
+_WRITTEN = {
+    "m": (1e3, "mm"),
+    "rad": (180.0 / math.pi, "°"),
+    "kg m": (1e6, "g mm"),
+    "Pa": (1e-9, "GPa"),
+    "N/m": (1e-6, "N/µm"),
+}
+#: Fields that are complex: a size and an angle in the shaft.
+_TURNING = ("unbalance", "runout")
+#: Largest number of columns of a table of parts.
+_COLUMNS = 9
+#: Longest list of numbers that a table shows.
+_LONGEST = 6
+
+
+def parts_tables(system: Any) -> list[Table]:
+    """Make a table of each kind of part, with the fields that were given."""
+    tables, options = [], []
+    for key, given in system.description.items():
+        if not (isinstance(given, list) and given and isinstance(given[0], Mapping)):
+            options.append((key.replace("_", " "), _cell(given, key)))
+            continue
+        kinds = [type(part).__name__ for part in getattr(system, key)]
+        for kind in dict.fromkeys(kinds):
+            own = [part for part, its in zip(given, kinds, strict=True) if its == kind]
+            words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind).lower()
+            title = key if len(set(kinds)) == 1 or words == "bearing" else f"{words}s"
+            tables.append(_parts_table(title.capitalize(), key, own))
+    if options:
+        tables.append(Table("Options", ("option", "value"), options, numeric=(False, False)))
+    return tables
+
+
+def _parts_table(title: str, key: str, given: Sequence[Mapping[str, Any]]) -> Table:
+    """Make a table with a row for each part, or with a column for each if it were too wide."""
+    fields = list(dict.fromkeys(name for part in given for name in part))
+    head = [_heading(f"{key}.{name}", [part.get(name) for part in given]) for name in fields]
+    rows = [[_cell(part.get(name), f"{key}.{name}", unit="") for name in fields] for part in given]
+    numeric = [any(_is_number(part.get(name)) for part in given) for name in fields]
+    if len(fields) <= _COLUMNS or len(given) > _COLUMNS:
+        return Table(title, head, rows, numeric=numeric)
+    first, *others = zip(head, *rows, strict=True)
+    return Table(title, first, others, numeric=[False, *[True] * len(given)])
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | complex) and not isinstance(value, bool)
+
+
+def _heading(path: str, values: Sequence[Any]) -> str:
+    """Write the name of a field, with its unit if a value is a number or a list of numbers."""
+    unit = unit_of(path)
+    name = path.rpartition(".")[2].replace("_", " ")
+    plain = any(_is_number(value) or _is_numbers(value) for value in values)
+    if not plain or unit in (None, DIMENSIONLESS):
+        return name
+    return f"{name} [{_written(unit)[1]}]"
+
+
+def _written(unit: str | None) -> tuple[float, str | None]:
+    """Give the factor and the unit of a table."""
+    factor, text = _WRITTEN.get(unit or "", (1.0, unit))
+    return factor, None if text is None else text.replace("^2", "²").replace("^3", "³")
+
+
+def _is_numbers(value: Any) -> bool:
+    if isinstance(value, list | tuple):
+        return bool(value) and all(_is_number(each) or _is_numbers(each) for each in value)
+    return _is_number(value)
+
+
+def _cell(value: Any, path: str, unit: str | None = None) -> str:
+    """Write a value; `unit` "" leaves the unit to the heading."""
+    if value is None:
+        return ""
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, Mapping):
+        return ", ".join(
+            f"{k.replace('_', ' ')} {_cell(v, f'{path}.{k}')}" for k, v in value.items()
+        )
+    if isinstance(value, list | tuple):
+        if path.endswith(_TURNING) and len(value) == 2:
+            number = complex(*value)
+            size, angle = _cell(abs(number), path, unit), math.degrees(cmath.phase(number))
+            return f"{size} at {angle:.4g}°"
+        if len(value) > _LONGEST and _is_numbers(value):
+            return short(np.array(value, dtype=np.float64))
+        sign = "; " if any(isinstance(each, Mapping) for each in value) else ", "
+        cells = [_cell(each, f"{path}[{i}]", unit) for i, each in enumerate(value)]
+        nested = any(isinstance(each, list | tuple) for each in value)
+        return sign.join(f"({text})" if nested else text for text in cells)
+    if not _is_number(value):
+        return str(value)
+    factor, written = _written(unit_of(path))
+    text = f"{factor * value:.6g}".replace("e+0", "e")
+    shown = written if unit is None and written not in (None, DIMENSIONLESS) else unit
+    return f"{text}{'' if shown in ('', '°') else ' '}{shown}" if shown else text
+
+
+def masses(system: Any, speed: float) -> Table:
+    """Make a table of masses and moments of inertia of the shafts with their bodies."""
+    if hasattr(system, "mass_properties"):
+        return Table.of_result(system.mass_properties())
+    heavy, turning = (_sums(system, speed, direction) for direction in ("v", "twist"))
+    reduced = [
+        ratio**2 * inertia for ratio, inertia in zip(system.speed_ratios, turning, strict=True)
+    ]
+    names = [shaft.name for shaft in system.shafts]
+    if len(names) > 1:
+        names.append("all")
+        heavy, turning = [*heavy, sum(heavy)], [*turning, math.nan]
+        reduced = [*reduced, sum(reduced)]
+    return Table.of(
+        "Mass and polar moment of inertia of each shaft with its gears and disks",
+        [
+            Column("shaft", names),
+            Column("mass", np.array(heavy), "kg"),
+            Column("polar inertia", np.array(turning), "kg m²"),
+            Column("reduced to the reference shaft", np.array(reduced), "kg m²"),
+        ],
+    )
+
+
+def shaft_masses(system: Any, speed: float) -> list[float]:
+    """Give the mass of each shaft with its gears and disks [kg]."""
+    return _sums(system, speed, "v")
+
+
+def _sums(system: Any, speed: float, direction: str) -> list[float]:
+    """Give the inertia of each shaft in a rigid motion; NaN without this motion."""
+    mass = system.matrices(speed).mass
+    found = []
+    for shaft in system.shafts:
+        own = np.array([s == shaft.name and d == direction for s, _, d in system.dofs], float)
+        found.append(float(own @ mass @ own) if own.any() else math.nan)
+    return found

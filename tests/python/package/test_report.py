@@ -1,0 +1,302 @@
+"""Reports: sections, tables and figures of the page, what a system lacks, and the page in a browser."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference.machines import bowed_pair, bowed_rotor_with_disk, rotor_with_two_disks
+
+SECTION_NAMES = (
+    *("summary", "drawing", "data", "mass", "static", "modes", "campbell", "criticals"),
+    *("stability", "response", "bow", "motion", "accuracy", "reproduction"),
+)
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+#: Width and height of A4 without the margins of the page [px of CSS], 96 to an inch.
+PAPER = (96 * 180 / 25.4, 96 * 263 / 25.4)
+
+
+def read_sections(path: Path) -> dict[str, str]:
+    """Return the content of each section of a report."""
+    page = path.read_text(encoding="utf-8")
+    return dict(re.findall(r'<section id="(\w+)">(.*?)</section>', page, re.DOTALL))
+
+
+def rows(section: str, title: str) -> list[list[str]]:
+    """Return the rows of a table, the headings first."""
+    table = section[section.index(f"<caption>{title}") :].partition("</table>")[0]
+    found = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in table.split("<tr>")[1:]]
+    return [[html.unescape(cell) for cell in row] for row in found]
+
+
+def written(system: gb.RotorSystem, folder: Path, **options: Any) -> Path:
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("plotly")
+    pytest.importorskip("jinja2")
+    path = folder / "report.html"
+    system.report(path, **options)
+    return path
+
+
+@pytest.fixture(scope="module")
+def pair() -> gb.RotorSystem:
+    return bowed_pair()
+
+
+@pytest.fixture(scope="module")
+def page(pair, tmp_path_factory) -> Path:
+    return written(
+        pair,
+        tmp_path_factory.mktemp("report"),
+        operating=(gb.rpm(900.0), gb.rpm(1000.0)),
+        speeds=np.linspace(20.0, 400.0, 20),
+        modes=4,
+        title="a <pair>",
+    )
+
+
+def test_a_report_is_one_file_with_every_section(page):
+    text = page.read_text(encoding="utf-8")
+    assert tuple(read_sections(page)) == SECTION_NAMES
+    assert "<title>a &lt;pair&gt;</title>" in text
+    # The page loads nothing; addresses in the script of plotly are texts.
+    scripts = re.findall(r"<script[^>]*>.*?</script>", text, re.DOTALL)
+    assert len([script for script in scripts if len(script) > 1_000_000]) == 1
+    without = re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
+    addresses = re.findall(r'(?:src|href)="(.{5})', without)
+    assert addresses
+    assert all(address.startswith(("data:", "#")) for address in addresses)
+    for section in read_sections(page).values():
+        for image, figure in zip(
+            re.findall(r'<img class="image" src="data:image/([^"]*)', section),
+            re.findall(r'<script type="application/json">(.*?)</script>', section, re.DOTALL),
+            strict=True,
+        ):
+            kind, data = image.split(";base64,")
+            assert base64.b64decode(data).startswith(b"\x89PNG" if kind == "png" else b"<?xml")
+            assert json.loads(figure)["data"]
+
+
+def test_tables_are_those_of_the_results(page, pair):
+    sections = read_sections(page)
+    modes = pair.modes(gb.rpm(1000.0), count=5)
+    head, *found = rows(sections["modes"], "Modes at 1000 rpm")
+    assert head[:3] == ["mode", "frequency [Hz]", "damping [%]"]
+    # four that oscillate, and perhaps more
+    expected = [f"{value:.3f}" for value in modes.frequencies_hz]
+    assert [row[1] for row in found][: len(expected)] == expected
+    static = pair.static(gb.rpm(1000.0))
+    (_, first) = rows(sections["static"], "Meshes at equilibrium")
+    assert float(first[1]) == pytest.approx(static.mesh("g1/g2").force, rel=1e-5)
+    assert float(first[4]) == pytest.approx(np.degrees(static.mesh("g1/g2").pressure_angle))
+    _, *shafts = rows(sections["data"], "Shafts")
+    assert [row[0] for row in shafts] == ["input", "output"]
+    assert "amplitude 0.1 mm" in shafts[0][-1]
+    _, *masses = rows(sections["mass"], "Mass and polar moment of inertia")
+    shaft = pair.shafts[0]
+    own = 7850.0 * np.pi / 4.0 * shaft.outer_diameter**2 * shaft.length
+    gear = pair.gears[0]
+    radius = 0.5 * gear.teeth * gear.module
+    own += 7850.0 * np.pi * radius**2 * gear.face_width
+    assert float(masses[0][1]) == pytest.approx(own, rel=1e-3)  # of the four printed digits
+
+
+def test_the_unbalance_of_api_617(page):
+    head, *found = rows(read_sections(page)["criticals"], "Unbalance of API 617, 2")
+    amount, mass, speed = (
+        head.index(next(name for name in head if name.startswith(word)))
+        for word in ("unbalance", "mass", "speed")
+    )
+    assert found
+    for row in found:
+        expected = 2 * 6350 * float(row[mass]) / float(row[speed])
+        assert float(row[amount]) == pytest.approx(expected, rel=2e-3)  # of printed digits
+
+
+def test_level_1_of_api_617(tmp_path):
+    # In an isotropic rotor the cross-coupled stiffness that removes the damping c of a bearing at
+    # its place is c ω, and the curve of the decrement is a line up to the change of ω.
+    rotor = bowed_rotor_with_disk()
+    path = written(rotor, tmp_path, operating=100.0, speeds=[50.0, 100.0, 150.0], modes=4)
+    text = html.unescape(read_sections(path)["stability"])
+    limit = float(re.search(r"zero at Q₀ = ([\d.e+]+) N/m", text)[1])
+    (disk,) = rotor.disks
+
+    def damping(stiffness: float) -> float:
+        cross = [[0.0, stiffness], [-stiffness, 0.0]]
+        added = gb.Bearing(disk.shaft, disk.position, stiffness=cross)
+        modes = rotor.replace(bearings=[*rotor.bearings, added]).modes(100.0, count=4)
+        return float(modes.damping_ratios[[w == "forward" for w in modes.whirl]].min())
+
+    # the curve has seven points, between which it is a line
+    assert damping(0.95 * limit) > 0.0 > damping(1.05 * limit)
+
+
+def test_what_a_system_lacks_is_said(tmp_path):
+    path = written(rotor_with_two_disks(), tmp_path)  # neither speeds nor meshes
+    sections = {name: html.unescape(text) for name, text in read_sections(path).items()}
+    assert "no operating speed was given (operating=, or --speed)" in sections["motion"]
+    assert "no speeds were given (speeds=, or --to)" in sections["campbell"]
+    assert "Campbell diagram: not complete" in sections["summary"]
+    # what was computed before the error stays
+    assert "Logarithmic decrement at standstill" in sections["stability"]
+    assert "<table>" in sections["modes"]
+
+
+def test_torsion_alone(tmp_path):
+    line = gb.examples()["torsional_drive_line"]
+    path = written(line.load(), tmp_path, operating=line.speed, modes=3)
+    sections = read_sections(path)
+    assert "the system has no lateral motion" in sections["response"]
+    assert "A bow has no effect" in sections["bow"]
+    assert "Twist of gears and disks" in sections["motion"]
+    assert "Not computed" not in "".join(sections.values())
+
+
+def test_ctrl_c_keeps_finished_sections(pair, tmp_path):
+    def stop(fraction: float) -> None:
+        if fraction > 0.2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        written(pair, tmp_path, operating=100.0, progress=stop)
+    sections = read_sections(tmp_path / "report.html")
+    assert tuple(sections) == ("summary", "drawing", "data", "mass", "reproduction")
+    assert "The report was stopped. It lacks: Static loads" in sections["summary"]
+
+
+def test_the_program_of_a_report_makes_it_again(page, pair, tmp_path, monkeypatch):
+    section = read_sections(page)["reproduction"]
+    links = re.findall(r'href="data:text/plain;base64,([^"]*)" download="([^"]*)"', section)
+    files = {name: base64.b64decode(data).decode() for data, name in links}
+    (tmp_path / "scene.toml").write_text(files["scene.toml"], encoding="utf-8")
+    assert gb.RotorSystem.load(tmp_path / "scene.toml").description == pair.description
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(gb.RotorSystem, "report", lambda _, path, **o: given.update(o, path=path))
+    monkeypatch.chdir(tmp_path)
+    exec(files["report.py"], {})
+    assert given["operating"] == (gb.rpm(900.0), gb.rpm(1000.0))
+    assert (given["path"], given["modes"], given["title"]) == ("report.html", 4, "a <pair>")
+    np.testing.assert_allclose(given["speeds"], np.linspace(20.0, 400.0, 20))
+
+
+def test_wrong_arguments(pair, tmp_path):
+    with pytest.raises(gb.SceneError, match=r"path: must end with \.html"):
+        pair.report(tmp_path / "report.pdf")
+    with pytest.raises(gb.SceneError, match="operating: must be above 0"):
+        pair.report(tmp_path / "report.html", operating=(-1.0, 1.0))
+    with pytest.raises(FileNotFoundError):
+        pair.report(tmp_path / "none" / "report.html")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    api = pytest.importorskip("playwright.sync_api")
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if found is None:
+        pytest.skip(f"there is no browser ({', '.join(BROWSERS)})")
+    with api.sync_playwright() as program:
+        # Software draws in three dimensions where there is no graphics card.
+        options = ["--no-sandbox", "--enable-unsafe-swiftshader"]
+        started = program.chromium.launch(executable_path=found, args=options)
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def opened(browser, page) -> Callable[..., Any]:
+    contexts = []
+
+    def open_page(**options: Any) -> Any:
+        context = browser.new_context(viewport={"width": 1100, "height": 900}, **options)
+        contexts.append(context)
+        shown = context.new_page()
+        shown.set_default_timeout(120_000.0)  # a busy machine draws slowly
+        shown.problems = []
+        shown.on("pageerror", lambda error: shown.problems.append(str(error)))
+        shown.on(
+            "console",
+            lambda message: message.type == "error" and shown.problems.append(message.text),
+        )
+        shown.goto(page.as_uri(), wait_until="domcontentloaded")
+        return shown
+
+    yield open_page
+    for context in contexts:
+        context.close()
+
+
+def test_a_browser_shows_figures_that_zoom(opened):
+    shown = opened()
+    assert shown.locator("section").count() == len(SECTION_NAMES)
+    figure = shown.locator("#campbell .interactive")
+    figure.scroll_into_view_if_needed()
+    figure.locator(".main-svg").first.wait_for()
+    assert not shown.locator("#campbell img.image").is_visible()
+    panel = figure.locator(".nsewdrag").first
+    box = panel.bounding_box()
+    assert box["width"] > 500
+    read = "figure => [...figure.querySelector('.js-plotly-plot')._fullLayout.xaxis.range]"
+    before = figure.evaluate(read)
+    # hover over a point of a curve
+    place = figure.evaluate(
+        """figure => {
+            const plot = figure.querySelector('.js-plotly-plot'), full = plot._fullLayout;
+            const one = plot._fullData.find(t => t.xaxis === 'x' && t.x.length > 5 && t.visible);
+            const middle = Math.floor(one.x.length / 2);
+            return [full.xaxis.l2p(one.x[middle]), full.yaxis.l2p(one.y[middle])];
+        }"""
+    )
+    shown.mouse.move(box["x"] + place[0] - 3, box["y"] + place[1])
+    shown.mouse.move(box["x"] + place[0], box["y"] + place[1])
+    figure.locator(".hoverlayer .hovertext").first.wait_for()
+    assert "frequency [Hz]" in figure.locator(".hoverlayer").text_content()
+    # drag over a part of the panel
+    x, y = box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"]
+    shown.mouse.move(x, y)
+    shown.mouse.down()
+    shown.mouse.move(x + 200, y + 120, steps=4)
+    shown.mouse.up()
+    shown.wait_for_function(
+        "before => document.querySelector('#campbell .js-plotly-plot')"
+        "._fullLayout.xaxis.range[0] > before + 1",
+        arg=before[0],
+    )
+    assert shown.problems == []
+
+
+def test_a_page_without_scripts_shows_images(opened):
+    shown = opened(java_script_enabled=False)
+    images = shown.locator("img.image")
+    assert images.count() > 8
+    for number in range(images.count()):
+        assert images.nth(number).is_visible()
+
+
+def test_figures_and_tables_fit_on_paper(opened, tmp_path):
+    shown = opened()
+    shown.set_viewport_size({"width": round(PAPER[0]), "height": 900})
+    shown.emulate_media(media="print")
+    shown.wait_for_function(
+        "() => [...document.images].every(image => image.complete && image.naturalWidth)"
+    )
+    sizes = shown.evaluate(
+        "() => [...document.querySelectorAll('figure, table')].map(each => {"
+        " const box = each.getBoundingClientRect();"
+        " return [each.tagName, each.innerText.slice(0, 60), box.width, box.height]; })"
+    )
+    for kind, name, width, height in sizes:
+        assert 0.0 < width <= PAPER[0] + 1.0, name
+        assert kind == "TABLE" or height < PAPER[1], name
+    shown.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True)
+    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")

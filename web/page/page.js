@@ -1,0 +1,231 @@
+"use strict";
+
+const RPM = 30 / Math.PI; // what multiplies a speed in rad/s
+const MODE_COUNT = 12;
+const CAMPBELL_POINTS = 25;
+const SYNCHRONOUS_POINTS = 300;
+const TURNS = 4;
+const byId = (id) => document.getElementById(id);
+
+/** Bytes of a text in base 64. */
+function bytesOf(text) {
+  return Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
+}
+
+/** Lets the browser draw before the next computation. */
+function drawn() {
+  return new Promise((resolve) => setTimeout(resolve, 20));
+}
+
+function say(text, isError = false) {
+  byId("status").textContent = text;
+  byId("status").classList.toggle("error", isError);
+}
+
+/** An element of a drawing. */
+function shape(name, attributes, text = "") {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  element.textContent = text;
+  return element;
+}
+
+/** Draws the shafts to scale from the side, one above the other, with the bow enlarged. */
+function drawTrain(layout) {
+  const radiusAt = (index) => Math.max(
+    ...layout.shafts[index].cylinders.map((cylinder) => cylinder.outer_radius),
+    ...layout.gears.filter((gear) => gear.shaft === index).map((gear) => gear.radius),
+  );
+  const length = Math.max(...layout.shafts.map((shaft) => shaft.length));
+  const gap = 0.06 * length;
+  const axes = [];
+  let y = 0;
+  layout.shafts.forEach((_, index) => {
+    y += radiusAt(index) + gap;
+    axes.push(y);
+    y += radiusAt(index) + gap;
+  });
+  const margin = 0.16 * length;
+  const largest = Math.max(...layout.shafts.flatMap((shaft) => shaft.bow));
+  const enlarged = largest > 0 ? (0.6 * gap) / largest : 0;
+  const drawing = shape("svg", { viewBox: `${-margin} 0 ${length + margin + 0.05 * length} ${y}`, role: "img" });
+  const thin = { stroke: "#1b2733", "stroke-width": 0.0025 * length };
+  layout.shafts.forEach((shaft, index) => {
+    drawing.append(shape("text", { x: -margin, y: axes[index], "font-size": 0.028 * length, "dominant-baseline": "middle" }, shaft.name));
+    for (const cylinder of shaft.cylinders) {
+      drawing.append(shape("rect", {
+        x: cylinder.x, y: axes[index] - cylinder.outer_radius, width: cylinder.length, height: 2 * cylinder.outer_radius,
+        fill: "#d7dee5", ...thin, "stroke-width": 0.001 * length,
+      }));
+    }
+  });
+  for (const gear of layout.gears) {
+    const width = gear.width || 0.03 * length;
+    drawing.append(shape("rect", {
+      x: gear.x - width / 2, y: axes[gear.shaft] - gear.radius, width, height: 2 * gear.radius, fill: "#8fb3cc", "fill-opacity": 0.85, ...thin,
+    }));
+    drawing.append(shape("text", { x: gear.x + 0.7 * width, y: axes[gear.shaft] - 0.75 * gear.radius, "font-size": 0.024 * length }, `${gear.name} (${gear.teeth})`));
+  }
+  for (const disk of layout.disks) {
+    const radius = 1.8 * radiusAt(disk.shaft) * (layout.gears.some((gear) => gear.shaft === disk.shaft) ? 0.5 : 1);
+    drawing.append(shape("rect", { x: disk.x - 0.01 * length, y: axes[disk.shaft] - radius, width: 0.02 * length, height: 2 * radius, fill: "#b9a36b", ...thin }));
+    drawing.append(shape("text", { x: disk.x + 0.015 * length, y: axes[disk.shaft] - radius, "font-size": 0.024 * length, "dominant-baseline": "hanging" }, disk.name));
+  }
+  for (const bearing of layout.bearings) {
+    const size = 0.018 * length;
+    const at = layout.shafts[bearing.shaft].cylinders.find((one) => bearing.x <= one.x + one.length * 1.000001);
+    const foot = axes[bearing.shaft] + at.outer_radius;
+    drawing.append(shape("path", { d: `M ${bearing.x} ${foot} l ${size} ${1.6 * size} h ${-2 * size} z`, fill: "#fff", ...thin }));
+  }
+  layout.shafts.forEach((shaft, index) => {
+    if (!shaft.bow.some((size) => size > 0)) return;
+    const points = shaft.nodes.map((x, node) => `${x},${axes[index] - enlarged * shaft.bow[node]}`);
+    drawing.append(shape("polyline", { points: points.join(" "), fill: "none", stroke: "#c0392b", "stroke-width": 0.004 * length }));
+  });
+  byId("drawing").replaceChildren(drawing);
+}
+
+/** Fills a table. */
+function tabulate(id, heads, rows) {
+  const line = (cells, kind) => {
+    const row = document.createElement("tr");
+    row.append(...cells.map((cell) => Object.assign(document.createElement(kind), { textContent: cell })));
+    return row;
+  };
+  byId(id).replaceChildren(line(heads, "th"), ...rows.map((cells) => line(cells, "td")));
+}
+
+function plot(id, traces, x, y, layout = {}) {
+  const axes = { xaxis: { title: { text: x } }, yaxis: { title: { text: y } } };
+  const common = { margin: { l: 70, r: 20, t: 20, b: 50 }, legend: { orientation: "h", y: -0.22 }, ...axes, ...layout };
+  Plotly.react(id, traces, common, { responsive: true, displaylogo: false });
+}
+
+function plotCampbell(found) {
+  const speeds = found.speeds.map((speed) => speed * RPM);
+  const highest = Math.max(...found.frequencies_hz.flat());
+  const modes = found.frequencies_hz[0].map((_, mode) => ({
+    x: speeds, y: found.frequencies_hz.map((row) => row[mode]), mode: "lines", name: `mode ${mode + 1}`, showlegend: false, line: { color: "#1f5f8b" },
+  }));
+  const lines = found.lines.map((line) => {
+    const x = found.speeds.filter((speed) => Math.abs(line.order) * speed <= highest * 2 * Math.PI);
+    const ends = [0, ...x];
+    return {
+      x: ends.map((speed) => speed * RPM), y: ends.map((speed) => (Math.abs(line.order) * speed) / (2 * Math.PI)), mode: "lines", name: line.name, line: { dash: "dash", width: 1 },
+    };
+  });
+  const at = found.intersections;
+  const critical = {
+    x: at.map((one) => one.speed * RPM), y: at.map((one) => one.frequency_hz), mode: "markers", name: "intersections",
+    text: at.map((one) => `${one.line}, ${one.whirl}, damping ratio ${(100 * one.damping_ratio).toFixed(2)} %`), marker: { color: "#c0392b", size: 7 },
+  };
+  plot("campbell", [...modes, ...lines, critical], "speed of the reference shaft [rpm]", "frequency [Hz]", { yaxis: { title: { text: "frequency [Hz]" }, range: [0, highest * 1.05] } });
+}
+
+function plotSynchronous(found) {
+  const traces = found.names.map((name, index) => ({ x: found.speeds.map((speed) => speed * RPM), y: found.semi_major_axes[index].map((size) => size * 1e6), mode: "lines", name }));
+  plot("synchronous", traces, "speed of the reference shaft [rpm]", "semi-major axis of the orbit [µm]", { yaxis: { type: "log", title: { text: "semi-major axis of the orbit [µm]" }, exponentformat: "power" } });
+}
+
+function plotRun(run) {
+  const micro = (values) => values.map((value) => value * 1e6);
+  plot("orbits", run.points.map((point) => ({ x: micro(point.y), y: micro(point.z), mode: "lines", name: point.name })), "y [µm]", "z [µm]", { yaxis: { title: { text: "z [µm]" }, scaleanchor: "x" } });
+  const time = run.time.map((instant) => instant * 1e3);
+  plot("contact", run.meshes.map((mesh) => ({ x: time, y: mesh.contact_ratio, mode: "lines", name: mesh.name })), "time [ms]", "contact ratio");
+  plot("force", run.meshes.map((mesh) => ({ x: time, y: mesh.force.map((force) => force / 1e3), mode: "lines", name: mesh.name })), "time [ms]", "mesh force [kN]");
+}
+
+/** Calls a method of the train, and frees nothing: the caller frees the train. */
+function asked(train, name, ...values) {
+  return JSON.parse(train[name](...values));
+}
+
+let pending = false;
+
+async function compute() {
+  if (pending) return;
+  pending = true;
+  byId("compute").disabled = true;
+  say("Assembling …");
+  await drawn();
+  const begin = performance.now();
+  const results = {};
+  let train;
+  try {
+    const shaft = byId("shaft").value;
+    train = new wasm_bindgen.Train(byId("scene").value, JSON.stringify(UNITS), shaft, byId("bow").value * 1e-6);
+    const speed = byId("speed").value / RPM;
+    const fastest = byId("fastest").value / RPM;
+    const layout = asked(train, "layout");
+    offerShafts(layout);
+    byId("warnings").replaceChildren(...layout.warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+    drawTrain(layout);
+    const parts = [
+      ["modes", () => {
+        results.modes = asked(train, "modes", speed, MODE_COUNT);
+        const rows = results.modes.map((mode, index) => [index + 1, mode.frequency_hz.toFixed(2), (100 * mode.damping_ratio).toFixed(2), mode.whirl]);
+        tabulate("modes", ["mode", "frequency [Hz]", "damping ratio [%]", "motion"], rows);
+      }],
+      ["Campbell diagram", () => plotCampbell((results.campbell = asked(train, "campbell", fastest, CAMPBELL_POINTS, MODE_COUNT)))],
+      ["synchronous response", () => plotSynchronous((results.synchronous = asked(train, "synchronous", fastest, SYNCHRONOUS_POINTS)))],
+      ["run", () => plotRun((results.run = asked(train, "run", speed, TURNS)))],
+    ];
+    const failed = [];
+    for (const [name, part] of parts) {
+      say(`Computing: ${name} …`);
+      await drawn();
+      try {
+        part();
+      } catch (error) {
+        failed.push(`${name}: ${error.message ?? error}`);
+      }
+    }
+    const seconds = ((performance.now() - begin) / 1000).toFixed(1);
+    const done = `${layout.degrees_of_freedom} degrees of freedom, ${seconds} s`;
+    say([done, ...failed].join("\n"), failed.length > 0);
+  } catch (error) {
+    say(String(error.message ?? error), true);
+  } finally {
+    train?.free();
+    window.gearbowResults = results;
+    byId("compute").disabled = false;
+    pending = false;
+  }
+}
+
+/** Lists the shafts, and keeps the choice. */
+function offerShafts(layout) {
+  const chosen = byId("shaft").value;
+  const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
+  byId("shaft").replaceChildren(option("", "as in the train"), ...layout.shafts.map((shaft) => option(shaft.name, shaft.name)));
+  byId("shaft").value = layout.shafts.some((shaft) => shaft.name === chosen) ? chosen : "";
+  byId("bow").disabled = byId("shaft").value === "";
+}
+
+function showBow() {
+  byId("bow-text").textContent = `${byId("bow").value} µm`;
+}
+
+function choose(name) {
+  const example = EXAMPLES[name];
+  byId("scene").value = example.scene;
+  byId("speed").value = example.speed_rpm;
+  byId("fastest").value = example.fastest_rpm;
+  byId("shaft").value = "";
+  byId("bow").disabled = true;
+}
+
+async function begin() {
+  byId("example").append(...Object.keys(EXAMPLES).map((name) => new Option(name, name)));
+  byId("example").addEventListener("change", (event) => { choose(event.target.value); compute(); });
+  byId("compute").addEventListener("click", compute);
+  byId("shaft").addEventListener("change", () => { byId("bow").disabled = byId("shaft").value === ""; compute(); });
+  byId("bow").addEventListener("input", showBow);
+  byId("bow").addEventListener("change", compute);
+  showBow();
+  await wasm_bindgen({ module_or_path: bytesOf(PROGRAM) });
+  choose(Object.keys(EXAMPLES)[0]);
+  await compute();
+}
+
+begin();
