@@ -82,7 +82,8 @@ def random_train(seed: int) -> gb.RotorSystem:
 def check(found: gb.results.ResponseSensitivity, values: Callable[[str, float], Any]) -> None:
     """Compare derivatives with central differences of complete analyses."""
     expected = np.array(
-        [differences(lambda f, path=path: values(path, f), 4e-4) for path in found.parameters]
+        # Near a resonance with 1 % damping, steps of 1.6e-3 have errors of 3e-6, which fall with h⁴.
+        [differences(lambda f, path=path: values(path, f), 1e-4) for path in found.parameters]
     )
     own = found.derivatives * found.parameter_values.reshape(-1, *(1,) * found.values.ndim)
     assert own.shape == expected.shape
