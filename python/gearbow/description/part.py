@@ -63,14 +63,14 @@ class Part(CheckedKeywords, Shown):
 def _kinds(part: type[Part]) -> dict[str, tuple[Any, ...]]:
     """Give the types that each field of a part may have."""
     unions = (Union, types.UnionType)
-    found = {
+    given = {
         field: _members(hint) if get_origin(hint) in unions else (hint,)
         for field, hint in get_type_hints(part).items()
     }
-    # A literal is a text; the core names the known ones.
+    # The core checks which texts a field may have: a type with some texts is a text.
     return {
         field: tuple(str if get_origin(kind) is Literal else kind for kind in kinds)
-        for field, kinds in found.items()
+        for field, kinds in given.items()
     }
 
 
