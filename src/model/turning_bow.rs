@@ -24,8 +24,12 @@ pub fn bow_force(shaft: &ShaftModel) -> [Row; 2] {
 }
 
 impl Model {
-    /// The bows that turn with the twist: one for each bowed shaft with torsion, in the order of the shafts.
+    /// The bows that turn with the twist: one for each bowed shaft with torsion, in the order of the shafts; none if the scene
+    /// leaves their torque out.
     pub(super) fn turning_bows(&self) -> Vec<TurningBow> {
+        if !self.scene.bow_torque {
+            return Vec::new();
+        }
         let bow = |(shaft, model): (usize, &ShaftModel)| {
             let twist = self.bow_twist(shaft)?;
             let force = model.excitations.iter().fold(0.0_f64, |size, excitation| size.hypot(excitation.bow.norm()));

@@ -148,6 +148,8 @@ pub struct Scene {
     pub torsion: bool,
     /// Whether nodes have the axial displacement u.
     pub axial: bool,
+    /// Whether bows turn with the twist of their shafts.
+    pub bow_torque: bool,
     /// Warnings of implausible values.
     pub warnings: Vec<String>,
 }
@@ -183,6 +185,7 @@ impl Scene {
             couplings,
             modal_damping: modal_damping(system)?,
             rayleigh: rayleigh(system)?,
+            bow_torque: system.bow_torque,
             gravity: gravity(system)?,
             shafts,
             gears,

@@ -293,7 +293,7 @@ fn the_tangent_is_the_derivative_of_the_load() {
 
 #[test]
 fn the_load_of_a_turning_bow_has_a_potential() {
-    let cached = CachedModel::new(model(&heavy()));
+    let cached = CachedModel::new(model(&SceneDescription { bow_torque: true, ..heavy() }));
     let model = &cached.model;
     assert!(!model.bows.is_empty());
     let reference = vec![0.0; model.len()];
@@ -333,7 +333,7 @@ fn the_load_of_a_turning_bow_has_a_potential() {
 
 #[test]
 fn a_rigid_rotation_does_not_turn_a_bow_that_nothing_holds() {
-    let mut system = train();
+    let mut system = SceneDescription { bow_torque: true, ..train() };
     let free = model(&system);
     let drive = r#"drive = { at = "g1", stiffness = 1e4 }"#;
     let parsed: toml::Table = toml::from_str(drive).unwrap();

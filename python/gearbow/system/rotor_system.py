@@ -75,12 +75,17 @@ _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
     "modal_damping": number,
     "rayleigh": nested,
     "geometric_stiffness": _flag,
+    "bow_torque": _flag,
     "gravity": nested,
     "motion": text,
     "accuracy": text,
 }
 #: Values of options that were not given, where they are not None.
-_DEFAULTS: dict[str, Plain] = {"accuracy": DEFAULT, "geometric_stiffness": False}
+_DEFAULTS: dict[str, Plain] = {
+    "accuracy": DEFAULT,
+    "geometric_stiffness": False,
+    "bow_torque": False,
+}
 
 
 class RotorSystem(CheckedKeywords, Shown):
@@ -121,6 +126,10 @@ class RotorSystem(CheckedKeywords, Shown):
     geometric_stiffness : bool
         Whether the axial forces of the static equilibrium, such as the thrust of helical gears,
         change the bending stiffness of the shafts, beside `Shaft.axial_force`.
+    bow_torque : bool
+        Whether the bow of a shaft turns with the twist of the shaft, and so has a moment about it:
+        about b/r of a mesh force at once per revolution, with the bow b at a gear of the base radius
+        r. False turns the bow with the prescribed angle, so that runs that are linear stay so.
     gravity : float or tuple of (float, float), optional
         Gravity [m/s²], along −z or as (y, z).
     motion : {"lateral", "torsion", "coupled"}, optional
@@ -138,7 +147,7 @@ class RotorSystem(CheckedKeywords, Shown):
         The given parts.
     supports, housings, couplings, drives, forces, sleeves : tuple
         The given parts.
-    reference, modal_damping, rayleigh, geometric_stiffness, gravity, motion, accuracy
+    reference, modal_damping, rayleigh, geometric_stiffness, bow_torque, gravity, motion, accuracy
         The given options; None if not given.
 
     Raises
@@ -198,6 +207,7 @@ class RotorSystem(CheckedKeywords, Shown):
     modal_damping: float | None
     rayleigh: tuple[float, float] | None
     geometric_stiffness: bool
+    bow_torque: bool
     gravity: float | tuple[float, float] | None
     motion: str | None
     accuracy: str
@@ -223,6 +233,7 @@ class RotorSystem(CheckedKeywords, Shown):
         modal_damping: float | None = None,
         rayleigh: tuple[float, float] | None = None,
         geometric_stiffness: bool = False,
+        bow_torque: bool = False,
         gravity: float | tuple[float, float] | None = None,
         motion: ShaftMotion | None = None,
         accuracy: Accuracy = DEFAULT,
@@ -234,6 +245,7 @@ class RotorSystem(CheckedKeywords, Shown):
             "modal_damping": modal_damping,
             "rayleigh": rayleigh,
             "geometric_stiffness": geometric_stiffness,
+            "bow_torque": bow_torque,
             "gravity": gravity,
             "motion": motion,
             "accuracy": accuracy,

@@ -47,6 +47,9 @@ pub struct SceneDescription {
     /// Whether the axial forces of the static equilibrium change the stiffness of the shafts; false by default.
     #[serde(default, skip_serializing_if = "is_false")]
     pub geometric_stiffness: bool,
+    /// Whether a bow turns with the twist of its shaft, and so has a moment about it; false by default.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub bow_torque: bool,
     /// Gravity, m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,

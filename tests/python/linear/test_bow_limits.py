@@ -157,10 +157,7 @@ def test_a_simulation_reaches_the_limits_of_probes_and_bearings():
 
     for one in found.limits:
         if one.limit in ("displacement", "velocity", "bearing force", "bearing life"):
-            # A bow of 15 % of the base radius: its torque, which the linear limits lack, changes the bearing
-            # force by 7 %.
-            share = 0.1 if one.limit in ("bearing force", "bearing life") else 0.02
-            below, above = (values(part * one.bow)[one.limit] for part in (1 - share, 1 + share))
+            below, above = (values(part * one.bow)[one.limit] for part in (0.98, 1.02))
             assert below < 1.0 < above, one
 
 

@@ -33,7 +33,7 @@ def system(offset: str, torque: float) -> gb.RotorSystem:
         mesh={"stiffness": 1e9, "damping_ratio": 0.2},
         bearing={"stiffness": 1e10, "damping": 1e5},
         torque=torque,
-    )
+    ).replace(bow_torque=True)
 
 
 def first_order(offset: str, torque: float, speed: float) -> complex:

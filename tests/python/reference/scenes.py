@@ -190,7 +190,9 @@ class Geared:
             load = -self.torque * ratio[first] / ratio[last]
             torques = [(self.gears[0].name, self.torque), (self.gears[-1].name, load)]
         meshes = [MeshSpec(a, b, self.law(i)) for i, (a, b) in enumerate(self.meshes)]
-        return Train(shafts, rigid, bearings, meshes, torques, self.gravity or (0.0, 0.0))
+        turning = bool(self.options.get("bow_torque"))
+        gravity = self.gravity or (0.0, 0.0)
+        return Train(shafts, rigid, bearings, meshes, torques, gravity, turning)
 
 
 PAIR = Geared(

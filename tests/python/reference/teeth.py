@@ -389,7 +389,7 @@ def integrate(
         a = linear @ y + steady
         for spin, at_0, at_90 in turning:
             a += np.cos(spin * t) * at_0 + np.sin(spin * t) * at_90
-        if scene.bows and scene.coupled:
+        if system.train.turning_bows:
             a += system.inverse @ system.train.twisted_bow(speed * t, y[:n])
         a += push @ teeth.force(system.select @ y[:n], system.select @ y[n:], spins * t, spins)[1]
         return np.concatenate([y[n:], a])

@@ -81,6 +81,7 @@ class Train:
     meshes: Sequence[MeshSpec] = ()
     torques: Sequence[tuple[str, float]] = ()
     gravity: tuple[float, float] = (0.0, 0.0)
+    bow_torque: bool = False  # whether bows turn with the twist
     nodes: dict[str, Array] = field(init=False)
     offset: dict[str, int] = field(init=False)
 
@@ -180,9 +181,9 @@ class Train:
 
     @cached_property
     def turning_bows(self) -> list[TurningBow]:
-        """Bows that turn with the twist, which shafts without teeth do not have."""
+        """Bows that turn with the twist."""
         bows: list[TurningBow] = []
-        if not self.meshes:
+        if not self.bow_torque:
             return bows
         for shaft in (s for s in self.shafts if s.bow is not None):
             shapes = [self.bow_shape(shaft, angle) for angle in (0.0, np.pi / 2)]

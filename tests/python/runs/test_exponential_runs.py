@@ -34,10 +34,6 @@ def with_mesh(**mesh: Any) -> Toothed:
 SCENES: dict[str, tuple[Toothed, dict[str, Any]]] = {
     "smooth, live": (with_mesh(stiffness=SMOOTH), {}),
     "mean, frozen": (with_mesh(stiffness=2e8), {"geometry": "frozen"}),
-    "mean, frozen, straight": (
-        replace(with_mesh(stiffness=2e8), bows={}),
-        {"geometry": "frozen"},
-    ),
     "sharp, frozen": (with_mesh(stiffness=SHARP), {"geometry": "frozen"}),
     "sharp, live": (with_mesh(stiffness=SHARP), {}),
     "rattling, live": (replace(with_mesh(stiffness=SMOOTH, backlash=5e-6), torque=5.0), {}),

@@ -200,7 +200,7 @@ def test_arrays_adopt_what_the_core_computed():
     shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
     bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     model = gb.RotorSystem([shaft], bearings=bearings)._model
-    response, modes = model.synchronous(np.array([100.0]), "both"), model.modes(0.0)
+    response, modes = model.synchronous(np.array([100.0]), "both", 1), model.modes(0.0)
     arrays = [response["amplitudes"], response["bearing_force"], modes["shapes"]]
     arrays += [modes["kinetic_shares"], model.matrices(0.0)["mass"]]
     assert {type(array.base).__name__ for array in arrays} == {"PySliceContainer"}
