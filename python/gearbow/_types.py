@@ -147,7 +147,7 @@ class HarmonicData(TypedDict):
 
 
 class BalanceData(TypedDict, total=False):
-    """Only at given displacements: forces that remain, and the displacements without null motions."""
+    """At given displacements: forces that remain, and displacements without null motions (n,)."""
 
     unbalanced: Array
     without_null_motions: Array
