@@ -93,7 +93,8 @@ class Sparse:
     ) -> Complex:
         """Return the response (frequencies, n) to a unit force along y of the order 1."""
         force = np.zeros(self.n, dtype=complex)
-        force[self.index[(*place, "v")]] = 1.0
+        shaft, position = place
+        force[self.index[shaft, position, "v"]] = 1.0
         found = np.zeros((len(frequencies), self.n), dtype=complex)
         for i, omega in enumerate(frequencies):
             damping = self.damping + omega * self.gyroscopic

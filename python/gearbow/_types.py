@@ -146,7 +146,14 @@ class HarmonicData(TypedDict):
     mesh_force: ComplexArray
 
 
-class StaticData(TypedDict):
+class BalanceData(TypedDict, total=False):
+    """At given displacements: forces that remain, and displacements without null motions (n,)."""
+
+    unbalanced: Array
+    without_null_motions: Array
+
+
+class StaticData(BalanceData):
     """Static equilibrium: n degrees of freedom, the meshes and the bearings."""
 
     state: Array

@@ -268,7 +268,7 @@ class Modes(Result, ReadOnly):
         mac = np.divide(cross, sizes, out=np.zeros_like(sizes), where=sizes > 0.0)
         return ModeComparison(mac, self.frequencies_hz, measured.frequencies_hz)
 
-    def _nodes(self) -> list[At]:
+    def _nodes(self) -> list[tuple[str, float]]:
         """Give the places of the nodes with lateral motion."""
         return list(dict.fromkeys((name, x) for name, x, kind in nodal(self.dofs) if kind == "v"))
 

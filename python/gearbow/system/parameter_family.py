@@ -180,7 +180,8 @@ def _difference(
             # The terms of higher order are smaller than the extrapolated ones as these are than
             # the derivative.
             if first is None and change <= _SMOOTH * most:
-                return _extrapolate(*slopes, 4.0), change**2 / most if most > 0.0 else 0.0
+                found = _extrapolate(slopes[0], slopes[1], 4.0)
+                return found, change**2 / most if most > 0.0 else 0.0
     ratio = 4.0 if first is None else 2.0
     once = [_extrapolate(slopes[i], slopes[i + 1], ratio) for i in (0, 1)]
     twice = _extrapolate(once[0], once[1], ratio**2 if first is None else 4.0)

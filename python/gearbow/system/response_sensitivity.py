@@ -92,7 +92,12 @@ class _Signal:
         if self.quantity != "sensor":
             return _QUANTITIES.get(self.quantity, ("", 0))[1]
         asked: list[str] = []
-        self.at._sensed(lambda quantity, _: asked.append(quantity) or np.zeros(2))
+
+        def of(quantity: str, _: Any) -> Array:
+            asked.append(quantity)
+            return np.zeros(2)
+
+        self.at._sensed(of)
         return _QUANTITIES[asked[0].replace("axial_", "").replace("axial", "displacement")][1]
 
     def moved(self, coordinates: Coordinates, motion: Any) -> Any:
@@ -160,7 +165,8 @@ class _Harmonic:
         base = self.family.base
         adjoint = base._model.harmonic_adjoint(self.frequencies, self.speeds, self._outputs(base))
         terms = self._terms(base)
-        values = sum(self._forms(each, np.zeros_like(adjoint)) for each in terms)
+        none = np.zeros_like(adjoint)
+        values: ComplexArray = np.sum([self._forms(each, none) for each in terms], axis=0)
         sizes = dataclasses.replace(self, phasors=np.abs(self.phasors).astype(np.complex128))
         stiffness = np.eye(1, 5, dtype=np.complex128)
         elastic = (e._with(e.keys, np.abs(e.values) * stiffness) for e in terms)
