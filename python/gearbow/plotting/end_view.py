@@ -129,11 +129,13 @@ def _mesh(labels: Labels, train: Train, mesh: Mesh, gears: Mapping[str, Gear]) -
 def _turning(train: Train) -> dict[str, float]:
     """Give the radius at which each shaft shows its sense of rotation [m]."""
     radii: dict[str, float] = {}
-    seen: list[tuple[float, float]] = []
+    seen: list[tuple[float, float, float]] = []
     for shaft in sorted(train.layout.shafts, key=lambda shaft: -_reach(train, shaft.name)):
-        axis = (round(float(shaft.origin[1]), 9), round(float(shaft.origin[2]), 9))
-        if axis not in seen:  # coaxial shafts turn alike: one arrow is enough
-            seen.append(axis)
+        y, z = (round(float(x), 9) for x in shaft.origin[1:])
+        # Coaxial shafts that turn alike have one arrow.
+        turn = (y, z, float(np.sign(train.ratios[shaft.name])))
+        if turn not in seen:
+            seen.append(turn)
             radii[shaft.name] = 0.72 * _reach(train, shaft.name)
     return radii
 

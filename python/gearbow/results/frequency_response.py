@@ -350,7 +350,7 @@ class FrequencyResponse(Result, ReadOnly):
                 )
             name, values = next(iter(lines.items()))
             return figures.waterfall(
-                self.frequencies[0], self.speeds[:, 0], np.abs(values), f"{name} [{unit}]", ax=ax
+                self.frequencies[0], self.speeds[:, 0], np.abs(values), name, unit, ax=ax
             )
         if two:
             parts = {

@@ -74,11 +74,11 @@ class TestResponse:
         for panel, name in zip(figure.axes, ("g1", "wheel"), strict=True):
             motion = 1e6 * made.displacement(name)
             mean = motion.mean(axis=0)
-            for component, label in enumerate(("v − mean", "w − mean")):
+            for component, label in enumerate(("y − mean", "z − mean")):
                 expected = np.column_stack([TIME, (motion - mean)[:, component]])
                 np.testing.assert_allclose(curves(panel)[label], expected, atol=1e-9)
             v, w = (quantity(1e-6 * value, "m") for value in mean)
-            assert panel.get_title(loc="right") == f"mean v {v}, w {w}"
+            assert panel.get_title(loc="right") == f"mean y {v}, z {w}"
 
     def test_twist(self):
         made = response(TIME)

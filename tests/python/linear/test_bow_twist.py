@@ -82,7 +82,9 @@ def test_a_bow_and_a_runout_give_the_same_motion_where_a_drive_holds_the_rotatio
 
 
 def test_the_energy_balance_contains_the_work_on_the_twist():
-    run = system("bow", 2000.0).simulate(0.05, 300.0, initial="static", record=["energy"], rtol=1e-9)
+    run = system("bow", 2000.0).simulate(
+        0.05, 300.0, initial="static", record=["energy"], rtol=1e-9
+    )
     balance = run.energy_balance()
     assert np.abs(balance.drive).max() > 1.0  # J
     # a hundred times the tolerance
