@@ -65,12 +65,20 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
         panel.add_patch(Circle((y, z), radius, linewidth=0.8, zorder=3.0, **style))
         panel.plot([y], [z], "+", color="black", markersize=9.0, zorder=6.0)
     gears = {gear.name: gear for gear in train.parts["gears"]}
+    many = {
+        name
+        for shaft in train.layout.shafts
+        for _, names in series([b.name for b in circles(train) if b.shaft == shaft.name])
+        if len(names) > 1
+        for name in names
+    }
     for body in circles(train):
         line = "-" if body.name in gears else "--"
+        width = 0.7 if body.name in many else 2.0
         shade = shades[body.shaft]
         centre = train.layout.shaft(body.shaft).origin[1:]
         panel.add_patch(
-            Circle(tuple(centre), body.radius, ec=shade, fc="none", lw=2.0, ls=line, zorder=4.0)
+            Circle(tuple(centre), body.radius, ec=shade, fc="none", lw=width, ls=line, zorder=4.0)
         )
     for mesh in train.parts["meshes"]:
         _mesh(labels, train, mesh, gears)

@@ -104,8 +104,8 @@ def bode(
                 label=name,
                 **style,
             )
-            x, y = _merged((speeds, amplitude), (known or {}).get(name))
-            lower.plot(factor * x, size * y, **style)
+            curve = _merged((speeds, amplitude), (known or {}).get(name))
+            lower.plot(factor * curve[0], size * curve[1], **style)
             for x, y, text in (peaks or {}).get(name, ()):
                 lower.plot(factor * x, size * y, "v", color=style["color"], markersize=8.0)
                 marked.append(((factor * x, size * y), text, style["color"]))

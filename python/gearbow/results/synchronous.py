@@ -13,7 +13,7 @@ from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_degrees, in_micrometres
 from gearbow._shown import short, span
-from gearbow._types import Array, At, ComplexArray, Plain
+from gearbow._types import Array, At, ComplexArray, Excitation, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import Places, place, place_label, places
 from gearbow.errors import ChannelError, GearbowError
@@ -78,7 +78,7 @@ class Synchronous(Result, ReadOnly):
     speeds: Array
     shafts: tuple[str, ...]
     amplitudes: ComplexArray
-    excitation: str
+    excitation: Excitation
     slow_roll: float | None
     residuals: Array
     coordinates: Coordinates = field(repr=False)
