@@ -131,6 +131,7 @@ figures: demo
 	$(BIN)/python examples/frequency.py
 	$(BIN)/python examples/gearbox.py
 	$(BIN)/python examples/signals.py
+	$(BIN)/python examples/gear_noise.py
 	$(BIN)/python examples/mesh_models.py
 	$(BIN)/python examples/resonance_sweep.py
 	$(BIN)/python examples/map.py

@@ -23,6 +23,8 @@ MODAL_DAMPING = 0.02  # damping ratio of every mode
 UNDAMPED = 100  # undamped modes on which the residual has modal damping
 CHECKED = (0, 10, 19)  # speeds of the Campbell diagram with a reference
 SAMPLE = slice(None, None, 111)  # speeds of the synchronous response with a reference
+FREQUENCIES = np.linspace(1.0, 3000.0, 2000)  # of the frequency response, rad/s
+FEW_FREQUENCIES = slice(None, None, 222)  # of these, with a reference
 FEW_SPEEDS = np.linspace(1.0, 300.0, 50)  # of the response with modal damping, rad/s
 FEW_SAMPLES = slice(None, None, 12)  # of these, with a reference
 
@@ -160,6 +162,31 @@ def modally_damped_reference(sparse: Any) -> Any:
     found = sparse.modally_damped(FEW_SPEEDS[FEW_SAMPLES], MODAL_DAMPING, UNDAMPED)
     rows = [[sparse.index[(shaft, x, d)] for d in "vw"] for shaft, x in lateral(sparse.system)]
     return np.moveaxis(found[..., rows], 2, 0)
+
+
+def gearbow_frequencies(system: gb.RotorSystem) -> Any:
+    """Return the displacements (places, frequencies, 2) under a force on the first gear or disk."""
+    places = lateral(system)
+    source = gb.Force(places[0], 1.0)
+    found = system.frequency_response(order=1.0, speeds=FREQUENCIES, source=source)
+    return np.array([found.displacement(place)[:, 0] for place in places])[:, FEW_FREQUENCIES]
+
+
+def scipy_frequencies(sparse: Any, frequencies: Array, refinements: int = 0) -> Any:
+    """Return the same, at given frequencies."""
+    places = lateral(sparse.system)
+    found = sparse.frequency_response(frequencies, places[0], refinements)
+    if len(frequencies) == len(FREQUENCIES):
+        found = found[FEW_FREQUENCIES]
+    rows = [[sparse.index[(shaft, x, d)] for d in "vw"] for shaft, x in places]
+    return np.moveaxis(found[:, rows], 1, 0)
+
+
+def ross_frequencies(model: Any) -> Any:
+    """Return the same."""
+    places = lateral(model.system)
+    found = model.frequency_response(FREQUENCIES, places[0])[FEW_FREQUENCIES]
+    return np.array([model.displacement(place, found) for place in places])
 
 
 def ross_response(model: Any) -> Any:
@@ -305,6 +332,16 @@ ANALYSES = {
             "ROSS": of_ross(ross_response),
         },
         exactly(lambda sparse: scipy_response(sparse, SPEEDS[SAMPLE], 2)),
+        relative_error,
+    ),
+    "frequency": Analysis(
+        f"Response to a force at {len(FREQUENCIES)} frequencies that equal the speed",
+        {
+            "gearbow": of_gearbow(gearbow_frequencies),
+            "SciPy": of_scipy(lambda sparse: scipy_frequencies(sparse, FREQUENCIES)),
+            "ROSS": of_ross(ross_frequencies),
+        },
+        exactly(lambda sparse: scipy_frequencies(sparse, FREQUENCIES[FEW_FREQUENCIES], 2)),
         relative_error,
     ),
     "modal-synchronous": Analysis(

@@ -31,6 +31,7 @@ SHARES = np.array([0.4, 0.8, 1.2])  # speeds of a diagram, relative to the rated
 RANGE = (0.4, 1.2)  # speeds of a response, relative to the rated speed
 MANY, FEW = 200, 20  # speeds of a response
 LONGEST = 30.0  # CPU time of a response at MANY speeds above which FEW are taken, s
+FREQUENCIES = (0.3, 30.0)  # of a frequency response, relative to the rated speed
 STIFFNESSES = np.geomspace(1e7, 1e9, 8)  # of every bearing of a map, N/m
 NEAR = 1e-4  # half the range of speeds around an intersection, relative to its speed
 DURATION = 0.1  # of a run, s
@@ -210,6 +211,42 @@ def synchronous(machine: Machine) -> Work:
     return Work(f"{count} speeds", lambda: prepare(count), lambda: respond, difference)
 
 
+def frequency_response(machine: Machine) -> Work:
+    """Find the response at the rated speed to a force, or to a torque without bending."""
+    body = bodies(machine.system)[0]
+    lateral = machine.system.motion != "torsion"
+    source = gb.Force(str(body.name), 1.0) if lateral else gb.Torque(str(body.name), 1.0)
+
+    def prepare(count: int) -> Run[Any]:
+        system, frequencies = machine.fresh(), machine.speed * np.geomspace(*FREQUENCIES, count)
+        return lambda: system.frequency_response(
+            frequencies, source=source, speed=machine.speed
+        ).phasors[:, 0]
+
+    probe = timed(lambda: prepare(len(SHARES)))[1] / len(SHARES)
+    count = MANY if MANY * probe <= LONGEST else FEW
+    frequencies, pencil = (
+        machine.speed * np.geomspace(*FREQUENCIES, count),
+        machine.pencil(machine.speed),
+    )
+    coordinates = machine.system.coordinates
+    at = coordinates.lateral(str(body.name))[0] if lateral else coordinates.twist(str(body.name))
+    force = np.zeros(len(machine.system.dofs), dtype=complex)
+    force[at] = 1.0
+    scale = np.sqrt(np.abs(pencil.stiffness.diagonal()))
+
+    def difference(found: Complex, exact: Complex) -> float:
+        apart, size = (np.linalg.norm(scale * each, axis=1) for each in (found - exact, exact))
+        return float(np.max(apart / size))
+
+    return Work(
+        f"{count} frequencies",
+        lambda: prepare(count),
+        lambda: lambda: np.array([pencil.inverse(1j * omega)(force) for omega in frequencies]),
+        difference,
+    )
+
+
 def forces(machine: Machine) -> tuple[Complex, Complex]:
     """Return the force of the bow and the unbalance of each shaft (shafts, n).
 
@@ -360,6 +397,7 @@ LINEAR: dict[str, Callable[[Machine], Work | None]] = {
     "campbell": campbell,
     "intersection": intersection,
     "synchronous": synchronous,
+    "frequency_response": frequency_response,
     "critical_speed_map": critical_map,
 }
 #: Analyses of gearbow.

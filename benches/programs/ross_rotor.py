@@ -167,6 +167,17 @@ class Ross:
             blocks.append(np.asarray(found.forced_resp).T)
         return np.concatenate(blocks)
 
+    def frequency_response(self, frequencies: Array, place: tuple[str, float]) -> Array:
+        """Return the response (frequencies, n) to a unit force along y of the order 1, complex."""
+        at, blocks = self.offset[place[0]] + DOFS * self.node(place[1]), []
+        for some in np.array_split(frequencies, max(1, len(frequencies) // 100)):
+            self.forget()
+            force = np.zeros((self.rotor_.ndof, len(some)))
+            force[at] = 1.0
+            found = self.rotor_.run_forced_response(force=force, speed_range=some)
+            blocks.append(np.asarray(found.forced_resp).T)
+        return np.concatenate(blocks)
+
     def simulate(self, force: Array, times: Array, method: str) -> Array:
         """Simulate from rest; return every coordinate at every time."""
         with contextlib.redirect_stdout(io.StringIO()):

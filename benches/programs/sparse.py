@@ -88,6 +88,22 @@ class Sparse:
                     found[i, j] += factors.solve(residual(dynamic, found[i, j], force))
         return found
 
+    def frequency_response(
+        self, frequencies: Array, place: tuple[str, float], refinements: int = 0
+    ) -> Complex:
+        """Return the response (frequencies, n) to a unit force along y of the order 1."""
+        force = np.zeros(self.n, dtype=complex)
+        force[self.index[(*place, "v")]] = 1.0
+        found = np.zeros((len(frequencies), self.n), dtype=complex)
+        for i, omega in enumerate(frequencies):
+            damping = self.damping + omega * self.gyroscopic
+            dynamic = csc_matrix(self.stiffness - omega**2 * self.mass + 1j * omega * damping)
+            factors = splu(dynamic)
+            found[i] = factors.solve(force)
+            for _ in range(refinements):
+                found[i] += factors.solve(residual(dynamic, found[i], force))
+        return found
+
     def modally_damped(self, speeds: Sequence[float], ratio: float, count: int) -> Complex:
         """Return the same with modal damping on the lowest `count` undamped modes."""
         modal = modal_damping(self.stiffness, self.mass, ratio, count)

@@ -46,7 +46,9 @@ pub fn critical_speeds(
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
     let lowest = cached.model.lowest_speed().unwrap_or(EQUILIBRIUM_SPEED);
-    let at_speed = cached.with_operating_points_of(lowest)?;
+    // Without damping, the internal damping of a shaft has no circulatory forces either.
+    let undamped = cached.model.has_internal_damping() && cached.model.bearings.is_empty();
+    let at_speed = if undamped { cached.at_speed(0.0)? } else { cached.with_operating_points_of(lowest)? };
     let cached = &*at_speed;
     if !cached.model.bearings.is_empty() {
         let mut found = speed_dependent::critical_speeds(cached, order, interrupt)?;

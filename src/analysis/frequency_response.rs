@@ -5,9 +5,11 @@
 
 use nalgebra::{Complex, DVector};
 
+use super::harmonic_terms::HarmonicOutputs;
 use super::sources::{Harmonic, HarmonicSource};
 use super::synchronous::{MAX_RESIDUAL, SourceResponse, solve};
 use super::{AnalysisError, Interrupt, Threads};
+use crate::linalg::Side;
 use crate::modal::{CachedModel, DynamicKey, Highest, null_motions};
 use crate::model::Model;
 use crate::scene::EntryPath;
@@ -68,7 +70,22 @@ impl<'a> FrequencyResponses<'a> {
         if at.frequency == 0.0 {
             check_rigid_body_motion(&cached.model, index, at.speed, &forces)?;
         }
-        forces.iter().map(|force| self.one(cached, index, at, force)).collect()
+        forces.iter().map(|force| self.one(cached, index, at, Side::Right, force)).collect()
+    }
+
+    /// Solutions y of Sᵀ y = r for the rows r of outputs: a change f of the force changes the outputs by y·f.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub fn adjoint(
+        &self,
+        index: usize,
+        at: Harmonic,
+        outputs: &HarmonicOutputs,
+    ) -> Result<Vec<SourceResponse>, AnalysisError> {
+        let cached = &*self.cached.at_speed(at.speed)?;
+        let rows = outputs.rows(&cached.model, at);
+        rows.iter().map(|row| self.one(cached, index, at, Side::Left, row)).collect()
     }
 
     /// The response of a model with the coefficients of the speed.
@@ -77,11 +94,12 @@ impl<'a> FrequencyResponses<'a> {
         cached: &CachedModel,
         index: usize,
         at: Harmonic,
+        side: Side,
         force: &DVector<Complex<f64>>,
     ) -> Result<SourceResponse, AnalysisError> {
         let Harmonic { frequency, speed } = at;
         let key = DynamicKey { speed, spin: frequency, flank_speed: speed };
-        let found = solve(cached, key, self.highest, BACKWARD_ERROR, force)?;
+        let found = solve(cached, key, self.highest, side, BACKWARD_ERROR, force)?;
         // A residual that is not a number is refused as well.
         found.filter(|found| found.residual <= MAX_RESIDUAL).ok_or_else(|| {
             AnalysisError::Convergence(format!(

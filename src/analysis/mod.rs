@@ -2,9 +2,9 @@
 //!
 //! - Before a model: `discretisation` chooses number and degree of the shaft elements.
 //! - Linear analyses: `modes`, `campbell` with `assignment` (which modes continue which), `critical`, `equilibrium`,
-//!   `synchronous` (one speed) and `responses` (several speeds), `frequency_response` to the harmonic `sources`, `peaks`, `instability` (speeds at which the motion is
-//!   unstable), `stability` (step limits of explicit methods); `mass` (mass properties), `thrust` (axial forces of the
-//!   equilibrium).
+//!   `synchronous` (one speed) and `responses` (several speeds), `frequency_response` to the harmonic `sources` with
+//!   `harmonic_terms` for its derivatives, `peaks`, `instability` (speeds at which the motion is unstable), `stability`
+//!   (step limits of explicit methods); `mass` (mass properties), `thrust` (axial forces of the equilibrium).
 //! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
 //! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
 //!   (refuses matrices and results that do not fit), `threads` (independent speeds and frequencies on several threads).
@@ -17,6 +17,7 @@ mod discretisation;
 mod equilibrium;
 mod error;
 mod frequency_response;
+mod harmonic_terms;
 mod instability;
 mod interrupt;
 mod mass;
@@ -39,6 +40,7 @@ pub use discretisation::{Choice, ElementErrors, Resolved, resolve, resolve_varia
 pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;
 pub use frequency_response::FrequencyResponses;
+pub use harmonic_terms::{HarmonicOutputs, HarmonicPoint, TERMS, harmonic_terms};
 pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;
 pub use mass::{ShaftMass, mass_properties};

@@ -12,7 +12,7 @@ use super::synchronous::rotating_force;
 use crate::connection::Row;
 use crate::model::{Link, Model, PlaceRows, Support};
 use crate::scene::description::{self, GroundQuantity, Place};
-use crate::scene::{EntryPath, SceneError, nearest};
+use crate::scene::{EntryPath, Node, SceneError, nearest};
 
 /// Frequency and speed of a harmonic motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +45,16 @@ impl<'m> LinearElement<'m> {
 
     fn of_link(link: &'m Link) -> Self {
         Self { rows: link.rows.clone(), coefficients: &link.local }
+    }
+
+    /// Rows of the force (K + iωC) u over the coordinates, N/m.
+    fn force_rows(&self, at: Harmonic) -> [Vec<(usize, Complex64)>; 2] {
+        let unit = |i: usize| std::array::from_fn(|j| if i == j { Complex64::ONE } else { Complex64::ZERO });
+        let columns = [0, 1].map(|j| self.force(at, &unit(j)));
+        [0, 1].map(|i| {
+            let parts = self.rows.iter().zip(&columns).map(|(row, column)| scaled(row, column[i]));
+            parts.flatten().collect()
+        })
     }
 
     /// Force (K + iωC) u of scalars u.
@@ -157,6 +167,15 @@ impl HarmonicSource {
         }
     }
 
+    /// Number of integrations over time that lead from the quantity of a source to a displacement.
+    pub fn integrations(&self) -> u32 {
+        match self {
+            Self::Ground(GroundMotion { quantity: GroundQuantity::Velocity, .. }) => 1,
+            Self::Ground(GroundMotion { quantity: GroundQuantity::Acceleration, .. }) => 2,
+            _ => 0,
+        }
+    }
+
     /// Phasors of the force, n entries in the order of the core, N or N m.
     pub(super) fn force(&self, model: &Model, at: Harmonic) -> Vec<Complex64> {
         let mut force = vec![Complex64::ZERO; model.len()];
@@ -222,13 +241,33 @@ impl HarmonicForces<'_> {
         })
     }
 
-    /// Phasors of the force over (y, z) of the shaft on its bearings at a node, N.
-    pub fn bearing(&self, node: crate::scene::Node) -> [Complex64; 2] {
+    /// Row of the force of a mesh over the phasors, N/m.
+    pub(super) fn mesh_row(&self, mesh: usize) -> Vec<(usize, Complex64)> {
+        let (row, stiffness) = mesh_row(self.model, mesh, self.at);
+        scaled(&row, stiffness)
+    }
+
+    /// Rows of the force over (y, z) of the shaft on its bearings at a node over the phasors, N/m.
+    pub(super) fn bearing_rows(&self, node: Node) -> [Vec<(usize, Complex64)>; 2] {
+        self.bearings_at(node).fold([Vec::new(), Vec::new()], |[mut y, mut z], element| {
+            let [own_y, own_z] = element.force_rows(self.at);
+            y.extend(own_y);
+            z.extend(own_z);
+            [y, z]
+        })
+    }
+
+    /// The bearings at a node.
+    fn bearings_at(&self, node: Node) -> impl Iterator<Item = LinearElement<'_>> {
         let index = self.model.numbering.translation(node);
-        let supports = self.model.supports.iter().filter(|support| Some(support.index) == index);
-        let links = self.model.links.iter().filter(|link| link.bearing == Some(node));
-        let elements = supports.map(LinearElement::of_support).chain(links.map(LinearElement::of_link));
-        elements.fold([Complex64::ZERO; 2], |sum, element| {
+        let supports = self.model.supports.iter().filter(move |support| Some(support.index) == index);
+        let links = self.model.links.iter().filter(move |link| link.bearing == Some(node));
+        supports.map(LinearElement::of_support).chain(links.map(LinearElement::of_link))
+    }
+
+    /// Phasors of the force over (y, z) of the shaft on its bearings at a node, N.
+    pub fn bearing(&self, node: Node) -> [Complex64; 2] {
+        self.bearings_at(node).fold([Complex64::ZERO; 2], |sum, element| {
             let force = self.element(&element);
             [sum[0] + force[0], sum[1] + force[1]]
         })

@@ -7,7 +7,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::modes::is_banded;
 use super::{AnalysisError, Dense};
-use crate::linalg::{backward_error, solve_complex};
+use crate::linalg::{Side, backward_error, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Highest, MAX_DENSE, Solved};
 use crate::model::{Excitation, Model};
 use crate::scene::{EntryPath, SceneError};
@@ -117,11 +117,11 @@ pub(super) fn synchronous_of(
     };
     let name = &model.scene.shafts[source].name;
     let key = DynamicKey { speed, spin, flank_speed };
-    let found = solve(&cached, key, highest, 0.0, &force)?;
+    let found = solve(&cached, key, highest, Side::Right, 0.0, &force)?;
     found.ok_or_else(|| unsolved(speed))?.checked(speed, name)
 }
 
-/// Solves S x = f. The response of band matrices without modal damping has at most the backward error `tolerance`; zero asks for
+/// Solves S x = f, or with Sᵀ. The response of band matrices without modal damping has at most the backward error `tolerance`; zero asks for
 /// round-off. `None` at an undamped natural frequency of a model that is too large for dense matrices.
 ///
 /// # Errors
@@ -130,6 +130,7 @@ pub(super) fn solve(
     cached: &CachedModel,
     key: DynamicKey,
     highest: Highest,
+    side: Side,
     tolerance: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<Option<SourceResponse>, AnalysisError> {
@@ -137,13 +138,13 @@ pub(super) fn solve(
     // Modal damping has no force without velocity.
     let is_damped = model.scene.modal_damping > 0.0 && key.spin != 0.0;
     if !is_damped || is_banded(model) {
-        let found = banded(cached, key, is_damped.then_some(highest), tolerance, force)?;
+        let found = banded(cached, key, is_damped.then_some(highest), side, tolerance, force)?;
         // At an undamped natural frequency the response is very large: the dense solution shows its size.
         if found.is_some() || model.len() > MAX_DENSE {
             return Ok(found);
         }
     }
-    solve_dense(cached, key, force).map(Some)
+    solve_dense(cached, key, side, force).map(Some)
 }
 
 /// Phasors of the force of a source shaft of speed `spin`, rad/s; `None` without force.
@@ -178,11 +179,13 @@ fn banded(
     cached: &CachedModel,
     key: DynamicKey,
     highest: Option<Highest>,
+    side: Side,
     tolerance: f64,
     force: &DVector<Complex<f64>>,
 ) -> Result<Option<SourceResponse>, AnalysisError> {
     let solver = cached.dynamic_solver(key, highest)?;
-    let found = solver.as_ref().as_ref().ok().and_then(|solver| solver.solve(&cached.model, tolerance, force).ok());
+    let found =
+        solver.as_ref().as_ref().ok().and_then(|solver| solver.solve(&cached.model, side, tolerance, force).ok());
     Ok(found.map(|Solved { phasors, residual, .. }| SourceResponse { phasors, residual }))
 }
 
@@ -190,6 +193,7 @@ fn banded(
 fn solve_dense(
     cached: &CachedModel,
     DynamicKey { speed, spin, flank_speed }: DynamicKey,
+    side: Side,
     force: &DVector<Complex<f64>>,
 ) -> Result<SourceResponse, AnalysisError> {
     let model = &cached.model;
@@ -212,6 +216,9 @@ fn solve_dense(
         let weighted = &mass * real.vectors.columns(0, real.null);
         let lowest = real.frequencies.iter().copied().find(|frequency| *frequency > 0.0).unwrap_or(1.0);
         dynamic += (&weighted * weighted.transpose() * (lowest * lowest)).map(|value| Complex::new(value, 0.0));
+    }
+    if side == Side::Left {
+        dynamic.transpose_mut();
     }
     let right = DMatrix::from_column_slice(model.len(), 1, force.as_slice());
     let phasors = solve_complex(&dynamic, &right).column(0).into_owned();

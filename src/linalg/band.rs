@@ -215,6 +215,25 @@ impl<T: Number> BandLu<T> {
         }
     }
 
+    /// Replaces the right-hand side `x` by the solution with the transposed matrix.
+    pub fn solve_transposed(&self, x: &mut [T]) {
+        let width = 2 * self.reach + 1;
+        for (k, upper) in self.upper.chunks_exact(width).enumerate() {
+            let (head, tail) = x.split_at_mut(k + 1);
+            head[k] *= self.inverse[k];
+            for (entry, factor) in tail.iter_mut().zip(&upper[1..]) {
+                *entry -= *factor * head[k];
+            }
+        }
+        for (k, lower) in self.lower.chunks_exact(self.reach).enumerate().rev() {
+            let (head, tail) = x.split_at_mut(k + 1);
+            for (entry, factor) in tail.iter().zip(lower) {
+                head[k] -= *factor * *entry;
+            }
+            x.swap(k, k + self.pivots[k]);
+        }
+    }
+
     /// Diagonal entries of U, with the sign of each row exchange; the determinant is their product.
     pub fn pivots(&self) -> impl Iterator<Item = T> + '_ {
         let diagonal = self.upper.iter().step_by(2 * self.reach + 1);
@@ -248,6 +267,12 @@ mod tests {
         factors.solve(&mut x);
         for i in 0..size {
             let product = (0..size).map(|j| dense[(i, j)] * x[j]).fold(T::zero(), |sum, term| sum + term);
+            assert!((product - right[i]).modulus() < 1e-12 * size as f64);
+        }
+        let mut y = right.clone();
+        factors.solve_transposed(&mut y);
+        for i in 0..size {
+            let product = (0..size).map(|j| dense[(j, i)] * y[j]).fold(T::zero(), |sum, term| sum + term);
             assert!((product - right[i]).modulus() < 1e-12 * size as f64);
         }
         for from in 0..size {

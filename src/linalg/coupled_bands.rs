@@ -23,13 +23,22 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::band::{Band, BandLu, Number, Singular};
 use super::couplings::{Couplings, chain_of};
 use super::dense::{ComplexLu, ENTRY_ROUND_OFF};
 use super::determinant::Determinant;
+
+/// Which system of equations is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// S x = f.
+    Right,
+    /// Sᵀ x = f.
+    Left,
+}
 
 /// Matrix of one chain.
 pub type BandChain = Band<Complex64>;
@@ -236,7 +245,7 @@ impl CoupledFactors {
     /// # Errors
     /// [`Singular`] if round-off leaves no accurate solution.
     pub fn solve(&self, x: &mut [Complex64]) -> Result<(), Singular> {
-        self.solve_to(0.0, x).map(drop)
+        self.solve_to(Side::Right, 0.0, x).map(drop)
     }
 
     /// The same with refinement until the componentwise backward error is at most `tolerance`, or decreases no more. Returns the
@@ -244,19 +253,19 @@ impl CoupledFactors {
     ///
     /// # Errors
     /// As [`Self::solve`].
-    pub fn solve_to(&self, tolerance: f64, x: &mut [Complex64]) -> Result<f64, Singular> {
+    pub fn solve_to(&self, side: Side, tolerance: f64, x: &mut [Complex64]) -> Result<f64, Singular> {
         let right = x.to_vec();
-        self.solve_once(x);
+        self.solve_once(side, x);
         let mut previous = f64::INFINITY;
         for _ in 0..=MAX_REFINEMENTS {
-            let (mut residual, error) = self.residual(&right, x);
+            let (mut residual, error) = self.residual(side, &right, x);
             if error <= tolerance.max(ROUND_OFF) || (error >= previous / 2.0 && error <= MAX_BACKWARD_ERROR) {
                 return Ok(error);
             }
             if !error.is_finite() {
                 return Err(Singular);
             }
-            self.solve_once(&mut residual);
+            self.solve_once(side, &mut residual);
             x.iter_mut().zip(&residual).for_each(|(x, change)| *x += change);
             if error <= REFINED_ONCE {
                 return Ok(error);
@@ -267,8 +276,11 @@ impl CoupledFactors {
     }
 
     /// Replaces the right-hand side `x` by the solution, without refinement.
-    pub fn solve_once(&self, x: &mut [Complex64]) {
+    pub fn solve_once(&self, side: Side, x: &mut [Complex64]) {
         let starts = &self.matrix.starts;
+        if side == Side::Left {
+            return self.solve_transposed(x);
+        }
         for (chain, start) in self.chains.iter().zip(starts) {
             chain.solve(&mut x[*start..start + chain.size()]);
         }
@@ -287,30 +299,62 @@ impl CoupledFactors {
         }
     }
 
+    /// The same with Sᵀ: x = A⁻ᵀ(f − E (I + ZΔ)⁻ᵀ Δᵀ (A⁻¹E)ᵀ f).
+    fn solve_transposed(&self, x: &mut [Complex64]) {
+        let starts = &self.matrix.starts;
+        let Couplings { coordinates, places, matrix, .. } = &self.couplings;
+        if !coordinates.is_empty() {
+            let product = |(place, column): (&(usize, usize), &Vec<Complex64>)| {
+                x[starts[place.0]..].iter().zip(column).map(|(x, value)| x * value).sum::<Complex64>()
+            };
+            let read = DVector::from_iterator(places.len(), places.iter().zip(&self.columns).map(product));
+            let mut forces = DMatrix::from_column_slice(places.len(), 1, matrix.tr_mul(&read).as_slice());
+            self.capacity.solve_transposed(&mut forces);
+            coordinates.iter().zip(forces.iter()).for_each(|(coordinate, force)| x[*coordinate] -= force);
+        }
+        for (chain, start) in self.chains.iter().zip(starts) {
+            chain.solve_transposed(&mut x[*start..start + chain.size()]);
+        }
+    }
+
     /// Componentwise backward error max |f − S x|/(|S||x| + |f|) of a solution x, with f = `right` (Oettli and Prager, Numer.
     /// Math. 6, 1964).
     pub fn backward_error(&self, right: &[Complex64], x: &[Complex64]) -> f64 {
-        self.residual(right, x).1
+        self.residual(Side::Right, right, x).1
     }
 
-    /// Residual f − S x and the componentwise backward error max |f − S x|/(|S||x| + |f|), with f = `right`.
-    fn residual(&self, right: &[Complex64], x: &[Complex64]) -> (Vec<Complex64>, f64) {
+    /// Residual f − S x and the componentwise backward error max |f − S x|/(|S||x| + |f|), with f = `right`; of the other `side`
+    /// with Sᵀ.
+    fn residual(&self, side: Side, right: &[Complex64], x: &[Complex64]) -> (Vec<Complex64>, f64) {
         let floor = ENTRY_ROUND_OFF * x.iter().map(|value| value.l1_norm()).fold(0.0, f64::max);
-        let (mut residual, mut sizes) = (vec![Complex64::ZERO; x.len()], vec![0.0; x.len()]);
+        let mut residual = right.to_vec();
+        let size = |(force, row): (&Complex64, &f64)| force.l1_norm() + floor * row;
+        let mut sizes: Vec<f64> = right.iter().zip(&self.row_sizes).map(size).collect();
         for (chain, start) in self.matrix.chains.iter().zip(&self.matrix.starts) {
             for row in 0..chain.size() {
                 let (columns, entries) = chain.row(row);
-                let force = right[start + row];
-                let (mut rest, mut size) = (force, force.l1_norm() + floor * self.row_sizes[start + row]);
-                for (value, x) in entries.iter().zip(&x[start + columns.start..start + columns.end]) {
-                    let term = value * x;
-                    rest -= term;
-                    size += term.l1_norm();
+                let columns = start + columns.start..start + columns.end;
+                let row = start + row;
+                if side == Side::Right {
+                    let (mut rest, mut size) = (residual[row], sizes[row]);
+                    for (value, x) in entries.iter().zip(&x[columns]) {
+                        let term = value * x;
+                        rest -= term;
+                        size += term.l1_norm();
+                    }
+                    (residual[row], sizes[row]) = (rest, size);
+                } else {
+                    let places = residual[columns.clone()].iter_mut().zip(&mut sizes[columns]);
+                    for (value, (rest, size)) in entries.iter().zip(places) {
+                        let term = value * x[row];
+                        *rest -= term;
+                        *size += term.l1_norm();
+                    }
                 }
-                (residual[start + row], sizes[start + row]) = (rest, size);
             }
         }
         for ((row, column), value) in &self.matrix.couplings {
+            let (row, column) = if side == Side::Right { (row, column) } else { (column, row) };
             let term = value * x[*column];
             residual[*row] -= term;
             sizes[*row] += term.l1_norm();
@@ -381,8 +425,12 @@ mod tests {
             assert!((found - wanted).norm() < 1e-12 * wanted.norm(), "{found} {wanted}");
             let right = DVector::from_fn(9, |i, _| Complex64::new(i as f64 - 3.0, 1.0));
             let mut x = right.clone();
-            sum.factor(1.0)?.solve(x.as_mut_slice())?;
-            assert!((dense * x - &right).norm() < 1e-12 * right.norm());
+            let factors = sum.factor(1.0)?;
+            factors.solve(x.as_mut_slice())?;
+            assert!((&dense * x - &right).norm() < 1e-12 * right.norm());
+            let mut x = right.clone();
+            factors.solve_to(Side::Left, 0.0, x.as_mut_slice())?;
+            assert!((dense.transpose() * x - &right).norm() < 1e-12 * right.norm());
         }
         Ok(())
     }

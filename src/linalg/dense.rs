@@ -199,6 +199,21 @@ impl ComplexLu {
         self.0.solve_mut(right);
     }
 
+    /// The same with the transposed matrix.
+    pub fn solve_transposed(&self, right: &mut DMatrix<Complex<f64>>) {
+        let factors = self.0.lu_internal();
+        // Uᵀ z = b, Lᵀ w = z and x = Pᵀ w.
+        let is_regular = factors.tr_solve_upper_triangular_mut(right);
+        debug_assert!(is_regular, "the matrix is regular");
+        for column in 0..right.ncols() {
+            for i in (0..right.nrows()).rev() {
+                let known: Complex<f64> = (i + 1..right.nrows()).map(|j| factors[(j, i)] * right[(j, column)]).sum();
+                right[(i, column)] -= known;
+            }
+        }
+        self.0.p().inv_permute_rows(right);
+    }
+
     /// Numbers whose product is the determinant.
     pub fn pivots(&self) -> impl Iterator<Item = Complex<f64>> + '_ {
         let upper = self.0.lu_internal();

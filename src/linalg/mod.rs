@@ -28,7 +28,7 @@ pub use band_order::BandOrder;
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use chain::{ChainFactor, ChainMatrix};
 pub use conjugate_residuals::conjugate_residuals;
-pub use coupled_bands::{BandChain, CoupledBands, CoupledFactors};
+pub use coupled_bands::{BandChain, CoupledBands, CoupledFactors, Side};
 pub use dense::{
     DecompositionError, Eigen, LuFactors, backward_error, eigen, hermitian_eigen, semidefinite_root, solve,
     solve_complex,

@@ -38,6 +38,13 @@ impl Sparse {
         }
     }
 
+    /// The transposed matrix.
+    pub fn transposed(&self) -> Self {
+        let mut entries = Vec::with_capacity(self.values.len());
+        self.for_each(|row, column, value| entries.push((column, row, value)));
+        Self::new(self.starts.len() - 1, entries)
+    }
+
     /// Whether every entry is zero.
     pub fn is_zero(&self) -> bool {
         self.values.is_empty()

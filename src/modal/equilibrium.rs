@@ -136,6 +136,55 @@ pub fn equilibrium_residuals(
     AtRest::new(model, geometry, speeds).residuals(q)
 }
 
+/// What a change of the forces does to an equilibrium.
+pub struct EquilibriumChange<'m> {
+    search: Search<'m>,
+    q: DVector<f64>,
+}
+
+impl<'m> EquilibriumChange<'m> {
+    /// Changes of the equilibrium q of a model, with the arguments of [`equilibrium`].
+    ///
+    /// # Errors
+    /// [`EquilibriumError`] if the null motions cannot be found.
+    pub fn new(
+        model: &'m Model,
+        geometry: Geometry,
+        speeds: EquilibriumSpeeds,
+        q: DVector<f64>,
+    ) -> Result<Self, EquilibriumError> {
+        let null = null_motions(model, speeds.flanks)?;
+        Ok(Self { search: Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null)), q })
+    }
+
+    /// Unbalanced forces at q of the equilibrium of another model, N and N m.
+    ///
+    /// # Errors
+    /// [`EquilibriumError::Overlap`] of base circles.
+    pub fn unbalanced(&self) -> Result<DVector<f64>, EquilibriumError> {
+        Ok(self.search.at_rest.forces(Contacts::Pressed, Laws::Exact, &self.q, &mut |_| {})?.residual())
+    }
+
+    /// q without the null motions of this model.
+    pub fn without_null_motions(&self) -> DVector<f64> {
+        let mut q = self.q.clone();
+        self.search.pins.remove_null_motions(&mut q);
+        q
+    }
+
+    /// Changes of q under small additional `forces`, N and N m.
+    ///
+    /// # Errors
+    /// [`EquilibriumError`] if base circles overlap or the tangent is singular.
+    pub fn under(&self, forces: &[DVector<f64>]) -> Result<Vec<DVector<f64>>, EquilibriumError> {
+        let flanks = vec![Flank::Drive; self.search.at_rest.model.meshes.len()];
+        let flanks = pressed_flanks(&self.search.at_rest, &flanks, &self.q)?;
+        let point = self.search.at(self.q.clone(), &flanks, Laws::Exact)?;
+        let factors = self.search.tangent_factors(&point.tangent, 0.0)?;
+        forces.iter().map(|force| self.search.step(&factors, force)).collect()
+    }
+}
+
 /// The error for forces that do not balance, on the shaft or housing with the largest residual.
 fn unconverged(model: &Model, residuals: &[f64]) -> EquilibriumError {
     let worse = |most: (usize, f64), (body, value): (usize, &f64)| {

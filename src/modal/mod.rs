@@ -20,7 +20,7 @@ pub use cache::{AtSpeed, CachedModel, DynamicKey, DynamicStiffnessSolver, Equati
 pub use damped::{
     Mode, Quadratic, Residual, Residuals, Whirl, modes, residual, structured_modes, whirl, with_all_modal_damping,
 };
-pub use equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
+pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use lowest::{Highest, MAX_DENSE, ModeAtSpeed, intersection, lowest_critical, mode_near};
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};
 pub use undamped::{

@@ -9,7 +9,7 @@
 use num_complex::Complex64;
 
 use super::{Model, RodChain};
-use crate::linalg::{BandOrder, CoupledBands, CoupledFactors, Singular};
+use crate::linalg::{BandOrder, CoupledBands, CoupledFactors, Side, Singular};
 
 /// The coordinates of one chain of a shaft.
 struct Part {
@@ -107,6 +107,13 @@ impl Model {
         out
     }
 
+    /// Multiplies the circular coordinates p and m by a factor.
+    pub fn scale_circular(&self, x: &mut [Complex64], factor: f64) {
+        for Part { start, order, .. } in self.parts().filter(|part| part.lateral) {
+            x[start..start + 2 * order.len()].iter_mut().for_each(|value| *value *= factor);
+        }
+    }
+
     /// Solution of a real system in the order of the core, with the componentwise backward error `tolerance`, or the
     /// smallest one if it is zero.
     ///
@@ -115,7 +122,7 @@ impl Model {
     pub fn solve_real(&self, factors: &CoupledFactors, tolerance: f64, right: &[f64]) -> Result<Vec<f64>, Singular> {
         let right: Vec<Complex64> = right.iter().map(|value| Complex64::from(*value)).collect();
         let mut x = self.to_circular(&right);
-        factors.solve_to(tolerance, &mut x)?;
+        factors.solve_to(Side::Right, tolerance, &mut x)?;
         Ok(self.from_circular(&x).iter().map(|value| value.re).collect())
     }
 }

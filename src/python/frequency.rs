@@ -22,7 +22,7 @@ pub type CriticalRow = (f64, String, f64, usize);
 pub type PeakRow = (f64, f64, f64, f64, bool);
 
 /// Copies speeds; each must be finite.
-fn finite_speeds(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, SceneError> {
+pub fn finite_speeds(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, SceneError> {
     let speeds = speeds.as_array().to_vec();
     for (index, speed) in speeds.iter().enumerate() {
         EntryPath::entry("speeds", index).finite(*speed)?;

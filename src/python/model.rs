@@ -1,7 +1,7 @@
 //! The Python methods of `_core.Model`.
 
-use nalgebra::{Complex, DMatrix};
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use nalgebra::{Complex, DMatrix, DVector};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{Depythonizer, pythonize};
@@ -11,7 +11,7 @@ use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
-use super::{background, frequency, simulate, speed};
+use super::{background, frequency, sensitivity, simulate, speed};
 use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
@@ -94,6 +94,12 @@ impl PyModel {
             let level = choice.level.level().name;
             (level, choice.expected_error, choice.permitted_error, choice.highest_frequency)
         })
+    }
+
+    /// Whether stiffness or damping depend on the speed.
+    #[getter]
+    fn depends_on_speed(&self) -> bool {
+        self.model().depends_on_speed()
     }
 
     /// Mass [kg], centre of mass [m], polar and diametral moment of inertia [kg m²] of each shaft with what it carries.
@@ -342,18 +348,76 @@ impl PyModel {
         frequency::peaks(self, py, &speeds, index, source, excitation, slow_roll)
     }
 
-    #[pyo3(signature = (geometry="live", speed=0.0))]
-    fn r#static<'py>(&self, py: Python<'py>, geometry: &str, speed: f64) -> PyResult<Bound<'py, PyDict>> {
+    /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix.
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn harmonic_terms<'py>(
+        &self,
+        py: Python<'py>,
+        speed: f64,
+        scale: f64,
+        sources: &Bound<'py, PyAny>,
+        outputs: sensitivity::Outputs<'py>,
+    ) -> PyResult<sensitivity::Terms<'py>> {
+        let sources: Vec<description::Source> = pythonize::depythonize(sources)?;
+        sensitivity::harmonic_terms(self, py, [speed, scale], &sources, &outputs)
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn harmonic_adjoint<'py>(
+        &self,
+        py: Python<'py>,
+        frequencies: PyReadonlyArray1<'py, f64>,
+        speeds: PyReadonlyArray1<'py, f64>,
+        outputs: sensitivity::Outputs<'py>,
+    ) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
+        sensitivity::harmonic_adjoint(self, py, &frequencies, &speeds, &outputs)
+    }
+
+    /// Changes of the equilibrium `state` under small forces, (forces, n).
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn static_changes<'py>(
+        &self,
+        py: Python<'py>,
+        geometry: &str,
+        speed: f64,
+        state: PyReadonlyArray1<'py, f64>,
+        forces: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        sensitivity::static_changes(self, py, (mesh_geometry(geometry)?, speed), &state, &forces)
+    }
+
+    /// The static equilibrium; or the forces at displacements `state`, with what remains unbalanced.
+    #[pyo3(signature = (geometry="live", speed=0.0, state=None))]
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn r#static<'py>(
+        &self,
+        py: Python<'py>,
+        geometry: &str,
+        speed: f64,
+        state: Option<PyReadonlyArray1<'py, f64>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
         let geometry = mesh_geometry(geometry)?;
         EntryPath::root("speed").finite(speed)?;
         let at_speed = self.cached.at_speed(speed)?;
         let model = &at_speed.model;
-        self.warn_of_ill_conditioning(py, speed, Dense::Bands)?;
-        let (found, residuals) = self.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
-            let found = analysis::equilibrium(cached, geometry, speed)?;
-            let residuals = analysis::equilibrium_residuals(cached, geometry, speed, &found)?;
-            Ok((found, residuals))
-        })?;
+        let dict = PyDict::new(py);
+        let (found, residuals) = if let Some(state) = state {
+            let q = DVector::from_vec(model.numbering.in_core_order(state.as_slice()?));
+            let change = modal::EquilibriumChange::new(model, geometry, speed.into(), q.clone());
+            let change = change.map_err(AnalysisError::from)?;
+            let unbalanced = change.unbalanced().map_err(AnalysisError::from)?;
+            dict.set_item("unbalanced", outside_vector(py, &model.numbering, &unbalanced))?;
+            let moved = change.without_null_motions();
+            dict.set_item("without_null_motions", outside_vector(py, &model.numbering, &moved))?;
+            (q, Vec::new())
+        } else {
+            self.warn_of_ill_conditioning(py, speed, Dense::Bands)?;
+            self.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
+                let found = analysis::equilibrium(cached, geometry, speed)?;
+                let residuals = analysis::equilibrium_residuals(cached, geometry, speed, &found)?;
+                Ok((found, residuals))
+            })?
+        };
         let q = found.as_slice();
         let largest = model.translations().map(|i| q[i].abs()).fold(0.0, f64::max);
         if let Some(text) = analysis::small_displacement_check(model, largest) {
@@ -371,7 +435,6 @@ impl PyModel {
         }
         let bearings = model.scene.bearing_nodes();
         let forces: Vec<f64> = bearings.iter().flat_map(|node| model.static_bearing_force(*node, speed, q)).collect();
-        let dict = PyDict::new(py);
         dict.set_item("state", outside_vector(py, &model.numbering, &found))?;
         let names = model.scene.shafts.iter().map(|shaft| &shaft.name);
         let names = names.chain(model.scene.housings.iter().map(|housing| &housing.name));

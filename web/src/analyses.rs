@@ -1,7 +1,7 @@
 //! What the page asks of a train.
 
 use gearbow::analysis::simulate::{self, Initial, Method, Options, RecordPlan, Request, sample_step};
-use gearbow::analysis::{self, ExcitationPart, ExcitationSource, Interrupt, Responses};
+use gearbow::analysis::{self, ExcitationPart, ExcitationSource, Interrupt, Responses, Threads};
 use gearbow::connection::MESH_CHANNELS;
 use gearbow::mesh::Geometry;
 use gearbow::modal::CachedModel;
@@ -241,7 +241,10 @@ impl Train {
     /// Campbell diagram.
     pub fn campbell(&self, fastest: f64, points: usize, count: usize) -> Result<Campbell, String> {
         let speeds = speeds(fastest, points);
-        let found = analysis::campbell(&self.cached, &speeds, count, 1, &Interrupt::default()).map_err(message)?;
+        // A page has one thread.
+        let one = Threads::new(1, 1);
+        let found =
+            analysis::campbell(&self.cached, &speeds, count, 1, &one, &Interrupt::default()).map_err(message)?;
         let model = &self.cached.model;
         let name = |line: &analysis::ExcitationLine| match line.source {
             ExcitationSource::Shaft(shaft) => format!("{}× {}", line.harmonic, model.scene.shafts[shaft].name),

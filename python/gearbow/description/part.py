@@ -8,7 +8,7 @@ import dataclasses
 import types
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -63,9 +63,14 @@ class Part(CheckedKeywords, Shown):
 def _kinds(part: type[Part]) -> dict[str, tuple[Any, ...]]:
     """Give the types that each field of a part may have."""
     unions = (Union, types.UnionType)
-    return {
+    given = {
         field: _members(hint) if get_origin(hint) in unions else (hint,)
         for field, hint in get_type_hints(part).items()
+    }
+    # The core checks which texts a field may have: a type with some texts is a text.
+    return {
+        field: tuple(str if get_origin(kind) is Literal else kind for kind in kinds)
+        for field, kinds in given.items()
     }
 
 

@@ -317,7 +317,7 @@ class RollingBearing(Part):
         ...     "rotor", 0.0, bore=0.09, outer=0.16, width=0.03, kind="angular_contact"
         ... )
         >>> found = bearing.ring_coefficients(0.0, thrust=17800.0)
-        >>> found.contact_angles.round(2)[0]
+        >>> float(found.contact_angles.round(2)[0])
         0.73
         """
         turned = matrix(tilt, "tilt")

@@ -11,7 +11,7 @@ from gearbow._types import Array, ComplexArray, NodalDof
 from gearbow.description.layout import Layout
 from gearbow.plotting.style import GivenAxes, colour, legend, panels, text_size
 
-__all__ = ["overview"]
+__all__ = ["assurance", "overview"]
 
 
 def overview(
@@ -55,3 +55,30 @@ def _real(shape: ComplexArray, drawn: Sequence[bool]) -> Array:
     """Give the real part of a complex shape, scaled so that its largest drawn entry is 1."""
     largest = shape[int(np.argmax(np.where(drawn, np.abs(shape), 0.0)))]
     return np.real(shape / largest) if largest != 0.0 else np.real(shape)
+
+
+def assurance(mac: Array, computed: Array, measured: Array, *, ax: GivenAxes = None) -> Figure:
+    """Draw MAC of computed and measured modes as a table of colours."""
+    with panels(1, 6.0, columns=1, width=8.0, ax=ax) as (figure, (panel,)):
+        image = panel.imshow(mac.T, vmin=0.0, vmax=1.0, origin="lower", cmap="Blues", aspect="auto")
+        figure.colorbar(image, ax=panel, label="MAC")
+        for (i, j), value in np.ndenumerate(mac):
+            dark = value > 0.6  # light text on a dark colour
+            if value >= 0.005:
+                panel.text(
+                    i,
+                    j,
+                    f"{value:.2f}",
+                    ha="center",
+                    va="center",
+                    color="white" if dark else "black",
+                )
+        for ticks, axis, values in (
+            (panel.set_xticks, "computed", computed),
+            (panel.set_yticks, "measured", measured),
+        ):
+            ticks(np.arange(values.size), [f"{i + 1}: {f:.4g} Hz" for i, f in enumerate(values)])
+            panel.set(**{f"{'x' if axis == 'computed' else 'y'}label": f"{axis} mode"})
+        panel.tick_params(axis="x", rotation=45.0)
+        panel.grid(visible=False)
+    return figure

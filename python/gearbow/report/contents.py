@@ -528,11 +528,10 @@ def motion(contents: Contents) -> Iterator[Block]:
     for first in range(0, len(pairs), 2):
         two = pairs[first : first + 2]
         names = ", ".join("–".join(pair) for pair in two)
-        for kind, what in (
-            ("mesh", "Force, deflection and stiffness"),
-            ("geometry", "Mesh geometry at the moving centres"),
-        ):
-            yield picture(run.plot(kind, two, times=times), f"{what}: {names}.")
+        figure = run.plot("mesh", two, times=times)
+        yield picture(figure, f"Force, deflection and stiffness: {names}.")
+        figure = run.plot("geometry", two, times=times)
+        yield picture(figure, f"Mesh geometry at the moving centres: {names}.")
     if not pairs:
         yield Note("There is no mesh geometry: the system has no gears in mesh.")
     places = [(bearing.shaft, bearing.position) for bearing in contents.system.bearings]

@@ -51,10 +51,13 @@ _MODULES = {
     "FrequencyResponse": "gearbow.results.frequency_response",
     "MassProperties": "gearbow.results.mass",
     "Matrices": "gearbow.results.matrices",
+    "MeasuredShapes": "gearbow.exchange.mode_shapes",
+    "ModeComparison": "gearbow.results.mode_comparison",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
     "Peaks": "gearbow.results.peak",
     "Response": "gearbow.results.response",
+    "ResponseSensitivity": "gearbow.results.response_sensitivity",
     "Sensitivity": "gearbow.results.sensitivity",
     "Static": "gearbow.results.static",
     "SteadyState": "gearbow.results.steady",
@@ -113,12 +116,14 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
     from gearbow.results.mass import MassProperties as MassProperties
     from gearbow.results.matrices import Matrices as Matrices
+    from gearbow.results.mode_comparison import ModeComparison as ModeComparison
     from gearbow.results.modes import Modes as Modes
     from gearbow.results.peak import (
         Peak as Peak,
         Peaks as Peaks,
     )
     from gearbow.results.response import Response as Response
+    from gearbow.results.response_sensitivity import ResponseSensitivity as ResponseSensitivity
     from gearbow.results.sensitivity import Sensitivity as Sensitivity
     from gearbow.results.static import Static as Static
     from gearbow.results.steady import SteadyState as SteadyState

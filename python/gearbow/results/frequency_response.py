@@ -658,7 +658,7 @@ class FrequencyResponse(Result, ReadOnly):
         at = np.ascontiguousarray(curve.frequencies)
         speeds = np.full(at.shape, self.speeds.ravel()[0])
         sources = [self._sources[curve.source]]
-        found = Model(dict(self.description)).frequency_response(at, speeds, sources)
+        found = Model(dict(self.description)).frequency_response(at, speeds, sources, 1)
         phasors = found["phasors"]
         if curve.direction == "twist":
             values = self.coordinates.twisted(phasors, curve.at)[:, 0]

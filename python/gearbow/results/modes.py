@@ -1,25 +1,33 @@
 """Natural modes at one speed, with names of their shapes."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import whole
+from gearbow._convert import shown, whole
 from gearbow._extras import extra
+from gearbow._files import check_name
+from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_percent, plain_text
 from gearbow._shown import listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
-from gearbow.errors import GearbowError
+from gearbow.errors import GearbowError, SceneError
+from gearbow.results.mode_comparison import ModeComparison
 from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from matplotlib.figure import Figure
+
+    from gearbow.exchange.mode_shapes import MeasuredShapes
 
 __all__ = ["Modes"]
 
@@ -27,6 +35,10 @@ __all__ = ["Modes"]
 _ROUND_OFF_PERCENT = 1e-10
 #: Name of the motion to which each direction contributes: bending has the name of its translation.
 _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"}
+
+
+#: Smallest |Im λ|/|λ| of a vibration; the diagrams of the core have the same limit.
+_MIN_OSCILLATION = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +94,8 @@ class Modes(Result, ReadOnly):
     coordinates: Coordinates = field(repr=False)
     _shares: Mapping[tuple[str, str], Array] = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
+
+    _own_endings: ClassVar[tuple[str, ...]] = (".uff",)
 
     @classmethod
     def from_data(
@@ -179,6 +193,112 @@ class Modes(Result, ReadOnly):
         twist: ComplexArray = self.coordinates.twisted(self.shapes, at)
         return twist
 
+    def shapes_at(self, places: Sequence[At]) -> ComplexArray:
+        """Lateral displacements of several places in the shape of each mode.
+
+        Parameters
+        ----------
+        places : sequence of str or (str, float)
+            As for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (m, places, 2)
+            Displacements along y and z, in the unit of `shapes`.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        """
+        return np.stack([self.displacement(at) for at in places], axis=1)
+
+    def compare(
+        self,
+        measured: "str | os.PathLike[str] | MeasuredShapes | Modes",
+        *,
+        places: Mapping[int, At] | None = None,
+    ) -> ModeComparison:
+        """Compare with measured mode shapes, or with those of another model.
+
+        Parameters
+        ----------
+        measured : str, path-like, MeasuredShapes or Modes
+            A universal file (".uff", ".unv") with data sets 55, measured shapes, or modes, which
+            are compared at the gears and disks, or at the nodes of systems without them.
+        places : mapping of int to place, optional
+            Place of each node of a universal file that gearbow did not write. Nodes without a place
+            have no part in the comparison.
+
+        Returns
+        -------
+        ModeComparison
+            MAC of each computed mode with each measured one.
+
+        Raises
+        ------
+        SceneError
+            If the file or an argument is invalid.
+        GearbowError
+            If there is no such place.
+        """
+        from gearbow.exchange.mode_shapes import MeasuredShapes, read_uff  # noqa: PLC0415
+
+        if places is not None and not isinstance(places, Mapping):
+            raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
+        if isinstance(measured, str | os.PathLike):
+            path, _ = check_name(measured, [".uff", ".unv"], "measured")
+            measured = read_uff(path, places, self._nodes())
+        elif places is not None:
+            raise SceneError("places: belongs to a universal file, which has numbers of nodes")
+        if isinstance(measured, Modes):
+            common: Sequence[At] = list(self.coordinates.bodies) or self._nodes()
+            measured = MeasuredShapes(
+                tuple(common), measured.frequencies_hz, measured.shapes_at(common)
+            )
+        if not isinstance(measured, MeasuredShapes):
+            raise SceneError(
+                "measured: must be a universal file, measured shapes or modes, got "
+                f"{shown(measured)}"
+            )
+        known = np.isfinite(measured.displacements)
+        shapes = [np.where(known, measured.displacements, 0.0), self.shapes_at(measured.places)]
+        given, own = (each.reshape(len(each), -1) for each in shapes)
+        counted = known.reshape(len(known), -1)
+        cross = np.abs(own @ np.conj(given).T) ** 2
+        sizes = (np.abs(own) ** 2 @ counted.T) * np.sum(np.abs(given) ** 2, axis=1)
+        mac = np.divide(cross, sizes, out=np.zeros_like(sizes), where=sizes > 0.0)
+        return ModeComparison(mac, self.frequencies_hz, measured.frequencies_hz)
+
+    def _nodes(self) -> list[At]:
+        """Give the places of the nodes with lateral motion."""
+        return list(dict.fromkeys((name, x) for name, x, kind in nodal(self.dofs) if kind == "v"))
+
+    def _save_own(self, path: "Path", _ending: str) -> None:
+        """Write a universal file with the translations of all nodes."""
+        from gearbow.exchange.mode_shapes import write_uff  # noqa: PLC0415
+
+        nodes = self._nodes()
+        if not nodes:
+            raise GearbowError("path: a universal file holds translations, which torsion has not")
+        origins = {shaft.name: shaft.origin for shaft in self.layout.shafts}
+        origins |= {base.name: base.centre for base in self.layout.bases}
+        positions = [origins[name] + [x, 0.0, 0.0] for name, x in nodes]
+        index = {dof: i for i, dof in enumerate(self.dofs)}
+        along = np.zeros((len(self.shapes), len(nodes)), dtype=np.complex128)
+        for j, (name, x) in enumerate(nodes):
+            if (name, x, "u") in index:
+                along[:, j] = self.shapes[:, index[name, x, "u"]]
+        shapes = np.concatenate([along[..., None], self.shapes_at(nodes)], axis=-1)
+        write_uff(
+            path,
+            positions=np.array(positions),
+            displacements=shapes,
+            eigenvalues=self.eigenvalues,
+            names=self.names(),
+            speed=self.speed,
+        )
+
     def energy_shares(self) -> dict[tuple[str, str], Array]:
         """Share of each shaft and direction in the kinetic energy of each mode.
 
@@ -219,7 +339,9 @@ class Modes(Result, ReadOnly):
 
     def _order(self) -> NDArray[np.intp]:
         """Give the numbers of the modes from 0, the overdamped ones last."""
-        overdamped = (self.frequencies_hz == 0.0) & (self.eigenvalues.real < 0.0)
+        # Overdamped motions turn slowly with the gyroscopic moments.
+        turning = np.abs(self.eigenvalues.imag) > _MIN_OSCILLATION * np.abs(self.eigenvalues)
+        overdamped = ~turning & (self.eigenvalues.real < 0.0)
         overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
         return np.argsort(overdamped, kind="stable")
 

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Sensitivity"]
 
-#: Unit of each kind of output.
+#: Unit of each kind of output that has always the same one.
 _UNITS = {"frequency": "Hz", "critical speed": "rad/s"}
+#: Name of the column of the outputs of each kind.
+_OUTPUTS = {"frequency": "mode", "critical speed": "intersection"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,9 +29,9 @@ class Sensitivity(Result, ReadOnly):
 
     Parameters
     ----------
-    kind : {"frequency", "critical speed"}
-        What is differentiated: natural frequencies [Hz] at one speed, or speeds of intersections
-        with excitation lines [rad/s].
+    kind : {"frequency", "critical speed", "amplitude"}
+        What is differentiated: natural frequencies [Hz] at one speed, speeds of intersections
+        with excitation lines [rad/s], or the largest amplitudes of a `ResponseSensitivity`.
     parameters : tuple of str
         Paths of the parameters.
     parameter_values : ndarray, shape (p,)
@@ -53,6 +55,8 @@ class Sensitivity(Result, ReadOnly):
         Speed of the reference shaft [rad/s] of natural frequencies.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
+    amplitude_unit : str
+        Unit of amplitudes.
 
     Examples
     --------
@@ -77,6 +81,7 @@ class Sensitivity(Result, ReadOnly):
     equal: tuple[tuple[int, ...], ...] = ()
     speed: float | None = None
     speed_unit: SpeedUnit = "rad/s"
+    amplitude_unit: str = ""
 
     @property
     def relative(self) -> Array:
@@ -122,31 +127,30 @@ class Sensitivity(Result, ReadOnly):
     def _columns(self) -> list[Column]:
         """Give a row for each output and parameter."""
         p, m = self.derivatives.shape
-        unit = _UNITS[self.kind]
+        unit = _UNITS.get(self.kind, self.amplitude_unit)
         values = np.repeat(self.output_values, p)
-        return [
-            Column(
-                "mode" if self.kind == "frequency" else "intersection", _repeated(self.outputs, p)
-            ),
-            Column(self.kind, values, unit, ".3f" if unit == "Hz" else ".2f"),
+        damping = Column(
+            "damping ratio for 1 %",
+            0.01 * (self.parameter_values[:, None] * self.damping_ratios).T.ravel(),
+            "",
+            ".2g",
+            in_percent("damping for 1 %"),
+        )
+        columns = [
+            Column(_OUTPUTS.get(self.kind, "signal"), _repeated(self.outputs, p)),
+            Column(self.kind, values, unit, {"Hz": ".3f", "rad/s": ".2f"}.get(unit, ".4g")),
             Column("parameter", list(self.parameters) * m),
             Column("value", np.tile(self.parameter_values, m), "", ".5g"),
             Column("unit", list(self.units) * m),
             Column(f"derivative, {unit}/unit", self.derivatives.T.ravel(), "", ".4g"),
             Column("% for 1 %", self.relative.T.ravel(), "", ".3f"),
-            Column(
-                "damping ratio for 1 %",
-                0.01 * (self.parameter_values[:, None] * self.damping_ratios).T.ravel(),
-                "",
-                ".2g",
-                in_percent("damping for 1 %"),
-            ),
         ]
+        return columns if self.kind == "amplitude" else [*columns, damping]
 
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:
         at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
-        what = "natural frequencies" if self.kind == "frequency" else "critical speeds"
-        return [f"derivatives of {what}{at}"]
+        what = {"frequency": "natural frequencies", "critical speed": "critical speeds"}
+        return [f"derivatives of {what.get(self.kind, 'largest amplitudes')}{at}"]
 
     def _remarks(self) -> list[str]:
         return [
@@ -158,7 +162,9 @@ class Sensitivity(Result, ReadOnly):
     def __repr__(self) -> str:
         p, m = self.derivatives.shape
         first = ", ".join(self.parameters[:2]) + (", …" if p > 2 else "")
-        outputs = "frequencies" if self.kind == "frequency" else "critical speeds"
+        outputs = {"frequency": "frequencies", "critical speed": "critical speeds"}.get(
+            self.kind, "amplitudes"
+        )
         return f"Sensitivity({m} {outputs}; {p} parameters: {first[:100]})"
 
 

@@ -56,6 +56,8 @@ class Static(Result, ReadOnly):
         Speed of the reference shaft [rad/s].
     speed_unit : {"rad/s", "rpm"}
         Unit in which it was given.
+    geometry : {"live", "frozen"}
+        Whether the line of action follows the moving centres or is that at rest.
 
     Attributes
     ----------
@@ -67,6 +69,8 @@ class Static(Result, ReadOnly):
         Speed of the reference shaft [rad/s].
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
+    geometry : {"live", "frozen"}
+        Whether the line of action follows the moving centres or is that at rest.
 
     Examples
     --------
@@ -90,8 +94,9 @@ class Static(Result, ReadOnly):
         layout: Layout,
         speed: float = 0.0,
         speed_unit: SpeedUnit = "rad/s",
+        geometry: str = "live",
     ) -> None:
-        self.speed, self.speed_unit = speed, speed_unit
+        self.speed, self.speed_unit, self.geometry = speed, speed_unit, geometry
         self._layout = layout
         self._bearings = tuple(bearings)
         self._data = read_only(data)

@@ -169,6 +169,7 @@ def static(
         layout=_layout(self),
         speed=speed,
         speed_unit=unit,
+        geometry=geometry,
     )
 
 

@@ -1,55 +1,67 @@
-"""Derivatives of natural frequencies and critical speeds with respect to numbers of a system."""
+"""Derivatives of results with respect to numbers of a system, here of modes and critical speeds."""
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, overload
 
 import numpy as np
 
 from gearbow._convert import items, shown
 from gearbow._progress import working
 from gearbow._types import Array, ComplexArray
-from gearbow.analysis.protocol import System, variant
+from gearbow.analysis.protocol import System
 from gearbow.description.parameter import Parameter
-from gearbow.description.places import is_place
-from gearbow.description.shafts import Shaft, Sleeve, segments_of
-from gearbow.description.train import PARTS
-from gearbow.errors import ConvergenceError, GearbowError, SceneError
+from gearbow.errors import GearbowError, SceneError
 from gearbow.results.campbell import Campbell
+from gearbow.results.frequency_response import FrequencyResponse
 from gearbow.results.modes import Modes
+from gearbow.results.response_sensitivity import ResponseSensitivity
 from gearbow.results.sensitivity import Sensitivity
+from gearbow.results.static import Static
+from gearbow.results.synchronous import Synchronous
 from gearbow.system.linear import matrices
+from gearbow.system.parameter_family import ParameterFamily, extrapolated
+from gearbow.system.response_sensitivity import of_equilibrium, of_harmonic, of_synchronous
 
 __all__ = ["sensitivity"]
 
-#: Largest step of the differences, over the value; it is divided by ten while the differences of
-#: three steps disagree, for example because a part would pass a node.
-_STEP, _STEPS = 2e-3, 4
-#: Largest accepted difference of the two extrapolations: over the largest derivative with respect
-#: to this parameter, and over that of an eigenvalue proportional to the parameter (round-off).
-_DISAGREEMENT, _ROUND_OFF = 1e-7, 1e-10
-#: Steps from the value 0 [SI units]: the first that changes an eigenvalue by this part counts.
-_STEPS_FROM_ZERO, _CHANGE_FROM_ZERO = tuple(10.0**n for n in range(-6, 13, 2)), 1e-5
 #: Eigenvalues with a smaller relative difference are equal.
 _EQUAL = 1e-8
 #: Relative distance of the shift from the eigenvalues in the inverse iteration, and its steps.
 _SHIFT, _ITERATIONS = 1e-10, 4
 #: Largest residual of an eigenvector, over the forces in it.
 _RESIDUAL = 1e-6
-#: Positions with a smaller difference are one node [m].
-_SAME_NODE = 1e-9
 
 
+@overload
 def sensitivity(
     self: System,
     parameters: str | Sequence[str],
     of: Modes | Campbell,
     *,
     progress: bool | None = None,
-) -> Sensitivity:
-    """Find derivatives of natural frequencies or critical speeds with respect to parameters.
+) -> Sensitivity: ...
+@overload
+def sensitivity(
+    self: System,
+    parameters: str | Sequence[str],
+    of: FrequencyResponse | Synchronous | Static,
+    *,
+    at: Any,
+    quantity: str = "displacement",
+    progress: bool | None = None,
+) -> ResponseSensitivity: ...
+def sensitivity(
+    self: System,
+    parameters: str | Sequence[str],
+    of: Modes | Campbell | FrequencyResponse | Synchronous | Static,
+    *,
+    at: Any = None,
+    quantity: str | None = None,
+    progress: bool | None = None,
+) -> Sensitivity | ResponseSensitivity:
+    """Find derivatives of a result with respect to parameters of the system.
 
     Parameters
     ----------
@@ -57,36 +69,50 @@ def sensitivity(
         Numbers of the system by their path, for example "bearings[0].stiffness",
         "shafts['input'].segments[1].outer_diameter", "gears['wheel'].position" or
         "modal_damping". Entries of lists have numbers from 0, or names in quotes.
-    of : Modes or Campbell
-        Result of this system: its modes, or its Campbell diagram, for the intersections with the
-        excitation lines (critical speeds and tooth resonances).
+    of : Modes, Campbell, FrequencyResponse, Synchronous or Static
+        Result of this system: its modes; its Campbell diagram, for the intersections with the
+        excitation lines (critical speeds and tooth resonances); a response or the equilibrium.
+    at : str, tuple or sensor, optional
+        Place, mesh or, of a response, `gb.Probe` or `gb.Accelerometer`, whose signal of a response
+        or equilibrium is differentiated.
+    quantity : str, optional
+        What is differentiated at a place: "displacement" (default), "velocity", "acceleration",
+        "twist", "axial_displacement" or "bearing_force"; of an equilibrium no velocity and
+        acceleration. A mesh has its force.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
-    Sensitivity
-        Derivatives of the natural frequencies or of the speeds, and of the damping ratios.
+    Sensitivity or ResponseSensitivity
+        Derivatives of the natural frequencies or of the speeds, and of the damping ratios; or of a
+        signal of a response or equilibrium.
 
     Raises
     ------
     SceneError
-        If a path does not lead to a number, or `of` is not a result of this system.
+        If a path does not lead to a number, `of` is not a result of this system, or an argument is
+        invalid.
     ConvergenceError
         If the matrices have no derivative with respect to a parameter: it cannot change at all, or
         the nodes would change, for example because a gear would leave the end of a segment.
     GearbowError
-        If two modes have equal eigenvalues at an intersection, or a count of modes separates them.
+        If two modes have equal eigenvalues at an intersection, a count of modes separates them, or
+        there is no such place.
 
     Notes
     -----
     For an eigenvalue with the right and the left vector x and y, the derivative is
-    ``-yᴴ(dK + λ dC + λ² dM)x / yᴴ(C + 2λM)x``, where C includes ΩG. The derivatives of the matrices
-    are central differences of the assembly with three steps, extrapolated; those of an equilibrium
-    (oil films) are included. Elements keep their number and their degree, and move with the
-    segments and the parts at their ends. Groups of equal eigenvalues have the eigenvalues of their
-    small matrix. R. L. Fox, M. P. Kapoor, *Rates of change of eigenvalues and eigenvectors*, AIAA
-    J. 6 (1968); equal eigenvalues: H. Baumgärtel, *Analytic perturbation theory* (1985).
+    ``-yᴴ(dK + λ dC + λ² dM)x / yᴴ(C + 2λM)x``, where C includes ΩG. Groups of equal eigenvalues
+    have the eigenvalues of their small matrix. For a response ``Z a = f`` with the output ``r a``,
+    it is ``dr a + y(df - dZ a)`` with one adjoint solution ``Zᵀ y = r`` for all parameters. For an
+    equilibrium q with the unbalanced forces F(q, p), ``dq = K⁻¹ dF`` with the tangent K. The
+    derivatives of the matrices are central differences of the assembly with two or three steps,
+    extrapolated; those of an equilibrium (oil films) are included. Elements keep their number and
+    their degree, and move with the segments and the parts at their ends. R. L. Fox, M. P. Kapoor,
+    *Rates of change of eigenvalues and eigenvectors*, AIAA J. 6 (1968); equal eigenvalues: H.
+    Baumgärtel, *Analytic perturbation theory* (1985); adjoint solutions: M. B. Giles, N. A. Pierce,
+    *An introduction to the adjoint approach to design*, Flow Turbul. Combust. 65 (2000).
 
     Examples
     --------
@@ -101,95 +127,42 @@ def sensitivity(
     >>> found = system.sensitivity(paths, system.campbell([100.0, 2000.0], count=2))
     >>> f"{found.relative[:, 0].sum():.2f}"
     '0.50'
+
+    The static deflection under a force is inversely proportional to it:
+
+    >>> push = gb.Force(("rotor", 0.0), 1.0)
+    >>> response = system.frequency_response([0.0], source=push)
+    >>> found = system.sensitivity(paths, response, at=("rotor", 0.0))
+    >>> found.relative[:, 0, 0, 0].round(2)
+    array([-1., -0.])
     """
     given = [parameters] if isinstance(parameters, str) else items(parameters, "parameters", "text")
     if not given:
         raise SceneError('parameters: name at least one, such as "bearings[0].stiffness"')
-    if not isinstance(of, Modes | Campbell):
-        raise SceneError(f"of: must be a result of modes or campbell, got {shown(of)}")
-    family = _ParameterFamily(self)
+    if not isinstance(of, Modes | Campbell | FrequencyResponse | Synchronous | Static):
+        raise SceneError(
+            "of: must be a result of modes, campbell, frequency_response, synchronous or static, "
+            f"got {shown(of)}"
+        )
+    if isinstance(of, Modes | Campbell):
+        for name, value in (("at", at), ("quantity", quantity)):
+            if value is not None:
+                raise SceneError(f"{name}: belongs to responses and equilibria, got {shown(value)}")
+    elif at is None:
+        raise SceneError("at: name the place, mesh or sensor whose signal is differentiated")
+    wanted = "displacement" if quantity is None else quantity
+    family = ParameterFamily(self)
     found = [Parameter.find(family.entry, path, f"parameters[{i}]") for i, path in enumerate(given)]
     with working(progress, f"derivatives with respect to {len(found)} parameters"):
         if isinstance(of, Modes):
             return _of_modes(family, found, of)
-        return _of_intersections(family, found, of)
-
-
-class _ParameterFamily:
-    """Systems over a parameter, whose elements keep their number and move with the parts."""
-
-    def __init__(self, base: System) -> None:
-        self.origin = base
-        given = base._model.resolved()["shafts"]
-        self.shafts = tuple(Shaft._from_description(shaft) for shaft in given)
-        self._parts = [_parts_along(base, shaft) for shaft in self.shafts]
-        self.base: System = variant(base, shafts=self._of_nodes(self.shafts))
-        self.names = [name for name, *_ in self.base.dofs]
-        same = len(self.base.dofs) == len(base.dofs)
-        if not same:
-            raise ConvergenceError(
-                f"parameters: the nodes cannot follow the parts: {len(base.dofs)} degrees of "
-                f"freedom become {len(self.base.dofs)}"
-            )
-
-    def entry(self, key: str) -> Any:
-        """Give a list of parts, or an option."""
-        return self.shafts if key == "shafts" else getattr(self.origin, key)
-
-    def system(self, parameter: Parameter, value: float) -> System:
-        """Give the system with another value of a parameter."""
-        changed = parameter.changed(self.entry(parameter.key), value)
-        if parameter.key == "shafts":
-            made: System = variant(self.base, shafts=self._of_nodes(changed))
-        else:
-            made = variant(self.base, **{parameter.key: changed})
-        if [name for name, *_ in made.dofs] != self.names:
-            raise ConvergenceError(
-                f"the nodes change with it: {len(self.names)} degrees of freedom become "
-                f"{len(made.dofs)} at {value:.9g} {parameter.unit}, because a part would "
-                "leave the end of a shaft or segment or another part; shift one of them"
-            )
-        return made
-
-    def _of_nodes(self, shafts: Sequence[Shaft]) -> list[Shaft]:
-        """Give every shaft a segment for each element, with the boundaries of the first system."""
-        return [_of_nodes(*pair) for pair in zip(shafts, self._parts, strict=True)]
-
-
-def _parts_along(system: System, shaft: Shaft) -> list[list[float]]:
-    """Give the boundaries of elements without parts on each segment, over its length."""
-    places: list[float] = []
-    for key in PARTS:
-        for part in getattr(system, key):
-            if getattr(part, "shaft", None) == shaft.name:
-                ends = ("begin", "end") if isinstance(part, Sleeve) else ("position",)
-                places += [float(getattr(part, end)) for end in ends]
-            for each in (getattr(part, name, None) for name in ("at", "a", "b")):
-                if is_place(each) and each[0] == shaft.name:  # type: ignore[index]  # checked
-                    places.append(float(each[1]))  # type: ignore[index]  # checked
-    found, begin = [], 0.0
-    for segment in segments_of(shaft):
-        count = segment.elements or 1
-        inner = [i / count for i in range(1, count)]
-        found.append(
-            [
-                part
-                for part in inner
-                if all(abs(begin + part * segment.length - x) > _SAME_NODE for x in places)
-            ]
-        )
-        begin += segment.length
-    return found
-
-
-def _of_nodes(shaft: Shaft, boundaries: list[list[float]]) -> Shaft:
-    """Give a shaft a segment between each two boundaries."""
-    made = []
-    for segment, inner in zip(segments_of(shaft), boundaries, strict=True):
-        ends = [0.0, *inner, 1.0]
-        made += [segment._between(begin, end) for begin, end in pairwise(ends)]
-    none: dict[str, Any] = {"length": None, "outer_diameter": None, "inner_diameter": 0.0}
-    return replace(shaft, segments=made, elements=None, **none)
+        if isinstance(of, Campbell):
+            return _of_intersections(family, found, of)
+        if isinstance(of, FrequencyResponse):
+            return of_harmonic(family, found, of, at, wanted)
+        if isinstance(of, Synchronous):
+            return of_synchronous(family, found, of, at, wanted)
+        return of_equilibrium(family, found, of, at, wanted)
 
 
 @dataclass(frozen=True)
@@ -284,7 +257,7 @@ def _null_vectors(inverse: ComplexArray, count: int) -> tuple[ComplexArray, int]
 
 
 def _derivatives(
-    family: _ParameterFamily,
+    family: ParameterFamily,
     parameter: Parameter,
     speeds: Sequence[float],
     groups: Sequence[Sequence[_Group]],
@@ -300,72 +273,10 @@ def _derivatives(
             for form in _DynamicStiffness.of(system, speed).forms(own)
         ]
 
-    return _extrapolated(forms, parameter.path, parameter.value, largest)
+    return extrapolated(forms, parameter.path, parameter.value, largest)
 
 
-def _extrapolated(forms: Any, path: str, value: float, largest: float) -> list[ComplexArray]:
-    """Differentiate small matrices over a value."""
-    reason: GearbowError | None = None
-    for step in _steps(forms, value, largest):
-        try:
-            found, error = _difference(forms, value, step)
-        except GearbowError as refused:
-            reason = refused
-            continue
-        most = max((np.max(np.abs(form)) for form in found), default=0.0)
-        if error <= _DISAGREEMENT * most + _ROUND_OFF * largest / (abs(value) or step):
-            return [-form for form in found]
-        reason = ConvergenceError(
-            f"the differences of three steps disagree by {error / most:.1e} at the step {step:.1e}"
-        )
-    raise ConvergenceError(f"parameters: {path}: has no derivative at {value:.9g}: {reason}")
-
-
-def _steps(forms: Any, value: float, largest: float) -> Iterator[float]:
-    """Give steps to try: a part of the value, or from 0 one that changes an eigenvalue."""
-    if value != 0.0:
-        yield from (_STEP * abs(value) / 10.0**i for i in range(_STEPS))
-        return
-    first = forms(0.0)
-    step = _STEPS_FROM_ZERO[0]
-    for step in _STEPS_FROM_ZERO:
-        try:
-            changed = forms(step)
-        except GearbowError:
-            break
-        changes = (np.max(np.abs(b - a)) for a, b in zip(first, changed, strict=True))
-        if max(changes, default=0.0) > _CHANGE_FROM_ZERO * largest:
-            break
-    yield from (step / 10.0**i for i in range(_STEPS))
-
-
-def _difference(forms: Any, value: float, step: float) -> tuple[list[ComplexArray], float]:
-    """Extrapolate differences of three steps, with the change by the last extrapolation."""
-    parts = (step, step / 2.0, step / 4.0)
-    try:
-        slopes = [_slope(forms(value - h), forms(value + h), 2.0 * h) for h in parts]
-        order = 2
-    except GearbowError:
-        # A number at the end of its range, such as the damping 0, changes to one side only.
-        first = forms(value)
-        slopes = [_slope(first, forms(value + h), h) for h in parts]
-        order = 1
-    once = [_extrapolate(slopes[i], slopes[i + 1], 2.0**order) for i in (0, 1)]
-    twice = _extrapolate(once[0], once[1], 2.0 ** (2 * order if order == 2 else 2))
-    changes = (np.max(np.abs(b - a)) for a, b in zip(once[1], twice, strict=True))
-    return twice, float(max(changes, default=0.0))
-
-
-def _slope(below: list[Any], above: list[Any], width: float) -> list[Any]:
-    return [(b - a) / width for a, b in zip(below, above, strict=True)]
-
-
-def _extrapolate(coarse: list[Any], fine: list[Any], ratio: float) -> list[Any]:
-    """Remove the leading error, which falls by a ratio from the coarse to the fine value."""
-    return [b + (b - a) / (ratio - 1.0) for a, b in zip(coarse, fine, strict=True)]
-
-
-def _of_modes(family: _ParameterFamily, parameters: Sequence[Parameter], of: Modes) -> Sensitivity:
+def _of_modes(family: ParameterFamily, parameters: Sequence[Parameter], of: Modes) -> Sensitivity:
     """Give the derivatives of the modes of a result."""
     members = _equal([complex(value) for value in of.eigenvalues])
     base = _DynamicStiffness.of(family.base, of.speed)
@@ -419,7 +330,7 @@ def _damping_slopes(values: ComplexArray, slopes: ComplexArray) -> Array:
 
 
 def _of_intersections(
-    family: _ParameterFamily, parameters: Sequence[Parameter], of: Campbell
+    family: ParameterFamily, parameters: Sequence[Parameter], of: Campbell
 ) -> Sensitivity:
     """Give the derivatives of the intersections of a Campbell diagram."""
     # An eigenvalue λ = σ + i n Ω of order n moves by a dp + b dΩ, so that dΩ/dp = Im a/(n - Im b).
@@ -436,7 +347,7 @@ def _of_intersections(
         def forms(speed: float, own: _Group = own) -> list[ComplexArray]:
             return _DynamicStiffness.of(family.base, speed).forms([own])
 
-        slope = _extrapolated(forms, "speed", crossing.speed, abs(value))
+        slope = extrapolated(forms, "speed", crossing.speed, abs(value))
         along.append(complex(slope[0][0, 0]))
     speeds = [crossing.speed for crossing in crossings]
     orders = np.array([crossing.line.order for crossing in crossings])

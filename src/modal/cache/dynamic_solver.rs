@@ -15,7 +15,7 @@ use std::sync::Arc;
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-use crate::linalg::{CoupledFactors, DecompositionError, Singular, Sparse, conjugate_residuals};
+use crate::linalg::{CoupledFactors, DecompositionError, Side, Singular, Sparse, conjugate_residuals};
 use crate::modal::undamped::{ModalDamping, Pins, null_motions};
 use crate::model::{Model, Weights};
 
@@ -92,18 +92,23 @@ impl DynamicStiffnessSolver {
         Ok(factors.map(|factors| Self { at, factors, pins, modal, structural }))
     }
 
-    /// The response of the same model to `force`, N and N m: without modal damping to a backward error, or to round-off if it
-    /// is zero.
+    /// The solution for `force`, N and N m, with the same model: its response, or that with Sᵀ; without modal damping to a
+    /// backward error, or to round-off if it is zero.
     ///
     /// # Errors
     /// [`Singular`] if round-off or the iteration leaves no accurate solution.
-    pub fn solve(&self, model: &Model, tolerance: f64, force: &DVector<Complex64>) -> Result<Solved, Singular> {
+    pub fn solve(
+        &self,
+        model: &Model,
+        side: Side,
+        tolerance: f64,
+        force: &DVector<Complex64>,
+    ) -> Result<Solved, Singular> {
         match &self.modal {
-            Some(modal) => self.iterate(model, modal, force),
+            Some(modal) => self.iterate(model, side, modal, force),
             None => {
-                let mut x = model.to_circular(force.as_slice());
-                let residual = self.factors.solve_to(tolerance, &mut x)?;
-                let mut phasors = DVector::from_vec(model.from_circular(&x));
+                let solve = |x: &mut [Complex64]| self.factors.solve_to(side, tolerance, x);
+                let (mut phasors, residual) = in_circular(model, side, force, solve)?;
                 self.pins.remove_null_motions(&mut phasors);
                 Ok(Solved { phasors, products: 0, residual })
             }
@@ -111,38 +116,90 @@ impl DynamicStiffnessSolver {
     }
 
     /// The same with modal damping.
-    fn iterate(&self, model: &Model, modal: &ModalDamping, force: &DVector<Complex64>) -> Result<Solved, Singular> {
-        let eigenvalue = Complex64::new(0.0, self.at.spin);
+    fn iterate(
+        &self,
+        model: &Model,
+        side: Side,
+        modal: &ModalDamping,
+        force: &DVector<Complex64>,
+    ) -> Result<Solved, Singular> {
+        let DynamicKey { speed, spin, flank_speed } = self.at;
+        let eigenvalue = Complex64::new(0.0, spin);
         let solve = |force: &DVector<Complex64>| {
-            let mut x = model.to_circular(force.as_slice());
-            self.factors.solve_once(&mut x);
-            DVector::from_vec(model.from_circular(&x))
+            let solved = in_circular(model, side, force, |x| {
+                self.factors.solve_once(side, x);
+                Ok::<_, Singular>(())
+            });
+            solved.map(|(x, ())| x)
         };
-        let speeds = [self.at.speed, self.at.flank_speed];
-        let loss = Complex64::new(0.0, self.at.spin.signum());
+        let loss = Complex64::new(0.0, spin.signum());
+        let sparse = |matrix: &Sparse, x: &DVector<Complex64>| {
+            model.product(x, |x, out| {
+                out.fill(0.0);
+                matrix.multiply_add(1.0, x, out);
+            })
+        };
+        // Sᵀ without modal damping: K, C + ΩG.
+        let transposed = (side == Side::Left)
+            .then(|| [model.sparse_stiffness(flank_speed), model.sparse_rate(speed)].map(|part| part.transposed()));
         // P⁻¹S x.
         let apply = |x: &DVector<Complex64>| {
-            let mut force = dynamic_force(model, speeds, eigenvalue, x, EquationForces::All(Some(modal)));
+            let mut force = match &transposed {
+                None => {
+                    let forces = EquationForces::All(Some(modal));
+                    dynamic_force(model, [speed, flank_speed], eigenvalue, x, forces)
+                }
+                Some([stiffness, rate]) => {
+                    let inertia = model.product(x, |x, out| model.multiply_mass(x, out));
+                    let rate = sparse(rate, x) + modal.product(model, x);
+                    sparse(stiffness, x) + rate * eigenvalue + inertia * (eigenvalue * eigenvalue)
+                }
+            };
             if let Some(structural) = &self.structural {
-                force += model.product(x, |x, out| {
-                    out.fill(0.0);
-                    structural.multiply_add(1.0, x, out);
-                }) * loss;
+                let own = if side == Side::Left { &structural.transposed() } else { structural };
+                force += sparse(own, x) * loss;
             }
-            Ok::<_, Singular>(solve(&force))
+            solve(&force)
         };
         let weigh = |x: &DVector<Complex64>| {
             let inertia =
                 model.product(x, |x, out| model.multiply_mass(x, out)) * Complex64::from(eigenvalue.norm_sqr());
-            inertia + model.product(x, |x, out| model.multiply_stiffness(self.at.flank_speed, true, x, out))
+            inertia + model.product(x, |x, out| model.multiply_stiffness(flank_speed, true, x, out))
         };
-        let start = solve(force);
+        let start = solve(force)?;
         let (phasors, products) = conjugate_residuals(&start, CONVERGED, apply, weigh)?.ok_or(Singular)?;
         let norm = |x: &DVector<Complex64>| x.dotc(&weigh(x)).re.abs().sqrt();
         let size = norm(&start);
         let residual = if size == 0.0 { 0.0 } else { norm(&(&start - apply(&phasors)?)) / size };
         Ok(Solved { phasors, products, residual })
     }
+}
+
+/// Solves with circular coordinates, in which `solve` replaces the right-hand side by the solution.
+///
+/// They are T x, with TᴴT = D: 2 for p and m, and 1 for others. With S_c = T S T⁻¹, S⁻ᵀ f is the conjugate of
+/// S⁻ᴴ f* = T⁻¹ D S_c⁻ᴴ D⁻¹ T f*.
+fn in_circular<T>(
+    model: &Model,
+    side: Side,
+    force: &DVector<Complex64>,
+    solve: impl FnOnce(&mut [Complex64]) -> Result<T, Singular>,
+) -> Result<(DVector<Complex64>, T), Singular> {
+    if side == Side::Right {
+        let mut x = model.to_circular(force.as_slice());
+        let found = solve(&mut x)?;
+        return Ok((DVector::from_vec(model.from_circular(&x)), found));
+    }
+    let conjugate = |values: &mut [Complex64]| values.iter_mut().for_each(|value| *value = value.conj());
+    let mut x = model.to_circular(force.conjugate().as_slice());
+    model.scale_circular(&mut x, 0.5);
+    conjugate(&mut x);
+    let found = solve(&mut x)?;
+    conjugate(&mut x);
+    model.scale_circular(&mut x, 2.0);
+    let mut y = model.from_circular(&x);
+    conjugate(&mut y);
+    Ok((DVector::from_vec(y), found))
 }
 
 /// The force S(λ)φ at the speed Ω, with the flanks in contact at `flank_speed` (reference shaft, rad/s), n

@@ -13,7 +13,7 @@
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-use crate::linalg::DecompositionError;
+use crate::linalg::{DecompositionError, Side};
 use crate::modal::cache::{CachedModel, EquationForces, dynamic_force};
 use crate::modal::undamped::ShiftInverse;
 use crate::model::Model;
@@ -90,7 +90,7 @@ impl<'m> Residuals<'m> {
                 .or_else(|_| ShiftInverse::new(self.model, self.speed, size.max(LEAST_SHIFT * self.fastest)))?,
         };
         let mut solved = self.model.to_circular(force.as_slice());
-        inverse.factors.solve_once(&mut solved);
+        inverse.factors.solve_once(Side::Right, &mut solved);
         let solved = DVector::from_vec(self.model.from_circular(&solved));
         let shift = inverse.shift;
         self.inverse = Some(inverse);

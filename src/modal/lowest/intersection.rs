@@ -4,7 +4,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use crate::linalg::{Singular, solve};
+use crate::linalg::{Side, Singular, solve};
 use crate::modal::undamped::ModalDamping;
 use crate::model::{Model, Weights};
 
@@ -141,7 +141,7 @@ fn newton_step(
     let factors = model.dynamic_stiffness(&weights, at.speed).factor(sense)?;
     let [by_decay, by_further, residual] = [by_decay, by_further, residual].map(|right| {
         let mut x = model.to_circular(right.as_slice());
-        factors.solve_once(&mut x);
+        factors.solve_once(Side::Right, &mut x);
         DVector::from_vec(model.from_circular(&x))
     });
     let [decay, further, constant] = [&by_decay, &by_further, &residual].map(|column| inertia.dotc(column));

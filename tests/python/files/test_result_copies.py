@@ -51,6 +51,14 @@ def everything() -> dict[str, Any]:
         "intersection": bowed.campbell([0.0, 900.0], count=2).criticals[0],
         "comparison": results()["frequency response"].compare(MEASURED),
         "measured": MEASURED[0],
+        "mode comparison": bowed.modes(count=2).compare(bowed.modes(count=2)),
+        "measured shapes": gb.results.MeasuredShapes(
+            ("g1",), np.array([5.0]), np.array([[[1.0, 1j]]])
+        ),
+        "response sensitivity": bowed.sensitivity(
+            "bearings[0].damping", bowed.synchronous([100.0, 200.0]), at=("rotor", 0.5)
+        ),
+        "mass properties": system.mass_properties(),
         "peak": response.peaks(("rotor", 0.5))[0],
         "peaks": response.peaks(("rotor", 0.5)),
         "limits": system.bow_limits(system.shafts[0].name, 100.0),

@@ -63,6 +63,61 @@ def test_receptance_is_that_of_a_rayleigh_beam(ends: str, spin: float):
         assert u[:, 1] == pytest.approx(-1j * u[:, 0], rel=1e-9, abs=1e-9 * np.abs(u).max())
 
 
+def tip_receptances(x: float, ends: str) -> list[float]:
+    """Receptances at a free end and between both ends, times EI λ³, of a thin beam with λL = x.
+
+    R. E. D. Bishop, D. C. Johnson, *The mechanics of vibration* (1960), table 7.1(c).
+    """
+    even, odd = np.cos(x) * np.cosh(x), np.cos(x) * np.sinh(x) - np.sin(x) * np.cosh(x)
+    if ends == "cantilever":
+        return [-odd / (even + 1.0), 0.0]
+    return [-odd / (even - 1.0), (np.sin(x) - np.sinh(x)) / (even - 1.0)]
+
+
+@pytest.mark.parametrize("ends", ["free-free", "cantilever"])
+# Such a thin shaft is implausible.
+@pytest.mark.filterwarnings("ignore::gearbow.SceneWarning")
+def test_receptances_of_a_thin_shaft_are_those_of_bishop_and_johnson(ends: str):
+    beam = Beam(length=1.0, diameter=1e-4, rayleigh=(0.0, 0.0))
+    stiffness = beam.youngs_modulus * np.pi / 64.0 * beam.diameter**4
+    # A bearing 1e9 times as stiff as the beam moves it by 1e-9.
+    clamp = (1e9 * stiffness, 1e9 * stiffness) if ends == "cantilever" else (0.0, 0.0)
+    system = beam_system(replace(beam, springs=((0.0, 0.0), clamp)))
+    for x in (1.0, 3.3, 6.5, 9.0):
+        w = x**2 * beam.diameter / 4.0 * np.sqrt(beam.youngs_modulus / beam.density)
+        found = system.frequency_response([w], source=gb.Force(("s", 0.0), 1.0))
+        exact = np.array(tip_receptances(x, ends)) / (stiffness * x**3)
+        at_ends = [found.displacement(("s", at))[0, 0, 0] for at in (0.0, 1.0)]
+        # Rotary inertia and the bearing are below 1e-7 of it.
+        assert at_ends == pytest.approx(exact, rel=1e-6, abs=1e-6 * abs(exact[0]))
+
+
+def test_torsion_at_engine_orders_is_that_of_two_disks():
+    shaft = gb.Shaft(
+        "s",
+        length=0.5,
+        outer_diameter=0.03,
+        elements=1,
+        material=gb.Material(207e9, 1e-3, poisson_ratio=0.3),
+    )
+    disks = [
+        gb.Disk(f"d{i}", "s", x, 5.0, 0.01, inertia)
+        for i, (x, inertia) in enumerate([(0.0, 0.02), (0.5, 0.05)])
+    ]
+    system = gb.RotorSystem([shaft], disks=disks, motion="torsion")
+    orders, speeds = [0.5, 1.0, 1.5, 4.0], np.array([50.0, 180.0, 400.0])
+    found = system.frequency_response(order=orders, speeds=speeds, source=gb.Torque("d0", 3.0))
+    assert found.axes == ("speed", "order")
+    k = 207e9 / 2.6 * np.pi * 0.03**4 / 32.0 / 0.5
+    for i, speed in enumerate(speeds):
+        for j, order in enumerate(orders):
+            w2 = (order * speed) ** 2
+            exact = np.linalg.solve([[k - 0.02 * w2, -k], [-k, k - 0.05 * w2]], [3.0, 0.0])
+            twist = [found.twist(f"d{n}")[i, j, 0] for n in range(2)]
+            # the shaft has a millionth of the inertia
+            assert twist == pytest.approx(exact, rel=1e-5)
+
+
 def train(**options):
     """Return two geared shafts with unsymmetric bearings, one of them on a pedestal."""
     shafts = [
@@ -172,7 +227,7 @@ def test_a_settled_run_has_the_amplitude_of_the_response():
         ],
         rayleigh=(60.0, 2e-5),
     )
-    for _ in range(4):
+    for _ in range(20):
         speed, w = random.uniform(-300.0, 300.0), random.uniform(300.0, 4000.0)
         # The force acts at a node of the run. The response is that of any place between nodes.
         place = ("in", float(random.choice([0.15, 0.4])))

@@ -245,8 +245,15 @@ def test_results_of_another_system_are_an_error():
     system = bowed_pair()
     with pytest.raises(gb.SceneError, match="mode 2 is no mode of this system"):
         system.sensitivity("bearings[0].stiffness", bowed_pair(modal_damping=0.1).modes(count=3))
-    with pytest.raises(gb.SceneError, match="of: must be a result of modes or campbell"):
-        system.sensitivity("bearings[0].stiffness", system.synchronous([1.0]))  # type: ignore[arg-type]
+    with pytest.raises(gb.SceneError, match="of: must be a result of modes, campbell,"):
+        system.sensitivity("bearings[0].stiffness", system)  # type: ignore[arg-type]
+    with pytest.raises(gb.SceneError, match="at: name the place, mesh or sensor"):
+        system.sensitivity("bearings[0].stiffness", system.synchronous([1.0]))  # type: ignore[call-overload]
+    with pytest.raises(gb.SceneError, match="at: belongs to responses"):
+        system.sensitivity("bearings[0].stiffness", system.modes(count=2), at="g1")  # type: ignore[call-overload]
+    unbalanced = bowed_pair(modal_damping=0.1).synchronous([1.0])
+    with pytest.raises(gb.SceneError, match="of: is no response of this system"):
+        system.sensitivity("bearings[0].stiffness", unbalanced, at="g1")
 
 
 def test_the_table_and_the_figure_name_parameters_and_units():

@@ -311,8 +311,10 @@ class Balance:
                 else 0.0
             )
             self._add(bearing.shaft, *-force, x=-axial)
-            if bearing.support is not None:
-                self._add(getattr(bearing.support, "name", bearing.support), *force)
+            base = bearing.support
+            if base is not None:
+                other = base[0] if isinstance(base, tuple) else getattr(base, "name", base)
+                self._add(other, *force, x=axial if isinstance(base, tuple) else 0.0)
         for body in self._carriers():
             k_y, k_z = np.broadcast_to(np.asarray(body.stiffness, dtype=float), 2)
             v, w = self._taken(self.motion.displacement(body.name))

@@ -539,6 +539,8 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {
             "displacement": {"at": "g1"},
             "twist": {"at": "g1"},
+            "shapes_at": {"places": ["g1"]},
+            "compare": {"measured": "x.uff"},
             "energy_shares": {},
             "names": {},
             "plot": {},
@@ -615,6 +617,14 @@ METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
 METHODS["BowLimits"] = (lambda: system().bow_limits("input", 100.0), {"plot": {}})
 METHODS["Sensitivity"] = (
     lambda: system().sensitivity(PARAMETERS, system().modes(100.0, count=2)),
+    {"plot": {}},
+)
+METHODS["ResponseSensitivity"] = (
+    lambda: system().sensitivity(PARAMETERS, system().synchronous([100.0]), at="g1"),
+    {"plot": {}, "largest": {}},
+)
+METHODS["ModeComparison"] = (
+    lambda: system().modes(count=2).compare(system().modes(count=2)),
     {"plot": {}},
 )
 METHODS["Peaks"] = (

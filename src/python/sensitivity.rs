@@ -1,0 +1,156 @@
+//! What the derivatives of harmonic responses and of the static equilibrium need.
+
+use nalgebra::{Complex, DVector};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyUntypedArrayMethods,
+};
+use pyo3::prelude::*;
+
+use super::convert::{stack, table};
+use super::frequency::finite_speeds;
+use super::handle::PyModel;
+use crate::analysis::{
+    self, AnalysisError, Dense, FrequencyResponses, Harmonic, HarmonicOutputs, HarmonicPoint, HarmonicSource, TERMS,
+};
+use crate::mesh::Geometry;
+use crate::modal::EquilibriumChange;
+use crate::model::Model;
+use crate::scene::{SceneError, description};
+
+/// Rows, columns and entries (places, terms) of B.
+pub type Terms<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<Complex<f64>>>);
+
+/// Outputs of a harmonic response: factors of the displacements (outputs, n), or "bearing" or "mesh" and its number in the
+/// results.
+#[derive(FromPyObject)]
+pub enum Outputs<'py> {
+    Motion(PyReadonlyArray2<'py, Complex<f64>>),
+    Force(String, usize),
+}
+
+impl Outputs<'_> {
+    fn parse(&self, model: &Model) -> Result<HarmonicOutputs, SceneError> {
+        match self {
+            Self::Motion(rows) => {
+                let row = |row: numpy::ndarray::ArrayView1<'_, Complex<f64>>| {
+                    let mut inside = DVector::zeros(model.len());
+                    let dofs = model.numbering.dofs().iter().zip(row);
+                    dofs.for_each(|(dof, value)| inside[dof.index] = value * dof.sign);
+                    inside
+                };
+                Ok(HarmonicOutputs::Motion(rows.as_array().outer_iter().map(row).collect()))
+            }
+            Self::Force(kind, index) if kind == "bearing" => {
+                let nodes = model.scene.bearing_nodes();
+                let node = nodes.get(*index).ok_or_else(|| SceneError::new("at", "there is no such bearing"))?;
+                Ok(HarmonicOutputs::Bearing(*node))
+            }
+            Self::Force(_, index) => Ok(HarmonicOutputs::Mesh(*index)),
+        }
+    }
+}
+
+/// Entries of B at a speed with a largest frequency, both rad/s.
+pub fn harmonic_terms<'py>(
+    model: &PyModel,
+    py: Python<'py>,
+    [speed, scale]: [f64; 2],
+    sources: &[description::Source],
+    outputs: &Outputs<'py>,
+) -> PyResult<Terms<'py>> {
+    let assembled = model.model();
+    let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(assembled, given, index);
+    let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
+    let outputs = outputs.parse(assembled)?;
+    let dense = if assembled.scene.modal_damping > 0.0 { Dense::Undamped } else { Dense::Bands };
+    let found =
+        model.run(py, dense, move |cached, _| analysis::harmonic_terms(cached, speed, scale, &sources, &outputs))?;
+    let integers = |values: Vec<i64>| values.into_pyarray(py);
+    let rows = integers(found.iter().map(|(row, _, _)| *row as i64).collect());
+    let columns = integers(found.iter().map(|(_, column, _)| *column as i64).collect());
+    let values = found.iter().flat_map(|(_, _, values)| *values).collect();
+    Ok((rows, columns, table(py, values, found.len(), TERMS)?))
+}
+
+/// Adjoint solutions (pairs, outputs, n) at pairs of a frequency and a speed.
+pub fn harmonic_adjoint<'py>(
+    model: &PyModel,
+    py: Python<'py>,
+    frequencies: &PyReadonlyArray1<'_, f64>,
+    speeds: &PyReadonlyArray1<'_, f64>,
+    outputs: &Outputs<'py>,
+) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
+    let (frequencies, speeds) = (frequencies.as_array().to_vec(), finite_speeds(speeds)?);
+    let assembled = model.model();
+    let outputs = outputs.parse(assembled)?;
+    let memory = analysis::memory_of_responses(assembled);
+    let (rows, size) = (frequencies.len(), assembled.len());
+    let found = model.run(py, memory, move |cached, interrupt| {
+        let responses = FrequencyResponses::new(cached, &[], &frequencies);
+        let mut found = Vec::new();
+        for (index, (frequency, speed)) in frequencies.iter().zip(&speeds).enumerate() {
+            interrupt.check()?;
+            let at = Harmonic { frequency: *frequency, speed: *speed };
+            for solution in responses.adjoint(index, at, &outputs)? {
+                found.extend(cached.model.numbering.to_user_order(solution.phasors.as_slice()));
+            }
+        }
+        Ok::<_, AnalysisError>(found)
+    })?;
+    let count = found.len() / (rows * size).max(1);
+    stack(py, found, rows, count, size)
+}
+
+/// Forms (pairs, outputs, sources) of entries of B with adjoint solutions (pairs, outputs, n) and phasors (pairs, sources, n).
+/// `integrations` is the number of integrations of each source.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+pub fn harmonic_forms<'py>(
+    py: Python<'py>,
+    harmonics: PyReadonlyArray2<'py, f64>,
+    entries: (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, i64>, PyReadonlyArray2<'py, Complex<f64>>),
+    adjoint: PyReadonlyArray3<'py, Complex<f64>>,
+    phasors: PyReadonlyArray3<'py, Complex<f64>>,
+    integrations: Vec<i32>,
+) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
+    let (outputs, sources, size) = (adjoint.shape()[1], phasors.shape()[1], adjoint.shape()[2]);
+    let (rows, columns, values) = &entries;
+    let places = rows.as_array().to_vec().into_iter().zip(columns.as_array().to_vec());
+    let entries: Vec<_> = places
+        .zip(values.as_slice()?.chunks_exact(TERMS))
+        .map(|((row, column), values)| (row as usize, column as usize, std::array::from_fn(|term| values[term])))
+        .collect();
+    let harmonics = harmonics.as_array();
+    let count = harmonics.nrows();
+    let points = adjoint.as_slice()?.chunks_exact((outputs * size).max(1));
+    let points = points.zip(phasors.as_slice()?.chunks_exact((sources * size).max(1)));
+    let mut forms = Vec::with_capacity(count * outputs * sources);
+    for (harmonic, (adjoint, phasors)) in harmonics.outer_iter().zip(points) {
+        let at = Harmonic { frequency: harmonic[0], speed: harmonic[1] };
+        let rate = Complex::new(0.0, at.frequency);
+        let integrals: Vec<_> = integrations.iter().map(|times| rate.powi(-times)).collect();
+        forms.extend(HarmonicPoint { at, phasors, adjoint, integrals: &integrals }.forms(size, &entries));
+    }
+    stack(py, forms, count, outputs, sources)
+}
+
+/// Changes of an equilibrium (forces, n).
+pub fn static_changes<'py>(
+    model: &PyModel,
+    py: Python<'py>,
+    (geometry, speed): (Geometry, f64),
+    state: &PyReadonlyArray1<'_, f64>,
+    forces: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let numbering = &model.model().numbering;
+    let inside = |values: &[f64]| DVector::from_vec(numbering.in_core_order(values));
+    let state = inside(state.as_slice()?);
+    let size = state.len();
+    let forces: Vec<_> = forces.as_slice()?.chunks_exact(size.max(1)).map(inside).collect();
+    let at_speed = model.cached.at_speed(speed)?;
+    let change = EquilibriumChange::new(&at_speed.model, geometry, speed.into(), state);
+    let found = change.and_then(|change| change.under(&forces)).map_err(AnalysisError::from)?;
+    let values = found.iter().flat_map(|change| numbering.to_user_order(change.as_slice())).collect();
+    table(py, values, found.len(), size)
+}
