@@ -277,7 +277,7 @@ class RollingBearing(Part):
         )
 
     def ring_coefficients(
-        self, load: float, thrust: float = 0.0, tilt: ArrayLike = (0.0, 0.0)
+        self, load: float, thrust: float = 0.0, tilt: "ArrayLike" = (0.0, 0.0)
     ) -> RingCoefficients:
         """Find the displacement under radial load and thrust, and the coupled stiffness there.
 

@@ -168,12 +168,12 @@ def equal_ranges(axes: Sequence[Axes]) -> None:
 
 
 def common_round_off(axes: Sequence[Axes]) -> None:
-    """Show values that are round-off, beside the largest of all panels, as zero."""
+    """Show values that are round-off on the scale of the largest values of all panels."""
     ends = [np.abs(panel.dataLim.intervaly) for panel in axes]
     largest = max((float(end.max()) for end in ends if np.isfinite(end).all()), default=0.0)
     for panel, end in zip(axes, ends, strict=True):
         if 0.0 < end.max() < ROUND_OFF * largest:
-            panel.set_ylim(-ROUND_OFF * largest, ROUND_OFF * largest)
+            panel.set_ylim(-largest, largest)
 
 
 def log_scale(panel: Axes) -> None:
