@@ -31,7 +31,8 @@ def extent(train: Train) -> Box:
     """Give the box of the view."""
     found = [(train.layout.shaft(body.shaft).origin, body.radius) for body in circles(train)]
     found += [
-        (shaft.origin, max(step.largest for step in shaft.steps)) for shaft in train.layout.shafts
+        (shaft.origin, max(step.largest for step in (*shaft.steps, *shaft.sleeves)))
+        for shaft in train.layout.shafts
     ]
     low = np.min([centre[1:] - radius for centre, radius in found], axis=0)
     high = np.max([centre[1:] + radius for centre, radius in found], axis=0)
@@ -61,8 +62,11 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
     for shaft in train.layout.shafts:
         y, z = shaft.origin[1:]
         radius = max(step.largest for step in shaft.steps)
-        style = {"facecolor": shades[shaft.name], "edgecolor": "black", "alpha": 0.55}
+        style: dict[str, Any] = {"fc": shades[shaft.name], "ec": "black", "alpha": 0.55}
         panel.add_patch(Circle((y, z), radius, linewidth=0.8, zorder=3.0, **style))
+        for sleeve in shaft.sleeves:
+            style = {"ec": shades[shaft.name], "fc": "none", "hatch": "/////"}
+            panel.add_patch(Circle((y, z), sleeve.largest, linewidth=0.8, zorder=2.2, **style))
         panel.plot([y], [z], "+", color="black", markersize=9.0, zorder=6.0)
     gears = {gear.name: gear for gear in train.parts["gears"]}
     many = {
