@@ -77,7 +77,7 @@ class RingCoefficients(ReadOnly):
     >>> import gearbow as gb
     >>> bearing = gb.RollingBearing("rotor", 0.0, "32008X").ring_coefficients(1000.0, thrust=800.0)
     >>> print(f"{1e6 * bearing.displacement[0]:.1f} µm along the axis")
-    2.9 µm along the axis
+    3.5 µm along the axis
     """
 
     displacement: Array

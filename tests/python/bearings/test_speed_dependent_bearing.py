@@ -166,7 +166,6 @@ def judged() -> independent_solution.Motion:
     wheel = RigidSpec("wheel", "s", 0.5, *DISK.values(), UNBALANCE)
     curves = (BOW.curve(LENGTH), BOW.slope(LENGTH))
     train = Train([ShaftSpec("s", [part], 1.0, *curves)], [wheel], [])
-    train.turning_bows = []  # the scene has no twist
     stiffness, damping = (PchipInterpolator(SPEEDS, table) for table in (STIFFNESS, DAMPING))
     places = [train.dof("s", x, elements.V) for x in ENDS]
 
