@@ -172,7 +172,7 @@ def common_round_off(axes: Sequence[Axes]) -> None:
     ends = [np.abs(panel.dataLim.intervaly) for panel in axes]
     largest = max((float(end.max()) for end in ends if np.isfinite(end).all()), default=0.0)
     for panel, end in zip(axes, ends, strict=True):
-        if 0.0 < end.max() < ROUND_OFF * largest:
+        if end.max() < ROUND_OFF * largest:
             panel.set_ylim(-largest, largest)
 
 
