@@ -51,6 +51,10 @@ BearingQuantity: TypeAlias = Literal["stiffness", "damping"]
 TableAxes: TypeAlias = Literal["yz", "zy", "xy", "yx", "xz", "zx"]
 #: Kind of the rolling elements.
 RollingContact: TypeAlias = Literal["ball", "roller"]
+#: Kind of a rolling bearing whose elements are estimated from its boundary dimensions.
+RollingKind: TypeAlias = Literal[
+    "deep_groove", "angular_contact", "cylindrical_roller", "tapered_roller", "needle_cage"
+]
 #: Model of an oil film.
 FilmModel: TypeAlias = Literal["short", "finite"]
 #: What excites the synchronous response.
@@ -67,6 +71,10 @@ RunFigure: TypeAlias = Literal[
 Abscissa: TypeAlias = Literal["time", "speed", "angle"]
 #: What a figure of a frequency response shows.
 FrequencyFigure: TypeAlias = Literal["bode", "nyquist", "waterfall"]
+#: Quantity of a place in a figure of a frequency response.
+FrequencyQuantity: TypeAlias = Literal[
+    "displacement", "velocity", "acceleration", "twist", "bearing_force"
+]
 #: Direction across the shafts.
 LateralDirection: TypeAlias = Literal["y", "z"]
 #: Kind of a motion that a source prescribes.

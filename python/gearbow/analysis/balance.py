@@ -176,7 +176,7 @@ def semi_axes(amplitudes: ComplexArray) -> Array:
 def balance(  # numpydoc ignore=PR01
     self: S,
     planes: At | Sequence[At],
-    speed: ArrayLike,
+    speed: "ArrayLike",
     *,
     target: BalanceTarget = "total",
     points: At | Sequence[At] | None = None,

@@ -124,7 +124,9 @@ class Bow(Part):
         return cls("mode", amplitude=amplitude, phase=phase, number=number)
 
     @classmethod
-    def points(cls, positions: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike = 0.0) -> "Bow":
+    def points(
+        cls, positions: "ArrayLike", amplitudes: "ArrayLike", phases: "ArrayLike" = 0.0
+    ) -> "Bow":
         """Make a bow from a measured curve, e.g. run-out readings along the shaft.
 
         An amplitude is the distance of the centre line from the straight axis. A dial gauge shows

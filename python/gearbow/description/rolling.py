@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import matrix, number
 from gearbow._core import ring_coefficients, rolling_coefficients, rolling_estimate
 from gearbow._read_only import ReadOnly
-from gearbow._types import Array, Plain, RollingContact
+from gearbow._types import Array, Plain, RollingContact, RollingKind
 from gearbow.description.part import Part
 from gearbow.description.supports import Base, with_support
 from gearbow.errors import SceneError
@@ -117,7 +117,7 @@ class RollingEstimate(ReadOnly):
     (8, 15.0)
     """
 
-    kind: str
+    kind: RollingKind
     bore: float
     outer: float
     width: float
@@ -218,7 +218,7 @@ class RollingBearing(Part):
     position: float
     designation: str | None = None
     _: KW_ONLY
-    kind: str | None = None
+    kind: RollingKind | None = None
     boundary: tuple[float, float, float] | None = None
     elements: int | None = None
     element_diameter: float | None = None
@@ -277,7 +277,7 @@ class RollingBearing(Part):
         )
 
     def ring_coefficients(
-        self, load: float, thrust: float = 0.0, tilt: ArrayLike = (0.0, 0.0)
+        self, load: float, thrust: float = 0.0, tilt: "ArrayLike" = (0.0, 0.0)
     ) -> RingCoefficients:
         """Find the displacement under radial load and thrust, and the coupled stiffness there.
 
@@ -337,7 +337,7 @@ class RollingBearing(Part):
         bore: float,
         outer: float,
         width: float,
-        kind: str = "deep_groove",
+        kind: RollingKind = "deep_groove",
         **options: Any,
     ) -> "RollingBearing":
         """Make a bearing from its boundary dimensions, with an estimate of its elements.

@@ -100,7 +100,7 @@ class SpeedProfile(ReadOnly):
         )
 
     @classmethod
-    def table(cls, times: ArrayLike, speeds: ArrayLike) -> "SpeedProfile":
+    def table(cls, times: "ArrayLike", speeds: "ArrayLike") -> "SpeedProfile":
         """Interpolate linearly between points.
 
         Parameters
@@ -163,14 +163,14 @@ class SpeedProfile(ReadOnly):
         left, coefficients = sampled(f, np.linspace(begin, begin + duration, _FIRST + 1), "speed")
         return cls(np.append(left, begin + duration), coefficients)
 
-    def __call__(self, times: ArrayLike) -> Array:
+    def __call__(self, times: "ArrayLike") -> Array:
         """Evaluate the speed."""
         t = np.clip(matrix(times, "times"), self.breaks[0], self.breaks[-1])
         piece = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, self.breaks.size - 2)
         since = t - self.breaks[piece]
         return _polynomial(self.coefficients, piece, since)
 
-    def angle(self, times: ArrayLike) -> Array:
+    def angle(self, times: "ArrayLike") -> Array:
         """Integrate the speed exactly.
 
         Parameters

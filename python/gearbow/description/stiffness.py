@@ -268,7 +268,7 @@ class Stiffness(Part):
         )
 
     @classmethod
-    def table(cls, values: ArrayLike, *, phase: MeshPhase | None = None) -> "Stiffness":
+    def table(cls, values: "ArrayLike", *, phase: MeshPhase | None = None) -> "Stiffness":
         """Interpolate values over the mesh cycle, e.g. from a finite element analysis.
 
         Parameters
@@ -290,8 +290,8 @@ class Stiffness(Part):
     def fourier(
         cls,
         mean: float,
-        amplitudes: ArrayLike,
-        phases: ArrayLike | None = None,
+        amplitudes: "ArrayLike",
+        phases: "ArrayLike | None" = None,
         *,
         phase: MeshPhase | None = None,
     ) -> "Stiffness":

@@ -175,7 +175,7 @@ class Correction(Result, ReadOnly, Generic[S]):
 def correct(
     found: "Identification[S]",
     planes: At | Sequence[At],
-    speeds: ArrayLike,
+    speeds: "ArrayLike",
     points: At | Sequence[At] | None,
 ) -> Correction[S]:
     """Find the weights, and carry the covariance of the estimates to weights and residual."""

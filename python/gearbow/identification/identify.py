@@ -34,7 +34,7 @@ def identify(
     unknowns: Sequence[Unknown],
     *,
     runout: bool = True,
-    noise: ArrayLike | None = None,
+    noise: "ArrayLike | None" = None,
 ) -> Identification[S]:
     """Find bow, unbalance, run-out and parameters of a system from measured 1× vibration.
 

@@ -106,8 +106,8 @@ class Measurement(Result, ReadOnly):
 
     def __init__(
         self,
-        speeds: ArrayLike,
-        amplitudes: ArrayLike,
+        speeds: "ArrayLike",
+        amplitudes: "ArrayLike",
         probes: Sequence[Probe],
         *,
         references: str | Sequence[str] | None = None,
@@ -238,9 +238,9 @@ class Measurement(Result, ReadOnly):
     @classmethod
     def from_signals(
         cls,
-        time: ArrayLike,
-        signals: Mapping[Probe, ArrayLike],
-        pulses: Mapping[Tacho, ArrayLike],
+        time: "ArrayLike",
+        signals: Mapping[Probe, "ArrayLike"],
+        pulses: Mapping[Tacho, "ArrayLike"],
         *,
         revolutions: int = 20,
         trial_weights: Mapping[At, complex] | None = None,

@@ -254,7 +254,7 @@ class Identification(Result, ReadOnly, Generic[S]):
     def balance(
         self,
         planes: At | Sequence[At],
-        speeds: ArrayLike,
+        speeds: "ArrayLike",
         *,
         points: At | Sequence[At] | None = None,
     ) -> "Correction[S]":

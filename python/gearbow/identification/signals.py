@@ -21,9 +21,9 @@ _ANGLE_DEGREE = 3
 
 
 def windows(
-    time: ArrayLike,
-    signals: Mapping[Probe, ArrayLike],
-    pulses: Mapping[Tacho, ArrayLike],
+    time: "ArrayLike",
+    signals: Mapping[Probe, "ArrayLike"],
+    pulses: Mapping[Tacho, "ArrayLike"],
     revolutions: int,
 ) -> dict[str, Any]:
     """Fit the 1× vibration in each window; give arguments of `Measurement`."""

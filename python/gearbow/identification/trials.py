@@ -5,14 +5,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written, in_degrees
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.places import place_label
 from gearbow.identification.measurement import Measurement
-from gearbow.units.speed import SpeedUnit
+from gearbow.units.speed import SpeedUnit, speed_factor
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from gearbow.identification.result import Identification
 
 __all__ = ["TrialInfluence", "trial_influence"]
@@ -68,6 +71,43 @@ class TrialInfluence(Result, ReadOnly):
     model: ComplexArray
     half_widths: Array
     speed_unit: SpeedUnit = "rad/s"
+
+    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
+        """Draw the coefficients of the trial runs and of the model against the speed.
+
+        Parameters
+        ----------
+        ax : sequence of two Axes, optional
+            Panels for phase and amplitude; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of the axis of speeds; None is that in which they were given.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Points of the trial runs with 95 % intervals, and lines of the model, for each plane and
+            probe.
+        """
+        with extra("plot"):
+            from gearbow.plotting import identification as figures  # noqa: PLC0415
+
+        unit = self._speed_unit(speed_unit)
+        curves: dict[str, list[int]] = {}
+        for i, (plane, probe) in enumerate(zip(self.planes, self.probes, strict=True)):
+            curves.setdefault(f"{place_label(plane)} → {probe}", []).append(i)
+        return figures.influence(
+            {
+                name: figures.Influence(
+                    speed_factor(unit) * self.speeds[own],
+                    self.measured[own],
+                    self.model[own],
+                    self.half_widths[own],
+                )
+                for name, own in curves.items()
+            },
+            unit=unit,
+            ax=ax,
+        )
 
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002
         return ["influence coefficients of trial runs and of the model"]

@@ -13,6 +13,7 @@ from gearbow.plotting.style import (
     GivenAxes,
     colour,
     legend,
+    log_scale,
     panels,
     remark,
     speed_axis,
@@ -50,9 +51,11 @@ def bow_limits(
         if present > 0.0:
             panel.axhline(MICRO * present, color="0.2", linewidth=2.5, label="present bow")
         if reached or present > 0.0:
-            panel.set_yscale("log")
+            log_scale(panel)
         else:
             remark(panel, "no limit is reached")
+        if speeds.size > 1 and not panel.dataLim.width > 0.0:  # no limit has a curve
+            panel.set_xlim(*sorted(factor * speeds[[0, -1]]))
         panel.set(xlabel=axis, ylabel=f"{label} [µm]")
         legend(figure, panel, ax=ax)
     return figure

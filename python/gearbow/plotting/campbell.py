@@ -20,6 +20,7 @@ from gearbow.plotting.style import (
     OPERATING,
     GivenAxes,
     label_x,
+    log_scale,
     panels,
     place_legend,
     remark,
@@ -150,9 +151,7 @@ def _scale(panel: Axes, damping: Array, *, signed: bool) -> None:
     elif signed:  # an unstable mode: its negative ratio has to be visible
         _signed_scale(panel, damping)
     else:
-        panel.set_yscale("log", subs=(2, 5))
-        for axis in (panel.yaxis.set_major_formatter, panel.yaxis.set_minor_formatter):
-            axis(FuncFormatter(lambda value, _: f"{value:g}"))
+        log_scale(panel)
         panel.set_ylim(0.7 * float(sizes.min()), 1.4 * float(sizes.max()))
 
 

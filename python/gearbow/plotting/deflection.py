@@ -7,7 +7,15 @@ from matplotlib.figure import Figure
 
 from gearbow._types import Array, Dof
 from gearbow.description.layout import Layout
-from gearbow.plotting.style import MICRO, GivenAxes, colour, label_x, legend, panels
+from gearbow.plotting.style import (
+    MICRO,
+    GivenAxes,
+    colour,
+    common_round_off,
+    label_x,
+    legend,
+    panels,
+)
 from gearbow.plotting.within_elements import refined
 
 __all__ = ["deflection"]
@@ -38,6 +46,8 @@ def deflection(
                 at = shaft.origin[0] + np.array(marks)
                 panel.plot(at, np.interp(marks, x, y), "o", color=colour(i), markersize=5.0)
             panel.set(ylabel=label)
+        # Without gravity along y, round-off would fill its panel.
+        common_round_off(axes)
         label_x(axes, "position [m]")
         legend(figure, axes[0], ax=ax)
     return figure

@@ -31,7 +31,8 @@ def extent(train: Train) -> Box:
     """Give the box of the view."""
     found = [(train.layout.shaft(body.shaft).origin, body.radius) for body in circles(train)]
     found += [
-        (shaft.origin, max(step.largest for step in shaft.steps)) for shaft in train.layout.shafts
+        (shaft.origin, max(step.largest for step in (*shaft.steps, *shaft.sleeves)))
+        for shaft in train.layout.shafts
     ]
     low = np.min([centre[1:] - radius for centre, radius in found], axis=0)
     high = np.max([centre[1:] + radius for centre, radius in found], axis=0)
@@ -61,16 +62,27 @@ def draw(panel: Axes, train: Train, shades: Mapping[str, str], point: float) -> 
     for shaft in train.layout.shafts:
         y, z = shaft.origin[1:]
         radius = max(step.largest for step in shaft.steps)
-        style = {"facecolor": shades[shaft.name], "edgecolor": "black", "alpha": 0.55}
+        style: dict[str, Any] = {"fc": shades[shaft.name], "ec": "black", "alpha": 0.55}
         panel.add_patch(Circle((y, z), radius, linewidth=0.8, zorder=3.0, **style))
+        for sleeve in shaft.sleeves:
+            style = {"ec": shades[shaft.name], "fc": "none", "hatch": "/////"}
+            panel.add_patch(Circle((y, z), sleeve.largest, linewidth=0.8, zorder=2.2, **style))
         panel.plot([y], [z], "+", color="black", markersize=9.0, zorder=6.0)
     gears = {gear.name: gear for gear in train.parts["gears"]}
+    many = {
+        name
+        for shaft in train.layout.shafts
+        for _, names in series([b.name for b in circles(train) if b.shaft == shaft.name])
+        if len(names) > 1
+        for name in names
+    }
     for body in circles(train):
         line = "-" if body.name in gears else "--"
+        width = 0.7 if body.name in many else 2.0
         shade = shades[body.shaft]
         centre = train.layout.shaft(body.shaft).origin[1:]
         panel.add_patch(
-            Circle(tuple(centre), body.radius, ec=shade, fc="none", lw=2.0, ls=line, zorder=4.0)
+            Circle(tuple(centre), body.radius, ec=shade, fc="none", lw=width, ls=line, zorder=4.0)
         )
     for mesh in train.parts["meshes"]:
         _mesh(labels, train, mesh, gears)
@@ -129,11 +141,13 @@ def _mesh(labels: Labels, train: Train, mesh: Mesh, gears: Mapping[str, Gear]) -
 def _turning(train: Train) -> dict[str, float]:
     """Give the radius at which each shaft shows its sense of rotation [m]."""
     radii: dict[str, float] = {}
-    seen: list[tuple[float, float]] = []
+    seen: list[tuple[float, float, float]] = []
     for shaft in sorted(train.layout.shafts, key=lambda shaft: -_reach(train, shaft.name)):
-        axis = (round(float(shaft.origin[1]), 9), round(float(shaft.origin[2]), 9))
-        if axis not in seen:  # coaxial shafts turn alike: one arrow is enough
-            seen.append(axis)
+        y, z = (round(float(x), 9) for x in shaft.origin[1:])
+        # Coaxial shafts that turn alike have one arrow.
+        turn = (y, z, float(np.sign(train.ratios[shaft.name])))
+        if turn not in seen:
+            seen.append(turn)
             radii[shaft.name] = 0.72 * _reach(train, shaft.name)
     return radii
 

@@ -16,6 +16,7 @@ from gearbow.plotting.style import (
     colour,
     label_x,
     legend,
+    log_scale,
     panels,
     place_legend,
     quantity,
@@ -54,7 +55,9 @@ def critical_speed_map(
             }
             for number, speeds in enumerate(lines[whirl].T if whirl in lines else ()):
                 label = whirl if number == 0 else None
-                panel.loglog(stiffnesses, factor * speeds, label=label, **style)
+                panel.plot(stiffnesses, factor * speeds, label=label, **style)
+        panel.set_xscale("log")
+        log_scale(panel)
         if actual:
             _span(panel, min(actual), max(actual), "stiffness of the system")
         panel.set(xlabel="stiffness of every bearing [N/m]")
@@ -71,11 +74,12 @@ def bode(
     *,
     unit: str = "m",
     peaks: Mapping[str, Sequence[tuple[float, float, str]]] | None = None,
+    known: Mapping[str, tuple[Array, Array]] | None = None,
     operating: tuple[float, float] | None = None,
     speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw phase and amplitude against the speed."""
+    """Draw phase and amplitude against the speed; `known` has further points of amplitudes."""
     factor, label = speed_axis(speed_unit)
     size, shown = (MICRO, "µm") if unit == "m" else (1.0, unit)
     with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
@@ -89,15 +93,19 @@ def bode(
                 "color": colour(number),
                 "linestyle": ("-", "--", "-.", ":")[number % 4],
             }
-            known = np.isfinite(phase)
-            if not np.any(known & (amplitude > 0.0)):
+            has_phase = np.isfinite(phase)
+            if not np.any(has_phase & (amplitude > 0.0)):
                 still.append(name)
                 continue
             # The phase has no jumps of 360°; its value at the first speed is unchanged.
             upper.plot(
-                factor * speeds[known], np.degrees(np.unwrap(phase[known])), label=name, **style
+                factor * speeds[has_phase],
+                np.degrees(np.unwrap(phase[has_phase])),
+                label=name,
+                **style,
             )
-            lower.plot(factor * speeds, size * amplitude, **style)
+            curve = _merged((speeds, amplitude), (known or {}).get(name))
+            lower.plot(factor * curve[0], size * curve[1], **style)
             for x, y, text in (peaks or {}).get(name, ()):
                 lower.plot(factor * x, size * y, "v", color=style["color"], markersize=8.0)
                 marked.append(((factor * x, size * y), text, style["color"]))
@@ -136,12 +144,14 @@ def synchronous(
             for source, shaft in enumerate(shafts):
                 if np.any(orbit[:, source] > least):
                     values = MICRO * orbit[:, source]
-                    panel.semilogy(factor * speeds, values, label=shaft, color=colour(source))
+                    panel.plot(factor * speeds, values, label=shaft, color=colour(source))
             panel.set(ylabel=f"{name} [µm]")
             if not panel.lines:
                 remark(panel, f"below {quantity(least, 'm', 2)}")
                 panel.set_yticks([])
-            elif panel.get_ylim()[0] < MICRO * least:
+                continue
+            log_scale(panel)
+            if panel.get_ylim()[0] < MICRO * least:
                 panel.set_ylim(bottom=MICRO * least)
         label_x(axes, label)
         # A shaft may have a line in some of the panels only.
@@ -152,6 +162,17 @@ def synchronous(
         title = "excited by the shaft"
         place_legend(figure, axes[0], (list(entries.values()), list(entries)), title=title, ax=ax)
     return figure
+
+
+def _merged(curve: tuple[Array, Array], further: tuple[Array, Array] | None) -> tuple[Array, Array]:
+    """Give a curve through its points and further ones in ascending order within its ends."""
+    speeds, values = curve
+    if further is None or not further[0].size:
+        return speeds, values
+    within = (further[0] >= speeds.min()) & (further[0] <= speeds.max())
+    x = np.concatenate([speeds, further[0][within]])
+    order = np.argsort(x, kind="stable")
+    return x[order], np.concatenate([values, further[1][within]])[order]
 
 
 def _span(panel: Axes, low: float, high: float, label: str) -> None:

@@ -7,17 +7,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gearbow._types import Array, ComplexArray
-from gearbow.plotting.style import GivenAxes, colour, label_x, legend, panels
+from gearbow.plotting.style import MICRO, GivenAxes, colour, label_x, legend, panels
 
 __all__ = ["bode", "nyquist", "waterfall"]
 
-#: Name of the amplitude by its unit.
-_NAMES = {
-    "m": "displacement",
-    "m/s": "velocity",
-    "m/s²": "acceleration",
-    "rad": "twist",
-    "N": "force",
+#: Name of the amplitude by its unit, the unit of the figure and its factor.
+_QUANTITIES = {
+    "m": ("displacement", "µm", MICRO),
+    "m/s": ("velocity", "mm/s", 1e3),
+    "m/s²": ("acceleration", "m/s²", 1.0),
+    "rad": ("twist", "mrad", 1e3),
+    "N": ("force", "N", 1.0),
 }
 
 
@@ -30,6 +30,7 @@ def bode(
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw amplitude and phase; with `pairs`, two lines each have a colour."""
+    quantity, shown, scale = _QUANTITIES[unit]
     over_speed = axis == "speed"
     factor = 1.0 if over_speed else 0.5 / np.pi
     label = "speed of the reference shaft [rad/s]" if over_speed else "frequency [Hz]"
@@ -41,12 +42,12 @@ def bode(
                 "linestyle": ("-", "--")[number % 2] if pairs else "-",
             }
             # A phasor that is zero has no phase.
-            size = np.where(values == 0.0, np.nan, np.abs(values))
+            size = np.where(values == 0.0, np.nan, scale * np.abs(values))
             upper.semilogy(factor * along, size, label=name, **style)
             known = np.isfinite(size)
             phase = np.degrees(np.unwrap(np.angle(values[known])))
             lower.plot(factor * along[known], phase, **style)
-        upper.set(ylabel=f"{_NAMES[unit]} [{unit}]")
+        upper.set(ylabel=f"{quantity} [{shown}]")
         lower.set(ylabel="phase [°]")
         label_x(axes, label)
         legend(figure, upper, ax=ax)
@@ -57,31 +58,41 @@ def nyquist(
     lines: Mapping[str, tuple[Array, ComplexArray]], unit: str, *, ax: GivenAxes = None
 ) -> Figure:
     """Draw curves in the complex plane."""
+    _, shown, scale = _QUANTITIES[unit]
     with panels(1, 7.0, columns=1, width=8.0, ax=ax) as (figure, (panel,)):
         for number, (name, (_, values)) in enumerate(lines.items()):
             style: dict[str, Any] = {"color": colour(number), "label": name}
-            panel.plot(values.real, values.imag, marker=".", markersize=3, **style)
+            points = scale * values
+            panel.plot(points.real, points.imag, marker=".", markersize=3, **style)
         panel.axhline(0.0, color="0.6", linewidth=0.8)
         panel.axvline(0.0, color="0.6", linewidth=0.8)
         panel.set_aspect("equal", adjustable="datalim")
-        panel.set(xlabel=f"real part [{unit}]", ylabel=f"imaginary part [{unit}]")
+        panel.set(xlabel=f"real part [{shown}]", ylabel=f"imaginary part [{shown}]")
         legend(figure, panel, ax=ax)
     return figure
 
 
 def waterfall(
-    frequencies: Array, speeds: Array, amplitudes: Array, label: str, *, ax: GivenAxes = None
+    frequencies: Array,
+    speeds: Array,
+    amplitudes: Array,
+    name: str,
+    unit: str,
+    *,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Draw amplitudes over frequency and speed as a map."""
+    _, shown, scale = _QUANTITIES[unit]
     with panels(1, 6.0, columns=1, width=10.0, ax=ax) as (figure, (panel,)):
         from matplotlib.colors import LogNorm  # noqa: PLC0415
 
+        amplitudes = scale * amplitudes
         positive = amplitudes[amplitudes > 0.0]
         norm = LogNorm(positive.min(), positive.max()) if positive.size else None
         mesh = panel.pcolormesh(
             frequencies / (2.0 * np.pi), speeds, amplitudes, norm=norm, shading="nearest"
         )
-        figure.colorbar(mesh, ax=panel, label=label)
+        figure.colorbar(mesh, ax=panel, label=f"{name} [{shown}]")
         panel.grid(visible=False)
         panel.set(xlabel="frequency [Hz]", ylabel="speed of the reference shaft [rad/s]")
     return figure

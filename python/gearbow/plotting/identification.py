@@ -1,6 +1,7 @@
 """Figures of an identification: vectors over the speed, residuals and estimates."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,17 @@ from gearbow.plotting.style import (
     speed_axis,
 )
 
-__all__ = ["bode", "identification"]
+__all__ = ["Influence", "bode", "identification", "influence"]
+
+
+@dataclass(frozen=True)
+class Influence:
+    """Influence coefficients of one plane on one probe over the speed."""
+
+    speeds: Array
+    measured: ComplexArray
+    model: ComplexArray
+    half_widths: Array
 
 
 def bode(
@@ -36,6 +47,37 @@ def bode(
         _bode(axes, speeds, measured, fitted, {})
         label_x(axes, speed_axis(unit)[1])
         legend(figure, axes[1], ax=ax)
+    return figure
+
+
+def influence(curves: Mapping[str, Influence], *, unit: str, ax: GivenAxes = None) -> Figure:
+    """Draw phase and amplitude of influence coefficients; 1 m/(kg m) is 1 µm/(g mm)."""
+    with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+        phase, amplitude = axes
+        for i, (name, curve) in enumerate(curves.items()):
+            style: dict[str, Any] = {"color": colour(i)}
+            order = np.argsort(curve.speeds)
+            x, model = curve.speeds[order], curve.model[order]
+            size = np.abs(curve.measured)
+            # The angle that the interval takes up as seen from the origin.
+            angles = np.arcsin(np.minimum(curve.half_widths / np.maximum(size, 1e-300), 1.0))
+            marks: dict[str, Any] = {"fmt": "o", "markersize": 4.0, "capsize": 3.0, **style}
+            phase.errorbar(
+                curve.speeds,
+                np.degrees(np.angle(curve.measured)),
+                np.degrees(angles),
+                label=name,
+                **marks,
+            )
+            phase.plot(x, np.degrees(np.angle(model)), "x-", **style)
+            amplitude.errorbar(curve.speeds, size, curve.half_widths, **marks)
+            amplitude.plot(x, np.abs(model), "x-", **style)
+        phase.set(ylabel="phase [°]", ylim=(-190.0, 190.0), yticks=[-180, -90, 0, 90, 180])
+        amplitude.set(ylabel="influence [µm/(g mm)]")
+        amplitude.set_ylim(bottom=0.0)
+        remark(phase, "points: trial runs with 95 % intervals, crosses: model")
+        label_x(axes, speed_axis(unit)[1])
+        legend(figure, phase, ax=ax)
     return figure
 
 

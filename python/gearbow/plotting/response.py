@@ -80,10 +80,10 @@ def history(
     with panels(len(motion), 2.9, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
             mean = values[skipped:].mean(axis=0) if values.size else np.zeros(2)
-            _lines(panel, time, MICRO * (values - mean), ("v − mean", "w − mean"))
-            v, w = (quantity(part, "m") for part in mean)
+            _lines(panel, time, MICRO * (values - mean), ("y − mean", "z − mean"))
+            y, z = (quantity(part, "m") for part in mean)
             panel.set(ylabel=f"{label} [µm]")
-            remark(panel, f"mean v {v}, w {w}")
+            remark(panel, f"mean y {y}, z {z}")
             _settle(panel, MICRO * (values - mean), skipped)
         _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
     return figure

@@ -10,6 +10,7 @@ import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogFormatterMathtext
 from matplotlib.transforms import BboxBase
 
 from gearbow._convert import shown
@@ -27,11 +28,13 @@ __all__ = [
     "STYLE",
     "GivenAxes",
     "colour",
+    "common_round_off",
     "equal_ranges",
     "figure_of",
     "given_axes",
     "label_x",
     "legend",
+    "log_scale",
     "panels",
     "place_legend",
     "quantity",
@@ -63,6 +66,9 @@ _STYLES: dict[str, tuple[str, Any, str]] = {
 MARKS = {name: _STYLES[name] for name in whirl_classes()}
 #: Colour of the operating speeds.
 OPERATING = "0.88"
+#: Largest range of a logarithmic axis with a label at 2 and 5 of each decade, and with a label at
+#: every tick.
+_LABELLED_RANGE, _SHORT_RANGE = 1e3, 5.0
 #: Size of an orbit with its own scale, and of one that is round-off, relative to the largest.
 _OWN_SCALE, ROUND_OFF = 0.1, 1e-6
 
@@ -159,6 +165,36 @@ def equal_ranges(axes: Sequence[Axes]) -> None:
             panel.ticklabel_format(useOffset=False)
             place: dict[str, Any] = {"ha": "left", "va": "top", "fontsize": text_size(0.79)}
             panel.text(0.03, 0.98, "own scale", transform=panel.transAxes, **place)
+
+
+def common_round_off(axes: Sequence[Axes]) -> None:
+    """Show values that are round-off on the scale of the largest values of all panels."""
+    ends = [np.abs(panel.dataLim.intervaly) for panel in axes]
+    largest = max((float(end.max()) for end in ends if np.isfinite(end).all()), default=0.0)
+    for panel, end in zip(axes, ends, strict=True):
+        if end.max() < ROUND_OFF * largest:
+            panel.set_ylim(-largest, largest)
+
+
+def log_scale(panel: Axes) -> None:
+    """Make the vertical axis logarithmic, with plain numbers that do not touch each other."""
+    panel.set_yscale("log")
+    axis = panel.yaxis
+    usual = LogFormatterMathtext()
+    usual.set_axis(axis)
+
+    def label(value: float, _: int | None = None) -> str:
+        low, high = sorted(axis.get_view_interval())
+        if value <= 0.0 or low <= 0.0:
+            return ""
+        digit = value / 10.0 ** math.floor(math.log10(value) + 1e-9)
+        kept = any(math.isclose(digit, one, rel_tol=1e-6) for one in (1.0, 2.0, 5.0))
+        if high < _SHORT_RANGE * low or (high < _LABELLED_RANGE * low and kept):
+            return f"{value:g}" if 1e-4 <= value < 1e6 else usual(value)
+        return usual(value) if math.isclose(digit, 1.0, rel_tol=1e-6) else ""
+
+    axis.set_major_formatter(FuncFormatter(label))
+    axis.set_minor_formatter(FuncFormatter(label))
 
 
 def label_x(axes: Sequence[Axes], label: str) -> None:

@@ -15,7 +15,15 @@ from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written
 from gearbow._shown import short, span
-from gearbow._types import Array, At, ComplexArray, FrequencyFigure, LateralDirection, Plain
+from gearbow._types import (
+    Array,
+    At,
+    ComplexArray,
+    FrequencyFigure,
+    FrequencyQuantity,
+    LateralDirection,
+    Plain,
+)
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import Places, is_pair, place, place_label, places
 from gearbow.errors import ChannelError, GearbowError, SceneError
@@ -302,7 +310,7 @@ class FrequencyResponse(Result, ReadOnly):
     def plot(
         self,
         at: Any,
-        quantity: str = "displacement",
+        quantity: FrequencyQuantity = "displacement",
         *,
         direction: LateralDirection | None = None,
         kind: FrequencyFigure = "bode",
@@ -350,7 +358,7 @@ class FrequencyResponse(Result, ReadOnly):
                 )
             name, values = next(iter(lines.items()))
             return figures.waterfall(
-                self.frequencies[0], self.speeds[:, 0], np.abs(values), f"{name} [{unit}]", ax=ax
+                self.frequencies[0], self.speeds[:, 0], np.abs(values), name, unit, ax=ax
             )
         if two:
             parts = {

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Modes"]
 
+#: A smaller damping ratio [%] is round-off of the eigenvalue.
+_ROUND_OFF_PERCENT = 1e-10
 #: Name of the motion to which each direction contributes: bending has the name of its translation.
 _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"}
 
@@ -367,7 +369,9 @@ class Modes(Result, ReadOnly):
                 kind = "overdamped" if value.real < 0.0 else "growth without oscillation"
                 kind = f": {kind}, time constant {quantity(1.0 / abs(value.real), 's', 3)}"
             elif whirl != "rigid":
-                ratio = plain_text(100.0 * self.damping_ratios[mode], ".3g").replace("-", "−")
+                percent = 100.0 * self.damping_ratios[mode]
+                percent = percent if abs(percent) > _ROUND_OFF_PERCENT else 0.0
+                ratio = plain_text(percent, ".3g").replace("-", "−")
                 frequency = quantity(self.frequencies_hz[mode], "Hz")
                 kind = f": {frequency}, {whirl}, damping {ratio} %"
             titles.append(f"mode {mode + 1}{kind}\n{name}")

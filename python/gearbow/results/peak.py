@@ -254,6 +254,7 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
             self.speeds,
             {label: (self.phase, self.amplitude)},
             peaks={label: marks(self.peaks)},
+            known={label: computed(self.peaks)},
             operating=self.operating,
             speed_unit=self._speed_unit(speed_unit),
             ax=ax,
@@ -286,11 +287,24 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
         return f"Peaks({len(self)} of {where}: {speeds} {self.speed_unit})"
 
 
+def computed(peaks: Sequence[Peak]) -> tuple[Array, Array]:
+    """Give the speeds and amplitudes of peaks and their half-power points for a curve."""
+    root = math.sqrt(0.5)
+    found = [
+        (speed, share * peak.amplitude)
+        for peak in peaks
+        for speed, share in ((peak.lower, root), (peak.speed, 1.0), (peak.upper, root))
+        if math.isfinite(speed)
+    ]
+    speeds, amplitudes = np.array(found).reshape(-1, 2).T
+    return speeds, amplitudes
+
+
 def marks(peaks: Sequence[Peak]) -> list[tuple[float, float, str]]:
     """Give speed, amplitude and amplification factor of peaks for a figure."""
     known = [(peak, peak.amplification_factor) for peak in peaks]
     return [
-        (peak.speed, peak.amplitude, "" if math.isnan(factor) else f"AF {factor:.3g}")
+        (peak.speed, peak.amplitude, "" if math.isnan(factor) else f"AF {float(f'{factor:.3g}'):g}")
         for peak, factor in known
     ]
 

@@ -201,7 +201,7 @@ class Response(Result, ReadOnly):
         """
         return access.speeds(self.to_record())
 
-    def angle(self, shaft: str, times: ArrayLike | None = None) -> Array:
+    def angle(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
         """Prescribed angle of a shaft, without its twist.
 
         Parameters
@@ -223,7 +223,7 @@ class Response(Result, ReadOnly):
         """
         return access.angle(self.to_record(), shaft, times)
 
-    def spin(self, shaft: str, times: ArrayLike | None = None) -> Array:
+    def spin(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
         """Prescribed angular velocity of a shaft.
 
         Parameters

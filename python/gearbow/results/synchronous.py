@@ -13,12 +13,12 @@ from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_degrees, in_micrometres
 from gearbow._shown import short, span
-from gearbow._types import Array, At, ComplexArray, Plain
+from gearbow._types import Array, At, ComplexArray, Excitation, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import Places, place, place_label, places
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.results.harmonic_signal import harmonic_signals
-from gearbow.results.peak import Peak, Peaks, marks, operating_range
+from gearbow.results.peak import Peak, Peaks, computed, marks, operating_range
 from gearbow.sensors.sensor import SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
@@ -78,7 +78,7 @@ class Synchronous(Result, ReadOnly):
     speeds: Array
     shafts: tuple[str, ...]
     amplitudes: ComplexArray
-    excitation: str
+    excitation: Excitation
     slow_roll: float | None
     residuals: Array
     coordinates: Coordinates = field(repr=False)
@@ -401,7 +401,7 @@ class Synchronous(Result, ReadOnly):
         span = operating_range(operating)
         model = self._model()
         peaks = {
-            signal.label: marks(self._peaks(model, signal.at, signal.source, span))
+            signal.label: self._peaks(model, signal.at, signal.source, span)
             for signal in signals
             if signal.at is not None and np.any(signal.amplitude)
         }
@@ -409,7 +409,8 @@ class Synchronous(Result, ReadOnly):
             self.speeds,
             {signal.label: (signal.phase, signal.amplitude) for signal in signals},
             unit=signals[0].unit if signals else "m",
-            peaks=peaks,
+            peaks={label: marks(found) for label, found in peaks.items()},
+            known={label: computed(found) for label, found in peaks.items()},
             operating=span,
             speed_unit=self._speed_unit(speed_unit),
             ax=ax,

@@ -34,7 +34,7 @@ _NO_BOW = 1e-6
 def bow_limits(
     self: System,
     shaft: str | Sequence[str],
-    speed: ArrayLike,
+    speed: "ArrayLike",
     *,
     shape: Bow | None = None,
     phase: float | None = None,

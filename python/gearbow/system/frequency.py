@@ -20,12 +20,12 @@ __all__ = ["frequency_response", "mesh_response"]
 
 def frequency_response(
     self: System,
-    frequencies: ArrayLike | None = None,
+    frequencies: "ArrayLike | None" = None,
     *,
     source: Source | Sequence[Source],
-    speed: ArrayLike | None = None,
-    order: ArrayLike | None = None,
-    speeds: ArrayLike | None = None,
+    speed: "ArrayLike | None" = None,
+    order: "ArrayLike | None" = None,
+    speeds: "ArrayLike | None" = None,
     threads: int | None = None,
 ) -> FrequencyResponse:
     """Find the response to harmonic sources, without time stepping.
@@ -125,7 +125,7 @@ def mesh_response(
     self: System,
     at: str | tuple[str, str],
     *,
-    speeds: ArrayLike,
+    speeds: "ArrayLike",
     harmonics: Sequence[int] = (1,),
     error: complex = 1e-6,
     threads: int | None = None,
@@ -184,10 +184,10 @@ def mesh_response(
 
 
 def _pairs(
-    frequencies: ArrayLike | None,
-    speed: ArrayLike | None,
-    order: ArrayLike | None,
-    speeds: ArrayLike | None,
+    frequencies: "ArrayLike | None",
+    speed: "ArrayLike | None",
+    order: "ArrayLike | None",
+    speeds: "ArrayLike | None",
 ) -> tuple[Array, Array, tuple[str, ...]]:
     """Give frequencies, the speed at each, and the names of their axes."""
     if frequencies is not None and order is None and speeds is None:

@@ -175,7 +175,7 @@ def static(
 
 def campbell(
     self: System,
-    speeds: ArrayLike,
+    speeds: "ArrayLike",
     *,
     count: int = 10,
     harmonics: int = 1,
@@ -225,7 +225,7 @@ def campbell(
 
 def critical_speed_map(
     self: System,
-    stiffnesses: ArrayLike,
+    stiffnesses: "ArrayLike",
     *,
     order: float = 1.0,
     count: int | None = None,
@@ -285,7 +285,7 @@ def critical_speed_map(
 
 def synchronous(
     self: System,
-    speeds: ArrayLike,
+    speeds: "ArrayLike",
     *,
     excitation: Excitation = "both",
     threads: int | None = None,

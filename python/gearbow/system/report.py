@@ -28,7 +28,7 @@ def report(
     path: str | os.PathLike[str],
     *,
     operating: float | tuple[float, float] | None = None,
-    speeds: ArrayLike | None = None,
+    speeds: "ArrayLike | None" = None,
     modes: int = 8,
     limits: Sequence[BowLimit] = (),
     title: str | None = None,

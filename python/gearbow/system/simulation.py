@@ -61,7 +61,7 @@ def simulate(
     modes: int | None = None,
     initial: InitialState | Response | SteadyState | Mapping[str, Any] = "synchronous",
     output_step: float | None = None,
-    times: ArrayLike | None = None,
+    times: "ArrayLike | None" = None,
     record: Iterable[Record] = ("gears", "meshes"),
     geometry: Geometry = "live",
     start: float | None = None,
@@ -287,7 +287,10 @@ def _checkpoint(
 
 
 def _times(
-    system: System, arguments: Mapping[str, Any], output_step: float | None, times: ArrayLike | None
+    system: System,
+    arguments: Mapping[str, Any],
+    output_step: float | None,
+    times: "ArrayLike | None",
 ) -> tuple[Array, NDArray[np.intp] | None]:
     """Find the recorded times, ascending, and the row of each given time."""
     duration, speed, begin = (arguments[name] for name in ("duration", "speed", "start"))

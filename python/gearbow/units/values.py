@@ -17,10 +17,10 @@ def rpm(value: float) -> float: ...  # numpydoc ignore=GL08
 
 
 @overload
-def rpm(value: ArrayLike) -> float | Array: ...  # numpydoc ignore=GL08
+def rpm(value: "ArrayLike") -> float | Array: ...  # numpydoc ignore=GL08
 
 
-def rpm(value: ArrayLike) -> float | Array:
+def rpm(value: "ArrayLike") -> float | Array:
     """Convert revolutions per minute to rad/s.
 
     Parameters
@@ -52,10 +52,10 @@ def mm(value: float) -> float: ...  # numpydoc ignore=GL08
 
 
 @overload
-def mm(value: ArrayLike) -> float | Array: ...  # numpydoc ignore=GL08
+def mm(value: "ArrayLike") -> float | Array: ...  # numpydoc ignore=GL08
 
 
-def mm(value: ArrayLike) -> float | Array:
+def mm(value: "ArrayLike") -> float | Array:
     """Convert millimetres to metres.
 
     Parameters
@@ -84,10 +84,10 @@ def degrees(value: float) -> float: ...  # numpydoc ignore=GL08
 
 
 @overload
-def degrees(value: ArrayLike) -> float | Array: ...  # numpydoc ignore=GL08
+def degrees(value: "ArrayLike") -> float | Array: ...  # numpydoc ignore=GL08
 
 
-def degrees(value: ArrayLike) -> float | Array:
+def degrees(value: "ArrayLike") -> float | Array:
     """Convert degrees to radians.
 
     Parameters

@@ -191,6 +191,22 @@ def test_arrows_have_the_sense_of_torques_and_rotations():
     assert senses == {0.0: 1.0, 3e-3 * 75 / 2: -1.0}
 
 
+def test_coaxial_shafts_of_opposite_senses_have_two_arrows():
+    spools = gb.RotorSystem.load(gb.examples()["dual_rotor"].path)
+    _, end = spools.plot().axes
+    assert sum(isinstance(patch, FancyArrowPatch) for patch in end.patches) == 2
+
+
+def test_a_sleeve_is_drawn_in_both_views():
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.1)
+    system = gb.RotorSystem([shaft], sleeves=[gb.Sleeve("s", 0.2, 0.6, 0.16, 0.1)])
+    side, end = system.plot().axes
+    assert any(patch.get_hatch() for patch in side.patches)
+    (sleeve,) = (patch for patch in end.patches if patch.get_hatch())
+    assert sleeve.get_radius() == pytest.approx(0.08)
+    assert end.get_ylim()[1] > 0.08
+
+
 def test_torques_that_vary_have_no_value():
     series = gb.TimeSeries([0.0, 1.0], [0.0, 5.0])
     system = pair(torques=[gb.Torque("g1", series)], drives=[gb.Drive("g2", 1e5)])

@@ -116,6 +116,13 @@ def test_trial_runs_give_the_influence_of_the_model_beside_their_own():
     )
     assert "influence coefficients of trial runs differ" in str(found.balance("g1", AT))
     assert "trial run [µm/(g mm)]" in str(trials)
+    phase, amplitude = trials.plot(speed_unit="rpm").axes
+    assert phase.get_ylabel() == "phase [°]"
+    assert amplitude.get_ylabel() == "influence [µm/(g mm)]"
+    (points, *_) = amplitude.containers[0].lines[:1]
+    own = [i for i, probe in enumerate(trials.probes) if probe == trials.probes[0]]
+    np.testing.assert_allclose(points.get_xdata(), trials.speeds[own] * 30.0 / np.pi)
+    np.testing.assert_allclose(points.get_ydata(), np.abs(trials.measured[own]))
     assert identified(1).balance("g1", AT).trials is None
 
 
