@@ -68,8 +68,16 @@ def quantity(system: gb.RotorSystem) -> str:
 
 
 def turn(system: gb.RotorSystem, speed: float) -> float:
-    """Time of a revolution of the slowest shaft [s]."""
-    return 2.0 * pi / min(abs(ratio * speed) for ratio in system.speed_ratios)
+    """Time after which the slowest shaft and all shafts with a drive of their own complete revolutions [s]."""
+    slowest = min(abs(ratio) for ratio in system.speed_ratios)
+    own = [
+        abs(ratio) / slowest
+        for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True)
+        if shaft.speed_ratio is not None
+    ]
+    # the motion has no period if they never do within 20 turns
+    whole = (n for n in range(1, 21) if all(abs(n * r - round(n * r)) < 1e-6 for r in own))
+    return 2.0 * pi * next(whole) / (slowest * abs(speed))
 
 
 def recorded(system: gb.RotorSystem) -> list[Any]:

@@ -77,7 +77,7 @@ class RingCoefficients(ReadOnly):
     >>> import gearbow as gb
     >>> bearing = gb.RollingBearing("rotor", 0.0, "32008X").ring_coefficients(1000.0, thrust=800.0)
     >>> print(f"{1e6 * bearing.displacement[0]:.1f} µm along the axis")
-    2.9 µm along the axis
+    3.5 µm along the axis
     """
 
     displacement: Array
@@ -317,7 +317,7 @@ class RollingBearing(Part):
         ...     "rotor", 0.0, bore=0.09, outer=0.16, width=0.03, kind="angular_contact"
         ... )
         >>> found = bearing.ring_coefficients(0.0, thrust=17800.0)
-        >>> found.contact_angles.round(2)[0]
+        >>> float(found.contact_angles.round(2)[0])
         0.73
         """
         turned = matrix(tilt, "tilt")

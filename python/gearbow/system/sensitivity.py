@@ -134,7 +134,7 @@ def sensitivity(
     >>> response = system.frequency_response([0.0], source=push)
     >>> found = system.sensitivity(paths, response, at=("rotor", 0.0))
     >>> found.relative[:, 0, 0, 0].round(2)
-    array([-0.95, -0.  ])
+    array([-1., -0.])
     """
     given = [parameters] if isinstance(parameters, str) else items(parameters, "parameters", "text")
     if not given:

@@ -196,7 +196,7 @@ fn ratio(unbalanced: f64, load: f64) -> f64 {
 
 /// Generalised forces on every coordinate, n entries each in the order of the core, N or N m.
 pub(super) struct Forces {
-    /// Loads, and forces of bearings, links, meshes and other connections on the shafts.
+    /// Loads, forces of bearings, links, meshes and other connections on the shafts, and moments of axial forces.
     pub external: DVector<f64>,
     /// Sum of the absolute terms of `external`.
     acting: DVector<f64>,
@@ -366,6 +366,15 @@ impl Forces {
             if let Some(chain) = &shaft.bending {
                 chain.subtract_elastic::<2>(&q[chain.start..], &mut self.elastic.as_mut_slice()[chain.start..]);
                 self.add_round_off::<2, 2>(&chain.stiffness, chain.start, q);
+                if let Some(geometric) = &shaft.geometric {
+                    // The axial forces on a shaft keep their direction: about a tilted shaft they have a moment from outside.
+                    let mut force = vec![0.0; chain.coordinates::<2>().len()];
+                    geometric.multiply_add::<2>(-1.0, &q[chain.start..], &mut force);
+                    for (index, force) in chain.coordinates::<2>().zip(force) {
+                        self.external[index] += force;
+                        self.elastic[index] -= force;
+                    }
+                }
             }
             for chain in shaft.rods() {
                 chain.subtract_elastic::<1>(&q[chain.start..], &mut self.elastic.as_mut_slice()[chain.start..]);

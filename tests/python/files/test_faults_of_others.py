@@ -386,12 +386,12 @@ def test_the_response_is_proportional_to_a_load_of_a_nanonewtonmetre(method, geo
         assert np.abs(small * 1e9 - unit).max() < closeness * np.abs(unit).max()
 
 
-def test_the_response_is_proportional_to_a_bow_of_a_nanometre():
+def test_the_response_is_proportional_to_a_small_bow():
     at = [
         replace(DEMO, torque=0.0, bows={"middle": HalfSine(b)})
         .package()
         .simulate(2e-3, 100.0, initial="rest", output_step=1e-4, geometry="frozen")
         .displacement("g2")
-        for b in (1e-4, 1e-9)
+        for b in (1e-7, 1e-12)  # the turn of the bow with the twist is of second order
     ]
     assert np.abs(at[1] * 1e5 - at[0]).max() < 1e-5 * np.abs(at[0]).max()  # rtol 1e-6 in each run

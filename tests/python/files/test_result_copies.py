@@ -58,6 +58,7 @@ def everything() -> dict[str, Any]:
         "response sensitivity": bowed.sensitivity(
             "bearings[0].damping", bowed.synchronous([100.0, 200.0]), at=("rotor", 0.5)
         ),
+        "mass properties": system.mass_properties(),
         "peak": response.peaks(("rotor", 0.5))[0],
         "peaks": response.peaks(("rotor", 0.5)),
         "limits": system.bow_limits(system.shafts[0].name, 100.0),

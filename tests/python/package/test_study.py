@@ -193,7 +193,10 @@ def test_means_and_peak_to_peak_values_are_those_of_the_closed_forms(where):
                 if name != "contact_ratio"
                 else measured(stiff, Case("quarter", 0.0, 2.0)).mean(pair, name)
             )
-            assert found.mean(pair, name) - reference == pytest.approx(shift, rel=1e-2), name
+            # The bow turns with the rotation by which its shaft follows the gear centre, at most b over
+            # the smallest base radius; half of the product of both is a mean shift, too.
+            turn = b**2 / (2.0 * 0.0375 * math.cos(angle)) * peak_to_peak / (2.0 * b)
+            assert abs(found.mean(pair, name) - reference - shift) < turn, name
 
 
 def measured(straight, case):

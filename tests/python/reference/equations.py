@@ -6,6 +6,7 @@ forces on each shaft at rest. Loads and mesh forces follow from the parts; only 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -80,6 +81,7 @@ class ShaftAlone:
 
     def __init__(self, system: gb.RotorSystem, shaft: gb.Shaft) -> None:
         self.shaft = shaft
+        self.sleeves = [sleeve for sleeve in system.sleeves if sleeve.shaft == shaft.name]
         self.at = [i for i, dof in enumerate(system.dofs) if dof[0] == shaft.name]
         self.dofs = [system.dofs[i] for i in self.at]
         self.nodes = sorted({x for _, x, _ in self.dofs if not isinstance(x, tuple)})
@@ -90,34 +92,41 @@ class ShaftAlone:
     def length(self) -> float:
         return self.nodes[-1]
 
-    def diameters(self, x: float) -> tuple[float, float]:
-        """Outer and inner diameter at a position."""
-        end = 0.0
+    def rigidity(self, x: Array) -> Array:
+        """Bending stiffness EI at positions within one element."""
+
+        def of(outer: Array, inner: Array, material: gb.Material) -> Array:
+            return material.youngs_modulus * np.pi / 64.0 * (outer**4 - inner**4)
+
+        found, begin = np.zeros_like(x), 0.0
         for part in self.shaft.segments or (self.shaft,):
-            end += part.length
-            if x < end:
-                return part.outer_diameter, part.inner_diameter
-        raise AssertionError(f"{x} is no position of the shaft")
+            along = (x - begin) / part.length
+            begin += part.length
+            sizes = []
+            for kind in ("outer_diameter", "inner_diameter"):
+                first = getattr(part, kind)
+                last = getattr(part, f"end_{kind}", None)
+                sizes.append(first + along * ((first if last is None else last) - first))
+            here = of(*sizes, getattr(part, "material", None) or self.shaft.material)
+            found = np.where((along >= 0.0) & (along < 1.0), here, found)
+        for sleeve in self.sleeves:
+            share = {"none": 0.0, "full": 1.0}.get(sleeve.stiffness, sleeve.stiffness)
+            layer = of(sleeve.outer_diameter, sleeve.inner_diameter, sleeve.material)
+            found += np.where((x > sleeve.begin) & (x < sleeve.end), share * layer, 0.0)
+        return found
 
     @cached_property
     def stiffness(self) -> Array:
-        """Elastic matrix of the free shaft, in the order of `dofs`."""
-        parts = [
-            gb.Segment(b - a, *self.diameters(0.5 * (a + b)), elements=1)
-            for a, b in zip(self.nodes, self.nodes[1:], strict=False)
-        ]
-        free = gb.RotorSystem(
-            [
-                gb.Shaft(
-                    self.shaft.name,
-                    segments=parts,
-                    degree=self.degree,
-                    material=self.shaft.material,
-                    shear=self.shaft.shear,
-                )
-            ],
-            motion="coupled",
-        )
+        """Elastic matrix of the free shaft without axial force, in the order of `dofs`."""
+        shaft = replace(self.shaft, bow=None, axial_force=0.0, elements=None, degree=self.degree)
+        if shaft.segments:
+            parts = [replace(part, elements=1) for part in shaft.segments]
+            shaft = replace(shaft, segments=parts)
+        else:
+            shaft = replace(shaft, elements=1)
+        # a force makes its place a node
+        nodes = [gb.Force((shaft.name, x), 1.0) for x in self.nodes]
+        free = gb.RotorSystem([shaft], sleeves=self.sleeves, forces=nodes, motion="coupled")
 
         def key(dof):
             _, x, kind = dof
@@ -138,7 +147,6 @@ class ShaftAlone:
             return np.zeros(len(self.dofs), dtype=complex)
         assert bow.shape == "half_sine"
         amplitude, wave = bow.amplitude * np.exp(1j * (bow.phase or 0.0)), np.pi / self.length
-        young = self.shaft.material.youngs_modulus
         curve = np.zeros(len(self.dofs), dtype=complex)
         within = np.zeros_like(curve)
         for i, (_, x, kind) in enumerate(self.dofs):
@@ -155,10 +163,8 @@ class ShaftAlone:
                 slope = np.sqrt(degree - 0.5) * legendre.legval(
                     points, [0.0] * (degree - 1) + [1.0]
                 )
-                outer, inner = self.diameters(0.5 * (a + b))
-                rigidity = young * np.pi / 64.0 * (outer**4 - inner**4)
                 curvature = -(wave**2) * np.sin(wave * there)
-                within[i] = amplitude * turn * rigidity * (weights @ (slope * curvature))
+                within[i] = amplitude * turn * (weights @ (slope * self.rigidity(there) * curvature))
         return self.stiffness @ curve + within
 
 
@@ -230,8 +236,17 @@ class Balance:
         gravity = float(self.system.description.get("gravity", 0.0))
         for shaft in self.system.shafts:
             for part in shaft.segments or (shaft,):
-                area = np.pi / 4.0 * (part.outer_diameter**2 - part.inner_diameter**2)
-                self._add(shaft.name, z=-gravity * shaft.material.density * area * part.length)
+                material = getattr(part, "material", None) or shaft.material
+                outer, inner = (
+                    [getattr(part, kind), getattr(part, f"end_{kind}", None)]
+                    for kind in ("outer_diameter", "inner_diameter")
+                )
+                volume = frustum(part.length, *outer) - frustum(part.length, *inner)
+                self._add(shaft.name, z=-gravity * material.density * volume)
+        for sleeve in self.system.sleeves:
+            length = sleeve.end - sleeve.begin
+            volume = frustum(length, sleeve.outer_diameter) - frustum(length, sleeve.inner_diameter)
+            self._add(sleeve.shaft, z=-gravity * sleeve.material.density * volume)
         for disk in self.system.disks:
             self._add(disk.shaft, z=-gravity * disk.mass)
         for gear in self.system.gears:
@@ -334,6 +349,12 @@ class Balance:
         )
         self._add(coupling.a[0], *pull)
         self._add(coupling.b[0], *(-value for value in pull))
+
+
+def frustum(length: float, begin: float, end: float | None = None) -> float:
+    """Volume of a cone between two diameters, or of a cylinder."""
+    end = begin if end is None else end
+    return np.pi * length * (begin**2 + begin * end + end**2) / 12.0
 
 
 def base_radius(gear: gb.Gear) -> float:

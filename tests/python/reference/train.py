@@ -180,7 +180,10 @@ class Train:
 
     @cached_property
     def turning_bows(self) -> list[TurningBow]:
-        bows = []
+        """Bows that turn with the twist, which shafts without teeth do not have."""
+        bows: list[TurningBow] = []
+        if not self.meshes:
+            return bows
         for shaft in (s for s in self.shafts if s.bow is not None):
             shapes = [self.bow_shape(shaft, angle) for angle in (0.0, np.pi / 2)]
             start = self.offset[shaft.name]
