@@ -75,7 +75,7 @@ REFINED = [
 #: so that layers slide on each other between the nodes; this error of the elements is up to 2.4e-4, and vanishes with their
 #: length. Rotors without layers agree to 1e-6 (test_exchange.py).
 DIFFERENCE = 2.5e-4
-#: The same with shorter elements: 2e-5 of the error of the elements remain.
+#: The same with shorter elements.
 REFINED_DIFFERENCE = 1e-4
 
 

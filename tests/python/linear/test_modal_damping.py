@@ -85,14 +85,17 @@ def test_responses_have_the_ratio_of_their_mode():
     assert np.abs(amplitude - plain).max() > 0.1 * plain.max()
 
 
-@pytest.mark.parametrize("count", [None, 6])
+@pytest.mark.parametrize("count", [None, 30])
 def test_runs_decay_with_the_ratio_of_the_mode(count: int | None):
+    # The bearings are softer along z.
     system = rotor({1: 0.02, "other": 0.2}).replace(
-        forces=[gb.Force(("rotor", 0.5), lambda t: 100.0 * (t < 0.0) + 100.0 * np.exp(-t / 1e-3))]
+        forces=[gb.Force(("rotor", 0.5), lambda t: 100j * np.exp(-t / 1e-3))]
     )
-    response = system.simulate(0.2, speed=0.0, output_step=1e-4, modes=count)
+    response = system.simulate(
+        0.2, speed=0.0, output_step=1e-4, modes=count, record=[("rotor", 0.5)]
+    )
     mode = rotor(None).modes(count=2)
-    motion = response.displacement(("rotor", 0.5))[:, 0]
+    motion = response.displacement(("rotor", 0.5))[:, 1]
     period = 1.0 / mode.frequencies_hz[0]
     late = [
         np.abs(motion[(response.time > t) & (response.time < t + period)]).max()

@@ -164,7 +164,9 @@ class ShaftAlone:
                     points, [0.0] * (degree - 1) + [1.0]
                 )
                 curvature = -(wave**2) * np.sin(wave * there)
-                within[i] = amplitude * turn * (weights @ (slope * self.rigidity(there) * curvature))
+                within[i] = (
+                    amplitude * turn * (weights @ (slope * self.rigidity(there) * curvature))
+                )
         return self.stiffness @ curve + within
 
 
