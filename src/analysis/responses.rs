@@ -10,7 +10,7 @@ use crate::model::Model;
 
 /// Memory that synchronous responses need.
 pub fn memory_of_responses(model: &Model) -> Dense {
-    if model.scene.modal_damping > 0.0 && !is_banded(model) { Dense::Undamped } else { Dense::Bands }
+    if !model.scene.modal_damping.is_zero() && !is_banded(model) { Dense::Undamped } else { Dense::Bands }
 }
 
 /// Phasors of the synchronous response at one speed, as [`Responses::all`].

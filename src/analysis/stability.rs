@@ -35,7 +35,8 @@ impl Spectrum {
         let additional = stiffening(cached, speed) + skew_part(&reference) + circulatory;
         let omega_max = (fastest.powi(2) + additional).sqrt();
         let [alpha, beta] = model.scene.rayleigh;
-        let spread = alpha + (beta + internal) * omega_max * omega_max + 2.0 * model.scene.modal_damping * omega_max;
+        let spread =
+            alpha + (beta + internal) * omega_max * omega_max + 2.0 * model.scene.modal_damping.largest() * omega_max;
         let spin = model.shafts.iter().map(|shaft| (shaft.ratio * speed).abs()).fold(0.0, f64::max);
         Ok(Self { omega_max, damping: spread + dampers(cached, speed)?, gyroscopic: 2.0 * spin })
     }

@@ -136,7 +136,7 @@ pub(super) fn solve(
 ) -> Result<Option<SourceResponse>, AnalysisError> {
     let model = &cached.model;
     // Modal damping has no force without velocity.
-    let is_damped = model.scene.modal_damping > 0.0 && key.spin != 0.0;
+    let is_damped = !model.scene.modal_damping.is_zero() && key.spin != 0.0;
     if !is_damped || is_banded(model) {
         let found = banded(cached, key, is_damped.then_some(highest), side, tolerance, force)?;
         // At an undamped natural frequency the response is very large: the dense solution shows its size.

@@ -187,6 +187,7 @@ impl Model {
     /// positive.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         let numbering = Numbering::new(&scene);
+        scene.modal_damping.check_numbers(numbering.len())?;
         let shafts = (0..scene.shafts.len())
             .map(|index| ShaftModel::new(&scene, &numbering, index))
             .collect::<Result<Vec<_>, _>>()?;

@@ -83,7 +83,7 @@ impl<'m> EquationOfMotion<'m> {
     /// # Errors
     /// [`DecompositionError`] if the modes cannot be computed.
     pub fn with_modal_damping(self, cached: &CachedModel) -> Result<Self, DecompositionError> {
-        if self.model.scene.modal_damping == 0.0 {
+        if self.model.scene.modal_damping.is_zero() {
             return Ok(self);
         }
         let cached = cached.at_speed(self.constants.speed).map_err(|_| DecompositionError::SpeedDependent)?;

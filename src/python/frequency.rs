@@ -12,7 +12,7 @@ use crate::analysis::{
     self, AnalysisError, ExcitationPart, ExcitationSource, Harmonic, HarmonicForces, HarmonicSource, Kept, Threads,
     product,
 };
-use crate::modal::{self, CachedModel};
+use crate::modal;
 use crate::model::Model;
 use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, description, range_with_rpm, with_rpm};
 
@@ -135,7 +135,7 @@ pub fn critical_speed_map(
     let found = model.run(py, memory, move |cached, interrupt| {
         let description = analysis::resolve(&given, interrupt)?.description;
         let threads = Threads::new(memory.threads(&cached.model, threads), stiffnesses.len());
-        let at = |stiffness: f64| Ok(CachedModel::new(Model::new(Scene::new(&with(&description, stiffness))?)?));
+        let at = |stiffness: f64| Ok(Model::new(Scene::new(&with(&description, stiffness))?)?);
         analysis::critical_speed_map(at, &stiffnesses, order, count, &threads, interrupt)
     })?;
     let row = |point: &analysis::CriticalPoint| {

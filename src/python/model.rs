@@ -205,7 +205,7 @@ impl PyModel {
     fn matrices<'py>(&self, py: Python<'py>, speed: f64) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
         // The matrix of modal damping is a sum over the modes.
-        let dense = if self.model().scene.modal_damping > 0.0 { Dense::Undamped } else { Dense::Matrices };
+        let dense = if !self.model().scene.modal_damping.is_zero() { Dense::Undamped } else { Dense::Matrices };
         let matrices = self.run(py, dense, move |cached, _| -> Result<_, AnalysisError> {
             let cached = cached.at_speed(speed)?;
             let model = &cached.model;
@@ -227,7 +227,7 @@ impl PyModel {
     #[pyo3(signature = (speed=0.0))]
     fn sparse_matrices<'py>(&self, py: Python<'py>, speed: f64) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
-        if self.model().scene.modal_damping > 0.0 {
+        if !self.model().scene.modal_damping.is_zero() {
             let message = "must be False with modal damping, whose matrix has no zeros";
             return Err(SceneError::new("sparse", message).into());
         }

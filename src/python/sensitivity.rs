@@ -63,7 +63,7 @@ pub fn harmonic_terms<'py>(
     let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(assembled, given, index);
     let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
     let outputs = outputs.parse(assembled)?;
-    let dense = if assembled.scene.modal_damping > 0.0 { Dense::Undamped } else { Dense::Bands };
+    let dense = if !assembled.scene.modal_damping.is_zero() { Dense::Undamped } else { Dense::Bands };
     let found =
         model.run(py, dense, move |cached, _| analysis::harmonic_terms(cached, speed, scale, &sources, &outputs))?;
     let integers = |values: Vec<i64>| values.into_pyarray(py);

@@ -9,7 +9,7 @@
 //!   `rolling` (`catalogue` estimates its elements), `housing`, `loads`.
 //! - The train: `train` (speed ratios, balance of the torques), `centre_distance` (gears with profile shift), `contact`
 //!   (path of contact at rest), `place` (names and positions).
-//! - Values: `curve` and `speed_table` (tables), `hertz` (stiffness of rolling elements), `accuracy` (the promised errors
+//! - Values: `curve` and `speed_table` (tables), `modal_damping` (ratios of modes), `hertz` (stiffness of rolling elements), `accuracy` (the promised errors
 //!   and the settings that keep them).
 //! - Messages: `error`, `number`; `plausibility` warns of values that no real machine has.
 
@@ -29,6 +29,7 @@ mod journal;
 mod loads;
 mod material;
 mod mesh;
+mod modal_damping;
 mod nonlinear;
 mod number;
 mod place;
@@ -57,6 +58,7 @@ pub use journal::{FilmKind, Journal};
 pub use loads::{Coupling, Drive, Force, LoadLaw, SpringDamper, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
+pub use modal_damping::DampingRatios;
 pub use nonlinear::{Nonlinear, bearing};
 pub use number::{outside_table, range_with_rpm, short, with_rpm};
 pub use rolling::Rolling;
@@ -136,8 +138,8 @@ pub struct Scene {
     pub torques: Vec<Torque>,
     /// Signed speed of each shaft relative to the reference shaft.
     pub speed_ratios: Vec<f64>,
-    /// Damping ratio of every undamped mode; zero by default.
-    pub modal_damping: f64,
+    /// Damping ratios of the undamped modes; zero by default.
+    pub modal_damping: DampingRatios,
     /// Rayleigh damping `[α, β]` of the shafts, 1/s and s.
     pub rayleigh: [f64; 2],
     /// Gravity along y and z, m/s².
@@ -183,7 +185,7 @@ impl Scene {
             forces: loads::forces(system, &names, &shafts)?,
             varying_loads: loads::varying(system, &names, &shafts)?,
             couplings,
-            modal_damping: modal_damping(system)?,
+            modal_damping: DampingRatios::new(system.modal_damping.as_ref())?,
             rayleigh: rayleigh(system)?,
             bow_torque: system.bow_torque,
             gravity: gravity(system)?,
@@ -393,10 +395,6 @@ fn complex(given: Option<description::Complex>, at: &EntryPath) -> Result<Comple
     at.finite(value.re)?;
     at.finite(value.im)?;
     Ok(value)
-}
-
-fn modal_damping(system: &SceneDescription) -> Result<f64, SceneError> {
-    EntryPath::root("modal_damping").non_negative(system.modal_damping.unwrap_or(0.0))
 }
 
 fn rayleigh(system: &SceneDescription) -> Result<[f64; 2], SceneError> {

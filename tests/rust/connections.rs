@@ -204,7 +204,7 @@ fn tight(speed: Speed, method: Method) -> Options {
 fn every_method_gives_the_same_motion() {
     let mut damped = heavy();
     // With modal damping, Runge–Kutta methods also integrate in modes.
-    damped.modal_damping = Some(0.01);
+    damped.modal_damping = Some(0.01.into());
     let constant = || Speed::Constant(100.0);
     for (entries, speed) in [(STIFFENING, run_up()), (ROLLING, constant()), (ROLLING, run_up()), (JOURNAL, constant())]
     {

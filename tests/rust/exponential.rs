@@ -28,7 +28,7 @@ fn damped(bearing: [f64; 4], cross: [f64; 2], rayleigh: [f64; 2], modal: f64) ->
         bearing.damping = Some(Coefficient::Full([[c_y, 0.0], [0.0, c_z]]).into());
     }
     system.rayleigh = Some(rayleigh);
-    system.modal_damping = Some(modal);
+    system.modal_damping = Some(modal.into());
     system
 }
 

@@ -48,7 +48,7 @@ impl Observer for Onlooker {
 fn damped() -> SceneDescription {
     let mut system = train();
     system.shafts[0].degree = Some(3);
-    system.modal_damping = Some(0.01);
+    system.modal_damping = Some(0.01.into());
     system.rayleigh = Some([10.0, 1e-7]);
     system
 }

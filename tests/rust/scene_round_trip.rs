@@ -189,7 +189,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
             SceneDescription {
                 accuracy: None,
                 reference: named.then(|| "two".to_owned()),
-                modal_damping,
+                modal_damping: modal_damping.map(Into::into),
                 rayleigh,
                 gravity: gravity.map(|g| if vector { Gravity::Vector([g, -g]) } else { Gravity::Down(g) }),
                 motion: None,

@@ -265,8 +265,8 @@ def sampled(f: Callable[[Any], Any], breaks: Array, path: str) -> tuple[Array, A
     )
 
 
-def evaluated(f: Callable[[Any], Any], times: Array, path: str) -> Array:
-    """Evaluate a function that takes one time or an array of times."""
+def evaluated(f: Callable[[Any], Any], times: Array, path: str, unit: str = "s") -> Array:
+    """Evaluate a function that takes one time, or another argument, or an array of them."""
     flat = times.reshape(-1)
     try:
         values: NDArray[Any] = np.asarray(f(flat))
@@ -277,7 +277,7 @@ def evaluated(f: Callable[[Any], Any], times: Array, path: str) -> Array:
     values = values.astype(np.float64)
     if not np.isfinite(values).all():
         at = int(np.argmin(np.isfinite(values)))
-        raise SceneError(f"{path}: the function gives {values[at]} at {flat[at]:g} s")
+        raise SceneError(f"{path}: the function gives {values[at]} at {flat[at]:g} {unit}")
     return values.reshape(times.shape)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import copied, nested, number, showing, shown, text
+from gearbow._convert import copied, nested, showing, shown, text
 from gearbow._core import Model
 from gearbow._files import check_name, replacing
 from gearbow._keywords import CheckedKeywords
@@ -19,6 +19,7 @@ from gearbow.analysis.balance import balance
 from gearbow.description.assumptions import assumptions
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.couplings import Coupling, Drive, Force
+from gearbow.description.damping import described_ratios, given_ratios
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.load_values import functions, over_time, refuse_functions
@@ -72,7 +73,7 @@ def _flag(value: object, path: str) -> bool:
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
     "reference": text,
-    "modal_damping": number,
+    "modal_damping": described_ratios,
     "rayleigh": nested,
     "geometric_stiffness": _flag,
     "bow_torque": _flag,
@@ -86,6 +87,11 @@ _DEFAULTS: dict[str, Plain] = {
     "geometric_stiffness": False,
     "bow_torque": False,
 }
+
+
+def _as_given(key: str, plain: Plain) -> Plain:
+    """Give the value of an option as a user gives it."""
+    return given_ratios(plain) if key == "modal_damping" else tuples(plain)
 
 
 class RotorSystem(CheckedKeywords, Shown):
@@ -119,8 +125,13 @@ class RotorSystem(CheckedKeywords, Shown):
         Sleeves around shafts.
     reference : str, optional
         Name of the reference shaft, whose speed all speeds refer to; None is the first.
-    modal_damping : float, optional
-        Damping ratio of the shafts, the same for every mode.
+    modal_damping : float, mapping or callable, optional
+        Damping ratio of the undamped modes: the same for every mode; ratios by mode number, such as
+        {1: 0.02, 2: 0.01, "other": 0.03}, where "other" is 0 by default and the numbers count the
+        elastic undamped modes of the speed from 1 in ascending frequency (rigid-body modes have no
+        number); a table {"frequencies": [rad/s], "ratios": [...]}; or a function ζ(ω) of undamped
+        frequencies [rad/s], which becomes a table from 10 to 1e5 rad/s. Tables are monotone cubics
+        between their points, and constant outside.
     rayleigh : tuple of (float, float), optional
         Damping αM + βK of the shafts [1/s, s].
     geometric_stiffness : bool
@@ -204,7 +215,7 @@ class RotorSystem(CheckedKeywords, Shown):
     forces: tuple[Force, ...]
     sleeves: tuple[Sleeve, ...]
     reference: str | None
-    modal_damping: float | None
+    modal_damping: float | dict[Any, Any] | None
     rayleigh: tuple[float, float] | None
     geometric_stiffness: bool
     bow_torque: bool
@@ -230,7 +241,7 @@ class RotorSystem(CheckedKeywords, Shown):
         forces: Sequence[Force] = (),
         sleeves: Sequence[Sleeve] = (),
         reference: str | None = None,
-        modal_damping: float | None = None,
+        modal_damping: "float | Mapping[Any, Any] | Callable[[Any], Any] | None" = None,
         rayleigh: tuple[float, float] | None = None,
         geometric_stiffness: bool = False,
         bow_torque: bool = False,
@@ -268,7 +279,7 @@ class RotorSystem(CheckedKeywords, Shown):
         }
         for key, value in options.items():
             converted = None if value is None else _OPTIONS[key](value, key)
-            setattr(self, key, tuples(converted))
+            setattr(self, key, _as_given(key, converted))
             if converted is not None and converted != _DEFAULTS.get(key):
                 description[key] = converted
         return description
@@ -282,7 +293,7 @@ class RotorSystem(CheckedKeywords, Shown):
         for key, parts_given in parts_of(description).items():
             setattr(system, key, parts_given)
         for key in _OPTIONS:
-            setattr(system, key, tuples(description.get(key, _DEFAULTS.get(key))))
+            setattr(system, key, _as_given(key, description.get(key, _DEFAULTS.get(key))))
         return system
 
     @classmethod

@@ -112,6 +112,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "thrust": "N",
     "tilt": "rad",
     # Options of a system
+    "modal_damping.frequencies": "rad/s",
+    "modal_damping.ratios": DIMENSIONLESS,
     "rayleigh": ("1/s", "s"),
     "gravity": "m/s^2",
     # Arguments of analyses

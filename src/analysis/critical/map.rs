@@ -50,7 +50,7 @@ struct Found {
 /// [`AnalysisError`] if `order` is not positive, a stiffness is invalid, a decomposition fails, a mode does not satisfy the
 /// equations of motion, or `interrupt` requests a stop.
 pub fn critical_speed_map(
-    at: impl Fn(f64) -> Result<CachedModel, AnalysisError> + Sync,
+    at: impl Fn(f64) -> Result<Model, AnalysisError> + Sync,
     stiffnesses: &[f64],
     order: f64,
     count: usize,
@@ -86,11 +86,13 @@ struct MapProblem<'a, F> {
     interrupt: &'a Interrupt,
 }
 
-impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> MapProblem<'_, F> {
+impl<F: Fn(f64) -> Result<Model, AnalysisError>> MapProblem<'_, F> {
     /// The model at a stiffness, N/m, and its modes by ascending speed.
     fn modes(&self, stiffness: f64) -> Result<(CachedModel, Vec<Found>), AnalysisError> {
         self.interrupt.check()?;
-        let cached = (self.at)(stiffness)?;
+        // Without damping, the internal damping of a shaft has no circulatory forces either.
+        let model = (self.at)(stiffness)?;
+        let cached = CachedModel::new(if model.needs_speed() { model.with_tables_at(0.0)? } else { model });
         let found = modes(&cached, self.order, self.count.saturating_add(FURTHER_MODES))?;
         let found = found.into_iter().map(|met| Found::new(&cached.model, self.order, met)).collect();
         Ok((cached, found))
@@ -106,7 +108,7 @@ struct Lines<'a, F> {
     started: usize,
 }
 
-impl<F: Fn(f64) -> Result<CachedModel, AnalysisError>> Lines<'_, F> {
+impl<F: Fn(f64) -> Result<Model, AnalysisError>> Lines<'_, F> {
     /// Continues the lines to the modes at a stiffness; `from` is the stiffness of the lines, both N/m.
     fn advance(
         &mut self,

@@ -262,7 +262,9 @@ pub(super) fn damping(model: &Model, frequency: f64, shape: &[f64]) -> f64 {
     let of_mesh = |(index, mesh): (usize, &GearMesh)| {
         mesh.damping * mesh.deflection_at_rest(model.sigma(index, 0.0), shape).powi(2)
     };
-    model.damping_form(shape) + 2.0 * model.scene.modal_damping * frequency + meshes.map(of_mesh).sum::<f64>()
+    model.damping_form(shape)
+        + 2.0 * model.scene.modal_damping.smallest_at(frequency) * frequency
+        + meshes.map(of_mesh).sum::<f64>()
 }
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -60,7 +60,7 @@ impl Audit {
         let combined = selection.combinations.iter().flatten().map(|(index, _)| index);
         let mut coordinates: Vec<usize> =
             selection.displacements.iter().chain(&selection.velocities).chain(combined).copied().collect();
-        if model.scene.modal_damping > 0.0 || model.scene.rayleigh != [0.0; 2] {
+        if !model.scene.modal_damping.is_zero() || model.scene.rayleigh != [0.0; 2] {
             coordinates = (0..model.len()).collect();
         }
         coordinates.sort_unstable();

@@ -176,7 +176,7 @@ impl Options {
     /// Whether the run integrates modal coordinates. At a variable speed the modes vary, and modal damping is a matrix
     /// over all displacements.
     pub(super) fn in_modes(&self, model: &Model) -> bool {
-        let modal = model.scene.modal_damping > 0.0 && matches!(self.speed, Speed::Constant(_));
+        let modal = !model.scene.modal_damping.is_zero() && matches!(self.speed, Speed::Constant(_));
         modal || matches!(self.method, Method::Exponential | Method::ExactRk4)
     }
 

@@ -567,7 +567,7 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if the undamped modes cannot be found.
     pub fn modal_damping(&self, speed: f64, highest: Highest) -> Result<Option<Arc<ModalDamping>>, DecompositionError> {
-        if self.model.scene.modal_damping == 0.0 {
+        if self.model.scene.modal_damping.is_zero() {
             return Ok(None);
         }
         let rotation = self.model.rotation(speed);
@@ -593,11 +593,10 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if the modes cannot be computed.
     pub fn modal_damping_matrix(&self, speed: f64) -> Result<Option<DMatrix<f64>>, DecompositionError> {
-        let ratio = self.model.scene.modal_damping;
-        if ratio == 0.0 {
+        if self.model.scene.modal_damping.is_zero() {
             return Ok(None);
         }
-        Ok(Some(self.real_modes(speed)?.damping_matrix(&self.model, ratio)))
+        Ok(Some(self.real_modes(speed)?.damping_matrix(&self.model)))
     }
 }
 

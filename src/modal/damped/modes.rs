@@ -75,7 +75,7 @@ pub fn modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>
     let key = |index: &usize| (eigenvalues[*index].im, eigenvalues[*index].norm());
     order.sort_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
     order.truncate(count);
-    let modal = (cached.model.scene.modal_damping > 0.0)
+    let modal = (!cached.model.scene.modal_damping.is_zero())
         .then(|| ModalDamping::new(&cached.model, real, real.frequencies.len(), f64::INFINITY));
     let pairs = order.into_iter().map(|index| pair((eigenvalues[index], &coordinates[index])));
     modes_of(cached, speed, modal.as_ref(), pairs)

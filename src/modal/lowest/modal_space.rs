@@ -180,14 +180,16 @@ impl ModalSpace {
         let size = stiffness.nrows();
         let symmetric = (&stiffness + stiffness.transpose()) / 2.0;
         let modes = symmetric_pencil(&symmetric, &DMatrix::identity(size, size), &DMatrix::zeros(size, 0))?;
-        let ratio = model.scene.modal_damping;
+        let ratios = model.scene.modal_damping.clone();
         let kept = modes.vectors.columns(0, self.damped.min(size)).into_owned();
         let mut scaled = kept.clone();
-        for (mut column, value) in scaled.column_iter_mut().zip(&modes.values) {
-            column *= 2.0 * ratio * value.max(0.0).sqrt();
+        let frequencies: Vec<f64> = modes.values.iter().take(kept.ncols()).map(|value| value.max(0.0).sqrt()).collect();
+        for (index, (mut column, frequency)) in scaled.column_iter_mut().zip(&frequencies).enumerate() {
+            column *= 2.0 * ratios.of_mode(index, *frequency) * frequency;
         }
         Ok(ModalDamping {
-            ratio,
+            ratios,
+            frequencies,
             momenta: Arc::clone(&self.momenta),
             rates: scaled * kept.transpose(),
             reach: self.reach,

@@ -97,7 +97,7 @@ impl<'m> Problem<'m> {
             force.iter().zip(&inertia).any(|(force, m)| force.abs() / m.sqrt() > UNCOUPLED * largest * size)
         };
         let shift = range.slowest.unwrap_or(range.fastest.max(1.0));
-        let bound = Bound::new(model, speed, range.fastest, modal.map_or(0.0, |modal| modal.ratio));
+        let bound = Bound::new(model, speed, range.fastest, modal.map_or(0.0, |modal| modal.ratios.largest()));
         Ok(Self {
             largest_ratio: bound.largest_ratio(model, speed, shift),
             bound,

@@ -84,7 +84,7 @@ impl ModalStateSpace {
     /// uncoupled parts. `None` if the modes are too ill-conditioned, or if the scene has modal damping, which couples
     /// the parts.
     pub(in crate::modal) fn without_meshes(model: &Model, speed: f64) -> Result<Option<Self>, DecompositionError> {
-        if model.scene.modal_damping > 0.0 {
+        if !model.scene.modal_damping.is_zero() {
             return Ok(None);
         }
         let damping = model.damping_matrix_without_meshes() + model.gyroscopic_matrix() * speed;

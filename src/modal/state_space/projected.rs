@@ -34,15 +34,16 @@ pub struct Projected {
 impl Projected {
     /// The model in undamped `modes`, at `speed` of the reference shaft, rad/s. Modal damping acts on these modes.
     pub(in crate::modal) fn new(model: &Model, modes: RealModes, speed: f64) -> Self {
-        let (rate, skew_part, ratio) = (model.sparse_rate(speed), model.sparse_skew_part(), model.scene.modal_damping);
+        let (rate, skew_part) = (model.sparse_rate(speed), model.sparse_skew_part());
+        let ratios = &model.scene.modal_damping;
         let mut damping = modes.project_sparse(&rate);
-        for (index, frequency) in modes.frequencies.iter().enumerate() {
-            damping[(index, index)] += 2.0 * ratio * frequency;
+        for (index, frequency) in modes.frequencies.iter().enumerate().skip(modes.null) {
+            damping[(index, index)] += 2.0 * ratios.of_mode(index - modes.null, *frequency) * frequency;
         }
         Self {
             damping,
             skew_part: modes.project_sparse(&skew_part),
-            undamped: rate.is_zero() && skew_part.is_zero() && ratio == 0.0,
+            undamped: rate.is_zero() && skew_part.is_zero() && ratios.is_zero(),
             modes,
             linear: OnceLock::new(),
         }

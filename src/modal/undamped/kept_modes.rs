@@ -8,6 +8,8 @@
 //! therefore negligible below C (ω/ω_t)²/L⁴, which is C/L² at the limit. The static displacement of the other modes at each
 //! interface becomes a shape of its own. These shapes are orthogonal to the kept modes in M and K.
 //!
+//! Modes with a damping ratio of their own are kept with all below them, so that their numbers are those of the model.
+//!
 //! The displacements of growing modes, and of their duals, are always in the subspace: however small they are at the
 //! beginning, they outgrow the rest. With them, the Galerkin projection keeps the eigenvalues of these modes.
 
@@ -77,7 +79,11 @@ pub fn kept_modes(
     let Some(extent) = key.extent else {
         return Ok(all.clone());
     };
-    let interfaces = Interfaces::new(all, &[&key.interfaces[..], &key.distributed].concat());
+    let interfaces = Interfaces::new(
+        all,
+        &[&key.interfaces[..], &key.distributed].concat(),
+        model.scene.modal_damping.numbered_modes(),
+    );
     let (kept, statics) = match extent {
         Extent::Limit(limit) => interfaces.of_limit(key, limit),
         Extent::Count(count) => interfaces.of_count(key, count.saturating_sub(all.null)),
@@ -99,7 +105,7 @@ impl RealModes {
         highest: f64,
     ) -> Result<Self, DecompositionError> {
         let rows: Vec<Row> = coordinates.iter().map(|index| vec![(*index, 1.0)]).collect();
-        let interfaces = Interfaces::new(self, &rows);
+        let interfaces = Interfaces::new(self, &rows, 0);
         let kept: Vec<usize> =
             (0..interfaces.shares.len()).filter(|mode| interfaces.frequencies[*mode] <= highest).collect();
         let statics = interfaces.static_shapes(&kept, usize::MAX, DEPENDENCE_TOLERANCE);
@@ -115,10 +121,12 @@ struct Interfaces {
     energies: DMatrix<f64>,
     /// Largest share of each mode.
     shares: Vec<f64>,
+    /// Number of lowest modes that are always kept, because they have damping ratios by their number.
+    numbered: usize,
 }
 
 impl Interfaces {
-    fn new(all: &RealModes, rows: &[Row]) -> Self {
+    fn new(all: &RealModes, rows: &[Row], numbered: usize) -> Self {
         let (null, elastic) = (all.null, all.frequencies.len() - all.null);
         let frequencies = all.frequencies.rows(null, elastic).into_owned();
         let mut energies = DMatrix::zeros(elastic, rows.len());
@@ -138,7 +146,7 @@ impl Interfaces {
             .row_iter()
             .map(|row| row.iter().zip(&weights).map(|(entry, weight)| weight * entry * entry).fold(0.0, f64::max))
             .collect();
-        Self { frequencies, energies, shares }
+        Self { frequencies, energies, shares, numbered }
     }
 
     /// The modes up to L = `limit` that are not negligible, and the static shapes of the others.
@@ -147,7 +155,8 @@ impl Interfaces {
             let frequency = self.frequencies[*mode];
             let relative = frequency / (limit * key.excited);
             let smallest = NEGLIGIBLE_SHARE * (relative / limit).powi(2);
-            frequency <= ROTATION_MARGIN * key.rotation
+            *mode < self.numbered
+                || frequency <= ROTATION_MARGIN * key.rotation
                 || frequency <= limit * key.excited && self.shares[*mode] > smallest
         };
         let kept: Vec<usize> = (0..self.shares.len()).filter(is_kept).collect();

@@ -136,11 +136,12 @@ impl RealModes {
     }
 
     /// Damping matrix MΦ·diag(2ζω)·ΦᵀM, n × n, with the damping ratio ζ = `ratio` in every mode.
-    pub(in crate::modal) fn damping_matrix(&self, model: &Model, ratio: f64) -> DMatrix<f64> {
+    pub(in crate::modal) fn damping_matrix(&self, model: &Model) -> DMatrix<f64> {
         let weighted = model.mass_matrix() * &self.vectors;
-        let mut scaled = weighted.clone();
-        for (mut column, frequency) in scaled.column_iter_mut().zip(&self.frequencies) {
-            column *= 2.0 * ratio * frequency;
+        let (mut scaled, ratios) = (weighted.clone(), &model.scene.modal_damping);
+        for (index, mut column) in scaled.column_iter_mut().enumerate() {
+            let frequency = self.frequencies[index];
+            column *= 2.0 * ratios.of_mode(index.saturating_sub(self.null), frequency) * frequency;
         }
         scaled * weighted.transpose()
     }

@@ -4,6 +4,7 @@
 //! SI units and radians.
 
 mod bearing;
+mod damping;
 mod housing;
 mod loads;
 mod reading;
@@ -16,6 +17,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 pub use bearing::{Bearing, BearingKind, ContactKind, FilmModel};
+pub use damping::{ModalDampingGiven, RatioTable};
 pub use housing::{Base, Housing, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{
@@ -38,9 +40,9 @@ pub struct SceneDescription {
     /// Name of the reference shaft, to which speeds refer; the first shaft by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
-    /// Damping ratio of every undamped mode; zero by default.
+    /// Damping ratios of the undamped modes; zero by default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub modal_damping: Option<f64>,
+    pub modal_damping: Option<ModalDampingGiven>,
     /// Rayleigh damping αM + βK of the shafts: `[α, β]`, 1/s and s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<[f64; 2]>,

@@ -92,7 +92,7 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     if scene.lateral {
         (0..scene.shafts.len()).for_each(|shaft| check_supports(scene, shaft, &mut found));
     }
-    found.check(&EntryPath::root("modal_damping"), scene.modal_damping, &MODAL_DAMPING);
+    found.check(&EntryPath::root("modal_damping"), scene.modal_damping.largest(), &MODAL_DAMPING);
     found.check(&EntryPath::root("gravity"), scene.gravity[0].hypot(scene.gravity[1]), &GRAVITY);
     Ok(found.messages().collect())
 }

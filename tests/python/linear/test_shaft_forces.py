@@ -193,6 +193,15 @@ def test_external_damping_raises_the_threshold_of_a_jeffcott_rotor(external: flo
     assert found.speed == pytest.approx(expected, rel=1e-4)
 
 
+def test_undamped_critical_speeds_have_no_internal_damping():
+    speeds = [
+        rotor_of_ansys(internal_damping=beta).critical_speed_map([1e6, 1.75e7], count=3).speeds
+        for beta in (2e-4, 0.0)
+    ]
+    # The same matrices.
+    np.testing.assert_allclose(*speeds, rtol=1e-9)
+
+
 def test_damped_modes_follow_from_the_matrices():
     system = rotor_of_ansys()
     speed = 900.0

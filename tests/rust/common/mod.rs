@@ -111,7 +111,7 @@ pub fn everything() -> SceneDescription {
     system.bearings[1].damping = Some(Coefficient::Full([[500.0, -80.0], [60.0, 300.0]]).into());
     system.gravity = Some(Gravity::Vector([1.0, -9.0]));
     system.rayleigh = Some([20.0, 1e-6]);
-    system.modal_damping = Some(0.01);
+    system.modal_damping = Some(0.01.into());
     system.gears[3].unbalance = Some(Complex::Pair([0.0, 2e-4]));
     system.shafts[2].bow = Some(points(vec![0.0, 0.2, 0.5], |x| Complex64::new(1e-4 + 3e-3 * x * x, -1e-3 * x)));
     system
