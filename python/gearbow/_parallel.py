@@ -44,10 +44,7 @@ def cores() -> int:
 
 
 def thread_count(threads: int | None) -> int:
-    """Return the number of threads of an analysis; None stands for the limit of the environment.
-
-    One thread is enough within a sweep and in a worker process, whose calls share the cores.
-    """
+    """Return the number of threads of an analysis; None stands for the limit of the environment."""
     given = os.environ.get("GEARBOW_THREADS", "").strip()
     if threads is not None:
         limit = whole(threads, "threads")
@@ -63,6 +60,7 @@ def thread_count(threads: int | None) -> int:
         limit = cores()
     processes = sys.modules.get("multiprocessing.process")
     is_worker = processes is not None and processes.parent_process() is not None
+    # The calls of a sweep and of worker processes share the cores.
     return 1 if _groups() or is_worker else min(limit, cores())
 
 

@@ -46,13 +46,7 @@ class Example(Shown):
     path: Path
 
     def load(self) -> RotorSystem:
-        """Read the machine.
-
-        Returns
-        -------
-        RotorSystem
-            The system of the scene file.
-        """
+        """Read the machine."""
         return RotorSystem.load(self.path)
 
 
