@@ -28,6 +28,8 @@ class FewModes:
         chosen = lateral[:count]
         modes = shapes[:, chosen]
         ratio = system.modal_damping or 0.0
+        if not isinstance(ratio, float):
+            raise TypeError("modal_damping: must be one ratio for this comparison")
         self.stiffness = squares[chosen]
         self.damping = 2.0 * ratio * np.sqrt(self.stiffness)
         self.gyroscopic = modes.T @ matrices.gyroscopic @ modes

@@ -388,7 +388,6 @@ impl PyModel {
 
     /// The static equilibrium; or the forces at displacements `state`, with what remains unbalanced.
     #[pyo3(signature = (geometry="live", speed=0.0, state=None))]
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn r#static<'py>(
         &self,
         py: Python<'py>,

@@ -117,7 +117,7 @@ struct Known {
 
 /// Elements that a kind and boundary dimensions have in the estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub(crate) struct Estimate {
     /// Kind of the bearing.
     pub kind: BearingKind,
     /// Bore d, outside diameter D and width B, m.
@@ -140,7 +140,7 @@ pub struct Estimate {
 ///
 /// # Errors
 /// [`SceneError`] for an unknown designation, impossible dimensions, and a designation beside dimensions.
-pub fn estimate(given: &Bearing, at: &EntryPath) -> Result<Option<Estimate>, SceneError> {
+pub(crate) fn estimate(given: &Bearing, at: &EntryPath) -> Result<Option<Estimate>, SceneError> {
     let known = match (&given.designation, given.boundary) {
         (None, None) => {
             return match given.kind {

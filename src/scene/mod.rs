@@ -46,7 +46,8 @@ use num_complex::Complex64;
 pub use accuracy::{Accuracy, AccuracyLevel, COMPARED_DURATION, REDUCTION_SHARE, SHARE_OF_MEAN};
 pub use bearing::Bearing;
 pub use bow::{Bow, BowCurve};
-pub use catalogue::estimate;
+#[cfg(feature = "python")]
+pub(crate) use catalogue::estimate;
 pub(crate) use contact::path_of_contact;
 pub use curve::Curve;
 pub use description::{Foundation, MotionKind, STEEL, STEEL_POISSON_RATIO, SceneDescription};

@@ -46,7 +46,4 @@ def given_ratios(plain: Plain) -> Plain:
     """Give ratios of plain data with mode numbers as a user gives them."""
     if not isinstance(plain, Mapping):
         return plain
-    return {
-        int(key) if key.isdecimal() else key: tuples(value)  # type: ignore[misc]
-        for key, value in plain.items()
-    }
+    return {int(key) if key.isdecimal() else key: tuples(value) for key, value in plain.items()}

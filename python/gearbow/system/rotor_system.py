@@ -139,7 +139,7 @@ class RotorSystem(CheckedKeywords, Shown):
         change the bending stiffness of the shafts, beside `Shaft.axial_force`.
     bow_torque : bool
         Whether the bow of a shaft turns with the twist of the shaft, and so has a moment about it:
-        about b/r of a mesh force at once per revolution, with the bow b at a gear of the base radius
+        about b/r of a mesh force once per revolution, with the bow b at a gear of the base radius
         r. False turns the bow with the prescribed angle, so that runs that are linear stay so.
     gravity : float or tuple of (float, float), optional
         Gravity [m/s²], along −z or as (y, z).
