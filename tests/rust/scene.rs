@@ -110,7 +110,15 @@ fn huge_sizes_are_refused_before_memory_is_allocated() {
         assert_refused(&shaft(elements), "shafts[1]");
     }
     let mut system = train();
-    let segment = Segment { length: 0.25, outer_diameter: 0.05, inner_diameter: 0.0, elements: Some(usize::MAX) };
+    let segment = Segment {
+        length: 0.25,
+        outer_diameter: 0.05,
+        inner_diameter: 0.0,
+        elements: Some(usize::MAX),
+        end_outer_diameter: None,
+        end_inner_diameter: None,
+        material: None,
+    };
     system.shafts[2] = Shaft {
         length: None,
         outer_diameter: None,

@@ -67,7 +67,15 @@ fn shafts(name: &'static str) -> BoxedStrategy<(Shaft, f64)> {
     }));
     let segment = || {
         (0.05..2.0, 0.01..0.5, 0.0..0.9, maybe(1_usize..5)).prop_map(|(length, outer_diameter, bore, elements)| {
-            Segment { length, outer_diameter, inner_diameter: bore * outer_diameter, elements }
+            Segment {
+                length,
+                outer_diameter,
+                inner_diameter: bore * outer_diameter,
+                elements,
+                end_outer_diameter: None,
+                end_inner_diameter: None,
+                material: None,
+            }
         })
     };
     (prop::collection::vec(segment(), 1..5), any::<(bool, bool)>(), maybe((1_usize..9).boxed()), material)
@@ -85,6 +93,8 @@ fn shafts(name: &'static str) -> BoxedStrategy<(Shaft, f64)> {
                 material,
                 bow: None,
                 speed_ratio: None,
+                axial_force: None,
+                internal_damping: None,
                 segments: (!uniform).then_some(segments),
             };
             maybe(bows(length)).prop_map(move |bow| (Shaft { bow, ..shaft.clone() }, length))
@@ -191,6 +201,9 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                 reference: named.then(|| "two".to_owned()),
                 modal_damping: modal_damping.map(Into::into),
                 rayleigh,
+                geometric_stiffness: named,
+                bow_torque: vector,
+                sleeves: Vec::new(),
                 gravity: gravity.map(|g| if vector { Gravity::Vector([g, -g]) } else { Gravity::Down(g) }),
                 motion: None,
                 shafts: vec![one, two],
