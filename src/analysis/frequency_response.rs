@@ -76,7 +76,7 @@ impl<'a> FrequencyResponses<'a> {
     /// Solutions y of Sᵀ y = r for the rows r of outputs: a change f of the force changes the outputs by y·f.
     ///
     /// # Errors
-    /// As [`Self::at`].
+    /// As [`Self::each`].
     pub fn adjoint(
         &self,
         index: usize,

@@ -102,7 +102,7 @@ impl PyModel {
         self.model().depends_on_speed()
     }
 
-    /// Mass [kg], centre of mass [m], polar and diametral moment of inertia [kg m²] of each shaft with what it carries.
+    /// Mass, kg, centre of mass, m, polar and diametral moment of inertia, kg m², of each shaft with what it carries.
     fn mass_properties(&self) -> Vec<[f64; 4]> {
         let found = analysis::mass_properties(&self.model().scene);
         found.iter().map(|shaft| [shaft.mass, shaft.centre, shaft.polar, shaft.diametral]).collect()
