@@ -108,9 +108,9 @@ def test_figures(response):
     upper, lower = response.plot(["pinion", "wheel"], direction="y").axes
     assert len(upper.lines) == 4
     assert upper.lines[0].get_ydata() == pytest.approx(
-        np.abs(response.displacement("pinion")[:, 0, 0])
+        1e6 * np.abs(response.displacement("pinion")[:, 0, 0])
     )
-    assert upper.get_ylabel() == "displacement [m]"
+    assert upper.get_ylabel() == "displacement [µm]"
     assert lower.get_xlabel() == "frequency [Hz]"
     assert response.plot("pinion/wheel").axes[0].get_ylabel() == "force [N]"
     nyquist = response.plot(gb.Accelerometer("pedestal"), kind="nyquist").axes[0]
