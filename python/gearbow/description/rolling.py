@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import matrix, number
+from gearbow._convert import matrix, number, real
 from gearbow._core import ring_coefficients, rolling_coefficients, rolling_estimate
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain, RollingContact, RollingKind
@@ -370,7 +370,9 @@ class RollingBearing(Part):
         >>> bearing.estimate.elements
         14
         """
-        return cls(shaft, position, kind=kind, boundary=(bore, outer, width), **options)
+        given = {"bore": bore, "outer": outer, "width": width}
+        boundary = tuple(real(value, name) for name, value in given.items())
+        return cls(shaft, position, kind=kind, boundary=boundary, **options)
 
     @property
     def estimate(self) -> RollingEstimate | None:

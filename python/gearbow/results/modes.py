@@ -18,6 +18,7 @@ from gearbow._shown import listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
+from gearbow.description.places import places as checked_places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.mode_comparison import ModeComparison
 from gearbow.units.speed import SpeedUnit, speed_text
@@ -211,7 +212,8 @@ class Modes(Result, ReadOnly):
         GearbowError
             If there is no such place, or the system has no lateral motion.
         """
-        return np.stack([self.displacement(at) for at in places], axis=1)
+        given = checked_places(places, "places")
+        return np.stack([self.displacement(at) for at in given], axis=1)
 
     def compare(
         self,

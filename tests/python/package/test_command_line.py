@@ -71,7 +71,7 @@ def test_new_writes_a_machine_of_the_package(tmp_path: Path, capsys):
     assert machine.speed == gb.rpm(1234.0)
     code, _, err = called(capsys, "new", tmp_path / "x.toml", "--example", "rotor")
     assert code == 2
-    assert "'rotor' is a part of bowed_rotor, overhung_rotor, turbine_rotor" in err
+    assert "'rotor' is a part of bowed_rotor, compressor_rotor, dual_rotor, overhung_rotor" in err
     code, _, err = called(capsys, "new", tmp_path / "x.toml", "--example", "geared_par")
     assert 'did you mean "geared_pair"?' in err
 
@@ -361,6 +361,8 @@ def test_every_command_has_examples_in_its_help(capsys):
     commands = re.findall(r"^    (\w+) +", out, re.M)
     assert commands == [
         "new",
+        "report",
+        "demo",
         "import",
         "check",
         "plot",

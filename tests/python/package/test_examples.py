@@ -40,6 +40,7 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "labelled_signals": ["--count", "40"],
     "map": ["--output", "figure.png"],
     "from_ross": [],
+    "gear_noise": [],
     "gearbox": [],
     "mesh_models": ["--output", "."],
     "published": ["--summary"],

@@ -361,6 +361,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         {"path": "x.rexs", "load_case": 1, "bearings": {"other": 1e8}},
     ),
     "rexs_contents": (gb.rexs_contents, {"path": "x.rexs"}),
+    "examples": (gb.examples, {}),
     "RotorSystem.load": (gb.RotorSystem.load, {"path": "x.toml"}),
     "RotorSystem.replace": (lambda **given: system().replace(**given), {}),
     "Accelerometer": (lambda **given: response().measure(gb.Accelerometer(**given)), {"at": "g1"}),
@@ -404,6 +405,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "matrices": {},
             "mesh_response": {"at": "g1/g2", "speeds": [100.0]},
             "modes": {},
+            "mass_properties": {},
             "plot": {},
             "report": {"path": "x.html", "modes": 1},
             "save": {"path": "x.toml"},
@@ -615,6 +617,13 @@ METHODS["Correction"] = (
 )
 METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
 METHODS["BowLimits"] = (lambda: system().bow_limits("input", 100.0), {"plot": {}})
+METHODS["MassProperties"] = (lambda: system().mass_properties(), {})
+METHODS["TrialInfluence"] = (
+    lambda: gb.results.TrialInfluence(
+        ("g1",), ("probe",), np.ones(1), np.full(1, 1j), np.full(1, 2j), np.ones(1)
+    ),
+    {"plot": {}},
+)
 METHODS["Sensitivity"] = (
     lambda: system().sensitivity(PARAMETERS, system().modes(100.0, count=2)),
     {"plot": {}},
@@ -641,7 +650,7 @@ METHODS["Static"][1]["plot"] = {}
 #: some arguments; each gives a result or an error of gearbow.
 OF_WRONG_TYPE = {
     "True": {"progress", "runout", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
-    | {"damping_in_separation", "axial", "foundation"},
+    | {"damping_in_separation", "axial", "foundation", "geometric_stiffness", "bow_torque"},
     "function": {"progress", "make", "measure", "f", "speed", "value", "runout"},
     "object": set(),
     "bytes": set(),
