@@ -370,8 +370,7 @@ class RollingBearing(Part):
         >>> bearing.estimate.elements
         14
         """
-        given = {"bore": bore, "outer": outer, "width": width}
-        boundary = tuple(real(value, name) for name, value in given.items())
+        boundary = (real(bore, "bore"), real(outer, "outer"), real(width, "width"))
         return cls(shaft, position, kind=kind, boundary=boundary, **options)
 
     @property
