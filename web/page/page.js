@@ -33,7 +33,7 @@ function shape(name, attributes, text = "") {
 /** Draws the shafts to scale from the side, one above the other, with the bow enlarged. */
 function drawTrain(layout) {
   const radiusAt = (index) => Math.max(
-    ...layout.shafts[index].cylinders.map((cylinder) => cylinder.outer_radius),
+    ...layout.shafts[index].pieces.flatMap((piece) => piece.outer_radii),
     ...layout.gears.filter((gear) => gear.shaft === index).map((gear) => gear.radius),
   );
   const length = Math.max(...layout.shafts.map((shaft) => shaft.length));
@@ -52,11 +52,12 @@ function drawTrain(layout) {
   const thin = { stroke: "#1b2733", "stroke-width": 0.0025 * length };
   layout.shafts.forEach((shaft, index) => {
     drawing.append(shape("text", { x: -margin, y: axes[index], "font-size": 0.028 * length, "dominant-baseline": "middle" }, shaft.name));
-    for (const cylinder of shaft.cylinders) {
-      drawing.append(shape("rect", {
-        x: cylinder.x, y: axes[index] - cylinder.outer_radius, width: cylinder.length, height: 2 * cylinder.outer_radius,
-        fill: "#d7dee5", ...thin, "stroke-width": 0.001 * length,
-      }));
+    for (const piece of shaft.pieces) {
+      const [begin, end] = piece.outer_radii;
+      const right = piece.x + piece.length;
+      const y = axes[index];
+      const corners = [[piece.x, y - begin], [right, y - end], [right, y + end], [piece.x, y + begin]];
+      drawing.append(shape("polygon", { points: corners.join(" "), fill: "#d7dee5", ...thin, "stroke-width": 0.001 * length }));
     }
   });
   for (const gear of layout.gears) {
@@ -73,8 +74,8 @@ function drawTrain(layout) {
   }
   for (const bearing of layout.bearings) {
     const size = 0.018 * length;
-    const at = layout.shafts[bearing.shaft].cylinders.find((one) => bearing.x <= one.x + one.length * 1.000001);
-    const foot = axes[bearing.shaft] + at.outer_radius;
+    const at = layout.shafts[bearing.shaft].pieces.find((one) => bearing.x <= one.x + one.length * 1.000001);
+    const foot = axes[bearing.shaft] + at.outer_radii[1];
     drawing.append(shape("path", { d: `M ${bearing.x} ${foot} l ${size} ${1.6 * size} h ${-2 * size} z`, fill: "#fff", ...thin }));
   }
   layout.shafts.forEach((shaft, index) => {

@@ -30,13 +30,12 @@ pub struct Train {
     cached: CachedModel,
 }
 
-/// A cylinder of a shaft: position of its left end, length and radii, m.
+/// A piece of a shaft with its sleeves: position of its left end, length, and outer radii at both ends, m.
 #[derive(Serialize)]
-struct Cylinder {
+struct Piece {
     x: f64,
     length: f64,
-    outer_radius: f64,
-    inner_radius: f64,
+    outer_radii: [f64; 2],
 }
 
 /// A shaft.
@@ -46,7 +45,7 @@ struct ShaftLayout {
     /// Speed relative to the reference shaft.
     ratio: f64,
     length: f64,
-    cylinders: Vec<Cylinder>,
+    pieces: Vec<Piece>,
     /// Positions of nodes, m.
     nodes: Vec<f64>,
     /// Size of the bow at the nodes, m.
@@ -182,11 +181,9 @@ impl Train {
         let bow = analysis::bow(&self.cached.model);
         let shafts = scene.shafts.iter().enumerate().map(|(index, shaft)| {
             let starts = shaft.nodes.iter();
-            let cylinder = |(x, element): (&f64, &gearbow::scene::Element)| Cylinder {
-                x: *x,
-                length: element.length,
-                outer_radius: element.outer_radius,
-                inner_radius: element.inner_radius,
+            let piece = |(x, element): (&f64, &gearbow::scene::Element)| {
+                let radii = |end: usize| element.tubes().map(|tube| tube.outer_radius[end]).fold(0.0, f64::max);
+                Piece { x: *x, length: element.length, outer_radii: [radii(0), radii(1)] }
             };
             let size = |node: usize| {
                 let translation = self.cached.model.numbering.translation(Node { shaft: index, node });
@@ -196,7 +193,7 @@ impl Train {
                 name: shaft.name.clone(),
                 ratio: scene.speed_ratios[index],
                 length: shaft.length(),
-                cylinders: starts.zip(&shaft.elements).map(cylinder).collect(),
+                pieces: starts.zip(&shaft.elements).map(piece).collect(),
                 nodes: shaft.nodes.clone(),
                 bow: (0..shaft.nodes.len()).map(size).collect(),
             }

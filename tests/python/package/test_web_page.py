@@ -70,7 +70,7 @@ def test_every_example_computes_every_part_without_errors(page: Any) -> None:
         found = choose(page, name)
         status = page.text_content("#status")
         assert set(found) == {"modes", "campbell", "synchronous", "run"}, f"{name}: {status}"
-        assert page.evaluate("document.querySelectorAll('#drawing rect').length") > 1, name
+        assert page.evaluate("document.querySelectorAll('#drawing polygon').length") > 1, name
     assert page.errors == []
 
 
@@ -95,7 +95,7 @@ def test_five_numbers_are_those_of_the_package(page: Any) -> None:
     # The run has the accuracy of the scene, and the page stores 4,000 samples at most.
     run = found["run"]
     response = system.simulate(run["time"][-1], speed, times=run["time"])
-    mesh = response.mesh(*run["meshes"][0]["name"].split("/"))
+    mesh = response.mesh(run["meshes"][0]["name"])
     ratio, force = np.array(run["meshes"][0]["contact_ratio"]), np.array(run["meshes"][0]["force"])
     assert ratio.mean() == pytest.approx(mesh.contact_ratio.mean(), rel=1e-5)
     assert force.std() == pytest.approx(mesh.force.std(), rel=1e-2)
@@ -111,7 +111,8 @@ def test_a_bow_from_the_slider_moves_the_contact_ratio(page: Any) -> None:
         page.click("#compute")
         wait(page)
         spread.append(float(np.ptp(results(page)["run"]["meshes"][0]["contact_ratio"])))
-    assert spread[1] > 2 * spread[0]
+    # the other shafts of this train are bowed, too: 6e-3 of 0.6 is what this bow adds
+    assert spread[1] - spread[0] > 1e-3
 
 
 def test_a_wrong_entry_is_named(page: Any) -> None:
