@@ -22,7 +22,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
-use crate::bearing_force::Uncarried;
+use crate::bearing_force::{BalanceSearch, LoadedForce, Uncarried};
 use crate::scene::{LINE_CONTACT, POINT_CONTACT, Rolling};
 
 /// Displacements (u, v, w, B, Γ) in m and rad, or the forces and moments on them, N and N m.
@@ -32,14 +32,10 @@ pub type RingMatrix = SMatrix<f64, 5, 5>;
 
 /// Largest residual force of an equilibrium, relative to the load.
 const MAX_RESIDUAL: f64 = 1e-9;
-/// Residual force, relative to the load, below which the iteration has converged.
-const FORCE_TOLERANCE: f64 = 1e-12;
-/// Largest number of Newton iterations; ten are usual.
-const MAX_ITERATIONS: usize = 200;
 /// Stiffness that is added to the diagonal of the tangent, relative to the secant stiffness, at a residual of the whole load.
 const ADDED_FRACTION: f64 = 1e-2;
-/// Smallest fraction of a Newton step.
-const MIN_FRACTION: f64 = 1e-10;
+/// Smallest residual, relative to the load, for which the addition falls with it.
+const MIN_ADDED_RESIDUAL: f64 = 1e-6;
 
 /// A ring with its elements at the cage angle zero.
 #[derive(Clone, Debug)]
@@ -68,6 +64,17 @@ pub struct RingForce {
     pub stiffness: RingMatrix,
     /// Contact force and contact angle of each element.
     pub contacts: Vec<[f64; 2]>,
+}
+
+impl LoadedForce<3> for RingForce {
+    fn force(&self) -> [f64; 3] {
+        self.force.fixed_rows::<3>(0).into()
+    }
+
+    fn step(&self, missing: [f64; 3], added: f64) -> Option<[f64; 3]> {
+        let tangent: Matrix3<f64> = self.stiffness.fixed_view::<3, 3>(0, 0) + Matrix3::identity() * added;
+        tangent.lu().solve(&Vector3::from(missing)).map(Into::into)
+    }
 }
 
 impl Ring {
@@ -152,42 +159,26 @@ impl Ring {
     /// [`Uncarried`] if the bearing does not carry the load.
     pub fn carrying(&self, load: Vector3<f64>, tilt: Vector2<f64>) -> Result<(RingVector, RingForce), Uncarried> {
         let whole = load.norm();
-        let state = |x: &Vector3<f64>| RingVector::from_column_slice(&[x[0], x[1], x[2], tilt[0], tilt[1]]);
-        let mut x = Vector3::zeros();
-        let mut found = self.at(&state(&x));
+        let state = |[u, v, w]: [f64; 3]| RingVector::from([[u, v, w, tilt[0], tilt[1]]]);
         if whole == 0.0 {
-            return Ok((state(&x), found));
+            let rest = state([0.0; 3]);
+            return Ok((rest, self.at(&rest)));
         }
         // Deflection of all elements under the load, as a measure of the stiffness.
         let deflection = (whole / (self.angles.len() as f64 * self.stiffness)).powf(1.0 / self.exponent);
         let secant = whole / (deflection + self.gap.max(0.0));
-        let residual = |found: &RingForce| load - found.force.fixed_rows::<3>(0);
-        for _ in 0..MAX_ITERATIONS {
-            let missing = residual(&found);
-            let relative = missing.norm() / whole;
-            if relative <= FORCE_TOLERANCE {
-                break;
-            }
-            let added = secant * ADDED_FRACTION * relative.clamp(1e-6, 1.0);
-            let tangent: Matrix3<f64> = found.stiffness.fixed_view::<3, 3>(0, 0) + Matrix3::identity() * added;
-            let Some(step) = tangent.lu().solve(&missing) else { break };
-            let mut fraction = 1.0;
-            let better = loop {
-                let next = x + fraction * step;
-                let there = self.at(&state(&next));
-                if residual(&there).norm() < missing.norm() {
-                    break Some((next, there));
-                }
-                fraction /= 2.0;
-                if fraction < MIN_FRACTION {
-                    break None;
-                }
-            };
-            let Some((next, there)) = better else { break };
-            (x, found) = (next, there);
+        let search = BalanceSearch {
+            load: load.into(),
+            force: &|x| self.at(&state(x)),
+            added_stiffness: &|residual| secant * ADDED_FRACTION * residual.clamp(MIN_ADDED_RESIDUAL, 1.0),
+            is_permitted: &|_, _| true,
+        };
+        let found = search.from([0.0; 3]);
+        if found.residual <= MAX_RESIDUAL {
+            Ok((state(found.displacement), found.bearing))
+        } else {
+            Err(Uncarried::Unbalanced(found.residual))
         }
-        let left = residual(&found).norm() / whole;
-        if left <= MAX_RESIDUAL { Ok((state(&x), found)) } else { Err(Uncarried::Unbalanced(left)) }
     }
 }
 
