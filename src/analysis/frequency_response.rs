@@ -56,10 +56,7 @@ impl<'a> FrequencyResponses<'a> {
                 interrupt.check()?;
                 self.at(at_speed, *index, *at)
             },
-            |(_, at), at_speed, found| {
-                keep(*at, &at_speed.model, &found);
-                Ok(())
-            },
+            |(_, at), at_speed, found| keep(*at, &at_speed.model, &found),
         )
     }
 

@@ -92,7 +92,6 @@ pub fn unstable_ranges(
         |place, at_speed| is_unstable(at_speed, speeds[order[*place]], interrupt),
         |place, _, grows| {
             known.insert(*place, grows);
-            Ok(())
         },
     )?;
     let examined: Vec<(usize, bool)> = known.iter().map(|(place, grows)| (*place, *grows)).collect();

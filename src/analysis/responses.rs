@@ -60,7 +60,7 @@ impl<'a> Responses<'a> {
     /// speeds.
     ///
     /// # Errors
-    /// As [`Self::all`] and `keep`, or if `interrupt` requests a stop.
+    /// As [`Self::all`], or if `interrupt` requests a stop.
     pub fn each(
         &self,
         speeds: &[f64],
@@ -76,10 +76,7 @@ impl<'a> Responses<'a> {
                 interrupt.check()?;
                 self.all_of(at_speed, *speed, part)
             },
-            |speed, at_speed, response| {
-                keep(*speed, &at_speed.model, &response);
-                Ok(())
-            },
+            |speed, at_speed, response| keep(*speed, &at_speed.model, &response),
         )
     }
 

@@ -32,7 +32,7 @@ impl Threads {
     /// `compute` of all points in their order.
     ///
     /// # Errors
-    /// That of the first point without a result.
+    /// The error of the first point that has no result.
     pub fn map<P: Sync, R: Send>(
         &self,
         points: &[P],
@@ -41,7 +41,7 @@ impl Threads {
         let Some(pool) = &self.0 else {
             return points.iter().map(compute).collect();
         };
-        // Points after one without a result are left out.
+        // A point after one that has no result is left out.
         let end = AtomicUsize::new(usize::MAX);
         let one = |(index, point): (usize, &P)| {
             if index > end.load(Ordering::Relaxed) {
@@ -61,13 +61,13 @@ impl Threads {
     /// first point is alone, because it fills the caches that all of them share.
     ///
     /// # Errors
-    /// That of the first point without a result.
+    /// The error of the first point that has no result.
     pub fn in_order<P: Sync, Q: Send + Sync, R: Send>(
         &self,
         points: &[P],
         prepare: impl Fn(&P) -> Result<Q, AnalysisError>,
         compute: impl Fn(&P, &Q) -> Result<R, AnalysisError> + Sync,
-        mut keep: impl FnMut(&P, &Q, R) -> Result<(), AnalysisError>,
+        mut keep: impl FnMut(&P, &Q, R),
     ) -> Result<(), AnalysisError> {
         let block = self.0.as_ref().map_or(1, |pool| POINTS_PER_THREAD * pool.current_num_threads());
         let (first, rest) = points.split_at(points.len().min(1));
@@ -76,7 +76,7 @@ impl Threads {
             let pairs: Vec<(&P, &Q)> = points.iter().zip(&prepared).collect();
             let found = self.map(&pairs, |(point, prepared)| compute(point, prepared))?;
             for ((point, prepared), found) in pairs.into_iter().zip(found) {
-                keep(point, prepared, found)?;
+                keep(point, prepared, found);
             }
         }
         Ok(())
