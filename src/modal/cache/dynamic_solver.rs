@@ -10,6 +10,7 @@
 //! resonance and ζ at any other frequency. Conjugate residuals therefore converge in few iterations, whose number does not
 //! depend on n.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::DVector;
@@ -142,6 +143,10 @@ impl DynamicStiffnessSolver {
         // Sᵀ without modal damping: K, C + ΩG.
         let transposed = (side == Side::Left)
             .then(|| [model.sparse_stiffness(flank_speed), model.sparse_rate(speed)].map(|part| part.transposed()));
+        let structural = self.structural.as_ref().map(|part| match side {
+            Side::Left => Cow::Owned(part.transposed()),
+            Side::Right => Cow::Borrowed(part),
+        });
         // P⁻¹S x.
         let apply = |x: &DVector<Complex64>| {
             let mut force = match &transposed {
@@ -155,9 +160,8 @@ impl DynamicStiffnessSolver {
                     sparse(stiffness, x) + rate * eigenvalue + inertia * (eigenvalue * eigenvalue)
                 }
             };
-            if let Some(structural) = &self.structural {
-                let own = if side == Side::Left { &structural.transposed() } else { structural };
-                force += sparse(own, x) * loss;
+            if let Some(structural) = &structural {
+                force += sparse(structural, x) * loss;
             }
             solve(&force)
         };
