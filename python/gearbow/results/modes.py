@@ -20,7 +20,6 @@ from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.description.places import places as checked_places
 from gearbow.errors import GearbowError, SceneError
-from gearbow.results.mode_comparison import ModeComparison
 from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gearbow.exchange.mode_shapes import MeasuredShapes
+    from gearbow.results.mode_comparison import ModeComparison
 
 __all__ = ["Modes"]
 
@@ -220,7 +220,7 @@ class Modes(Result, ReadOnly):
         measured: "str | os.PathLike[str] | MeasuredShapes | Modes",
         *,
         places: Mapping[int, At] | None = None,
-    ) -> ModeComparison:
+    ) -> "ModeComparison":
         """Compare with measured mode shapes, or with those of another model.
 
         Parameters
@@ -245,6 +245,7 @@ class Modes(Result, ReadOnly):
             If there is no such place.
         """
         from gearbow.exchange.mode_shapes import MeasuredShapes, read_uff  # noqa: PLC0415
+        from gearbow.results.mode_comparison import ModeComparison  # noqa: PLC0415
 
         if places is not None and not isinstance(places, Mapping):
             raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")

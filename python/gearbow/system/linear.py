@@ -1,6 +1,6 @@
 """Linear and static analyses of a system."""
 
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,12 +18,14 @@ from gearbow.description.part import Part
 from gearbow.description.speed_table import SpeedTable
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
-from gearbow.results.mass import MassProperties
 from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import given_unit
+
+if TYPE_CHECKING:
+    from gearbow.results.mass import MassProperties
 
 __all__ = ["campbell", "critical_speed_map", "matrices", "modes", "static", "synchronous"]
 
@@ -110,7 +112,7 @@ def _layout(self: System) -> Layout:
     )
 
 
-def mass_properties(self: System) -> MassProperties:
+def mass_properties(self: System) -> "MassProperties":
     """Find mass, centre of mass and moments of inertia of each shaft and of the machine.
 
     Returns
@@ -118,6 +120,8 @@ def mass_properties(self: System) -> MassProperties:
     MassProperties
         The shafts with their sleeves, gears and disks. Compare them with a drawing first.
     """
+    from gearbow.results.mass import MassProperties  # noqa: PLC0415
+
     names = [shaft.name for shaft in self.shafts]
     origins = [_layout(self).shaft(name).origin for name in names]
     return MassProperties._of(names, self._model.mass_properties(), origins)

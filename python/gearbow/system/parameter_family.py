@@ -16,18 +16,20 @@ from gearbow.errors import ConvergenceError, GearbowError
 
 __all__ = ["ParameterFamily", "extrapolated"]
 
-#: Largest step of the differences, over the value; it is divided by ten while the differences of
-#: three steps disagree, for example because a part would pass a node.
+#: Largest step of the difference quotients, divided by the value of the parameter, and number of
+#: trials. The next trial has a tenth of the step if the quotients of three steps do not agree, for
+#: example because a part would move past a node.
 _STEP, _STEPS = 2e-3, 4
-#: Largest accepted difference of the two extrapolations: over the largest derivative with respect
-#: to this parameter, and over that of an eigenvalue proportional to the parameter (round-off).
+#: Largest accepted difference of the last two extrapolated values: divided by the largest
+#: derivative with respect to this parameter, and, for round-off, divided by the derivative of the
+#: largest eigenvalue if it were proportional to the parameter.
 _DISAGREEMENT, _ROUND_OFF = 1e-7, 1e-10
-#: Largest change from the first to the second step, over the derivative, at which no third step
-#: is needed.
+#: Two steps are enough if their quotients differ by less than this part of the derivative.
 _SMOOTH = 1e-4
-#: Steps from the value 0 [SI units]: the first that changes an eigenvalue by this part counts.
+#: Steps from the value 0 [SI unit of the parameter]: the first one that changes the result by this
+#: part of its largest value is taken.
 _STEPS_FROM_ZERO, _CHANGE_FROM_ZERO = tuple(10.0**n for n in range(-6, 13, 2)), 1e-5
-#: Positions with a smaller difference are one node [m].
+#: Positions that differ by less are the same node [m].
 _SAME_NODE = 1e-9
 
 

@@ -18,8 +18,9 @@ from gearbow.units.speed import RevolutionsPerMinute, RevolutionsPerMinuteArray,
 
 __all__ = ["report"]
 
-#: Default speeds: this many, up to this part of the highest operating speed, as API RP 684 (2005)
-#: wants the response to unbalance. Journal bearings carry nothing at speed 0.
+#: Default speeds of the diagrams: their number, and the lowest and the highest one divided by the
+#: highest operating speed. API RP 684 (2005) requires the response to unbalance up to 1.5. The
+#: speed 0 is left out, because journal bearings carry no load there.
 _SPEEDS, _LOWEST, _HIGHEST = 100, 0.05, 1.5
 
 
