@@ -4,7 +4,7 @@ use crate::element::Section;
 use crate::numerics::gauss;
 use crate::scene::Scene;
 
-/// Mass properties of one shaft.
+/// Mass, centre of mass and moments of inertia of one shaft with the parts on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShaftMass {
     /// Mass, kg.

@@ -93,11 +93,14 @@ pub(super) struct Profile<'a> {
 }
 
 enum Shape {
-    /// A cylinder, with Φ = 12EI/(κGAl²), zero without shear deformation.
+    /// A cylinder.
     Cylinder {
+        /// Properties, the same at all ξ.
         section: Section,
+        /// Shear parameter Φ = 12EI/(κGAl²); zero without shear deformation.
         phi: f64,
     },
+    /// A cone.
     Cone(Cone),
 }
 

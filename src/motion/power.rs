@@ -210,7 +210,7 @@ impl EquationOfMotion<'_> {
         let model = self.model;
         let [mut drive, circulating] = self.link_powers(elapsed, q, v);
         let (along, twists) = q[model.len()..].split_at(2 * loads.bowed.len());
-        // Shafts without torsion have no twist; all or none have torsion.
+        // Either all bows turn with the twist of their shafts, or none does.
         let twists = twists.iter().take(model.bows.len()).chain(std::iter::repeat(&0.0));
         for ((shaft, bow), twist) in loads.bowed.iter().zip(along.chunks_exact(2)).zip(twists) {
             // The elastic force of the unbent shape does no work on the bow, which turns with the spin and the twist.

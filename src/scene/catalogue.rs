@@ -214,7 +214,7 @@ fn designated(name: &str, at: &EntryPath) -> Result<Known, SceneError> {
     Ok(Known { kind, boundary, contact_angle: size.angle.to_radians() })
 }
 
-/// The known designations as ranges, e.g. "6000 to 6030".
+/// Text that lists the known designations of each series, for example "6000 to 6030".
 fn known_designations() -> String {
     let range = |series: &Series| {
         let code = |size: Option<&Size>| size.map_or(0, |size| size.code);

@@ -159,9 +159,10 @@ class RollingBearing(Part):
     pitch_diameter : float, optional
         Diameter D of the circle through the centres of the elements [m].
     clearance : float, optional
-        Radial internal clearance (ISO 5753) in operation: motion of the unloaded shaft from one
-        side to the opposite one, twice the radial gap [m]. A negative clearance is a preload. None
-        is 0 with a designation or a boundary: fits and temperature take up most of the clearance.
+        Radial internal clearance during operation (ISO 5753) [m]: the distance that the shaft can
+        move without load from one side to the opposite side, twice the radial gap. A negative value
+        is a preload. With a designation or a boundary, None means 0, because fits and temperature
+        use up most of the clearance.
     hertz_stiffness : float, optional
         Stiffness K of one element between both races [N/m^1.5] or, for a roller, [N/m^(10/9)]. None
         is that of the geometry for bearing steel (206 GPa, 0.3): Brewe and Hamrock for balls,

@@ -90,6 +90,10 @@ class Contents:
         """Highest operating speed, or standstill [rad/s]."""
         return 0.0 if self.options.operating is None else self.options.operating[1]
 
+    def turn(self) -> float:
+        """Duration of a revolution of the slowest shaft at the highest operating speed [s]."""
+        return 2.0 * math.pi / float(np.abs(self.system.speed_ratios * self.need_operating()).min())
+
     def need_operating(self) -> float:
         """Give the highest operating speed, which must be given."""
         if self.options.operating is None:
@@ -157,8 +161,7 @@ class Contents:
         try:
             steady = self.system.steady_state(speed, record=record)
         except (ConvergenceError, StabilityError) as error:
-            turn = 2.0 * math.pi / float(np.abs(self.system.speed_ratios * speed).min())
-            run: Response = self.system.simulate(_REVOLUTIONS * turn, speed, record=record)
+            run: Response = self.system.simulate(_REVOLUTIONS * self.turn(), speed, record=record)
             what = f"a run of {_REVOLUTIONS:g} revolutions of the slowest shaft, because {error}"
             return run, what
         period = (
@@ -507,9 +510,8 @@ def motion(contents: Contents) -> Iterator[Block]:
     speed = contents.need_operating()
     yield Note(f"Motion at {contents.text(speed)}: {what}.")
     yield Table.of_result(run)
-    turn = 2.0 * math.pi / float(np.abs(contents.system.speed_ratios * speed).min())
     end = float(run.time[-1])
-    times = (max(float(run.time[0]), end - _SHOWN_REVOLUTIONS * turn), end)
+    times = (max(float(run.time[0]), end - _SHOWN_REVOLUTIONS * contents.turn()), end)
     bodies = [names[0] for _, _, names in run.to_record().data["points"] if names]
     lateral = any(direction == "v" for *_, direction in contents.system.dofs)
     if lateral and bodies:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = ["dataset"]
 
-#: Label of the noise of a sample.
+#: Label of a sample that is the seed of its random noise.
 _SEED = "noise_seed"
 #: Largest seed: whole numbers of netCDF have 64 bits with a sign.
 _MOST_SEED = 2**63 - 1

@@ -1,4 +1,4 @@
-//! When a run reports its progress, which asks whether to continue.
+//! Time between two reports of the progress of a run. A report asks whether the run continues.
 
 use std::time::{Duration, Instant};
 

@@ -4,7 +4,8 @@
 //! - The modes of a run: `reduced_setup` → `reduction` (how many, by `pilot` runs, `known_reduction` from earlier ones)
 //!   with `ports` (the interfaces of the linear motion) → `modal_setup`; `ramp` at a changing speed. `run_cache` keeps
 //!   what the runs of a system share.
-//! - Steps: `exponential`, `longest_step`, `heartbeat` (when a run asks whether to continue); `period_map` integrates one period with equal steps, for the steady state.
+//! - Steps: `exponential`, `longest_step`, `heartbeat` (when a run asks whether to continue); `period_map` integrates one
+//!   period with equal steps, for the steady state.
 //! - What is recorded: `record`, `events`, `audit` with `audit_piece`.
 
 mod audit;

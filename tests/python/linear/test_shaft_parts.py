@@ -116,7 +116,7 @@ def test_a_cone_of_equal_ends_is_a_cylinder():
     np.testing.assert_array_equal(
         free([replace(cylinder, end_outer_diameter=0.05)]), free([cylinder])
     )
-    # A very slight cone takes the path of quadrature.
+    # The matrices of a cone come from quadrature, also if its end diameters are almost equal.
     slight = replace(cylinder, end_outer_diameter=0.05 * (1.0 + 1e-10))
     np.testing.assert_allclose(free([slight]), free([cylinder]), rtol=1e-8)
 
