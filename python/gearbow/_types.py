@@ -133,16 +133,6 @@ class CampbellData(TypedDict):
     thresholds: list[tuple[int, float, float, str, bool, float]]
 
 
-class SynchronousData(TypedDict):
-    """Phasors by speed, source shaft and degree of freedom; bearing forces as (y, z) pairs."""
-
-    amplitudes: ComplexArray
-    residuals: Array
-    bearings: list[tuple[str, float]]
-    bearing_force: ComplexArray
-    bow: ComplexArray
-
-
 class HarmonicData(TypedDict):
     """Phasors by pair of frequency and speed, source and degree of freedom; forces likewise."""
 
@@ -152,6 +142,12 @@ class HarmonicData(TypedDict):
     bearing_force: ComplexArray
     meshes: list[tuple[str, str]]
     mesh_force: ComplexArray
+
+
+class SynchronousData(HarmonicData):
+    """The same by speed and source shaft, and the bow of every shaft."""
+
+    bow: ComplexArray
 
 
 class BalanceData(TypedDict, total=False):

@@ -19,7 +19,8 @@ use std::sync::Arc;
 use nalgebra::Complex;
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
-use super::modes::{lowest_oscillating_modes, require, uses_bands};
+use super::modes::{lowest_modes, lowest_oscillating_modes, require, uses_bands};
+use super::own_frequency;
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
     self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl,
@@ -183,8 +184,8 @@ impl<'a> Tracker<'a> {
         threads: &'a Threads,
         interrupt: &'a Interrupt,
     ) -> Result<Self, AnalysisError> {
-        // Of bearings that depend on the speed, those of the first speed are as good as any for the inner product.
-        let basis = cached.at_speed(speeds.first().copied().unwrap_or(0.0))?;
+        // Of bearings that depend on speed or frequency, those of one speed and frequency are as good as any for the inner product.
+        let basis = cached.at(speeds.first().copied().unwrap_or(0.0), cached.model.lowest_frequency())?;
         let wanted = count.saturating_add(FURTHER_MODES);
         let is_dense = !cached.model.scene.modal_damping.is_zero() && !uses_bands(&cached.model, wanted);
         let mut tracker = Self {
@@ -206,9 +207,16 @@ impl<'a> Tracker<'a> {
             loop {
                 let states = tracker.at(start)?;
                 tracker.modes = states.iter().filter(|state| oscillates(state)).take(count).cloned().collect();
-                let complete = tracker.modes.len() == count || states.len() < tracker.wanted;
-                if complete {
+                let is_bounded = !cached.model.depends_on_frequency() && states.len() < tracker.wanted;
+                if tracker.modes.len() == count || is_bounded {
                     break;
+                }
+                if cached.model.depends_on_frequency() {
+                    // The mode that the tables of the bearings do not contain is the error.
+                    let found = lowest_modes(cached, start, tracker.wanted)?.len();
+                    if found < tracker.wanted {
+                        break;
+                    }
                 }
                 // Rigid-body modes and overdamped modes are not tracked.
                 tracker.wanted += count.saturating_sub(tracker.modes.len());
@@ -222,7 +230,11 @@ impl<'a> Tracker<'a> {
         // At speed zero too, the flanks in contact are those of a positive speed.
         let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
         let count = if self.is_partial() { self.wanted } else { usize::MAX };
-        let modes = lowest_oscillating_modes(self.cached, speed, count)?;
+        let mut modes = lowest_oscillating_modes(self.cached, speed, count)?;
+        if self.cached.model.depends_on_frequency() && modes.len() < self.modes.len() {
+            // The mode that the tables of the bearings do not contain is the error.
+            modes = lowest_modes(self.cached, speed, count)?;
+        }
         Ok(Arc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
     }
 
@@ -232,14 +244,12 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         let [low, high] = ends;
         let part = ((speed - low.0) / (high.0 - low.0)).clamp(0.0, 1.0);
-        if self.is_partial() {
+        if self.is_partial() || self.cached.model.depends_on_frequency() {
             let nearest = if part < 0.5 { low.1 } else { high.1 };
             let eigenvalue = low.1.eigenvalue * (1.0 - part) + high.1.eigenvalue * part;
-            let cached = self.cached.at_speed(speed)?;
             let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
-            let modal = self.modal_damping(&cached, speed)?;
-            if let Some(met) = modal::mode_near(&cached.model, modal.as_deref(), &start) {
-                let found = self.state(&cached, met)?;
+            if let Some(met) = own_frequency::mode_near(self.cached, self.highest(), &start)? {
+                let found = self.state(met)?;
                 if found.residual.is_accurate() && is_like(ends, &found) {
                     return Ok(found);
                 }
@@ -248,9 +258,10 @@ impl<'a> Tracker<'a> {
         Ok(most_like(ends, &self.at(speed)?).unwrap_or(low.1).clone())
     }
 
-    /// A mode with its direction of whirl and its residual; `cached` is the model at its speed.
-    fn state(&self, cached: &CachedModel, met: ModeAtSpeed) -> Result<State, AnalysisError> {
+    /// A mode with its direction of whirl and its residual.
+    fn state(&self, met: ModeAtSpeed) -> Result<State, AnalysisError> {
         let ModeAtSpeed { speed, eigenvalue, shape } = met;
+        let cached = &*self.cached.at(speed, eigenvalue.im)?;
         let whirl = modal::whirl(&cached.model, speed, eigenvalue, &shape);
         let modal = self.modal_damping(cached, speed)?;
         let residual = modal::residual(cached, speed, eigenvalue, &shape, EquationForces::All(modal.as_deref()))?;
@@ -302,13 +313,15 @@ impl<'a> Tracker<'a> {
     /// lead to the same modes without doubt.
     fn followed(&self, speed: f64) -> Result<Option<Vec<State>>, AnalysisError> {
         self.interrupt.check()?;
-        let cached = self.cached.at_speed(speed)?;
-        let modal = self.modal_damping(&cached, speed)?;
+        if !self.cached.model.depends_on_frequency() {
+            // All threads use the model and the modal damping of this speed.
+            self.modal_damping(&*self.cached.at_speed(speed)?, speed)?;
+        }
         let found = self.threads.map(&self.modes, |mode| {
             self.interrupt.check()?;
             let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape() };
-            let met = modal::mode_near(&cached.model, modal.as_deref(), &start);
-            met.map(|met| self.state(&cached, met)).transpose()
+            let met = own_frequency::mode_near(self.cached, self.highest(), &start)?;
+            met.map(|met| self.state(met)).transpose()
         })?;
         let mut states: Vec<State> = Vec::new();
         for found in found {
@@ -328,13 +341,18 @@ impl<'a> Tracker<'a> {
         let is_equal = |(index, mode): (usize, &State)| {
             self.modes[..index].iter().any(|other| equal(other.eigenvalue, mode.eigenvalue))
         };
-        self.is_partial() && !self.modes.iter().enumerate().any(is_equal)
+        let is_followed = self.is_partial() || self.cached.model.depends_on_frequency();
+        is_followed && !self.modes.iter().enumerate().any(is_equal)
     }
 
     /// Modal damping of a model at `speed`: that of the lowest modes, or of all modes if all are computed.
     fn modal_damping(&self, cached: &CachedModel, speed: f64) -> Result<Option<Arc<ModalDamping>>, AnalysisError> {
-        let highest = if self.is_partial() { Highest::Mode(self.wanted) } else { Highest::Frequency(f64::INFINITY) };
-        Ok(cached.modal_damping(speed, highest)?)
+        Ok(cached.modal_damping(speed, self.highest())?)
+    }
+
+    /// Which undamped modes have modal damping.
+    fn highest(&self) -> Highest {
+        if self.is_partial() { Highest::Mode(self.wanted) } else { Highest::Frequency(f64::INFINITY) }
     }
 
     /// Tracks the modes to the states at `speed`.
@@ -405,7 +423,7 @@ impl<'a> Tracker<'a> {
                 let (speed, eigenvalue, whirl, residual) = if self.has_newton() {
                     let met = self.intersection(order, ends, 0)?;
                     let speed = met.speed;
-                    let state = self.state(self.cached, met)?;
+                    let state = self.state(met)?;
                     (speed, state.eigenvalue, state.whirl, state.residual)
                 } else {
                     // Without Newton's method.

@@ -87,7 +87,7 @@ pub fn harmonic_adjoint<'py>(
     let memory = analysis::memory_of_responses(assembled);
     let (rows, size) = (frequencies.len(), assembled.len());
     let found = model.run(py, memory, move |cached, interrupt| {
-        let responses = FrequencyResponses::new(cached, &[], &frequencies);
+        let responses = FrequencyResponses::new(cached, "frequencies", frequencies.iter().copied());
         let mut found = Vec::new();
         for (index, (frequency, speed)) in frequencies.iter().zip(&speeds).enumerate() {
             interrupt.check()?;
@@ -148,7 +148,7 @@ pub fn static_changes<'py>(
     let state = inside(state.as_slice()?);
     let size = state.len();
     let forces: Vec<_> = forces.as_slice()?.chunks_exact(size.max(1)).map(inside).collect();
-    let at_speed = model.cached.at_speed(speed)?;
+    let at_speed = model.cached.at(speed, 0.0)?;
     let change = EquilibriumChange::new(&at_speed.model, geometry, speed.into(), state);
     let found = change.and_then(|change| change.under(&forces)).map_err(AnalysisError::from)?;
     let values = found.iter().flat_map(|change| numbering.to_user_order(change.as_slice())).collect();
