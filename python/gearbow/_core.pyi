@@ -149,6 +149,7 @@ class Model:
         scale: float,
         sources: list[dict[str, Plain]],
         outputs: ComplexArray | tuple[str, int],
+        base: tuple[Model, ComplexArray | tuple[str, int]] | None = None,
     ) -> tuple[Any, Any, ComplexArray]: ...
     def harmonic_adjoint(
         self, frequencies: Array, speeds: Array, outputs: ComplexArray | tuple[str, int]

@@ -40,7 +40,7 @@ pub use discretisation::{Choice, ElementErrors, Resolved, resolve, resolve_varia
 pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;
 pub use frequency_response::{FrequencyResponses, ResponsePoint};
-pub use harmonic_terms::{HarmonicOutputs, HarmonicPoint, TERMS, harmonic_terms};
+pub use harmonic_terms::{HarmonicOutputs, HarmonicPoint, HarmonicSystem, SparseEntry, TERMS, harmonic_terms};
 pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;
 pub use mass::{ShaftMass, mass_properties};

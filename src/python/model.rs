@@ -363,7 +363,9 @@ impl PyModel {
         frequency::peaks(self, py, &speeds, index, source, excitation, slow_roll)
     }
 
-    /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix.
+    /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix; less those of
+    /// `base`, another model with its outputs.
+    #[pyo3(signature = (speed, scale, sources, outputs, base=None))]
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn harmonic_terms<'py>(
         &self,
@@ -372,9 +374,11 @@ impl PyModel {
         scale: f64,
         sources: &Bound<'py, PyAny>,
         outputs: sensitivity::Outputs<'py>,
+        base: Option<(Bound<'py, Self>, sensitivity::Outputs<'py>)>,
     ) -> PyResult<sensitivity::Terms<'py>> {
         let sources: Vec<description::Source> = pythonize::depythonize(sources)?;
-        sensitivity::harmonic_terms(self, py, [speed, scale], &sources, &outputs)
+        let base = base.as_ref().map(|(model, outputs)| (model.get(), outputs));
+        sensitivity::harmonic_terms(self, py, [speed, scale], &sources, &outputs, base)
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
