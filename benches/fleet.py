@@ -190,9 +190,8 @@ def main() -> None:
                 except gb.GearbowError as error:
                     failed.append(f"{name}, {analysis}: {type(error).__name__}: {error}")
                     result = None
-                if result and result.difference is not None:
-                    if not result.difference <= result.accepted:
-                        failed.append(f"{name}, {analysis}: difference {result.difference:.1e}")
+                if result and not (result.difference or 0.0) <= result.accepted:
+                    failed.append(f"{name}, {analysis}: difference {result.difference:.1e}")
                 store(path, machine, analysis, result)
     rows = rows_of(read(path))
     linear_table(rows)
