@@ -22,8 +22,9 @@ use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{lowest_oscillating_modes, require, uses_bands};
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
-    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl,
+    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Residuals, Whirl,
 };
+use crate::model::Model;
 use crate::scene::EntryPath;
 use state::State;
 pub use threshold::Threshold;
@@ -155,6 +156,13 @@ pub fn campbell(
     Ok(diagram)
 }
 
+/// Tracked modes at an earlier speed.
+struct Previous {
+    /// Speed of the reference shaft, rad/s.
+    speed: f64,
+    modes: Vec<State>,
+}
+
 /// Tracked modes up to the current speed.
 struct Tracker<'a> {
     cached: &'a CachedModel,
@@ -170,6 +178,8 @@ struct Tracker<'a> {
     /// Current speed, rad/s; None before the first speed.
     speed: Option<f64>,
     modes: Vec<State>,
+    /// The tracked modes at the speed before the current one.
+    previous: Option<Previous>,
     intersections: Vec<Intersection>,
     thresholds: Vec<Threshold>,
 }
@@ -197,6 +207,7 @@ impl<'a> Tracker<'a> {
             lines: lines(cached, harmonics),
             speed: None,
             modes: Vec::new(),
+            previous: None,
             intersections: Vec::new(),
             thresholds: Vec::new(),
         };
@@ -239,7 +250,8 @@ impl<'a> Tracker<'a> {
             let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
             let modal = self.modal_damping(&cached, speed)?;
             if let Some(met) = modal::mode_near(&cached.model, modal.as_deref(), &start) {
-                let found = self.state(&cached, met)?;
+                let mut residuals = Residuals::new(&cached, speed, EquationForces::All(modal.as_deref()))?;
+                let found = self.state(&cached.model, &mut residuals, met)?;
                 if found.residual.is_accurate() && is_like(ends, &found) {
                     return Ok(found);
                 }
@@ -248,12 +260,11 @@ impl<'a> Tracker<'a> {
         Ok(most_like(ends, &self.at(speed)?).unwrap_or(low.1).clone())
     }
 
-    /// A mode with its direction of whirl and its residual; `cached` is the model at its speed.
-    fn state(&self, cached: &CachedModel, met: ModeAtSpeed) -> Result<State, AnalysisError> {
+    /// A mode with its direction of whirl and its residual; `model` is that of its speed.
+    fn state(&self, model: &Model, residuals: &mut Residuals<'_>, met: ModeAtSpeed) -> Result<State, AnalysisError> {
         let ModeAtSpeed { speed, eigenvalue, shape } = met;
-        let whirl = modal::whirl(&cached.model, speed, eigenvalue, &shape);
-        let modal = self.modal_damping(cached, speed)?;
-        let residual = modal::residual(cached, speed, eigenvalue, &shape, EquationForces::All(modal.as_deref()))?;
+        let whirl = modal::whirl(model, speed, eigenvalue, &shape);
+        let residual = residuals.of(eigenvalue, &shape)?;
         Ok(State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual }))
     }
 
@@ -304,15 +315,16 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         let cached = self.cached.at_speed(speed)?;
         let modal = self.modal_damping(&cached, speed)?;
-        let found = self.threads.map(&self.modes, |mode| {
+        let numbers: Vec<usize> = (0..self.modes.len()).collect();
+        let found = self.threads.map(&numbers, |mode| {
             self.interrupt.check()?;
-            let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape() };
-            let met = modal::mode_near(&cached.model, modal.as_deref(), &start);
-            met.map(|met| self.state(&cached, met)).transpose()
+            Ok(modal::mode_near(&cached.model, modal.as_deref(), &self.expected(*mode, speed)))
         })?;
+        let mut residuals = Residuals::new(&cached, speed, EquationForces::All(modal.as_deref()))?;
         let mut states: Vec<State> = Vec::new();
         for found in found {
             let is_new = |found: &State| !states.iter().any(|other| equal(other.eigenvalue, found.eigenvalue));
+            let found = found.map(|met| self.state(&cached.model, &mut residuals, met)).transpose()?;
             let Some(found) = found.filter(|found| found.residual.is_accurate() && is_new(found)) else {
                 return Ok(None);
             };
@@ -321,6 +333,23 @@ impl<'a> Tracker<'a> {
         let assignment = self.assign(&states);
         let is_same = assignment.states.iter().enumerate().all(|(mode, state)| mode == *state);
         Ok((assignment.clear && is_same).then_some(states))
+    }
+
+    /// A tracked mode extrapolated to `speed` from the last two speeds.
+    fn expected(&self, mode: usize, speed: f64) -> ModeAtSpeed {
+        let current = &self.modes[mode];
+        let (mut eigenvalue, mut shape) = (current.eigenvalue, current.shape());
+        if let (Some(previous), Some(last)) = (&self.previous, self.speed) {
+            let before = &previous.modes[mode];
+            let part = (speed - last) / (last - previous.speed);
+            let phase = before.product(current);
+            if phase.norm_sqr() > MIN_CORRELATION {
+                eigenvalue += (current.eigenvalue - before.eigenvalue) * part;
+                let aligned = before.shape() * (phase / phase.norm());
+                shape += (&shape - aligned) * Complex::from(part);
+            }
+        }
+        ModeAtSpeed { speed, eigenvalue, shape }
     }
 
     /// Whether Newton's method can follow the tracked modes: no two are equal, as in identical shafts.
@@ -372,6 +401,7 @@ impl<'a> Tracker<'a> {
                 self.thresholds.extend(threshold);
             }
         }
+        self.previous = self.speed.map(|speed| Previous { speed, modes: self.modes.clone() });
         for (mode, index) in self.modes.iter_mut().zip(indices) {
             let state = &states[index];
             let distinct = states.iter().filter(|other| equal(other.eigenvalue, state.eigenvalue)).count() == 1;
@@ -405,7 +435,10 @@ impl<'a> Tracker<'a> {
                 let (speed, eigenvalue, whirl, residual) = if self.has_newton() {
                     let met = self.intersection(order, ends, 0)?;
                     let speed = met.speed;
-                    let state = self.state(self.cached, met)?;
+                    let modal = self.modal_damping(self.cached, speed)?;
+                    let forces = EquationForces::All(modal.as_deref());
+                    let mut residuals = Residuals::new(self.cached, speed, forces)?;
+                    let state = self.state(&self.cached.model, &mut residuals, met)?;
                     (speed, state.eigenvalue, state.whirl, state.residual)
                 } else {
                     // Without Newton's method.
