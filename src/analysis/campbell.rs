@@ -16,7 +16,7 @@ mod threshold;
 
 use std::sync::Arc;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DVector};
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{lowest_oscillating_modes, require, uses_bands};
@@ -41,6 +41,8 @@ const MIN_CORRELATION_ON_LINE: f64 = 0.7;
 const MIN_OSCILLATION: f64 = 0.05;
 /// Number of modes that are computed beyond those that are tracked.
 const FURTHER_MODES: usize = 5;
+/// Number of speeds before the current one from which modes are extrapolated: by parabolas.
+const EXTRAPOLATED_SPEEDS: usize = 2;
 /// Part of the highest computed frequency above which a mode may have left the computed ones.
 const NEAR_TOP: f64 = 0.8;
 
@@ -178,8 +180,8 @@ struct Tracker<'a> {
     /// Current speed, rad/s; None before the first speed.
     speed: Option<f64>,
     modes: Vec<State>,
-    /// The tracked modes at the speed before the current one.
-    previous: Option<Previous>,
+    /// The tracked modes at the last speeds before the current one, at most [`EXTRAPOLATED_SPEEDS`], the earliest first.
+    previous: Vec<Previous>,
     intersections: Vec<Intersection>,
     thresholds: Vec<Threshold>,
 }
@@ -207,7 +209,7 @@ impl<'a> Tracker<'a> {
             lines: lines(cached, harmonics),
             speed: None,
             modes: Vec::new(),
-            previous: None,
+            previous: Vec::new(),
             intersections: Vec::new(),
             thresholds: Vec::new(),
         };
@@ -335,19 +337,19 @@ impl<'a> Tracker<'a> {
         Ok((assignment.clear && is_same).then_some(states))
     }
 
-    /// A tracked mode extrapolated to `speed` from the last two speeds.
+    /// A tracked mode extrapolated to `speed` from the last speeds (polynomial of Lagrange).
     fn expected(&self, mode: usize, speed: f64) -> ModeAtSpeed {
         let current = &self.modes[mode];
-        let (mut eigenvalue, mut shape) = (current.eigenvalue, current.shape());
-        if let (Some(previous), Some(last)) = (&self.previous, self.speed) {
-            let before = &previous.modes[mode];
-            let part = (speed - last) / (last - previous.speed);
-            let phase = before.product(current);
-            if phase.norm_sqr() > MIN_CORRELATION {
-                eigenvalue += (current.eigenvalue - before.eigenvalue) * part;
-                let aligned = before.shape() * (phase / phase.norm());
-                shape += (&shape - aligned) * Complex::from(part);
-            }
+        let known = self.previous.iter().map(|previous| (previous.speed, &previous.modes[mode]));
+        let known = known.filter(|(_, before)| before.correlation(current) > MIN_CORRELATION);
+        let points: Vec<(f64, &State)> = known.chain([(self.speed.unwrap_or(speed), current)]).collect();
+        let (mut eigenvalue, mut shape) = (Complex::ZERO, DVector::zeros(self.cached.model.len()));
+        for (at, state) in &points {
+            let others = points.iter().map(|(other, _)| *other).filter(|other| other != at);
+            let weight: f64 = others.map(|other| (speed - other) / (at - other)).product();
+            let phase = state.product(current);
+            eigenvalue += state.eigenvalue * weight;
+            shape += state.shape() * (phase * (weight / phase.norm()));
         }
         ModeAtSpeed { speed, eigenvalue, shape }
     }
@@ -401,7 +403,8 @@ impl<'a> Tracker<'a> {
                 self.thresholds.extend(threshold);
             }
         }
-        self.previous = self.speed.map(|speed| Previous { speed, modes: self.modes.clone() });
+        self.previous.extend(self.speed.map(|speed| Previous { speed, modes: self.modes.clone() }));
+        self.previous.drain(..self.previous.len().saturating_sub(EXTRAPOLATED_SPEEDS));
         for (mode, index) in self.modes.iter_mut().zip(indices) {
             let state = &states[index];
             let distinct = states.iter().filter(|other| equal(other.eigenvalue, state.eigenvalue)).count() == 1;

@@ -64,6 +64,9 @@ fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at:
     let (mut previous, mut is_close) = (f64::INFINITY, false);
     // A mode without oscillation has a real shape; the imaginary parts of its changes are round-off.
     let is_real = at.eigenvalue.im == 0.0;
+    // Ratio of the second and the first change: the square of the error follows in each iteration, with modal damping its
+    // product with the damping ratio.
+    let first_rate = |change: f64| if modal.is_none() { change.sqrt() } else { 1.0 };
     for _ in 0..MAX_ITERATIONS {
         let change = newton_step(model, modal, unknown, &at).ok()?;
         let size = match unknown {
@@ -94,10 +97,9 @@ fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at:
         if !(largest.is_finite() && norm.is_finite() && norm > 0.0 && (is_real || at.eigenvalue.im > 0.0)) {
             return None;
         }
-        // The next change is smaller than this one by the same factor, or a smaller one.
-        let rate = (largest / previous).min(1.0);
-        let next = if previous.is_finite() { largest * rate } else { largest };
-        if next <= CONVERGED {
+        // The next change is smaller than this one by the same factor at least; without modal damping its square follows.
+        let rate = if previous.is_finite() { (largest / previous).min(1.0) } else { first_rate(largest) };
+        if largest * rate <= CONVERGED {
             return Some(at);
         }
         (previous, is_close) = (largest, of_values <= STALLED);
