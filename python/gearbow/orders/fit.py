@@ -19,7 +19,12 @@ from gearbow._convert import number, text, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_degrees, in_micrometres, written_unit
-from gearbow._types import Array, ComplexArray, Record
+from gearbow._types import (
+    Array,
+    ComplexArray,
+    Record,
+    SignalQuantity,
+)
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
@@ -274,7 +279,7 @@ class Orders(Result, ReadOnly):
 def orders(
     run: RunRecord,
     at: Record | SignalSensor,
-    quantity: str | None = None,
+    quantity: SignalQuantity | None = None,
     *,
     shaft_harmonics: int = 4,
     mesh_harmonics: int | None = None,

@@ -9,7 +9,12 @@ from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_micrometres, written_unit
-from gearbow._types import Array, Record, Window
+from gearbow._types import (
+    Array,
+    Record,
+    SignalQuantity,
+    Window,
+)
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
@@ -168,7 +173,7 @@ def amplitudes(time: Array, values: Array, window: Window = "hann") -> tuple[Arr
 def spectrum(
     run: RunRecord,
     at: Record | SignalSensor,
-    quantity: str | None = None,
+    quantity: SignalQuantity | None = None,
     *,
     window: Window = "hann",
 ) -> Spectrum:

@@ -17,7 +17,12 @@ from gearbow._keywords import checked
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_micrometres, written_unit
 from gearbow._shown import span
-from gearbow._types import Array, Record, Window
+from gearbow._types import (
+    Array,
+    Record,
+    SignalQuantity,
+    Window,
+)
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
@@ -154,7 +159,7 @@ class Waterfall(Result, ReadOnly):
 def waterfall(
     responses: Recorded | Sequence[Recorded],
     at: Record | SignalSensor,
-    quantity: str | None = None,
+    quantity: SignalQuantity | None = None,
     *,
     window: Window = "hann",
     revolutions: float | None = None,
@@ -219,7 +224,10 @@ def waterfall(
 
 
 def _of_runs(
-    runs: list[RunRecord], at: Record | SignalSensor, quantity: str | None, window: Window
+    runs: list[RunRecord],
+    at: Record | SignalSensor,
+    quantity: SignalQuantity | None,
+    window: Window,
 ) -> Waterfall:
     """Collect the spectra of runs at constant speeds."""
     speeds = []
@@ -254,7 +262,7 @@ def _of_runs(
 def _of_segments(
     run: RunRecord,
     at: Record | SignalSensor,
-    quantity: str | None,
+    quantity: SignalQuantity | None,
     window: Window,
     revolutions: float | None,
 ) -> Waterfall:
