@@ -161,7 +161,7 @@ def waterfall(
     at: Record | SignalSensor,
     quantity: SignalQuantity | None = None,
     *,
-    window: Window = "hann",
+    window: Window | None = None,
     revolutions: float | None = None,
 ) -> Waterfall:
     """Collect the spectra of runs at several speeds, or of segments of one run-up.
@@ -176,8 +176,8 @@ def waterfall(
         or "energy".
     quantity : str, optional
         Quantity, as for `Response.spectrum`.
-    window : {"hann", "flat top", "none"}
-        Window function.
+    window : {"hann", "flat top", "none"}, optional
+        Window function, as for `Response.spectrum`.
     revolutions : float, optional
         Length of the segments of a run-up in revolutions of the reference shaft. Orders with a
         distance of 2/`revolutions` have separate lines. None is a sixteenth of the run. Two
@@ -227,7 +227,7 @@ def _of_runs(
     runs: list[RunRecord],
     at: Record | SignalSensor,
     quantity: SignalQuantity | None,
-    window: Window,
+    window: Window | None,
 ) -> Waterfall:
     """Collect the spectra of runs at constant speeds."""
     speeds = []
@@ -263,7 +263,7 @@ def _of_segments(
     run: RunRecord,
     at: Record | SignalSensor,
     quantity: SignalQuantity | None,
-    window: Window,
+    window: Window | None,
     revolutions: float | None,
 ) -> Waterfall:
     """Find the spectra of segments of a run with equal angles of the reference shaft."""

@@ -30,6 +30,8 @@ __all__ = ["bode", "critical_speed_map", "synchronous"]
 
 #: Smallest orbit of a figure, relative to the largest one of all panels.
 _VISIBLE = 1e-5
+#: Ratio of a peak to the median of a response from which its axis is logarithmic.
+_RESONANT = 30.0
 #: Directions in which the amplification factor of a peak stands from it.
 _AROUND_A_PEAK = ((1.0, 0.5), (-1.0, 0.5), (1.0, -0.5), (-1.0, -0.5), (1.0, 1.0), (-1.0, 1.0))
 
@@ -114,10 +116,19 @@ def bode(
         upper.set(ylabel="phase [°]")
         lower.set(ylabel=f"amplitude [{shown}]")
         label_x(axes, label)
-        lower.set_ylim(bottom=0.0)
-        if peaks and any(peaks.values()):
-            # The factors of the peaks stay within the panel.
-            lower.set_ylim(top=1.08 * lower.get_ylim()[1])
+        curves = [line.get_ydata() for line in lower.lines if len(line.get_xdata()) > 1]
+        sizes = np.concatenate([np.zeros(1), *curves])
+        top = float(np.max(sizes, initial=0.0))
+        usual = float(np.median(sizes[sizes > 0.0])) if top > 0.0 else 0.0
+        if top > _RESONANT * usual > 0.0:
+            # Beside the peak of a lightly damped mode, all else would lie on the axis.
+            log_scale(lower)
+            lower.set_ylim(max(0.5 * float(sizes[sizes > 0.0].min()), 1e-3 * usual), 3.0 * top)
+        else:
+            lower.set_ylim(bottom=0.0)
+            if peaks and any(peaks.values()):
+                # The factors of the peaks stay within the panel.
+                lower.set_ylim(top=1.08 * lower.get_ylim()[1])
         legend(figure, upper, ax=ax)
     labels = Labels(lower, 0.0)
     for at, text, shade in marked:

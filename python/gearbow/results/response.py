@@ -606,7 +606,7 @@ class Response(Result, ReadOnly):
         at: Record | SignalSensor,
         quantity: SignalQuantity | None = None,
         *,
-        window: Window = "hann",
+        window: Window | None = None,
     ) -> Spectrum:
         """Find the amplitude spectrum of one recorded signal.
 
@@ -623,9 +623,9 @@ class Response(Result, ReadOnly):
             "y", "z", "x" or "twist" of a place, also as ``velocity_y``, ``acceleration_y`` or
             ``twist_rate``; "y", "z" or "x" of the force on a bearing; a number
             field of `MeshResponse`. None is "y" or the mesh force.
-        window : {"hann", "flat top", "none"}
+        window : {"hann", "flat top", "none"}, optional
             Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
-            whole periods.
+            whole periods. None is "none" for a period of a `SteadyState`, and "hann" for a run.
 
         Returns
         -------
