@@ -220,7 +220,8 @@ def waterfall(
         if revolutions is not None:
             raise GearbowError("revolutions: only one run-up has segments, not several runs")
         return _of_runs(_runs(responses), at, quantity, window)
-    return _of_segments(recorded_run(responses, "responses"), at, quantity, window, revolutions)
+    run = recorded_run(responses, "responses")
+    return _of_segments(run, at, quantity, window or "hann", revolutions)
 
 
 def _of_runs(
@@ -263,7 +264,7 @@ def _of_segments(
     run: RunRecord,
     at: Record | SignalSensor,
     quantity: SignalQuantity | None,
-    window: Window | None,
+    window: Window,
     revolutions: float | None,
 ) -> Waterfall:
     """Find the spectra of segments of a run with equal angles of the reference shaft."""

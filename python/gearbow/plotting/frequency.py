@@ -28,8 +28,9 @@ from gearbow.plotting.style import (
 
 __all__ = ["bode", "critical_speed_map", "synchronous"]
 
-#: Smallest orbit of a figure, relative to the largest one of all panels.
-_VISIBLE = 1e-5
+#: Smallest orbit of a figure relative to the largest one of its panels, and the size below which
+#: one is shown only where all are small [m].
+_VISIBLE, _TINY = 1e-5, 1e-10
 #: Ratio of a peak to the median of a response from which its axis is logarithmic.
 _RESONANT = 30.0
 #: Directions in which the amplification factor of a peak stands from it.
@@ -150,7 +151,8 @@ def synchronous(
     """Draw the major semi-axis of the orbits against the speed."""
     factor, label = speed_axis(speed_unit)
     with panels(len(orbits), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
-        least = _VISIBLE * max(float(orbit.max(initial=0.0)) for orbit in orbits.values())
+        largest = max(float(orbit.max(initial=0.0)) for orbit in orbits.values())
+        least = max(_VISIBLE * largest, min(_TINY, 1e-2 * largest))
         for panel, (name, orbit) in zip(axes, orbits.items(), strict=True):
             for source, shaft in enumerate(shafts):
                 if np.any(orbit[:, source] > least):

@@ -29,7 +29,7 @@ __all__ = ["WIDTH", "converted", "scene"]
 #: Width of a figure that is as wide as a page [px], and of matplotlib [in].
 WIDTH, _PAGE = 960.0, 12.0
 #: Length of the longest axis in three dimensions, in the unit of the distance of the camera.
-_LONGEST = 2.0
+_LONGEST = 2.3
 #: Magnification at which a simplified line looks like the complete one.
 _MAGNIFIED = 4.0
 #: Line styles and markers of plotly by those of matplotlib.
@@ -203,8 +203,11 @@ class _Converter:
         }
         if scale == "log":
             decades = float(np.ptp(found["range"]))
-            few = {"tickformat": "~g", "dtick": "D2"}
-            found |= few if decades < _FEW_DECADES else {"dtick": math.ceil(decades / ticks)}
+            found["dtick"] = math.ceil(decades / (2.0 * self._length(panel, name)))
+            if decades < _FEW_DECADES:
+                found["dtick"] = "D2"
+            if ends.min() > 1e-4 and ends.max() < 1e6:
+                found["tickformat"] = "~g"
         if scale not in _SCALES:
             ticks = axis.get_major_locator()()
             texts = axis.get_major_formatter().format_ticks(ticks)

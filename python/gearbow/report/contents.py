@@ -6,7 +6,7 @@ reason, and the blocks before it stay.
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -23,14 +23,14 @@ from gearbow.errors import ConvergenceError, GearbowError, StabilityError
 from gearbow.report import api617
 from gearbow.report.data import parts_tables
 from gearbow.report.page import Block, Note, Picture, Section, Table, picture
-from gearbow.results.campbell import Campbell
+from gearbow.results.campbell import Campbell, Intersection
 from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak, computed, marks
 from gearbow.results.response import Response
 from gearbow.results.static import Static
 from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
 from gearbow.results.synchronous import Synchronous
-from gearbow.units.speed import SpeedUnit, speed_text
+from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 __all__ = ["SECTIONS", "Contents", "Options"]
 
@@ -349,15 +349,7 @@ def criticals(contents: Contents) -> Iterator[Block]:
             contents.options.unit,
             [_API_684, _OTHER_MODES],
         )
-        lateral = dict.fromkeys(
-            f"{contents.text(one.speed)} ({one.line.name}, {one.whirl})"
-            for one in found
-            if one.damping_ratio < _OVERDAMPED
-        )
-        shown = list(lateral)[:_NAMED]
-        left = len(lateral) - len(shown)
-        more = f", and {left} further ones" if left else ""
-        contents.findings.append((f"Critical speeds: {', '.join(shown)}{more}.", False))
+        contents.findings.append((_nearest(contents, found), False))
     else:
         yield Note("No shaft excites a mode at its own frequency in this range of speeds.")
     places = _largest(contents)
@@ -382,6 +374,21 @@ _API_684 = (
     "Required margin after API RP 684: 17 (1 − 1/(AF − 1.5)) % below and 10 % more above the "
     "operating speed; none for AF < 2.5."
 )
+
+
+def _nearest(contents: Contents, found: Sequence[Intersection]) -> str:
+    """Name the critical speeds that are nearest to the operating speed, in ascending order."""
+    unit, speed = contents.options.unit, abs(contents.speed)
+    near = sorted(
+        (one for one in found if one.damping_ratio < _OVERDAMPED),
+        key=lambda one: abs(one.speed - speed),
+    )[:_NAMED]
+    texts = [
+        f"{speed_factor(unit) * one.speed:.4g} ({one.line.name}, {one.whirl})"
+        for one in sorted(near, key=lambda one: one.speed)
+    ]
+    which = "Critical speeds" if len(near) == len(found) else "Nearest critical speeds"
+    return f"{which} [{unit}]: {', '.join(texts)}."
 
 
 _LINEARISED = (
@@ -603,7 +610,11 @@ def _floquet(contents: Contents, steady: SteadyState) -> Note:
     except GearbowError as error:
         return Note(f"Stability of the steady state: not computed, because {error}")
     largest = max(map(abs, steady.multipliers()), default=0.0)
-    size = f"the largest is {largest:.4g}" if largest else f"all are below {SMALLEST_MULTIPLIER:g}"
+    # A motion that decays slowly has a multiplier that rounds to 1.
+    near = abs(largest - 1.0) < 1e-3
+    sign = "−" if largest < 1.0 else "+"
+    shown = f"1 {sign} {abs(largest - 1.0):.1e}" if near else f"{largest:.4g}"
+    size = f"the largest is {shown}" if largest else f"all are below {SMALLEST_MULTIPLIER:g}"
     section = "a part of the motion" if math.isinf(steady.period) else "a period"
     text = f"Floquet multipliers over {section}, with the changing stiffness of the teeth: {size}"
     state = "stable" if kind is None else f"unstable ({kind})"

@@ -24,6 +24,8 @@ _WRITTEN = {
 }
 #: Fields that are complex: a size and an angle in the shaft.
 _TURNING = ("unbalance", "runout")
+#: Names of fields that are not those of the table with spaces.
+_NAMES = {"youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio"}
 #: Fields with a word of a fixed set.
 _WORDS = ("shape", "kind", "model", "phase", "foundation")
 #: Largest number of columns of a table of parts.
@@ -120,7 +122,8 @@ def _cell(value: Any, path: str, unit: str | None = None) -> str:
         return "yes" if value else "no"
     if isinstance(value, Mapping):
         return ", ".join(
-            f"{k.replace('_', ' ')} {_cell(v, f'{path}.{k}')}" for k, v in value.items()
+            f"{_NAMES.get(k, k.replace('_', ' '))} {_cell(v, f'{path}.{k}')}"
+            for k, v in value.items()
         )
     if _is_place(value):
         return f"{value[0]} at {_cell(value[1], 'shafts[0].length')}"
