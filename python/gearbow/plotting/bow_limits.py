@@ -94,6 +94,8 @@ def _at_one_speed(
         if not shown:
             remark(panel, "no limit is reached")
         elif len(bows) > len(shown):
-            remark(panel, f"{len(bows) - len(shown)} further limits are above, or not reached")
+            left = len(bows) - len(shown)
+            limits = "limits are" if left > 1 else "limit is"
+            remark(panel, f"{left} further {limits} above, or not reached")
         legend(figure, panel, ax=ax)
     return figure
