@@ -1,6 +1,5 @@
 """A recorded run as a data set or a table, and its arrays and metadata in a file."""
 
-import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -161,4 +160,6 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
         },
         **more,
     }
+    import json  # noqa: PLC0415  # files only
+
     return json.dumps(about)
