@@ -141,6 +141,9 @@ def plain_text(value: float, form: str) -> str:
     if np.isinf(value):
         return "∞" if value > 0.0 else "−∞"
     text = f"{value:{form}}"
+    if text.endswith(("e+04", "e+05")):
+        # 14190 N, not 1.419e+04 N: the digits are those of the format.
+        text = f"{float(text):.0f}"
     return text.lstrip("-") if float(text) == 0.0 else text
 
 

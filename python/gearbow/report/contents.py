@@ -383,6 +383,8 @@ def _nearest(contents: Contents, found: Sequence[Intersection]) -> str:
         (one for one in found if one.damping_ratio < _OVERDAMPED),
         key=lambda one: abs(one.speed - speed),
     )[:_NAMED]
+    if not near:
+        return "No shaft excites a lightly damped mode at its own frequency."
     texts = [
         f"{speed_factor(unit) * one.speed:.4g} ({one.line.name}, {one.whirl})"
         for one in sorted(near, key=lambda one: one.speed)

@@ -143,6 +143,7 @@ def _cell(value: Any, path: str, unit: str | None = None) -> str:
         is_word = path.rpartition(".")[2] in _WORDS
         return str(value).replace("_", " ") if is_word else str(value)
     factor, written = _written(unit_of(path))
-    text = f"{factor * value:.6g}".replace("e+0", "e")
+    digits = 4 if written == "°" else 6
+    text = f"{factor * value:.{digits}g}".replace("e+0", "e")
     shown = written if unit is None and written not in (None, DIMENSIONLESS) else unit
     return f"{text}{'' if shown in ('', '°') else ' '}{shown}" if shown else text
