@@ -37,9 +37,9 @@ def bow_limits(
 ) -> Figure:
     """Draw one curve for each of the first limits that are reached, and the present bow."""
     if speeds.size == 1:
-        bows = {name: MICRO * float(values[0]) for name, values in lines.items()}
+        single = {name: MICRO * float(values[0]) for name, values in lines.items()}
         at = f"at {speed_text(float(speeds[0]), speed_unit)}"
-        return _at_one_speed(bows, MICRO * present, f"{label} [µm], {at}", ax=ax)
+        return _at_one_speed(single, MICRO * present, f"{label} [µm], {at}", ax=ax)
     factor, axis = speed_axis(speed_unit)
     with panels(1, 6.0, columns=1, width=10.0, ax=ax) as (figure, (panel,)):
         reached = {name: MICRO * bows for name, bows in lines.items() if np.any(np.isfinite(bows))}

@@ -117,7 +117,8 @@ def bode(
         upper.set(ylabel="phase [°]")
         lower.set(ylabel=f"amplitude [{shown}]")
         label_x(axes, label)
-        curves = [line.get_ydata() for line in lower.lines if len(line.get_xdata()) > 1]
+        drawn = [np.asarray(line.get_ydata(), dtype=np.float64) for line in lower.lines]
+        curves = [values for values in drawn if values.size > 1]
         sizes = np.concatenate([np.zeros(1), *curves])
         top = float(np.max(sizes, initial=0.0))
         usual = float(np.median(sizes[sizes > 0.0])) if top > 0.0 else 0.0

@@ -53,8 +53,9 @@ def draw(labels: Labels, train: Train, heights: Mapping[str, float]) -> None:
         edges = np.array(boxes)
         # Equal torques side by side, as of the cylinders of an engine, have one label.
         if len(boxes) >= _EQUAL:
-            whole = (*edges[:, :2].min(axis=0).tolist(), *edges[:, 2:].max(axis=0).tolist())
-            labels.add(f"{len(boxes)} × {text}", around(*whole, _WAYS))
+            left, bottom = edges[:, :2].min(axis=0).tolist()
+            right, top = edges[:, 2:].max(axis=0).tolist()
+            labels.add(f"{len(boxes)} × {text}", around(left, bottom, right, top, _WAYS))
         else:
             for box in boxes:
                 labels.add(text, around(*box, _WAYS))

@@ -47,11 +47,11 @@ def _write(path: Path, contents: Contents, sections: list[Section]) -> None:
     options = contents.options
     facts = [("system", repr(contents.system).partition("(")[2][:-1])]
     if options.operating is not None:
-        ends = [
+        both = [
             " to ".join(dict.fromkeys(speed_text(speed, unit) for speed in options.operating))
             for unit in (options.unit, _other(options.unit))
         ]
-        facts.append(("operating speed", f"{ends[0]} ({ends[1]}), of the reference shaft"))
+        facts.append(("operating speed", f"{both[0]} ({both[1]}), of the reference shaft"))
     if options.speeds is not None:
         ends = " to ".join(contents.text(float(options.speeds[end])) for end in (0, -1))
         facts.append(("speeds of diagrams", ends))
