@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from gearbow._convert import items, shown
 from gearbow._progress import working
+from gearbow._types import SensitivityQuantity
 from gearbow.analysis.protocol import System
 from gearbow.description.parameter import Parameter
 from gearbow.errors import SceneError
@@ -36,7 +37,7 @@ def sensitivity(
     of: FrequencyResponse | Synchronous | Static,
     *,
     at: Any,
-    quantity: str = "displacement",
+    quantity: SensitivityQuantity = "displacement",
     progress: bool | None = None,
 ) -> "ResponseSensitivity": ...
 def sensitivity(
@@ -45,7 +46,7 @@ def sensitivity(
     of: Modes | Campbell | FrequencyResponse | Synchronous | Static,
     *,
     at: Any = None,
-    quantity: str | None = None,
+    quantity: SensitivityQuantity | None = None,
     progress: bool | None = None,
 ) -> "Sensitivity | ResponseSensitivity":
     """Find derivatives of a result with respect to parameters of the system.
