@@ -50,6 +50,7 @@ from gearbow.system.report import report
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
+from gearbow.system.thermal import thermal_bow
 from gearbow.tradeoff.ask import tradeoff
 from gearbow.units.convert import without_texts
 from gearbow.units.speed import SpeedUnit, unit_in_texts
@@ -677,6 +678,7 @@ class RotorSystem(CheckedKeywords, Shown):
     sensitivity = sensitivity
     balance = balance
     bow_limits = bow_limits
+    thermal_bow = thermal_bow
     simulate = simulate
     simulate_many = simulate_many
     default_output_step = default_output_step
