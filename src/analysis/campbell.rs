@@ -186,7 +186,9 @@ impl<'a> Tracker<'a> {
         // Of bearings that depend on the speed, those of the first speed are as good as any for the inner product.
         let basis = cached.at_speed(speeds.first().copied().unwrap_or(0.0))?;
         let wanted = count.saturating_add(FURTHER_MODES);
-        let is_dense = !cached.model.scene.modal_damping.is_zero() && !uses_bands(&cached.model, wanted);
+        let is_dense = !cached.model.scene.modal_damping.is_zero()
+            && !uses_bands(&cached.model, wanted)
+            && !cached.model.has_structural_damping();
         let mut tracker = Self {
             cached,
             threads,

@@ -7,7 +7,8 @@
 //!     [  R  s₀ ]
 //! ```
 //!
-//! with constant matrices B_j at one state of the bearings. With y of Sᵀ y = Rᵀ, the derivative of an output with respect to a
+//! with constant matrices B_j at one state of the bearings, and of the signs of the frequency relative to shafts with a loss factor,
+//! whose structural damping is a part of B₀. With y of Sᵀ y = Rᵀ, the derivative of an output with respect to a
 //! parameter p is (yᵀ, eᵀ) dB/dp (x, e), where the unit vectors e select an output and a source (adjoint method; M. B. Giles and
 //! N. A. Pierce, Flow, Turbulence and Combustion 65, 2000).
 
@@ -17,7 +18,7 @@ use num_complex::Complex64;
 use super::AnalysisError;
 use super::sources::{Harmonic, HarmonicForces, HarmonicSource};
 use crate::modal::CachedModel;
-use crate::model::Model;
+use crate::model::{Model, StructuralDamping};
 use crate::scene::Node;
 
 /// Number of matrices B_j.
@@ -70,7 +71,7 @@ impl HarmonicOutputs {
     }
 }
 
-/// The entries of B at a speed of the reference shaft, rad/s. Columns of sources and rows of outputs follow the n coordinates, which
+/// The entries of B at a speed of the reference shaft and, for the loss factors of shafts, a frequency. Columns of sources and rows of outputs follow the n coordinates, which
 /// have the order and the signs that users see. `scale` is the largest frequency in question, rad/s. The columns of a velocity or
 /// an acceleration of the ground are those of the displacement.
 ///
@@ -78,7 +79,7 @@ impl HarmonicOutputs {
 /// [`AnalysisError`] if a bearing has no coefficients at the speed, or modal damping has no modes.
 pub fn harmonic_terms(
     cached: &CachedModel,
-    speed: f64,
+    Harmonic { frequency, speed }: Harmonic,
     scale: f64,
     sources: &[HarmonicSource],
     outputs: &HarmonicOutputs,
@@ -102,6 +103,10 @@ pub fn harmonic_terms(
     add_matrix(model.sparse_damping(speed), RATE, -1.0);
     add_matrix(model.sparse_gyroscopic(), GYROSCOPIC, -1.0);
     add_matrix(model.sparse_mass(), INERTIA, 1.0);
+    for (row, column, value) in model.structural_of_shafts(StructuralDamping { frequency, speed }) {
+        let ((row, left), (column, right)) = (places[row], places[column]);
+        entries.push((row, column, at_term(CONSTANT, -value * left * right)));
+    }
     if let Some(modal) = cached.modal_damping_matrix(speed)? {
         for (column, values) in modal.column_iter().enumerate() {
             for (row, value) in values.iter().enumerate() {

@@ -15,7 +15,7 @@ use crate::analysis::{
 };
 use crate::mesh::Geometry;
 use crate::modal::EquilibriumChange;
-use crate::model::Model;
+use crate::model::{Model, StructuralDamping};
 use crate::scene::{SceneError, description};
 
 /// Rows, columns and entries (places, terms) of B.
@@ -51,11 +51,12 @@ impl Outputs<'_> {
     }
 }
 
-/// Entries of B at a speed with a largest frequency, both rad/s.
+/// Entries of B at a frequency and a speed, with a largest frequency, rad/s.
 pub fn harmonic_terms<'py>(
     model: &PyModel,
     py: Python<'py>,
-    [speed, scale]: [f64; 2],
+    at: Harmonic,
+    scale: f64,
     sources: &[description::Source],
     outputs: &Outputs<'py>,
 ) -> PyResult<Terms<'py>> {
@@ -65,12 +66,41 @@ pub fn harmonic_terms<'py>(
     let outputs = outputs.parse(assembled)?;
     let dense = if !assembled.scene.modal_damping.is_zero() { Dense::Undamped } else { Dense::Bands };
     let found =
-        model.run(py, dense, move |cached, _| analysis::harmonic_terms(cached, speed, scale, &sources, &outputs))?;
+        model.run(py, dense, move |cached, _| analysis::harmonic_terms(cached, at, scale, &sources, &outputs))?;
     let integers = |values: Vec<i64>| values.into_pyarray(py);
     let rows = integers(found.iter().map(|(row, _, _)| *row as i64).collect());
     let columns = integers(found.iter().map(|(_, column, _)| *column as i64).collect());
     let values = found.iter().flat_map(|(_, _, values)| *values).collect();
     Ok((rows, columns, table(py, values, found.len(), TERMS)?))
+}
+
+/// Structural damping, N/m, (n, n), of a motion at a frequency and a speed, rad/s; `None` without loss factors.
+pub fn structural_damping<'py>(
+    model: &PyModel,
+    py: Python<'py>,
+    frequency: f64,
+    speed: f64,
+) -> PyResult<Option<Bound<'py, PyArray2<Complex<f64>>>>> {
+    if !model.model().has_structural_damping() {
+        return Ok(None);
+    }
+    let values = model.run(py, Dense::Matrices, move |cached, _| -> Result<_, AnalysisError> {
+        let cached = cached.at_speed(speed)?;
+        let (assembled, size) = (&cached.model, cached.model.len());
+        let dofs = assembled.numbering.dofs();
+        let mut places = vec![(0, 1.0); size];
+        for (place, dof) in dofs.iter().enumerate() {
+            places[dof.index] = (place, dof.sign);
+        }
+        let mut values = vec![Complex::ZERO; size * size];
+        for (row, column, value) in assembled.structural_entries(StructuralDamping { frequency, speed }, speed) {
+            let ((row, left), (column, right)) = (places[row], places[column]);
+            values[row * size + column] += value * left * right;
+        }
+        Ok(values)
+    })?;
+    let size = model.model().len();
+    table(py, values, size, size).map(Some)
 }
 
 /// Adjoint solutions (pairs, outputs, n) at pairs of a frequency and a speed.
