@@ -1,21 +1,24 @@
 """A bow by the uneven heating of a journal."""
 
+import cmath
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from gearbow._convert import complex_number, positive, shown
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.bow import Bow
-from gearbow.description.part import expect
+from gearbow.description.part import Part, expect
+from gearbow.description.places import place
 from gearbow.errors import SceneError
 
 __all__ = ["ThermalBow"]
 
 
 @dataclass(frozen=True)
-class ThermalBow:
+class ThermalBow(Part):
     """A bow by the uneven heating of a journal, which its synchronous vibration causes.
 
     The side of a journal that is always nearest to the film or a seal becomes hotter than the
@@ -54,36 +57,24 @@ class ThermalBow:
     shape: Bow
 
     def __post_init__(self) -> None:
+        place(self.at, "at", "place")
         positive(self.time_constant, "time_constant")
         expect(self.shape, Bow, "shape")
         if not callable(self.gain):
-            given = complex_number(self.gain, "gain")
-            if not np.isfinite(given).all():  # type: ignore[arg-type]  # a number or a pair
-                raise SceneError(f"gain: must be finite, got {shown(self.gain)}")
+            _finite(self.gain)
 
-    def gains(self, speeds: Array) -> ComplexArray:
-        """Temperature differences over the vibration at speeds of the shaft.
-
-        Parameters
-        ----------
-        speeds : ndarray, shape (speeds,)
-            Speeds of the shaft [rad/s].
-
-        Returns
-        -------
-        ndarray, shape (speeds,)
-            The gain at each speed [K/m].
-
-        Raises
-        ------
-        SceneError
-            If the function of the gain gives no finite number.
-        """
+    def _gains(self, speeds: Array) -> ComplexArray:
+        """Give the gain [K/m] at speeds of the shaft [rad/s]."""
         gain = self.gain
         if not callable(gain):
-            return np.full(speeds.shape, complex(gain))
-        found = np.array([complex(gain(float(speed))) for speed in speeds], dtype=np.complex128)
-        if not np.isfinite(found).all():
-            speed = float(speeds[~np.isfinite(found)][0])
-            raise SceneError(f"gain: must give a finite number, not so at {speed:.6g} rad/s")
-        return found
+            return np.full(speeds.shape, _finite(gain))
+        return np.array([_finite(gain(float(speed))) for speed in speeds], dtype=np.complex128)
+
+
+def _finite(value: object) -> complex:
+    """Check a gain."""
+    given: Any = complex_number(value, "gain")
+    found = complex(*given) if isinstance(given, list) else complex(given)
+    if not cmath.isfinite(found):
+        raise SceneError(f"gain: must be finite, got {shown(value)}")
+    return found

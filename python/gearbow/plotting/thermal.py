@@ -22,9 +22,8 @@ def stability(
         legend(figure, upper, ax=ax)
         lower.plot(speeds, growth, color=PALETTE[0])
         lower.axhline(0.0, color="black", linewidth=1.0, linestyle=":")
-        lower.fill_between(
-            speeds, 0.0, growth, where=(growth > 0.0).tolist(), color=PALETTE[1], alpha=0.3
-        )
+        grows = np.maximum(growth, 0.0)
+        lower.fill_between(speeds, 0.0, grows, color=PALETTE[1], alpha=0.3, linewidth=0.0)
         lower.set_ylabel("growth [1/min]")
         label_x(axes, speed_axis(unit)[1])
     return figure

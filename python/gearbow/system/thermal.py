@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array
+from gearbow._convert import array, positive
 from gearbow._lookup import nearest
 from gearbow._types import At, ComplexArray
 from gearbow.analysis.balance import shafts_of_bodies
@@ -71,8 +71,8 @@ def thermal_bow(self: System, bow: ThermalBow, speeds: "ArrayLike") -> ThermalSt
     return ThermalStability(
         at=bow.at,
         speeds=wanted,
-        time_constant=float(bow.time_constant),
-        gain=bow.gains(wanted * self.speed_ratios[index]),
+        time_constant=positive(bow.time_constant, "time_constant"),
+        gain=bow._gains(wanted * self.speed_ratios[index]),
         response=_forward(by_heat, bow.at, index),
         vibration=_forward(self.synchronous(wanted), bow.at, index),
         speed_unit=given_unit(speeds) or self._speed_unit,

@@ -153,7 +153,7 @@ WRONG = {
     "gain": (lambda: hot(gain=float("nan")), r"gain: must be finite"),
     "function": (
         lambda: jeffcott().thermal_bow(hot(gain=lambda _: float("nan")), 10.0),
-        r"gain: must give a finite number",
+        r"gain: must be finite, got nan",
     ),
     "shape": (lambda: hot(shape=1e-6), r"shape: must be a gb.Bow"),
     "place": (lambda: jeffcott().thermal_bow(hot(at="disc"), 10.0), r"bow.at: no shaft"),

@@ -662,7 +662,7 @@ METHODS["Static"][1]["plot"] = {}
 OF_WRONG_TYPE = {
     "True": {"progress", "runout", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
     | {"damping_in_separation", "axial", "foundation", "geometric_stiffness", "bow_torque"},
-    "function": {"progress", "make", "measure", "f", "speed", "value", "runout"},
+    "function": {"gain", "progress", "make", "measure", "f", "speed", "value", "runout"},
     "object": set(),
     "bytes": set(),
     "list of None": set(),
