@@ -1,18 +1,16 @@
 """A bow by the uneven heating of a journal."""
 
-import cmath
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from gearbow._convert import complex_number, positive, shown
+from gearbow._convert import positive
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.bow import Bow
 from gearbow.description.part import Part, expect
 from gearbow.description.places import place
-from gearbow.errors import SceneError
+from gearbow.description.sources import phasor
 
 __all__ = ["ThermalBow"]
 
@@ -61,20 +59,12 @@ class ThermalBow(Part):
         positive(self.time_constant, "time_constant")
         expect(self.shape, Bow, "shape")
         if not callable(self.gain):
-            _finite(self.gain)
+            phasor(self.gain, "gain")
 
     def _gains(self, speeds: Array) -> ComplexArray:
         """Give the gain [K/m] at speeds of the shaft [rad/s]."""
         gain = self.gain
-        if not callable(gain):
-            return np.full(speeds.shape, _finite(gain))
-        return np.array([_finite(gain(float(speed))) for speed in speeds], dtype=np.complex128)
-
-
-def _finite(value: object) -> complex:
-    """Check a gain."""
-    given: Any = complex_number(value, "gain")
-    found = complex(*given) if isinstance(given, list) else complex(given)
-    if not cmath.isfinite(found):
-        raise SceneError(f"gain: must be finite, got {shown(value)}")
-    return found
+        values = [gain(float(speed)) if callable(gain) else gain for speed in speeds]
+        pairs = np.array([phasor(value, "gain") for value in values], dtype=float)
+        found: ComplexArray = pairs.reshape(-1, 2) @ np.array([1.0, 1j])
+        return found
