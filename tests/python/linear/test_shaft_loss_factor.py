@@ -295,3 +295,24 @@ def test_runs_refuse_loss_factors_of_shafts():
         system.simulate(0.01, 100.0)
     with pytest.raises(gb.SceneError, match=r"loss_factor: must not be negative"):
         jeffcott(-0.02)
+
+
+@pytest.mark.parametrize("speed", [0.0, 40.0, 500.0])
+def test_modes_of_band_matrices_are_those_of_dense_ones(speed: float):
+    # At rest both planes have equal frequencies, which the losses of one bearing part.
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.04, elements=14, degree=2, loss_factor=0.01)
+    post = gb.Support("post", mass=5.0, stiffness=3e7, loss_factor=0.1)
+    system = gb.RotorSystem(
+        [shaft],
+        disks=[gb.Disk("d", "s", 0.3, 12.0, 0.05, 0.1)],
+        bearings=[
+            gb.Bearing("s", 0.0, stiffness=5e7, loss_factor=0.05),
+            gb.Bearing("s", 1.0, stiffness=5e7, damping=(100.0, 300.0), support="post"),
+        ],
+        supports=[post],
+        motion="lateral",
+    )
+    assert len(system.dofs) >= 100
+    few, all_modes = system.modes(speed, count=6), system.modes(speed)
+    np.testing.assert_allclose(few.eigenvalues, all_modes.eigenvalues[:6], rtol=1e-8)
+    assert few.residuals.max() < 1e-8
