@@ -16,14 +16,15 @@ mod threshold;
 
 use std::sync::Arc;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DVector};
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{lowest_oscillating_modes, require, uses_bands};
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
-    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl,
+    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Residuals, Whirl,
 };
+use crate::model::Model;
 use crate::scene::EntryPath;
 use state::State;
 pub use threshold::Threshold;
@@ -40,6 +41,8 @@ const MIN_CORRELATION_ON_LINE: f64 = 0.7;
 const MIN_OSCILLATION: f64 = 0.05;
 /// Number of modes that are computed beyond those that are tracked.
 const FURTHER_MODES: usize = 5;
+/// Number of speeds before the current one from which modes are extrapolated: by parabolas.
+const EXTRAPOLATED_SPEEDS: usize = 2;
 /// Part of the highest computed frequency above which a mode may have left the computed ones.
 const NEAR_TOP: f64 = 0.8;
 
@@ -155,6 +158,13 @@ pub fn campbell(
     Ok(diagram)
 }
 
+/// Tracked modes at an earlier speed.
+struct Previous {
+    /// Speed of the reference shaft, rad/s.
+    speed: f64,
+    modes: Vec<State>,
+}
+
 /// Tracked modes up to the current speed.
 struct Tracker<'a> {
     cached: &'a CachedModel,
@@ -170,6 +180,8 @@ struct Tracker<'a> {
     /// Current speed, rad/s; None before the first speed.
     speed: Option<f64>,
     modes: Vec<State>,
+    /// The tracked modes at the last speeds before the current one, at most [`EXTRAPOLATED_SPEEDS`], the earliest first.
+    previous: Vec<Previous>,
     intersections: Vec<Intersection>,
     thresholds: Vec<Threshold>,
 }
@@ -199,6 +211,7 @@ impl<'a> Tracker<'a> {
             lines: lines(cached, harmonics),
             speed: None,
             modes: Vec::new(),
+            previous: Vec::new(),
             intersections: Vec::new(),
             thresholds: Vec::new(),
         };
@@ -241,7 +254,8 @@ impl<'a> Tracker<'a> {
             let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
             let modal = self.modal_damping(&cached, speed)?;
             if let Some(met) = modal::mode_near(&cached.model, modal.as_deref(), &start) {
-                let found = self.state(&cached, met)?;
+                let mut residuals = Residuals::new(&cached, speed, EquationForces::All(modal.as_deref()))?;
+                let found = self.state(&cached.model, &mut residuals, met)?;
                 if found.residual.is_accurate() && is_like(ends, &found) {
                     return Ok(found);
                 }
@@ -250,12 +264,11 @@ impl<'a> Tracker<'a> {
         Ok(most_like(ends, &self.at(speed)?).unwrap_or(low.1).clone())
     }
 
-    /// A mode with its direction of whirl and its residual; `cached` is the model at its speed.
-    fn state(&self, cached: &CachedModel, met: ModeAtSpeed) -> Result<State, AnalysisError> {
+    /// A mode with its direction of whirl and its residual; `model` is that of its speed.
+    fn state(&self, model: &Model, residuals: &mut Residuals<'_>, met: ModeAtSpeed) -> Result<State, AnalysisError> {
         let ModeAtSpeed { speed, eigenvalue, shape } = met;
-        let whirl = modal::whirl(&cached.model, speed, eigenvalue, &shape);
-        let modal = self.modal_damping(cached, speed)?;
-        let residual = modal::residual(cached, speed, eigenvalue, &shape, EquationForces::All(modal.as_deref()))?;
+        let whirl = modal::whirl(model, speed, eigenvalue, &shape);
+        let residual = residuals.of(eigenvalue, &shape)?;
         Ok(State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual }))
     }
 
@@ -306,15 +319,16 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         let cached = self.cached.at_speed(speed)?;
         let modal = self.modal_damping(&cached, speed)?;
-        let found = self.threads.map(&self.modes, |mode| {
+        let numbers: Vec<usize> = (0..self.modes.len()).collect();
+        let found = self.threads.map(&numbers, |mode| {
             self.interrupt.check()?;
-            let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape() };
-            let met = modal::mode_near(&cached.model, modal.as_deref(), &start);
-            met.map(|met| self.state(&cached, met)).transpose()
+            Ok(modal::mode_near(&cached.model, modal.as_deref(), &self.expected(*mode, speed)))
         })?;
+        let mut residuals = Residuals::new(&cached, speed, EquationForces::All(modal.as_deref()))?;
         let mut states: Vec<State> = Vec::new();
         for found in found {
             let is_new = |found: &State| !states.iter().any(|other| equal(other.eigenvalue, found.eigenvalue));
+            let found = found.map(|met| self.state(&cached.model, &mut residuals, met)).transpose()?;
             let Some(found) = found.filter(|found| found.residual.is_accurate() && is_new(found)) else {
                 return Ok(None);
             };
@@ -323,6 +337,23 @@ impl<'a> Tracker<'a> {
         let assignment = self.assign(&states);
         let is_same = assignment.states.iter().enumerate().all(|(mode, state)| mode == *state);
         Ok((assignment.clear && is_same).then_some(states))
+    }
+
+    /// A tracked mode extrapolated to `speed` from the last speeds (polynomial of Lagrange).
+    fn expected(&self, mode: usize, speed: f64) -> ModeAtSpeed {
+        let current = &self.modes[mode];
+        let known = self.previous.iter().map(|previous| (previous.speed, &previous.modes[mode]));
+        let known = known.filter(|(_, before)| before.correlation(current) > MIN_CORRELATION);
+        let points: Vec<(f64, &State)> = known.chain([(self.speed.unwrap_or(speed), current)]).collect();
+        let (mut eigenvalue, mut shape) = (Complex::ZERO, DVector::zeros(self.cached.model.len()));
+        for (at, state) in &points {
+            let others = points.iter().map(|(other, _)| *other).filter(|other| other != at);
+            let weight: f64 = others.map(|other| (speed - other) / (at - other)).product();
+            let phase = state.product(current);
+            eigenvalue += state.eigenvalue * weight;
+            shape += state.shape() * (phase * (weight / phase.norm()));
+        }
+        ModeAtSpeed { speed, eigenvalue, shape }
     }
 
     /// Whether Newton's method can follow the tracked modes: no two are equal, as in identical shafts.
@@ -374,6 +405,8 @@ impl<'a> Tracker<'a> {
                 self.thresholds.extend(threshold);
             }
         }
+        self.previous.extend(self.speed.map(|speed| Previous { speed, modes: self.modes.clone() }));
+        self.previous.drain(..self.previous.len().saturating_sub(EXTRAPOLATED_SPEEDS));
         for (mode, index) in self.modes.iter_mut().zip(indices) {
             let state = &states[index];
             let distinct = states.iter().filter(|other| equal(other.eigenvalue, state.eigenvalue)).count() == 1;
@@ -407,7 +440,10 @@ impl<'a> Tracker<'a> {
                 let (speed, eigenvalue, whirl, residual) = if self.has_newton() {
                     let met = self.intersection(order, ends, 0)?;
                     let speed = met.speed;
-                    let state = self.state(self.cached, met)?;
+                    let modal = self.modal_damping(self.cached, speed)?;
+                    let forces = EquationForces::All(modal.as_deref());
+                    let mut residuals = Residuals::new(self.cached, speed, forces)?;
+                    let state = self.state(&self.cached.model, &mut residuals, met)?;
                     (speed, state.eigenvalue, state.whirl, state.residual)
                 } else {
                     // Without Newton's method.
