@@ -97,6 +97,7 @@ from gearbow.units.values import (
 _LAZY = {
     "Measurement": "gearbow.identification.measurement",
     "Sweep": "gearbow.sweeps.result",
+    "ThermalBow": "gearbow.description.thermal_bow",
     "dataset": "gearbow.sweeps.dataset",
     "examples": "gearbow.machines.examples",
     "identify": "gearbow.identification.identify",
@@ -105,6 +106,7 @@ _LAZY = {
 }
 
 if _typing.TYPE_CHECKING:
+    from gearbow.description.thermal_bow import ThermalBow as ThermalBow
     from gearbow.exchange.rexs import rexs_contents as rexs_contents
     from gearbow.identification.identify import identify as identify
     from gearbow.identification.measurement import Measurement as Measurement

@@ -143,9 +143,10 @@ class Model:
     ) -> list[tuple[float, float, float, float, bool]]: ...
     @property
     def depends_on_speed(self) -> bool: ...
+    def structural_damping(self, frequency: float, speed: float) -> ComplexArray | None: ...
     def harmonic_terms(
         self,
-        speed: float,
+        at: tuple[float, float],
         scale: float,
         sources: list[dict[str, Plain]],
         outputs: ComplexArray | tuple[str, int],

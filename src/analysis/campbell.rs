@@ -199,7 +199,9 @@ impl<'a> Tracker<'a> {
         // Of bearings that depend on speed or frequency, those of one speed and frequency are as good as any for the inner product.
         let basis = cached.at(speeds.first().copied().unwrap_or(0.0), cached.model.lowest_frequency())?;
         let wanted = count.saturating_add(FURTHER_MODES);
-        let is_dense = !cached.model.scene.modal_damping.is_zero() && !uses_bands(&cached.model, wanted);
+        let is_dense = !cached.model.scene.modal_damping.is_zero()
+            && !uses_bands(&cached.model, wanted)
+            && !cached.model.has_structural_damping();
         let mut tracker = Self {
             cached,
             threads,

@@ -7,7 +7,8 @@
 //!     [  R  s₀ ]
 //! ```
 //!
-//! with constant matrices B_j at one state of the bearings. With y of Sᵀ y = Rᵀ, the derivative of an output with respect to a
+//! with constant matrices B_j at one state of the bearings, and of the signs of the frequency relative to shafts with a loss factor,
+//! whose structural damping is a part of B₀. With y of Sᵀ y = Rᵀ, the derivative of an output with respect to a
 //! parameter p is (yᵀ, eᵀ) dB/dp (x, e), where the unit vectors e select an output and a source (adjoint method; M. B. Giles and
 //! N. A. Pierce, Flow, Turbulence and Combustion 65, 2000).
 
@@ -17,7 +18,7 @@ use num_complex::Complex64;
 use super::AnalysisError;
 use super::sources::{Harmonic, HarmonicForces, HarmonicSource};
 use crate::modal::CachedModel;
-use crate::model::Model;
+use crate::model::{Model, StructuralDamping};
 use crate::scene::Node;
 
 /// Number of matrices B_j.
@@ -97,16 +98,17 @@ impl HarmonicSystem<'_> {
     }
 }
 
-/// The entries of B at a speed of the reference shaft, rad/s, less those of `base`, a system with the same coordinates. Columns of
-/// sources and rows of outputs follow the n coordinates, which have the order and the signs that users see. `scale` is the largest
-/// frequency in question, rad/s. The columns of a velocity or an acceleration of the ground are those of the displacement.
+/// The entries of B at a speed of the reference shaft and, for the loss factors of shafts, a frequency, less those of `base`, a
+/// system with the same coordinates. Columns of sources and rows of outputs follow the n coordinates, which have the order and the
+/// signs that users see. `scale` is the largest frequency in question, rad/s. The columns of a velocity or an acceleration of the
+/// ground are those of the displacement.
 ///
 /// # Errors
 /// [`AnalysisError`] if modal damping has no modes.
 pub fn harmonic_terms(
     system: &HarmonicSystem<'_>,
     base: Option<&HarmonicSystem<'_>>,
-    speed: f64,
+    Harmonic { frequency, speed }: Harmonic,
     scale: f64,
 ) -> Result<Vec<Entry>, AnalysisError> {
     let model = &system.cached.model;
@@ -116,19 +118,24 @@ pub fn harmonic_terms(
         places[dof.index] = (place, dof.sign);
     }
     let mut entries: Vec<Entry> = Vec::new();
-    let mut add = |row: usize, column: usize, term: usize, value: f64| {
+    let mut add = |row: usize, column: usize, term: usize, value: Complex64| {
         let ((row, left), (column, right)) = (places[row], places[column]);
-        entries.push((row, column, at_term(term, Complex64::from(left * right * value))));
+        entries.push((row, column, at_term(term, value * (left * right))));
     };
     let changes = model.matrix_changes(base.map(|base| &base.cached.model), speed);
     let terms = [(CONSTANT, -1.0), (STRUCTURAL, -1.0), (RATE, -1.0), (GYROSCOPIC, -1.0), (INERTIA, 1.0)];
     for ((term, factor), changes) in terms.into_iter().zip(changes) {
-        changes.into_iter().for_each(|(row, column, value)| add(row, column, term, factor * value));
+        changes.into_iter().for_each(|(row, column, value)| add(row, column, term, Complex64::from(factor * value)));
     }
     for (system, factor) in [(Some(system), -1.0), (base, 1.0)] {
-        if let Some(modal) = system.map(|system| system.cached.modal_damping_matrix(speed)).transpose()?.flatten() {
+        let Some(system) = system else { continue };
+        for (row, column, value) in system.cached.model.structural_of_shafts(StructuralDamping { frequency, speed }) {
+            add(row, column, CONSTANT, value * factor);
+        }
+        if let Some(modal) = system.cached.modal_damping_matrix(speed)? {
             for (column, values) in modal.column_iter().enumerate() {
-                values.iter().enumerate().for_each(|(row, value)| add(row, column, RATE, factor * value));
+                let mut add = |(row, value): (usize, &f64)| add(row, column, RATE, Complex64::from(factor * value));
+                values.iter().enumerate().for_each(&mut add);
             }
         }
     }

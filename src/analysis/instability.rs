@@ -39,7 +39,9 @@ pub fn is_unstable(cached: &CachedModel, speed: f64, interrupt: &Interrupt) -> R
     if at_speed.model.is_dissipative(speed) {
         return Ok(false);
     }
+    // The approximations have no structural damping.
     if at_speed.model.len() >= MIN_APPROXIMATED
+        && !at_speed.model.has_structural_damping()
         && let Some(values) = at_speed.approximate_eigenvalues(speed, APPROXIMATED_MODES)?
     {
         let ratios = values.iter().filter(|value| value.norm() > 0.0).map(|value| value.re / value.norm());

@@ -9,7 +9,7 @@ use super::modes::is_banded;
 use super::{AnalysisError, Dense};
 use crate::linalg::{Side, backward_error, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Highest, MAX_DENSE, Solved};
-use crate::model::{Excitation, Model};
+use crate::model::{Excitation, Model, StructuralDamping};
 use crate::scene::{EntryPath, SceneError};
 
 /// Part of the excitation by a rotating shaft.
@@ -230,11 +230,11 @@ fn solve_dense(
     let mut dynamic = DMatrix::from_fn(model.len(), model.len(), |i, j| {
         Complex::new(stiffness[(i, j)] - spin * spin * mass[(i, j)], spin * rate[(i, j)])
     });
-    if model.has_structural_damping() && spin != 0.0 {
-        let sign = spin.signum();
-        model.sparse_structural(flank_speed).for_each(|row, column, value| {
-            dynamic[(row, column)] += Complex::new(0.0, sign * value);
-        });
+    if model.has_structural_damping() {
+        let damping = StructuralDamping { frequency: spin, speed };
+        for (row, column, value) in model.structural_entries(damping, flank_speed) {
+            dynamic[(row, column)] += value;
+        }
     }
     if spin == 0.0 {
         // Null motions have no stiffness at standstill. The bow does not drive them, so that an artificial stiffness has

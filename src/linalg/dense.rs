@@ -25,6 +25,11 @@ pub enum DecompositionError {
     /// A matrix of the iteration for a few modes is singular.
     #[error("a linear system of the modes has no accurate solution")]
     Singular,
+    /// The iteration for the modes with structural damping found one mode twice or none.
+    #[error(
+        "the modes with loss factors do not follow from those without; reduce the loss factors, or give a damping instead"
+    )]
+    Structural,
     /// The matrices depend on the speed, and none was chosen.
     #[error("a bearing depends on the speed: choose one with CachedModel::at_speed before a decomposition")]
     SpeedDependent,
@@ -132,6 +137,28 @@ pub fn eigen(matrix: &DMatrix<f64>) -> Result<Eigen, DecompositionError> {
             for (row, entry) in part.iter().zip(shape.iter()) {
                 vectors[(*row, column)] = *entry;
             }
+            column += 1;
+        }
+    }
+    Ok(Eigen { values, vectors })
+}
+
+/// Eigenvalues and right eigenvectors of a general complex matrix; each block that is not coupled to the others is decomposed
+/// separately.
+///
+/// # Errors
+/// [`DecompositionError::Eigenvalues`] if the iteration does not converge.
+pub fn complex_eigen(matrix: &DMatrix<Complex<f64>>) -> Result<Eigen, DecompositionError> {
+    let n = matrix.nrows();
+    let (mut values, mut vectors) = (DVector::zeros(n), DMatrix::zeros(n, n));
+    let mut column = 0;
+    for part in uncoupled_blocks(&matrix.map(|value| value.norm())) {
+        let block = matrix.select_rows(&part).select_columns(&part);
+        let eigen = view(&block).eigen().map_err(|_| DecompositionError::Eigenvalues)?;
+        for (value, vector) in eigen.S().column_vector().iter().zip(copy(eigen.U()).column_iter()) {
+            values[column] = *value;
+            let norm = vector.norm();
+            part.iter().zip(vector.iter()).for_each(|(row, entry)| vectors[(*row, column)] = entry / norm);
             column += 1;
         }
     }

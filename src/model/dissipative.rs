@@ -8,13 +8,14 @@ impl Model {
     /// Whether no element can feed energy into the motion at a constant speed of the reference shaft, rad/s, so that every
     /// linear motion is stable. The model is that at this speed.
     ///
-    /// The energy changes by −u̇ᵀCu̇ and the work of the skew part of K, to which internal damping contributes; gyroscopic
+    /// The energy changes by −u̇ᵀCu̇ and the work of the skew part of K, to which internal and structural damping of shafts contribute; gyroscopic
     /// forces do no work. Shafts, meshes and modal damping have symmetric, positive semidefinite matrices. It remains to check the bearings, the links, and the torques
     /// over the speed (Ziegler, Principles of Structural Stability, 1968).
     pub fn is_dissipative(&self, speed: f64) -> bool {
         let elements = self.supports.iter().chain(self.links.iter().map(|link| &link.local));
         !self.needs_speed()
             && self.circulation.is_none_or(|circulation| circulation == 0.0)
+            && !self.shafts.iter().any(|shaft| shaft.structural.is_some() && shaft.ratio * speed != 0.0)
             && elements.into_iter().all(is_passive)
             && self.loads.iter().all(|load| load.linear(speed).damping[(0, 0)] >= 0.0)
     }

@@ -16,14 +16,49 @@ use super::{HousingInertia, Link, Model};
 use crate::connection::{Connection, Row};
 use crate::linalg::{BandChain, ChainMatrix, CoupledBands};
 
-/// Weights of the matrices in S = stiffness·K + structural·H + damping·C + mass·M + gyroscopic·G, where H = Σ η K of the
-/// elements with a loss factor η, and G is that of the unit speed of the reference shaft.
+/// Structural damping, ηK of the elements with a loss factor η, in a motion of the frequency ω at a speed of the reference
+/// shaft. The force i sgn(ω) ηK u of an element that stands still does the same work in each cycle, whatever the frequency is.
+/// Relative to a shaft of the speed Ω_s, the circular coordinate p = v + iw of a motion p e^{iωt} has the frequency ω − Ω_s, and
+/// m = v − iw the frequency ω + Ω_s.
+#[derive(Clone, Copy, Debug)]
+pub struct StructuralDamping {
+    /// Frequency ω, rad/s.
+    pub frequency: f64,
+    /// Speed of the reference shaft, rad/s.
+    pub speed: f64,
+}
+
+impl StructuralDamping {
+    /// i sgn ω.
+    pub fn standing(&self) -> Complex64 {
+        self.relative_to(0.0)
+    }
+
+    /// i sgn(ω − Ω_s) and i sgn(ω + Ω_s) for p and m of a shaft with this speed ratio.
+    pub fn turning(&self, ratio: f64) -> [Complex64; 2] {
+        let spin = ratio * self.speed;
+        [self.relative_to(spin), self.relative_to(-spin)]
+    }
+
+    /// i times the sign of the frequency relative to a rotation: zero where both are equal up to round-off.
+    fn relative_to(&self, rotation: f64) -> Complex64 {
+        let relative = self.frequency - rotation;
+        let is_zero = relative.abs() <= SAME_ROTATION * rotation.abs();
+        Complex64::new(0.0, if is_zero { 0.0 } else { relative.signum() })
+    }
+}
+
+/// Relative difference of a frequency from the speed of a shaft that round-off causes.
+pub const SAME_ROTATION: f64 = 1e-13;
+
+/// Weights of the matrices in S = stiffness·K + damping·C + mass·M + gyroscopic·G + structural damping, where G is that of the
+/// unit speed of the reference shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights {
     /// Factor of K.
     pub stiffness: Complex64,
-    /// Factor of H: i sgn ω for a harmonic motion of the frequency ω, zero otherwise.
-    pub structural: Complex64,
+    /// Structural damping; `None` without it.
+    pub structural: Option<StructuralDamping>,
     /// Factor of C.
     pub damping: Complex64,
     /// Factor of M.
@@ -39,7 +74,7 @@ impl Weights {
     pub fn dynamic(eigenvalue: Complex64, speed: f64) -> Self {
         Self {
             stiffness: Complex64::ONE,
-            structural: Complex64::ZERO,
+            structural: None,
             damping: eigenvalue,
             mass: eigenvalue * eigenvalue,
             gyroscopic: eigenvalue * speed,
@@ -50,20 +85,27 @@ impl Weights {
     /// Weights of S(iω) of a harmonic motion of the frequency ω at a speed of the reference shaft, both rad/s, with structural
     /// damping.
     pub fn harmonic(frequency: f64, speed: f64) -> Self {
-        let sign = if frequency == 0.0 { 0.0 } else { frequency.signum() };
-        Self { structural: Complex64::new(0.0, sign), ..Self::dynamic(Complex64::new(0.0, frequency), speed) }
+        let structural = Some(StructuralDamping { frequency, speed });
+        Self { structural, ..Self::dynamic(Complex64::new(0.0, frequency), speed) }
+    }
+
+    /// Weights of S(λ) of a mode at a speed of the reference shaft, rad/s, with the structural damping of the frequency Im λ.
+    /// A motion without oscillation has none.
+    pub fn mode(eigenvalue: Complex64, speed: f64) -> Self {
+        let damping = StructuralDamping { frequency: eigenvalue.im, speed };
+        Self { structural: (eigenvalue.im != 0.0).then_some(damping), ..Self::dynamic(eigenvalue, speed) }
     }
 
     /// Factor of the stiffness of an element with a loss factor.
     fn stiffness_of(&self, loss_factor: f64) -> Complex64 {
-        self.stiffness + self.structural * loss_factor
+        self.stiffness + self.structural.map_or(Complex64::ZERO, |damping| damping.standing() * loss_factor)
     }
 
     /// Weights of ∂S/∂λ.
     pub fn slope(eigenvalue: Complex64, speed: f64) -> Self {
         Self {
             stiffness: Complex64::ZERO,
-            structural: Complex64::ZERO,
+            structural: None,
             damping: Complex64::ONE,
             mass: 2.0 * eigenvalue,
             gyroscopic: Complex64::from(speed),
@@ -101,7 +143,8 @@ impl Model {
         let mut sum = CoupledBands::default();
         for shaft in &self.shafts {
             push_bending(&mut sum, shaft, weights, self.circulation);
-            shaft.rods().for_each(|chain| sum.push(weighted_sum(chain, weights)));
+            let stiffness = weights.stiffness_of(shaft.loss_factor);
+            shaft.rods().for_each(|chain| sum.push(weighted_sum(chain, &Weights { stiffness, ..*weights })));
         }
         push_housings(&mut sum, &self.housings, weights);
         for support in &self.supports {
@@ -191,6 +234,10 @@ fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights, c
         if let (Some(circulatory), Some(speed), false) = (&shaft.circulatory, circulation, weights.symmetric) {
             let weight = weights.stiffness * Complex64::new(0.0, sign * shaft.ratio * speed);
             add(&mut band, circulatory, weight);
+        }
+        if let (Some(structural), Some(damping)) = (&shaft.structural, weights.structural) {
+            let [forward, backward] = damping.turning(shaft.ratio);
+            add(&mut band, structural, if sign < 0.0 { forward } else { backward });
         }
         sum.push(band);
     }

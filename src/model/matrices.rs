@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::shaft::{BendingChain, RodChain};
-use super::{Model, Support};
+use super::{Model, StructuralDamping, Support};
 use crate::connection::{Connection, Row};
 use crate::linalg::{ChainMatrix, Sparse};
 
@@ -123,7 +123,7 @@ impl Model {
         self.sparse(|add| self.visit_gyroscopic(add))
     }
 
-    /// H = Σ η K of the elements with a loss factor η, with the flanks in contact at `speed`, rad/s.
+    /// Σ η K of the bearings and connections with a loss factor η, with the flanks in contact at `speed`, rad/s.
     pub fn sparse_structural(&self, speed: f64) -> Sparse {
         self.sparse(|add| self.visit_structural(speed, add))
     }
@@ -158,6 +158,60 @@ impl Model {
         })
     }
 
+    /// Entries (row, column, value) of the structural damping of shafts.
+    pub fn structural_of_shafts(&self, damping: StructuralDamping) -> Vec<(usize, usize, Complex64)> {
+        let mut entries = Vec::new();
+        for shaft in self.shafts.iter().filter(|shaft| shaft.loss_factor > 0.0) {
+            if let (Some(chain), Some(structural)) = (&shaft.bending, &shaft.structural) {
+                // With v = (p + m)/2 and w = (p − m)/2i.
+                let [forward, backward] = damping.turning(shaft.ratio);
+                let same = (forward + backward) / 2.0;
+                let cross = (forward - backward) / 2.0 * Complex64::I;
+                structural.for_each(|row, column, value| {
+                    let (row, column) = (chain.start + 2 * row, chain.start + 2 * column);
+                    entries.push((row, column, same * value));
+                    entries.push((row + 1, column + 1, same * value));
+                    entries.push((row, column + 1, cross * value));
+                    entries.push((row + 1, column, -cross * value));
+                });
+            }
+            let standing = damping.standing() * shaft.loss_factor;
+            for chain in shaft.rods() {
+                visit_rod(chain, Some(&chain.stiffness), &mut |row, column, value| {
+                    entries.push((row, column, standing * value));
+                });
+            }
+        }
+        entries
+    }
+
+    /// Entries (row, column, value) of the structural damping of all elements, with the flanks in contact at `flank_speed`, rad/s.
+    pub fn structural_entries(&self, damping: StructuralDamping, flank_speed: f64) -> Vec<(usize, usize, Complex64)> {
+        let mut entries = self.structural_of_shafts(damping);
+        let standing = damping.standing();
+        self.visit_structural(flank_speed, &mut |row, column, value| {
+            entries.push((row, column, standing * value));
+        });
+        entries
+    }
+
+    /// `force +=` the structural damping of a mode λ at `speed` of the reference shaft, rad/s, times `shape`; a motion without
+    /// oscillation has none.
+    pub fn add_structural_force(
+        &self,
+        eigenvalue: Complex64,
+        speed: f64,
+        shape: &DVector<Complex64>,
+        force: &mut DVector<Complex64>,
+    ) {
+        if eigenvalue.im != 0.0 && self.has_structural_damping() {
+            let damping = StructuralDamping { frequency: eigenvalue.im, speed };
+            for (row, column, value) in self.structural_entries(damping, speed) {
+                force[row] += value * shape[column];
+            }
+        }
+    }
+
     fn visit_stiffness(&self, speed: f64, add: Add<'_>) {
         self.visit_shaft_stiffness(add);
         self.visit_supports(|support| support.stiffness, add);
@@ -179,8 +233,22 @@ impl Model {
 
     /// Whether an element has a loss factor.
     pub fn has_structural_damping(&self) -> bool {
-        self.local_elements().any(|element| element.loss_factor != 0.0)
+        self.has_structural_damping_of_shafts()
+            || self.local_elements().any(|element| element.loss_factor != 0.0)
             || self.connections(0.0).any(|connection| connection.loss_factor() != 0.0)
+    }
+
+    /// Largest loss factor of all elements.
+    pub fn largest_loss_factor(&self) -> f64 {
+        let shafts = self.shafts.iter().map(|shaft| shaft.loss_factor);
+        let elements = self.local_elements().map(|element| element.loss_factor);
+        let connections = self.connections(0.0).map(|connection| connection.loss_factor());
+        shafts.chain(elements).fold(0.0, f64::max).max(connections.fold(0.0, f64::max))
+    }
+
+    /// Whether a shaft has a loss factor.
+    pub fn has_structural_damping_of_shafts(&self) -> bool {
+        self.shafts.iter().any(|shaft| shaft.loss_factor != 0.0)
     }
 
     /// C + ΩG at the speed Ω of the reference shaft, rad/s, without modal damping.

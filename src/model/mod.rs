@@ -35,7 +35,7 @@ mod turning_bow;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-pub use dynamic_stiffness::Weights;
+pub use dynamic_stiffness::{SAME_ROTATION, StructuralDamping, Weights};
 pub use flanks::Rotation;
 pub use housing::{HousingInertia, point_rows};
 pub use link::{Link, Rest, bearing_rows};

@@ -7,6 +7,8 @@
 //!
 //! An axial force adds its geometric stiffness to K_s, and internal damping β adds βK_s to the damping and −iΩ_s βK_s to the
 //! stiffness, because it damps the motion relative to the rotating shaft.
+//! A loss factor η of the material makes K_s(1 + iη sgn(ω − Ω_s)) of the stiffness in a harmonic motion u e^{iωt}, and
+//! K_θ(1 + iη sgn ω) in torsion ([`super::StructuralDamping`]).
 //! M and J contain shaft and bodies; Rayleigh damping (α, β) uses the matrices M_s and J_s of the shaft without bodies.
 //! The forces of bow and unbalance rotate with the shaft angle ϑ:
 //!
@@ -141,6 +143,10 @@ pub struct ShaftModel {
     pub geometric: Option<ChainMatrix<2>>,
     /// βK of bending with the internal damping β, N s/m: the circulatory force on u is iΩ_s βK u; `None` without it.
     pub circulatory: Option<ChainMatrix<2>>,
+    /// ηK of bending with the loss factor η, N/m, without geometric stiffness; `None` without it.
+    pub structural: Option<ChainMatrix<2>>,
+    /// Loss factor η.
+    pub loss_factor: f64,
     /// Forces of bow and unbalance.
     pub excitations: Vec<Excitation>,
     /// Stress-free shape in shaft coordinates: (u, φ) of the nodes, then the internal coordinates of bending; `None` for a
@@ -160,8 +166,8 @@ impl ShaftModel {
         let beams: Vec<_> = shaft.elements.iter().map(|element| Beam::new(element, shaft.shear)).collect();
         let inner = InternalBeam::of_shaft(shaft);
         let mut gyroscopic = ChainMatrix::zeros(nodes);
-        let (mut geometric, mut circulatory) = (None, None);
-        let internal_damping = shaft.internal_damping;
+        let (mut geometric, mut circulatory, mut structural) = (None, None, None);
+        let (internal_damping, loss_factor) = (shaft.internal_damping, shaft.loss_factor);
 
         let bending = match numbering.lateral(index) {
             None => None,
@@ -171,8 +177,9 @@ impl ShaftModel {
                     assemble(&beams, |beam, i, j| beam.stiffness[(i, j)], &inner, |inner| &inner.stiffness);
                 gyroscopic = assemble(&beams, |beam, i, j| beam.gyroscopic[(i, j)], &inner, |inner| &inner.gyroscopic);
                 let damping = rayleigh(alpha, &mass, beta + internal_damping, &stiffness);
-                circulatory = (internal_damping > 0.0)
-                    .then(|| ChainMatrix::combination(internal_damping, &stiffness, 0.0, &stiffness));
+                let scaled =
+                    |factor: f64| (factor > 0.0).then(|| ChainMatrix::combination(factor, &stiffness, 0.0, &stiffness));
+                (circulatory, structural) = (scaled(internal_damping), scaled(loss_factor));
                 for body in scene.bodies().filter(|body| body.node.shaft == index) {
                     mass.nodal.add_at_node(body.node.node, 0, 0, body.mass);
                     mass.nodal.add_at_node(body.node.node, 1, 1, body.diametral_inertia);
@@ -198,8 +205,19 @@ impl ShaftModel {
         let axial = rod(RodMotion::Axial, numbering.axial(index))?;
         let ratio = scene.speed_ratios[index];
         let excitations = Vec::new();
-        let mut shaft =
-            Self { ratio, bending, gyroscopic, twist, axial, geometric, circulatory, excitations, bow: None };
+        let mut shaft = Self {
+            ratio,
+            bending,
+            gyroscopic,
+            twist,
+            axial,
+            geometric,
+            circulatory,
+            structural,
+            loss_factor,
+            excitations,
+            bow: None,
+        };
         shaft.set_bow_and_unbalance(scene, index)?;
         Ok(shaft)
     }

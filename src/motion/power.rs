@@ -109,6 +109,11 @@ impl PowerCoordinates {
         let excitations = model.shafts.iter().flat_map(|shaft| &shaft.excitations);
         let unbalances = excitations.filter(|excitation| excitation.unbalance != Complex64::ZERO);
         velocities.extend(unbalances.flat_map(|excitation| lateral(excitation.index)));
+        let internal = model.shafts.iter().filter(|shaft| shaft.circulatory.is_some());
+        for chain in internal.filter_map(|shaft| shaft.bending.as_ref()) {
+            displacements.extend(chain.coordinates::<2>());
+            velocities.extend(chain.coordinates::<2>());
+        }
         for list in [&mut displacements, &mut velocities] {
             list.sort_unstable();
             list.dedup();
@@ -217,13 +222,15 @@ impl EquationOfMotion<'_> {
             let phasor = self.phasor(*shaft, elapsed) * Complex64::from_polar(1.0, *twist);
             drive -= self.spin_at(*shaft, elapsed).0 * (bow[1] * phasor.re - bow[0] * phasor.im);
         }
+        let [turned, mut damping] = self.internal_damping_powers(elapsed, q, v);
+        drive += turned;
         let mut unbalance = 0.0;
         for (shaft, excitation) in &loads.unbalances {
             let (spin, rate) = self.spin_at(*shaft, elapsed);
             let force = excitation.unbalance_amplitude(spin, rate) * self.phasor(*shaft, elapsed);
             unbalance += force.re * v[excitation.index] + force.im * v[excitation.index + 1];
         }
-        let mut damping = distributed + model.support_damping_form(v);
+        damping += distributed + model.support_damping_form(v);
         for support in &model.supports {
             let (i, k) = (support.index, &support.stiffness);
             let skew = (k[0][1] - k[1][0]) / 2.0;
@@ -260,6 +267,32 @@ impl EquationOfMotion<'_> {
             }
         }
         Ok(SourceTerms { torque, gravity: 0.0, drive, unbalance, teeth, damping: -damping })
+    }
+
+    /// Powers of the internal damping βK of shafts, W: that of the drive, which turns deflected shafts, and that which is dissipated
+    /// beyond vᵀβKv. With the velocity u̇ − iΩu relative to the shaft, (u̇ − iΩu)ᴴβK(u̇ − iΩu) is dissipated, of which the motion loses
+    /// u̇ᴴβK(u̇ − iΩu), real parts.
+    fn internal_damping_powers(&self, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
+        let [mut drive, mut dissipated] = [0.0; 2];
+        for (index, shaft) in self.model.shafts.iter().enumerate() {
+            let (Some(chain), Some(circulatory)) = (&shaft.bending, &shaft.circulatory) else { continue };
+            let (q, v) = (&q[chain.start..], &v[chain.start..]);
+            let [mut along, mut across] = [0.0; 2];
+            let mut add = |unknown: usize, [re, im]: [f64; 2]| {
+                along += q[2 * unknown] * re + q[2 * unknown + 1] * im;
+                across += v[2 * unknown + 1] * re - v[2 * unknown] * im;
+            };
+            for node in 0..chain.nodes {
+                let [displacement, rotation] = circulatory.nodal.row::<2>(node, q);
+                add(2 * node, displacement);
+                add(2 * node + 1, rotation);
+            }
+            circulatory.internal_product::<2>(q, add);
+            let spin = self.spin_at(index, elapsed).0;
+            drive += spin * (spin * along - across);
+            dissipated += spin * (spin * along - 2.0 * across);
+        }
+        [drive, dissipated]
     }
 
     /// Powers of links, W: that which turns the eccentric hubs of couplings, and that which the cross-coupling takes.

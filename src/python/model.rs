@@ -13,7 +13,7 @@ use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
 use super::{background, frequency, sensitivity, simulate, speed};
 use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
-use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
+use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Harmonic, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::modal::{self, AtSpeed, CachedModel};
 use crate::model::Model;
@@ -365,12 +365,12 @@ impl PyModel {
 
     /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix; less those of
     /// `base`, another model with its outputs.
-    #[pyo3(signature = (speed, scale, sources, outputs, base=None))]
+    #[pyo3(signature = (at, scale, sources, outputs, base=None))]
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn harmonic_terms<'py>(
         &self,
         py: Python<'py>,
-        speed: f64,
+        at: (f64, f64),
         scale: f64,
         sources: &Bound<'py, PyAny>,
         outputs: sensitivity::Outputs<'py>,
@@ -378,7 +378,18 @@ impl PyModel {
     ) -> PyResult<sensitivity::Terms<'py>> {
         let sources: Vec<description::Source> = pythonize::depythonize(sources)?;
         let base = base.as_ref().map(|(model, outputs)| (model.get(), outputs));
-        sensitivity::harmonic_terms(self, py, [speed, scale], &sources, &outputs, base)
+        let at = Harmonic { frequency: at.0, speed: at.1 };
+        sensitivity::harmonic_terms(self, py, at, scale, &sources, &outputs, base)
+    }
+
+    /// Structural damping of a motion at a frequency and a speed, (n, n); None without loss factors.
+    fn structural_damping<'py>(
+        &self,
+        py: Python<'py>,
+        frequency: f64,
+        speed: f64,
+    ) -> PyResult<Option<Bound<'py, PyArray2<Complex<f64>>>>> {
+        sensitivity::structural_damping(self, py, frequency, speed)
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]

@@ -18,7 +18,7 @@ use crate::analysis::{
 };
 use crate::mesh::Geometry;
 use crate::modal::{CachedModel, EquilibriumChange};
-use crate::model::Model;
+use crate::model::{Model, StructuralDamping};
 use crate::scene::{SceneError, description};
 
 /// Rows, columns and entries (places, terms) of B.
@@ -70,11 +70,12 @@ impl Given {
     }
 }
 
-/// Entries of B at a speed with a largest frequency, both rad/s, less those of another model with its outputs.
+/// Entries of B at a frequency and a speed, with a largest frequency, rad/s, less those of another model with its outputs.
 pub fn harmonic_terms<'py>(
     model: &PyModel,
     py: Python<'py>,
-    [speed, scale]: [f64; 2],
+    at: Harmonic,
+    scale: f64,
     sources: &[description::Source],
     outputs: &Outputs<'py>,
     base: Option<(&PyModel, &Outputs<'py>)>,
@@ -84,18 +85,47 @@ pub fn harmonic_terms<'py>(
     let dense = if !model.model().scene.modal_damping.is_zero() { Dense::Undamped } else { Dense::Bands };
     dense.require(model.model())?;
     let found = py.detach(|| -> Result<_, AnalysisError> {
-        let at_speed = given.cached.at_speed(speed)?;
-        let base_at_speed = base.as_ref().map(|base| base.cached.at_speed(speed)).transpose()?;
+        let at_speed = given.cached.at_speed(at.speed)?;
+        let base_at_speed = base.as_ref().map(|base| base.cached.at_speed(at.speed)).transpose()?;
         let system = HarmonicSystem { cached: &at_speed, sources: &given.sources, outputs: &given.outputs };
         let base = base.as_ref().zip(base_at_speed.as_ref());
         let base = base.map(|(Given { sources, outputs, .. }, cached)| HarmonicSystem { cached, sources, outputs });
-        analysis::harmonic_terms(&system, base.as_ref(), speed, scale)
+        analysis::harmonic_terms(&system, base.as_ref(), at, scale)
     })?;
     let integers = |values: Vec<i64>| values.into_pyarray(py);
     let rows = integers(found.iter().map(|(row, _, _)| *row as i64).collect());
     let columns = integers(found.iter().map(|(_, column, _)| *column as i64).collect());
     let values = found.iter().flat_map(|(_, _, values)| *values).collect();
     Ok((rows, columns, table(py, values, found.len(), TERMS)?))
+}
+
+/// Structural damping, N/m, (n, n), of a motion at a frequency and a speed, rad/s; `None` without loss factors.
+pub fn structural_damping<'py>(
+    model: &PyModel,
+    py: Python<'py>,
+    frequency: f64,
+    speed: f64,
+) -> PyResult<Option<Bound<'py, PyArray2<Complex<f64>>>>> {
+    if !model.model().has_structural_damping() {
+        return Ok(None);
+    }
+    let values = model.run(py, Dense::Matrices, move |cached, _| -> Result<_, AnalysisError> {
+        let cached = cached.at_speed(speed)?;
+        let (assembled, size) = (&cached.model, cached.model.len());
+        let dofs = assembled.numbering.dofs();
+        let mut places = vec![(0, 1.0); size];
+        for (place, dof) in dofs.iter().enumerate() {
+            places[dof.index] = (place, dof.sign);
+        }
+        let mut values = vec![Complex::ZERO; size * size];
+        for (row, column, value) in assembled.structural_entries(StructuralDamping { frequency, speed }, speed) {
+            let ((row, left), (column, right)) = (places[row], places[column]);
+            values[row * size + column] += value * left * right;
+        }
+        Ok(values)
+    })?;
+    let size = model.model().len();
+    table(py, values, size, size).map(Some)
 }
 
 /// Adjoint solutions (pairs, outputs, n) at pairs of a frequency and a speed.

@@ -212,12 +212,14 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with the path of the first loss factor.
     pub fn refuse_loss_factors(&self) -> Result<(), SceneError> {
+        let shafts = self.shafts.iter().map(|shaft| shaft.loss_factor).enumerate();
+        let shafts = shafts.map(|(index, factor)| (format!("shafts[{index}]"), factor));
         let bearings = self.bearings.iter().map(|bearing| bearing.loss_factor).enumerate();
         let bearings = bearings.map(|(index, factor)| (format!("bearings[{index}]"), factor));
         let housings = self.housings.iter().map(|housing| (housing.name.clone(), housing.loss_factor));
         let meshes = self.meshes.iter().map(|mesh| mesh.loss_factor).enumerate();
         let meshes = meshes.map(|(index, factor)| (format!("meshes[{index}]"), factor));
-        match bearings.chain(housings).chain(meshes).find(|(_, factor)| *factor != 0.0) {
+        match shafts.chain(bearings).chain(housings).chain(meshes).find(|(_, factor)| *factor != 0.0) {
             Some((name, factor)) => Err(SceneError::new(
                 format!("{name}.loss_factor"),
                 format!(

@@ -105,6 +105,8 @@ pub struct Shaft {
     pub degree: usize,
     /// Internal damping β, s.
     pub internal_damping: f64,
+    /// Loss factor η.
+    pub loss_factor: f64,
     /// Residual bow.
     pub bow: Option<Bow>,
     /// Speed relative to the reference shaft where the description gives it.
@@ -377,6 +379,7 @@ fn shaft(
         shear: given.shear,
         degree: degree(given, at)?,
         internal_damping: at.field("internal_damping").non_negative(given.internal_damping.unwrap_or(0.0))?,
+        loss_factor: at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?,
         bow,
         speed_ratio: given.speed_ratio,
     })

@@ -95,6 +95,7 @@ fn shafts(name: &'static str) -> BoxedStrategy<(Shaft, f64)> {
                 speed_ratio: None,
                 axial_force: None,
                 internal_damping: None,
+                loss_factor: None,
                 segments: (!uniform).then_some(segments),
             };
             maybe(bows(length)).prop_map(move |bow| (Shaft { bow, ..shaft.clone() }, length))

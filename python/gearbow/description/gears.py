@@ -154,8 +154,8 @@ class Mesh(Part):
         mesh force can then be tensile. False: only flanks in contact are damped. Without backlash
         or without damping, both values give the same motion.
     loss_factor : float
-        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of `frequency_response`
-        and `synchronous`. Modes do not contain it, and runs refuse it.
+        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
+        Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     centre_distance : float, optional

@@ -46,8 +46,8 @@ class Bearing(Part):
     tilting_damping : float
         Damping of these rotations [N m s/rad].
     loss_factor : float
-        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of `frequency_response`
-        and `synchronous`. Modes do not contain it, and runs refuse it.
+        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
+        Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
     support : str, Support or tuple of (str, float), optional
         What it stands on: the name of a support or housing of the system, a support of its own, or
         (shaft, position [m]) of another shaft. None is the ground.

@@ -212,6 +212,10 @@ class Shaft(Part):
         Internal damping β [s]: viscous damping βK of the shaft in coordinates that rotate with it,
         of hysteresis and fits. Above a critical speed it makes the rotor unstable where the
         damping of the bearings does not prevent it. It damps torsion and axial motion as well.
+    loss_factor : float
+        Loss factor η of the material, K(1 + iη sgn(ω - Ω)) in coordinates that rotate with the
+        shaft: structural damping of modes, Campbell diagrams, `frequency_response` and
+        `synchronous`. Runs refuse it.
     bow : Bow, optional
         Residual bow; None is a straight shaft.
     speed_ratio : float, optional
@@ -244,6 +248,7 @@ class Shaft(Part):
     shear: bool = True
     axial_force: float = 0.0
     internal_damping: float = 0.0
+    loss_factor: float = 0.0
     bow: Bow | None = None
     speed_ratio: float | None = None
 

@@ -13,7 +13,14 @@ from gearbow.description.part import Part
 from gearbow.description.places import place, place_label
 from gearbow.errors import SceneError
 
-__all__ = ["GroundMotion", "MeshExcitation", "ShaftExcitation", "Source", "plain_sources"]
+__all__ = [
+    "GroundMotion",
+    "MeshExcitation",
+    "ShaftExcitation",
+    "Source",
+    "phasor",
+    "plain_sources",
+]
 
 
 @dataclass(frozen=True)
@@ -40,7 +47,7 @@ class MeshExcitation(Part):
 
     def _describe(self, path: str) -> dict[str, Plain]:
         mesh = place(self.at, f"{path}.at", "mesh")
-        return {"kind": "mesh_error", "mesh": mesh, "error": _phasor(self.error, f"{path}.error")}
+        return {"kind": "mesh_error", "mesh": mesh, "error": phasor(self.error, f"{path}.error")}
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,7 @@ class GroundMotion(Part):
             "kind": "ground",
             "quantity": self.quantity,
             "value": _direction(self.value, f"{path}.value"),
-            "axial": _phasor(self.axial, f"{path}.axial"),
+            "axial": phasor(self.axial, f"{path}.axial"),
         }
         if self.under is not None:
             listed = enumerate(items(self.under, f"{path}.under", "places"))
@@ -149,10 +156,10 @@ def _plain(source: Any, path: str) -> dict[str, Plain]:
             "kind": "force",
             "at": place(source.at, f"{path}.at", "place"),
             "value": _direction(source.value, f"{path}.value"),
-            "axial": _phasor(source.axial, f"{path}.axial"),
+            "axial": phasor(source.axial, f"{path}.axial"),
         }
     if isinstance(source, Torque):
-        value = _phasor(source.value, f"{path}.value")
+        value = phasor(source.value, f"{path}.value")
         return {"kind": "torque", "at": place(source.at, f"{path}.at", "place"), "value": value}
     names = "gb.Force, gb.Torque, gb.MeshExcitation, gb.GroundMotion or gb.ShaftExcitation"
     raise SceneError(f"{path}: must be a {names}, got {shown(source)}")
@@ -170,7 +177,7 @@ def _label(source: Source) -> str:
     return f"{kind} at {place_label(place(source.at))}"
 
 
-def _phasor(value: object, path: str) -> Plain:
+def phasor(value: object, path: str) -> Plain:
     """Convert a finite phasor to the pair [re, im]."""
     found = complex_number(value, path)
     pair = found if isinstance(found, list) else [found, 0.0]
@@ -184,6 +191,6 @@ def _direction(value: object, path: str) -> Plain:
     if isinstance(value, tuple | list):
         if len(value) != 2:
             raise SceneError(f"{path}: must be y + iz or (y, z), got {shown(value)}")
-        return [_phasor(part, f"{path}[{i}]") for i, part in enumerate(value)]
-    y, z = _phasor(value, path)
+        return [phasor(part, f"{path}[{i}]") for i, part in enumerate(value)]
+    y, z = phasor(value, path)
     return [[y, 0.0], [z, 0.0]]

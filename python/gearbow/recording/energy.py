@@ -41,8 +41,8 @@ class EnergyBalance(Result, ReadOnly):
     gravity : ndarray, shape (k,)
         Work of gravity [J].
     drive : ndarray, shape (k,)
-        Work of the drive that keeps bowed shafts at the prescribed speed and changes the stiffness
-        of bearings with the speed [J].
+        Work of the drive that keeps bowed shafts, and deflected ones with internal damping, at the
+        prescribed speed and changes the stiffness of bearings with the speed [J].
     unbalance : ndarray, shape (k,)
         Work of the unbalance [J].
     teeth : ndarray, shape (k,)

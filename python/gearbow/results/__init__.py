@@ -63,6 +63,8 @@ _MODULES = {
     "SteadyState": "gearbow.results.steady",
     "Synchronous": "gearbow.results.synchronous",
     "StabilityThreshold": "gearbow.results.threshold",
+    "ThermalSpiral": "gearbow.results.thermal",
+    "ThermalStability": "gearbow.results.thermal",
     "Sweep": "gearbow.sweeps.result",
     "SweepPoint": "gearbow.sweeps.result",
     "Recommendation": "gearbow.tradeoff.result",
@@ -128,6 +130,10 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.static import Static as Static
     from gearbow.results.steady import SteadyState as SteadyState
     from gearbow.results.synchronous import Synchronous as Synchronous
+    from gearbow.results.thermal import (
+        ThermalSpiral as ThermalSpiral,
+        ThermalStability as ThermalStability,
+    )
     from gearbow.results.threshold import StabilityThreshold as StabilityThreshold
     from gearbow.sweeps.result import (
         Sweep as Sweep,

@@ -25,7 +25,9 @@ from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
+    from gearbow.description.thermal_bow import ThermalBow
     from gearbow.results.mass import MassProperties
+    from gearbow.results.thermal import ThermalStability
 
 __all__ = ["campbell", "critical_speed_map", "matrices", "modes", "static", "synchronous"]
 
@@ -361,6 +363,43 @@ def synchronous(
         _bow=data["bow"],
         speed_unit=given_unit(speeds) or self._speed_unit,
     )
+
+
+def thermal_bow(self: System, bow: "ThermalBow", speeds: "ArrayLike") -> "ThermalStability":
+    """Find whether the bow by the uneven heating of a journal grows.
+
+    Parameters
+    ----------
+    bow : ThermalBow
+        The journal, how its temperature follows the vibration, and the shape of the bow.
+    speeds : array_like, shape (speeds,) or scalar
+        Speeds of the reference shaft [rad/s].
+
+    Returns
+    -------
+    ThermalStability
+        Loop gain and eigenvalue at each speed, from two synchronous responses: that to the bow of
+        1 K, and that to bow and unbalance of the system.
+
+    Raises
+    ------
+    SceneError
+        If a speed is invalid, or the journal is not on a shaft.
+
+    Warns
+    -----
+    AccuracyWarning
+        If the system without thermal bow is unstable at some of the speeds.
+
+    Notes
+    -----
+    The temperature difference changes slowly, so that the rotor follows it without delay. Of an
+    elliptic orbit the forward part heats one side; the backward part goes around the shaft twice in
+    each revolution.
+    """
+    from gearbow.system.thermal import thermal_stability  # noqa: PLC0415
+
+    return thermal_stability(self, bow, speeds)
 
 
 def _stiffnesses(bearing: Part) -> tuple[float, ...]:

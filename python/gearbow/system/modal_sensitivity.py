@@ -1,7 +1,7 @@
 """Derivatives of modes and critical speeds with respect to parameters."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,17 +32,25 @@ class _DynamicStiffness:
     mass: Array
     damping: Array
     stiffness: Array
+    #: Structural damping over the frequency of a mode; None without loss factors.
+    structural: Callable[[float], ComplexArray | None]
 
     @classmethod
     def of(cls, model: Model, speed: float) -> "_DynamicStiffness":
         found = model.matrices(speed)
+
+        def structural(frequency: float) -> ComplexArray | None:
+            # A motion without oscillation has no structural damping.
+            return model.structural_damping(frequency, speed) if frequency else None
+
         damping = found["damping"] + speed * found["gyroscopic"]
-        return cls(found["mass"], damping, found["stiffness"])
+        return cls(found["mass"], damping, found["stiffness"], structural)
 
     def at(self, value: complex) -> ComplexArray:
         """Give the dynamic stiffness."""
         made: ComplexArray = self.stiffness + value * self.damping + value**2 * self.mass
-        return made
+        structural = self.structural(value.imag)
+        return made if structural is None else made + structural
 
     def slope(self, value: complex) -> ComplexArray:
         """Give its derivative with respect to the eigenvalue."""
@@ -65,7 +73,9 @@ class _DynamicStiffness:
             )
         )
         real, imaginary = np.hsplit(sum(by_part), 2)
-        return real + 1j * imaginary
+        made: ComplexArray = real + 1j * imaginary
+        structural = self.structural(value.imag)
+        return made if structural is None else made + structural @ motion
 
 
 @dataclass(frozen=True)

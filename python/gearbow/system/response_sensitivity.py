@@ -216,17 +216,25 @@ class _Harmonic:
     def _terms(
         self, model: Model, outputs: Any, base: tuple[Model, Any] | None = None
     ) -> list[_Terms]:
-        """Assemble the entries, less those of a base, once for all motions or for each speed."""
+        """Assemble the entries, less those of a base, for each group of motions with the same."""
         depends = model.depends_on_speed
-        states = self.speeds if depends else np.sign(self.speeds)
+        states = [self.speeds if depends else np.sign(self.speeds)]
+        if any(shaft.loss_factor != 0.0 for shaft in self.family.shafts):
+            # Structural damping of a shaft has the sign of the frequency relative to it.
+            spins = np.outer(self.speeds, model.speed_ratios)
+            for spin in (*spins.T, *-spins.T):
+                relative = self.frequencies - spin
+                states.append(
+                    np.where(np.abs(relative) <= 1e-13 * np.abs(spin), 0.0, np.sign(relative))
+                )
         scale = float(np.max(np.abs(self.frequencies), initial=0.0)) or 1.0
         width = len(self.family.names) + max(len(self.sources), len(self.signal.components))
         found = []
-        for state in np.unique(states):
-            motions = np.flatnonzero(states == state)
-            rows, columns, values = model.harmonic_terms(
-                float(self.speeds[motions[0]]), scale, self.sources, outputs, base
-            )
+        groups = np.unique(np.stack(states), axis=1, return_inverse=True)[1].ravel()
+        for group in range(int(groups.max(initial=-1)) + 1):
+            motions = np.flatnonzero(groups == group)
+            at = float(self.frequencies[motions[0]]), float(self.speeds[motions[0]])
+            rows, columns, values = model.harmonic_terms(at, scale, self.sources, outputs, base)
             found.append(_Terms(rows * width + columns, values, motions, width))
         return found
 

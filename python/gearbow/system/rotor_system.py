@@ -45,6 +45,7 @@ from gearbow.system.linear import (
     modes,
     static,
     synchronous,
+    thermal_bow,
 )
 from gearbow.system.report import report
 from gearbow.system.sensitivity import sensitivity
@@ -677,6 +678,7 @@ class RotorSystem(CheckedKeywords, Shown):
     sensitivity = sensitivity
     balance = balance
     bow_limits = bow_limits
+    thermal_bow = thermal_bow
     simulate = simulate
     simulate_many = simulate_many
     default_output_step = default_output_step

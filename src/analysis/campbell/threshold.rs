@@ -11,6 +11,9 @@ use super::state::State;
 use crate::modal::{Whirl, is_growing};
 use crate::numerics::{Sample, root};
 
+/// Relative distance of the speeds around a jump of Re λ.
+const JUMP_RESOLUTION: f64 = 1e-9;
+
 /// A speed at which a mode becomes unstable or stable.
 #[derive(Clone, Copy, Debug)]
 pub struct Threshold {
@@ -24,7 +27,7 @@ pub struct Threshold {
     pub whirl: Whirl,
     /// Whether the mode is unstable at higher speeds; otherwise at lower speeds.
     pub is_unstable_above: bool,
-    /// The larger one of |Re λ|/|λ| and the residual of the mode.
+    /// The larger one of |Re λ|/|λ| and the residual of the mode; the latter where Re λ jumps.
     pub residual: f64,
 }
 
@@ -41,18 +44,48 @@ impl Tracker<'_> {
             return Ok(None);
         }
         let growth = ends.map(|(_, state)| state.eigenvalue.re);
+        let mut is_jump = false;
         let (speed, state) = if (growth[0] > 0.0) == (growth[1] > 0.0) {
             let (speed, state) = ends[usize::from(grows[0])];
             (speed, state.clone())
         } else {
             let mut known = ends.map(|(speed, state)| (speed, state.clone())).to_vec();
-            self.root_of(&mut known, |_, state| state.eigenvalue.re)?
+            if self.cached.model.has_structural_damping_of_shafts() {
+                // Structural damping of a shaft drives a motion that is slower than the shaft, and damps a faster one: Re λ may
+                // have a jump where the mode is as fast as the shaft.
+                known = self.around_sign_change(ends)?.to_vec();
+                is_jump = known
+                    .iter()
+                    .all(|(_, state)| state.eigenvalue.re.abs() > state.residual.limit * state.eigenvalue.norm());
+            }
+            if is_jump {
+                known[usize::from(grows[0])].clone()
+            } else {
+                self.root_of(&mut known, |_, state| state.eigenvalue.re)?
+            }
         };
         let (eigenvalue, whirl) = (state.eigenvalue, state.whirl);
-        let residual = state.residual.with(eigenvalue.re.abs() / eigenvalue.norm());
+        let growth = eigenvalue.re.abs() / eigenvalue.norm();
+        let residual = if is_jump { state.residual } else { state.residual.with(growth) };
         require(residual, || format!("the stability threshold of mode {} at {speed} rad/s", mode + 1))?;
         let residual = residual.value;
         Ok(Some(Threshold { mode, speed, eigenvalue, whirl, is_unstable_above: grows[1], residual }))
+    }
+
+    /// Two close speeds between which Re λ of a mode changes its sign, and the modes there.
+    fn around_sign_change(&self, ends: [(f64, &State); 2]) -> Result<[(f64, State); 2], AnalysisError> {
+        let [mut low, mut high] = ends.map(|(speed, state)| (speed, state.clone()));
+        let is_positive = |state: &State| state.eigenvalue.re > 0.0;
+        while high.0 - low.0 > JUMP_RESOLUTION * high.0 {
+            let middle = f64::midpoint(low.0, high.0);
+            let state = self.between([(low.0, &low.1), (high.0, &high.1)], middle)?;
+            if is_positive(&state) == is_positive(&high.1) {
+                high = (middle, state);
+            } else {
+                low = (middle, state);
+            }
+        }
+        Ok([low, high])
     }
 
     /// The speed at which a `value` (speed, mode) of a tracked mode is zero, and the mode there, by the method of Illinois. `known`

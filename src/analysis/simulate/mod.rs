@@ -170,10 +170,6 @@ fn motion<'a>(
     plan: &RecordPlan,
     start: &Start,
 ) -> Result<EquationOfMotion<'a>, AnalysisError> {
-    if plan.energy && cached.model.has_internal_damping() {
-        let message = "the energy audit does not contain the work of internal damping; record other items";
-        return Err(SceneError::new("record", message).into());
-    }
     let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
     if plan.energy || !options.in_modes(&cached.model) {
         motion = motion.with_modal_damping(cached)?;

@@ -4,13 +4,14 @@
 //! S(ω, Ω) x = f,    S = λ²M + λ(C + D + ΩG) + K + i sgn(ω) H,    λ = iω
 //! ```
 //!
+//! with the structural damping H ([`StructuralDamping`]).
+//!
 //! Without modal damping D, S is a band matrix of the shafts with couplings, whose factors give the solution. With D, they are
 //! those of a band matrix P close to S ([`ModalDamping`]): with the same damping for a motion of the frequency |λ|. In an
 //! undamped mode of the frequency ω_j, P⁻¹S = I − E with |E| = ζ(ω_j − ω)²/|ω_j² − ω² + iζ(ω_j² + ω²)| at most, which is zero at
 //! resonance and ζ at any other frequency. Conjugate residuals therefore converge in few iterations, whose number does not
 //! depend on n.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::DVector;
@@ -18,7 +19,7 @@ use num_complex::Complex64;
 
 use crate::linalg::{CoupledFactors, DecompositionError, Side, Singular, Sparse, conjugate_residuals};
 use crate::modal::undamped::{ModalDamping, Pins, null_motions};
-use crate::model::{Model, Weights};
+use crate::model::{Model, StructuralDamping, Weights};
 
 /// Relative residual with modal damping, in the energy norm.
 const CONVERGED: f64 = 1e-11;
@@ -63,8 +64,8 @@ pub struct DynamicStiffnessSolver {
     /// Springs on the null motions, which a frequency of zero needs.
     pins: Pins,
     modal: Option<Arc<ModalDamping>>,
-    /// H, if modal damping and structural damping act.
-    structural: Option<Sparse>,
+    /// Entries (row, column, value) of structural damping, if modal damping acts as well.
+    structural: Vec<(usize, usize, Complex64)>,
 }
 
 impl DynamicStiffnessSolver {
@@ -79,10 +80,11 @@ impl DynamicStiffnessSolver {
     ) -> Result<Result<Self, Singular>, DecompositionError> {
         let DynamicKey { speed, spin, flank_speed } = at;
         let pins = if spin == 0.0 { Pins::new(model, &null_motions(model, flank_speed)?) } else { Pins::default() };
-        let is_lossy = modal.is_some() && model.has_structural_damping();
-        let structural = is_lossy.then(|| model.sparse_structural(flank_speed));
         // Modal damping has no force without velocity.
         let modal = modal.filter(|_| spin != 0.0);
+        let is_lossy = modal.is_some() && model.has_structural_damping();
+        let damping = StructuralDamping { frequency: spin, speed };
+        let structural = if is_lossy { model.structural_entries(damping, flank_speed) } else { Vec::new() };
         let mut weights = Weights::harmonic(spin, speed);
         if let Some(modal) = &modal {
             weights = modal.banded(Complex64::new(0.0, spin), weights);
@@ -133,7 +135,6 @@ impl DynamicStiffnessSolver {
             });
             solved.map(|(x, ())| x)
         };
-        let loss = Complex64::new(0.0, spin.signum());
         let sparse = |matrix: &Sparse, x: &DVector<Complex64>| {
             model.product(x, |x, out| {
                 out.fill(0.0);
@@ -143,10 +144,6 @@ impl DynamicStiffnessSolver {
         // Sᵀ without modal damping: K, C + ΩG.
         let transposed = (side == Side::Left)
             .then(|| [model.sparse_stiffness(flank_speed), model.sparse_rate(speed)].map(|part| part.transposed()));
-        let structural = self.structural.as_ref().map(|part| match side {
-            Side::Left => Cow::Owned(part.transposed()),
-            Side::Right => Cow::Borrowed(part),
-        });
         // P⁻¹S x.
         let apply = |x: &DVector<Complex64>| {
             let mut force = match &transposed {
@@ -160,8 +157,9 @@ impl DynamicStiffnessSolver {
                     sparse(stiffness, x) + rate * eigenvalue + inertia * (eigenvalue * eigenvalue)
                 }
             };
-            if let Some(structural) = &structural {
-                force += sparse(structural, x) * loss;
+            for (row, column, value) in &self.structural {
+                let (row, column) = if side == Side::Left { (*column, *row) } else { (*row, *column) };
+                force[row] += value * x[column];
             }
             solve(&force)
         };

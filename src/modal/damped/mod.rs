@@ -6,6 +6,7 @@
 mod modes;
 mod quadratic;
 mod residual;
+mod structural;
 mod whirl;
 
 pub use modes::{Mode, modes, modes_of, structured_modes, whirl, with_all_modal_damping};

@@ -7,6 +7,7 @@
 use nalgebra::{Complex, DVector};
 
 use super::residual::{Residual, Residuals};
+use super::structural::{with_all_structural_damping, with_structural_damping};
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::DecompositionError;
 use crate::modal::cache::{CachedModel, EquationForces};
@@ -66,7 +67,11 @@ impl Mode {
 pub fn modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, DecompositionError> {
     let real = cached.real_modes(speed)?;
     let order = cached.first_order(speed)?;
-    let (eigenvalues, coordinates) = if order.undamped { undamped(real) } else { damped(real, &order)? };
+    let mut found = if order.undamped { undamped(real) } else { damped(real, &order)? };
+    if cached.model.has_structural_damping() {
+        found = with_all_structural_damping(&cached.model, speed, real, &order, found)?;
+    }
+    let (eigenvalues, coordinates) = found;
     let pair = |(value, coordinates): (Complex<f64>, &DVector<Complex<f64>>)| Eigenpair {
         value,
         shape: physical(real, coordinates),
@@ -102,7 +107,11 @@ pub fn structured_modes(
         Some(found) => Some(found),
         None => searches[1](&problem, count)?,
     };
-    found.map(|pairs| modes_of(cached, speed, modal.as_deref(), pairs.into_iter())).transpose()
+    let Some(mut pairs) = found else { return Ok(None) };
+    if cached.model.has_structural_damping() {
+        pairs = with_structural_damping(&cached.model, speed, modal.as_deref(), pairs)?;
+    }
+    modes_of(cached, speed, modal.as_deref(), pairs.into_iter()).map(Some)
 }
 
 /// The `modes` at `speed` of the reference shaft, rad/s, of which those with |λ| above `reach`, rad/s, have the modal damping of

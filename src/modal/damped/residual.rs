@@ -82,7 +82,10 @@ impl<'m> Residuals<'m> {
     /// # Errors
     /// [`DecompositionError`] if K + s²M has no factors.
     pub fn of(&mut self, eigenvalue: Complex64, shape: &DVector<Complex64>) -> Result<Residual, DecompositionError> {
-        let force = dynamic_force(self.model, [self.speed; 2], eigenvalue, shape, self.forces);
+        let mut force = dynamic_force(self.model, [self.speed; 2], eigenvalue, shape, self.forces);
+        if matches!(self.forces, EquationForces::All(_)) {
+            self.model.add_structural_force(eigenvalue, self.speed, shape, &mut force);
+        }
         let size = if eigenvalue == Complex64::ZERO { self.slowest } else { eigenvalue.norm() };
         let inverse = match self.inverse.take() {
             Some(known) if known.shift <= SHARED * size && size <= SHARED * known.shift => known,

@@ -144,7 +144,7 @@ pub(super) fn is_semidefinite(model: &Model, speed: f64) -> bool {
 fn is_definite(model: &Model, speed: f64, ratio: f64, [low, high]: [f64; 2]) -> bool {
     // No form of this matrix is larger than that at a rate between them, because K is positive semidefinite.
     let weights = Weights {
-        structural: Complex64::ZERO,
+        structural: None,
         stiffness: Complex64::from(ratio / high),
         damping: Complex64::from(-1.0),
         mass: Complex64::from(ratio * low),

@@ -180,7 +180,7 @@ impl<'m> CriticalInverse<'m> {
 /// Weights of K − σB, with the symmetric part of the bearing stiffness.
 fn weights(sigma: Complex64, order: f64) -> Weights {
     Weights {
-        structural: Complex64::ZERO,
+        structural: None,
         stiffness: Complex64::ONE,
         damping: Complex64::ZERO,
         mass: -sigma,

@@ -134,10 +134,11 @@ fn newton_step(
     }
     let elastic = model.product(phi, |x, out| model.multiply_stiffness(at.speed, false, x, out));
     let rate = &damping + &gyroscopic * Complex64::from(at.speed);
-    let residual = elastic + &rate * lambda + &inertia * (lambda * lambda);
+    let mut residual = elastic + &rate * lambda + &inertia * (lambda * lambda);
+    model.add_structural_force(lambda, at.speed, phi, &mut residual);
     let by_decay = &inertia * (2.0 * lambda) + rate;
     let sense = if lambda.re < 0.0 { -1.0 } else { 1.0 };
-    let weights = Weights::dynamic(lambda, at.speed);
+    let weights = Weights::mode(lambda, at.speed);
     let weights = modal.map_or(weights, |modal| modal.banded(lambda, weights));
     let factors = model.dynamic_stiffness(&weights, at.speed).factor(sense)?;
     let solved = |right: &DVector<Complex64>| {

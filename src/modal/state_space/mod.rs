@@ -15,6 +15,7 @@ mod pairs;
 mod projected;
 mod rigid_body;
 
+pub(in crate::modal) use eigenvectors::Eigenvectors;
 pub use eigenvectors::{damped, physical, undamped};
 pub use first_order::FirstOrder;
 pub use growth::is_growing;

@@ -59,6 +59,9 @@ pub struct Shaft {
     /// Internal damping β, s: the viscous damping βK of the shaft in coordinates that rotate with it; zero by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub internal_damping: Option<f64>,
+    /// Loss factor η of the material: K(1 + iη sgn(ω − Ω)) in linear analyses; zero by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loss_factor: Option<f64>,
     /// Residual bow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bow: Option<Bow>,

@@ -19,10 +19,10 @@ use super::{
 use findings::Findings;
 use ranges::{
     ASK_MILLIMETRES, BEARING_STIFFNESS, BODY_ECCENTRICITY, BODY_GYRATION, BODY_MASS, CENTRE_DISTANCE, FACE_WIDTH,
-    GEAR_ADDENDUM, GEAR_DENSITY, GEAR_GYRATION, GEAR_MODULE, GEAR_RUNOUT, GRAVITY, JOURNAL_CLEARANCE, MESH_BACKLASH,
-    MESH_DAMPING, MESH_STIFFNESS, MODAL_DAMPING, OIL_VISCOSITY, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF_LENGTH,
-    ROLLING_CLEARANCE, SHAFT_BOW, SHAFT_DIAMETER, SHAFT_LENGTH, SHAFT_SAG, SHAFT_SLENDERNESS, SHAFT_TORSION,
-    SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH, TIP_RELIEF, TRANSMISSION_ERROR, YOUNGS_MODULUS,
+    GEAR_ADDENDUM, GEAR_DENSITY, GEAR_GYRATION, GEAR_MODULE, GEAR_RUNOUT, GRAVITY, JOURNAL_CLEARANCE, LOSS_FACTOR,
+    MESH_BACKLASH, MESH_DAMPING, MESH_STIFFNESS, MODAL_DAMPING, OIL_VISCOSITY, PRESSURE_ANGLE, PROFILE_SHIFT,
+    RELIEF_LENGTH, ROLLING_CLEARANCE, SHAFT_BOW, SHAFT_DIAMETER, SHAFT_LENGTH, SHAFT_SAG, SHAFT_SLENDERNESS,
+    SHAFT_TORSION, SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH, TIP_RELIEF, TRANSMISSION_ERROR, YOUNGS_MODULUS,
 };
 
 /// Largest plausible pitch-line speed, m/s. Turbo gears reach 200 m/s; AGMA 6011 covers speeds above 35 m/s.
@@ -108,6 +108,7 @@ fn check_shaft(
     found.check(&place("length"), length, &SHAFT_LENGTH);
     found.check(&place("outer_diameter"), diameter, &SHAFT_DIAMETER);
     found.check(&place("length"), length / diameter, &SHAFT_SLENDERNESS);
+    found.check(&at.field("loss_factor"), shaft.loss_factor, &LOSS_FACTOR);
     check_material(given.material.as_ref(), &at.field("material"), found);
     for (index, segment) in given.segments.iter().flatten().enumerate() {
         check_material(segment.material.as_ref(), &at.field("segments").index(index).field("material"), found);

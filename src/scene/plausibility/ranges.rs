@@ -116,6 +116,8 @@ pub(super) const MESH_STIFFNESS: Usual = Usual {
 pub(super) const MESH_DAMPING: Usual = usual("the damping ratio of a mesh", "", 0.0, 1.0, ASK_PERCENT);
 /// Steel rotors: 0.001 to 0.02; squeeze-film dampers: up to 0.3.
 pub(super) const MODAL_DAMPING: Usual = usual("a modal damping ratio", "", 0.0, 0.5, ASK_PERCENT);
+/// Steel: 0.0005 to 0.005; built-up rotors: up to 0.1.
+pub(super) const LOSS_FACTOR: Usual = usual("the loss factor of a shaft", "", 0.0, 0.5, ASK_PERCENT);
 /// Shear strain at the surface at which steel yields: 0.01; polymers: 0.05.
 pub(super) const SHAFT_TORSION: Usual =
     usual("the shear strain of the shaft under a torque", "", 0.0, 0.05, "is it in N mm?");

@@ -16,6 +16,7 @@ from reference.machines import bowed_pair, jeffcott
 from reference.records import of_series, response
 from test_tradeoff_numbers import STUDY
 
+HOT = gb.ThermalBow("g1", 1e4, time_constant=9.0, shape=gb.Bow.half_sine(1e-6))
 TIME = 1e-3 * np.arange(64)
 RPM = 30.0 / pi
 
@@ -48,6 +49,8 @@ def results() -> dict:
         "measurement": measured,
         "identification": gb.identify(system, measured, [gb.unknown.bow("input")], runout=False),
         "bow limits": system.bow_limits("input", [10.0, 20.0]),
+        "thermal stability": (thermal := system.thermal_bow(HOT, [10.0, 20.0])),
+        "thermal spiral": thermal.spiral(10.0, 5.0),
         "response": system.frequency_response(
             [10.0, 20.0], source=gb.Force("g1", 1.0), speed=[5.0, 9.0]
         ),
@@ -83,6 +86,8 @@ FIGURES = {
     "measurement": (2, lambda r, ax: r["measurement"].plot(ax=ax)),
     "identification": (5, lambda r, ax: r["identification"].plot(ax=ax)),
     "bow limits": (1, lambda r, ax: r["bow limits"].plot(ax=ax)),
+    "thermal stability": (2, lambda r, ax: r["thermal stability"].plot(ax=ax)),
+    "thermal spiral": (2, lambda r, ax: r["thermal spiral"].plot(ax=ax)),
     "frequency response": (2, lambda r, ax: r["response"].plot("g1", ax=ax)),
     "nyquist": (1, lambda r, ax: r["response"].plot("g1", kind="nyquist", ax=ax)),
     "map of a response": (1, lambda r, ax: r["response"].plot("g1", kind="waterfall", ax=ax)),

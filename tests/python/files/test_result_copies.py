@@ -22,6 +22,7 @@ from test_response import recorded
 WITH_SYSTEMS = ("balance", "tradeoff", "identification", "correction")
 
 
+HOT = gb.ThermalBow(("rotor", 0.1), 1e4, time_constant=9.0, shape=gb.Bow.half_sine(1e-6))
 MEASURED = [
     gb.results.MeasuredCurve("g1", "y", "velocity", np.array([50.0, 60.0]), np.array([1j, 2.0]))
 ]
@@ -59,6 +60,8 @@ def everything() -> dict[str, Any]:
             "bearings[0].damping", bowed.synchronous([100.0, 200.0]), at=("rotor", 0.5)
         ),
         "mass properties": system.mass_properties(),
+        "thermal stability": bowed.thermal_bow(HOT, [100.0]),
+        "thermal spiral": bowed.thermal_bow(HOT, [100.0]).spiral(100.0, 5.0),
         "peak": response.peaks(("rotor", 0.5))[0],
         "peaks": response.peaks(("rotor", 0.5)),
         "limits": system.bow_limits(system.shafts[0].name, 100.0),

@@ -19,6 +19,7 @@ SCENE: dict[str, Any] = {
             "degree": 2,
             "axial_force": 10.0,
             "internal_damping": 0.0,
+            "loss_factor": 0.01,
             "material": {"youngs_modulus": 2e11, "density": 7800.0, "poisson_ratio": 0.3},
         },
         {

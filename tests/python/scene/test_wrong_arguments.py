@@ -160,6 +160,7 @@ def identification() -> dict[str, Any]:
 
 AT: dict[str, Any] = {"shaft": "input", "position": 0.0}
 PROFILE = gb.SpeedProfile.ramp(0.0, 1.0, 1.0)
+THERMAL = {"at": "g1", "gain": 1e4, "time_constant": 9.0, "shape": gb.Bow.half_sine(1e-6)}
 JOURNAL: dict[str, Any] = {
     "diameter": 0.05,
     "length": 0.025,
@@ -289,6 +290,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         gb.RollingBearing(**AT, **ROLLING).ring_coefficients,
         {"load": 100.0},
     ),
+    "ThermalBow": (gb.ThermalBow, THERMAL),
     "Support": (with_part("Support"), {"name": "s", "mass": 1.0, "stiffness": 1e8}),
     "Housing": (with_part("Housing"), {"name": "h", "mass": 1.0, "stiffness": 1e8}),
     "Coupling": (
@@ -415,6 +417,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "plot": {},
             "report": {"path": "x.html", "modes": 1},
             "save": {"path": "x.toml"},
+            "thermal_bow": {"bow": gb.ThermalBow(**THERMAL), "speeds": [100.0]},
             "sensitivity": {"parameters": PARAMETERS, "of": system().modes(100.0, count=2)},
             "simulate": {"duration": 1e-3, "speed": 100.0},
             "simulate_many": {"variations": [{}], "duration": 1e-3, "speed": 100.0},
@@ -623,6 +626,14 @@ METHODS["Correction"] = (
 )
 METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
 METHODS["BowLimits"] = (lambda: system().bow_limits("input", 100.0), {"plot": {}})
+METHODS["ThermalStability"] = (
+    lambda: system().thermal_bow(gb.ThermalBow(**THERMAL), [100.0]),
+    {"plot": {}, "spiral": {"speed": 100.0, "duration": 5.0}},
+)
+METHODS["ThermalSpiral"] = (
+    lambda: system().thermal_bow(gb.ThermalBow(**THERMAL), [100.0]).spiral(100.0, 5.0),
+    {"plot": {}},
+)
 METHODS["MassProperties"] = (lambda: system().mass_properties(), {})
 METHODS["TrialInfluence"] = (
     lambda: gb.results.TrialInfluence(
@@ -657,7 +668,7 @@ METHODS["Static"][1]["plot"] = {}
 OF_WRONG_TYPE = {
     "True": {"progress", "runout", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
     | {"damping_in_separation", "axial", "foundation", "geometric_stiffness", "bow_torque"},
-    "function": {"progress", "make", "measure", "f", "speed", "value", "runout"},
+    "function": {"gain", "progress", "make", "measure", "f", "speed", "value", "runout"},
     "object": set(),
     "bytes": set(),
     "list of None": set(),

@@ -1,0 +1,56 @@
+"""Stability of a thermal bow, from synchronous responses."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import array, positive
+from gearbow._lookup import nearest
+from gearbow._types import At, ComplexArray
+from gearbow.analysis.balance import shafts_of_bodies
+from gearbow.analysis.protocol import System, variant
+from gearbow.description.part import expect
+from gearbow.description.places import place
+from gearbow.description.thermal_bow import ThermalBow
+from gearbow.errors import SceneError
+from gearbow.results.synchronous import Synchronous
+from gearbow.results.thermal import ThermalStability
+from gearbow.units.speed import given_unit
+
+__all__ = ["thermal_stability"]
+
+
+def thermal_stability(self: System, bow: ThermalBow, speeds: "ArrayLike") -> ThermalStability:
+    """Find the growth of a thermal bow over the speed."""
+    expect(bow, ThermalBow, "bow")
+    wanted = array(speeds, "speeds")
+    at = place(bow.at, "bow.at", "place")
+    bodies = shafts_of_bodies(self)
+    name = at if isinstance(at, str) else at[0]
+    shaft = bodies.get(name, name) if isinstance(at, str) else name
+    names = [each.name for each in self.shafts]
+    if shaft not in names:
+        known = [*names, *bodies]
+        raise SceneError(f'bow.at: no shaft, gear or disk is called "{name}"{nearest(name, known)}')
+    index = names.index(shaft)
+    bent = [
+        replace(each, bow=bow.shape if i == index else None) for i, each in enumerate(self.shafts)
+    ]
+    by_heat = variant(self, shafts=bent).synchronous(wanted, excitation="bow")
+    return ThermalStability(
+        at=bow.at,
+        speeds=wanted,
+        time_constant=positive(bow.time_constant, "time_constant"),
+        gain=bow._gains(wanted * self.speed_ratios[index]),
+        response=_forward(by_heat, bow.at, index),
+        vibration=_forward(self.synchronous(wanted), bow.at, index),
+        speed_unit=given_unit(speeds) or self._speed_unit,
+    )
+
+
+def _forward(found: Synchronous, at: At, index: int) -> ComplexArray:
+    """Give the part of the vibration by a shaft that turns with it, a phasor in the shaft."""
+    v, w = np.moveaxis(found.displacement(at)[:, index], -1, 0)
+    forward: ComplexArray = (v + 1j * w) / 2.0
+    return forward
