@@ -73,18 +73,18 @@ def test_published_example():
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 @pytest.mark.parametrize("stiffness", [SHARP, gb.Stiffness.parabolic(2e8), 2e8])
-def test_slow_run_dissipates_the_loss(stiffness: Any, sense: float):
-    friction = mu(1e-3, 0.1)
-    system = gears(friction, stiffness, 100.0 * sense)
+def test_slow_run_of_stiff_teeth_dissipates_the_loss(stiffness: Any, sense: float):
+    # 0.1 µm of deflection; larger ones change the sliding velocities
+    system = gears(mu(1e-3, 0.1), stiffness, 1.0 * sense, mesh={"damping_ratio": 0.7})
     period = 2 * np.pi / 25
-    times = np.linspace(2 * period, 3 * period, 4001)
+    times = np.linspace(2 * period, 3 * period, 8001)
     run = system.simulate(
         3 * period, sense, times=times, initial="static", geometry="frozen", record=[MESH]
     )
     found = system.efficiency(sense, geometry="frozen")
-    # friction changes the mesh force by about μ = 1e-3, and the teeth vibrate a little
-    assert work(run) / period == pytest.approx(found.loss[0, 0], rel=2e-3)
-    assert found.efficiency[0] > 0.9998
+    # the deflection of 7e-8 m varies over some 1e-4 m of the path: 1e-4 of the sliding velocity
+    assert work(run) / period == pytest.approx(found.loss[0, 0], rel=2e-4)
+    assert work(run) / period / (1.0 * 1.0) == pytest.approx(1.0 - found.efficiency[0], rel=2e-4)
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
@@ -104,11 +104,11 @@ def test_friction_changes_its_direction_at_the_pitch_point(sense: float):
     s = base[0] * (times + np.radians(20.0))
     s = (s - pitch_point + pitch / 2) % pitch - pitch / 2
     alone = (mesh.pairs_in_contact == 1) & (np.abs(s) > 0.011 * pitch)
-    # approach pushes the driven gear along m, recess against it; reversed rotation mirrors m too
-    expected = -sense * np.sign(s) * 0.05 * mesh.force
+    # approach pushes the driven gear along m, which points to the tangent point of the driver; recess
+    # pulls it back
+    expected = -np.sign(s) * 0.05 * mesh.force
     assert alone.sum() > 500
     assert mesh.friction_force[alone] == pytest.approx(expected[alone], rel=1e-9)
-    assert np.all(mesh.friction_power >= 0.0)
 
 
 CASES = {
@@ -122,52 +122,60 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("coupled", [False, True])
-@pytest.mark.parametrize("sense", [1.0, -1.0])
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    ("case", "sense", "coupled"),
+    [
+        *((case, sense, False) for case in CASES for sense in (1.0, -1.0)),
+        ("sharp", 1.0, True),
+        ("smooth", -1.0, True),
+        ("twist", 1.0, True),
+        ("frozen", -1.0, True),
+    ],
+)
 def test_motion_is_that_of_the_independent_model(case: str, sense: float, coupled: bool):
     stiffness, options = CASES[case]
     friction = {"coefficient": 0.1, "transition": 0.2}
     mesh = {"stiffness": stiffness, "damping_ratio": 0.05, "friction": friction}
     bows = {"a": HalfSine(2e-4, 0.7)} if coupled else {}
     scene = Toothed(mesh=mesh, torque=50.0 * sense, coupled=coupled, bows=bows)
-    width = 0.0 if stiffness["engagement"] == "sharp" else stiffness["engagement"]
+    system = scene.package()
+    # the damping ratio refers to the mean stiffness
+    mean = system.static().mesh(("ga", "gb")).stiffness
     law = FrictionLaw(
-        scene.law(sense),
+        scene.law(sense, mean),
         pair=lambda s: 2e8,
-        width=width,
+        width=0.0 if stiffness["engagement"] == "sharp" else stiffness["engagement"],
         twist=stiffness["phase"] == "twist",
         live=not options,
         coefficient=0.1,
         transition=0.2,
     )
-    # the damping ratio refers to the mean stiffness
-    mean = scene.package().static().mesh(("ga", "gb")).stiffness
-    law = replace(law, law=scene.law(sense, mean))
-    speed, times = 200.0 * sense, np.linspace(0.0, 3e-3, 151)
-    state, force = integrate(
-        scene, law, speed, times, rtol=1e-9, keep_rotation=stiffness["phase"] != "twist"
-    )
-    half = state.shape[1] // 2
+    # two mesh cycles
+    speed, times = 800.0 * sense, np.linspace(0.0, 6.3e-4, 127)
+    keeps = stiffness["phase"] != "twist"
+    state, force = integrate(scene, law, speed, times, keep_rotation=keeps)
     select = Equations(scene, law.law).select  # type: ignore[attr-defined]
-    system = scene.package()
-    # jumps of a sharp engagement limit SciPy's integrator
-    allowed = 2e-5 if case == "sharp" else 1e-6
-    for method, rtol in (("rk45", 1e-9), ("exponential", 1e-8)):
+    half = state.shape[1] // 2
+    own = (state[:, :half] @ select.T)[:, 5]
+    # jumps of a sharp engagement limit SciPy's integrator; the exponential method with rtol 1e-8
+    # keeps displacements to 1e-6, and forces of the stiff teeth less accurately
+    limits = {"rk45": (1e-9, 1e-6, 1e-6), "exponential": (1e-8, 1e-5, 1e-6)}
+    for method, (rtol, of_force, of_twist) in limits.items():
+        jumps = 1e-4 if case == "sharp" else 0.0
         run = system.simulate(
-            3e-3, speed, times=times, initial="rest", method=method, rtol=rtol, **options
+            times[-1], speed, times=times, initial="rest", method=method, rtol=rtol, **options
         )
         found = run.mesh(("ga", "gb"))
-        assert found.force == pytest.approx(force, abs=allowed * np.abs(force).max()), method
-        own = (state[:, :half] @ select.T)[:, 5]
-        assert run.twist("gb") == pytest.approx(own, abs=allowed * np.abs(own).max()), method
+        allowed = max(of_force, jumps) * np.abs(force).max()
+        assert found.force == pytest.approx(force, abs=allowed), method
+        allowed = max(of_twist, jumps) * np.abs(own).max()
+        assert run.twist("gb") == pytest.approx(own, abs=allowed), method
     spins = np.array([speed, -speed / 2])
-    for i in (40, 97, 150):
-        q, v = state[i, :half], state[i, half:]
-        on_b, _, power = law.friction(select @ q, select @ v, spins * times[i], spins, force[i])
-        size = np.abs(found.friction_force).max()
+    for i in (30, 77, 126):
+        q, v = select @ state[i, :half], select @ state[i, half:]
+        on_b, _, power = law.friction(q, v, spins * times[i], spins, force[i])
+        size, largest = (np.abs(getattr(found, f"friction_{x}")).max() for x in ("force", "power"))
         assert abs(found.friction_force[i]) == pytest.approx(np.hypot(*on_b), abs=1e-4 * size)
-        largest = np.abs(found.friction_power).max()
         assert found.friction_power[i] == pytest.approx(power, abs=1e-4 * largest)
 
 
@@ -196,7 +204,6 @@ def test_energy_balance_closes(case: str):
     assert np.abs(balance.residual).max() < 1e-7 * taken
     # apart from the damping of the vibration, friction dissipates; the drive supplies it
     assert 0.5 * taken < work(run) <= taken * (1 + 1e-6)
-    assert run.mesh(MESH).friction_power.min() >= -1e-3 * run.mesh(MESH).friction_power.max()
 
 
 def test_audit_of_helical_gears_and_a_ramp():
@@ -254,51 +261,53 @@ def test_loss_of_helical_gears(helix: float, stiffness: Any):
 
 
 def test_loss_of_a_bowed_train_varies_over_a_revolution_with_its_centres():
-    system = gears(0.05, SMOOTH, own={"input": {"bow": gb.Bow.half_sine(2e-4)}})
+    bow = {"input": {"bow": gb.Bow.half_sine(2e-4)}}
+    system = gears(0.05, SMOOTH, own=bow, mesh={"damping_ratio": 0.7})
     speed, revolution = 10.0, 2 * np.pi / 10.0
-    loss = {}
+    times = np.linspace(revolution, 2 * revolution, 25 * 200 + 1)
+    varies = {}
     for geometry in ("live", "frozen"):
-        times = np.linspace(0.0, revolution, 25 * 200 + 1)
         run = system.simulate(
-            revolution, speed, times=times, initial="static", geometry=geometry, record=[MESH]
+            2 * revolution, speed, times=times, geometry=geometry, record=[MESH]
         )
         power = run.mesh(MESH).friction_power[:-1].reshape(25, 200).mean(axis=1)
-        loss[geometry] = np.ptp(power) / power.mean()
-    # 0.2 mm of bow change the path of contact by 2 × 0.2 mm/sin 20° of 15 mm, in frozen geometry
+        varies[geometry] = np.ptp(power) / power.mean()
+    # 0.2 mm of bow shift the ends of the path by 0.2 mm/sin 20° each way, which is 0.066 base pitches:
+    # the sum e1² + e2² − e1 − e2 + 1 of 0.736 varies by 2 × 0.066 (e1 + e2 − 1) = 0.09
+    assert varies["live"] == pytest.approx(0.12, abs=0.02)
     # only the mesh force varies
-    assert loss["live"] > 0.03
-    assert loss["frozen"] < 0.2 * loss["live"]
+    assert varies["frozen"] < 0.01
 
 
 def test_steady_state_is_the_settled_run():
-    system = gears(0.05, SMOOTH)
+    system = gears(0.05, SMOOTH, mesh={"damping_ratio": 0.7})
     state = system.steady_state(100.0)
-    run = system.simulate(0.1, 100.0, initial="static", record=[MESH])
-    period = 2 * np.pi / 2500
-    late = run.time > 0.1 - 4 * period
+    run = system.simulate(0.1, 100.0, initial="static", record=[MESH], output_step=1e-5)
+    late = run.time > 0.1 - 4 * 2 * np.pi / 2500
     steady, settled = state.response.mesh(MESH), run.mesh(MESH)
-    assert np.mean(steady.friction_power[:-1]) == pytest.approx(
-        np.mean(settled.friction_power[late]), rel=5e-3
-    )
-    assert steady.force.max() == pytest.approx(settled.force[late].max(), rel=1e-3)
+    # samples of four periods at other instants
+    mean = np.mean(settled.friction_power[late])
+    assert np.mean(steady.friction_power[:-1]) == pytest.approx(mean, rel=1e-3)
+    assert steady.force.max() == pytest.approx(settled.force[late].max(), rel=1e-4)
 
 
-@pytest.mark.parametrize("held", [False, True])
-def test_the_drive_supplies_the_loss(held: bool):
-    """A drive with stiffness carries P/Ω; without one, the rotation is kept, so that it does not drift."""
-    drives = [gb.Drive("pinion", stiffness=1e5, damping=50.0)] if held else []
-    system = gears(0.05, 2e8).replace(drives=drives)
-    state = system.steady_state(100.0)
-    mesh, twist = state.response.mesh(MESH), state.response.twist("pinion")
-    torque = mesh.friction_power.mean() / 100.0
-    if held:
-        still = gears(0.0, 2e8).replace(drives=drives).steady_state(100.0)
-        slip = still.response.twist("pinion").mean() - twist.mean()
-        assert slip * 1e5 == pytest.approx(torque, rel=1e-6)
-    else:
-        run = system.simulate(0.2, 100.0, initial="static", record=["gears"])
-        # without what the drive supplies, the loss would turn the gears by 1 rad
-        assert np.ptp(run.twist("pinion")) < 1e-4
+def test_a_drive_with_stiffness_supplies_the_loss():
+    slips = {}
+    for friction in (0.05, None):
+        drives = [gb.Drive("pinion", stiffness=1e5, damping=50.0)]
+        system = gears(friction, 2e8, mesh={"damping_ratio": 0.7}).replace(drives=drives)
+        run = system.simulate(2.0, 100.0, initial="static", output_step=0.01)
+        slips[friction] = run.twist("pinion")[-1]
+    power = gears(0.05, 2e8).simulate(0.5, 100.0, output_step=0.01).mesh(MESH).friction_power[-1]
+    # the mean sums over the mesh cycle make the settled loss constant; the torque of the drive changes
+    # the mesh force by 1e-2 of itself at most
+    assert 1e5 * (slips[None] - slips[0.05]) == pytest.approx(power / 100.0, rel=1e-2)
+
+
+def test_without_a_drive_the_prescribed_rotation_is_kept():
+    run = gears(0.05, SMOOTH).simulate(0.2, 100.0, initial="static", record=["gears"])
+    # the loss of 70 W would slow the train of 0.01 kg m² down by 14 rad/s, and turn it by 1 rad
+    assert np.ptp(run.twist("pinion")) < 1e-3
 
 
 def test_a_train_that_follows_the_twist_slows_down():
