@@ -120,7 +120,8 @@ class Efficiency(Result, ReadOnly):
         low, high = (100.0 * float(x) for x in (found.min(), found.max()))
         text = f"{low:.2f}" if low == high else f"{low:.2f} to {high:.2f}"
         speeds = "1 speed" if found.size == 1 else f"{found.size} speeds"
-        return f"Efficiency({len(self.meshes)} meshes, {speeds}, {text} %)"
+        meshes = "1 mesh" if len(self.meshes) == 1 else f"{len(self.meshes)} meshes"
+        return f"Efficiency({meshes}, {speeds}, {text} %)"
 
     def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
         """Draw the losses of the meshes relative to the input power over the speed.

@@ -231,15 +231,15 @@ def efficiency(
     from gearbow.results.efficiency import Efficiency  # noqa: PLC0415
 
     wanted = array(speeds, "speeds")
-    text(geometry, "geometry")
+    one_of(geometry, get_args(Geometry), "geometry")
     if np.any(wanted == 0.0):
         raise SceneError(
             f"speeds[{int(np.argmin(np.abs(wanted)))}]: must not be zero: teeth at rest transmit "
             "no power"
         )
-    if not any("friction" in mesh for mesh in self.description.get("meshes", ())):
-        raise SceneError("meshes: no mesh has friction; give one gb.Mesh(..., friction=0.05)")
     with working(progress, f"efficiency at {wanted.size} speeds"):
+        if not any("friction" in mesh for mesh in self.description.get("meshes", ())):
+            raise SceneError("meshes: no mesh has friction; give one gb.Mesh(..., friction=0.05)")
         found = self._model.losses(wanted.tolist(), geometry)
     power, force, coefficient, loss = np.array([rows for _, rows in found]).transpose(2, 0, 1)
     return Efficiency(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from dataclasses import replace
 from math import pi
 
 import matplotlib as mpl
@@ -48,6 +49,9 @@ def results() -> dict:
         "measurement": measured,
         "identification": gb.identify(system, measured, [gb.unknown.bow("input")], runout=False),
         "bow limits": system.bow_limits("input", [10.0, 20.0]),
+        "efficiency": system.replace(
+            meshes=[replace(mesh, friction=0.05) for mesh in system.meshes]
+        ).efficiency([10.0, 20.0]),
         "response": system.frequency_response(
             [10.0, 20.0], source=gb.Force("g1", 1.0), speed=[5.0, 9.0]
         ),
@@ -82,6 +86,7 @@ FIGURES = {
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
     "measurement": (2, lambda r, ax: r["measurement"].plot(ax=ax)),
     "identification": (5, lambda r, ax: r["identification"].plot(ax=ax)),
+    "efficiency": (1, lambda r, ax: r["efficiency"].plot(ax=ax)),
     "bow limits": (1, lambda r, ax: r["bow limits"].plot(ax=ax)),
     "frequency response": (2, lambda r, ax: r["response"].plot("g1", ax=ax)),
     "nyquist": (1, lambda r, ax: r["response"].plot("g1", kind="nyquist", ax=ax)),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 import re
+from dataclasses import replace
 from enum import Enum
 from functools import cache
 
@@ -108,6 +109,7 @@ def objects() -> dict[str, object]:
         gb.SpeedProfile.table(MANY, MANY),
         gb.Stiffness.table(1e8 + MANY),
         gb.TipRelief(1e-5, 1e-3),
+        gb.MeshFriction(0.05),
         gb.TransmissionError(table=MANY),
         journal,
         rolling,
@@ -120,6 +122,9 @@ def objects() -> dict[str, object]:
         pair.matrices(20.0),
         gb.examples()["gearbox"],
         pair.mass_properties(),
+        pair.replace(
+            meshes=[replace(mesh, friction=0.05) for mesh in pair.meshes]
+        ).efficiency(MANY[1:]),
         system.discretisation,
         pair.modes(20.0),
         campbell,

@@ -391,3 +391,18 @@ def test_descriptions_return(tmp_path: Any):
         again = gb.RotorSystem.load(path)
         assert again.meshes[0].friction == friction
         assert again.description == system.description
+
+
+GEARED = [name for name, machine in gb.examples().items() if gb.RotorSystem.load(machine.path).meshes]
+
+
+@pytest.mark.parametrize("name", GEARED)
+def test_machines_of_the_package_with_friction(name: str):
+    machine = gb.examples()[name]
+    given = gb.RotorSystem.load(machine.path)
+    system = given.replace(meshes=[replace(mesh, friction=0.06) for mesh in given.meshes])
+    found = system.efficiency(machine.speed)
+    # a stage of external gears loses about 1 % at this coefficient
+    stages = len(found.meshes)
+    assert 1.0 - 0.03 * stages < found.efficiency[0] < 1.0
+    assert np.all((found.loss_factor > 0.05) & (found.loss_factor < 0.4))

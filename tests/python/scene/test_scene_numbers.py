@@ -145,6 +145,8 @@ def pair(**mesh: Any) -> gb.RotorSystem:
         lambda x: {"error": gb.TransmissionError(tooth=[(1e-6, x)])},
         lambda x: {"error": gb.TransmissionError(table=[0.0, 1e-6, x])},
         lambda x: {"backlash": x},
+        lambda x: {"friction": x},
+        lambda x: {"friction": gb.MeshFriction(viscosity=0.02, roughness=x)},
     ],
 )
 def test_teeth_with_an_invalid_number(make, value):
