@@ -1,4 +1,4 @@
-"""``gearbow check``, ``plot``, ``modes``, ``campbell``, ``efficiency``, ``bow-limits``: without runs."""
+"""``gearbow check``, ``plot``, ``modes``, ``efficiency`` and others without runs."""
 
 import argparse
 import warnings

@@ -122,9 +122,9 @@ def objects() -> dict[str, object]:
         pair.matrices(20.0),
         gb.examples()["gearbox"],
         pair.mass_properties(),
-        pair.replace(
-            meshes=[replace(mesh, friction=0.05) for mesh in pair.meshes]
-        ).efficiency(MANY[1:]),
+        pair.replace(meshes=[replace(mesh, friction=0.05) for mesh in pair.meshes]).efficiency(
+            MANY[1:]
+        ),
         system.discretisation,
         pair.modes(20.0),
         campbell,

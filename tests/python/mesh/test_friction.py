@@ -143,7 +143,7 @@ def test_motion_is_that_of_the_independent_model(case: str, sense: float, couple
     mean = system.static().mesh(("ga", "gb")).stiffness
     law = FrictionLaw(
         scene.law(sense, mean),
-        pair=lambda s: 2e8,
+        pair=lambda _: 2e8,
         width=0.0 if stiffness["engagement"] == "sharp" else stiffness["engagement"],
         twist=stiffness["phase"] == "twist",
         live=not options,
@@ -196,9 +196,7 @@ ALL = {
 def test_energy_balance_closes(case: str):
     system = gears(**{"friction": 0.1, **ALL[case]})
     record: list[Any] = [MESH, "energy"]
-    run = system.simulate(
-        5e-3, 100.0, initial="static", output_step=5e-6, rtol=1e-8, record=record
-    )
+    run = system.simulate(5e-3, 100.0, initial="static", output_step=5e-6, rtol=1e-8, record=record)
     balance = run.energy_balance()
     taken = -balance.damping[-1]
     assert np.abs(balance.residual).max() < 1e-7 * taken
@@ -247,7 +245,9 @@ def test_loss_of_helical_gears(helix: float, stiffness: Any):
     angle = np.arctan(np.tan(np.radians(20.0)) / np.cos(np.radians(helix)))
     radius = [0.5 * g.teeth * g.module / np.cos(np.radians(helix)) for g in (a, b)]
     base = [r * np.cos(angle) for r in radius]
-    tips = [np.sqrt((r + g.module) ** 2 - c**2) for r, g, c in zip(radius, (a, b), base, strict=True)]
+    tips = [
+        np.sqrt((r + g.module) ** 2 - c**2) for r, g, c in zip(radius, (a, b), base, strict=True)
+    ]
     line = (base[0] + base[1]) * np.tan(angle)
     pitch = 2 * np.pi * base[0] / a.teeth
     tan_base = np.tan(np.radians(helix)) * np.cos(angle)
@@ -267,9 +267,7 @@ def test_loss_of_a_bowed_train_varies_over_a_revolution_with_its_centres():
     times = np.linspace(revolution, 2 * revolution, 25 * 200 + 1)
     varies = {}
     for geometry in ("live", "frozen"):
-        run = system.simulate(
-            2 * revolution, speed, times=times, geometry=geometry, record=[MESH]
-        )
+        run = system.simulate(2 * revolution, speed, times=times, geometry=geometry, record=[MESH])
         power = run.mesh(MESH).friction_power[:-1].reshape(25, 200).mean(axis=1)
         varies[geometry] = np.ptp(power) / power.mean()
     # 0.2 mm of bow shift the ends of the path by 0.2 mm/sin 20° each way, which is 0.066 base pitches:
@@ -337,7 +335,9 @@ def test_coefficient_of_lubricated_steel():
 
 def test_efficiency_of_two_stages_adds_their_losses():
     system = double_stage()
-    first, second = (replace(mesh, friction=mu(c)) for mesh, c in zip(system.meshes, (0.05, 0.08), strict=True))
+    first, second = (
+        replace(mesh, friction=mu(c)) for mesh, c in zip(system.meshes, (0.05, 0.08), strict=True)
+    )
     found = system.replace(meshes=[first, second]).efficiency([50.0, 100.0])
     assert found.loss.shape == (2, 2)
     assert np.all(found.loss > 0.0)
@@ -393,7 +393,9 @@ def test_descriptions_return(tmp_path: Any):
         assert again.description == system.description
 
 
-GEARED = [name for name, machine in gb.examples().items() if gb.RotorSystem.load(machine.path).meshes]
+GEARED = [
+    name for name, machine in gb.examples().items() if gb.RotorSystem.load(machine.path).meshes
+]
 
 
 @pytest.mark.parametrize("name", GEARED)
