@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from typing import Any
 
@@ -408,3 +409,42 @@ def test_machines_of_the_package_with_friction(name: str):
     stages = len(found.meshes)
     assert 1.0 - 0.03 * stages < found.efficiency[0] < 1.0
     assert np.all((found.loss_factor > 0.05) & (found.loss_factor < 0.4))
+
+
+@pytest.mark.parametrize("name", ["geared_pair", "idler_train", "torsional_drive_line"])
+def test_runs_of_machines_of_the_package_with_friction(name: str):
+    machine = gb.examples()[name]
+    given = gb.RotorSystem.load(machine.path)
+    system = given.replace(meshes=[replace(mesh, friction=0.06) for mesh in given.meshes])
+    half_turn = np.pi / machine.speed
+    run = system.simulate(half_turn, machine.speed, record=["meshes", "energy"])
+    balance = run.energy_balance()
+    # the accuracy of the run, "engineering", is 1e-2 of the forces
+    assert np.abs(balance.residual).max() < 1e-3 * np.abs(balance.damping).max()
+    meshes = [run.mesh((mesh.driver, mesh.driven)) for mesh in system.meshes]
+    work = sum(np.trapezoid(mesh.friction_power, run.time) for mesh in meshes)
+    # vibration of the first half turn beside the loss at rest
+    expected = half_turn * system.efficiency(machine.speed).loss.sum()
+    assert 0.4 * expected < work < 1.6 * expected
+
+
+def test_a_branch_of_steady_states_with_friction():
+    system = gears(0.05, SMOOTH, mesh={"damping_ratio": 0.7})
+    found = system.continuation("speed", 100.0, 104.0, first_step=2.0, max_points=4, record=[MESH])
+    assert found.values[-1] == pytest.approx(104.0)
+
+
+def test_the_command_prints_the_efficiency(tmp_path: Any, capsys: Any):
+    from gearbow.cli.main import main
+
+    gears(mu()).save(tmp_path / "train.toml")
+    command = ["efficiency", str(tmp_path / "train.toml"), "--speed", "1500 rpm"]
+    printed = []
+    for more in (["--json"], ["--out", str(tmp_path / "losses.png")]):
+        with pytest.raises(SystemExit) as ended:
+            main([*command, *more])
+        assert not ended.value.code
+        printed.append(capsys.readouterr().out)
+    assert json.loads(printed[0])["efficiency"][0] == pytest.approx(0.9931, abs=1e-4)
+    assert "99.3" in printed[1]
+    assert (tmp_path / "losses.png").stat().st_size > 1000
