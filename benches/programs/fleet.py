@@ -35,6 +35,9 @@ FREQUENCIES = (0.3, 30.0)  # of a frequency response, relative to the rated spee
 STIFFNESSES = np.geomspace(1e7, 1e9, 8)  # of every bearing of a map, N/m
 NEAR = 1e-4  # half the range of speeds around an intersection, relative to its speed
 DURATION = 0.1  # of a run, s
+#: Accepted difference of frequency responses with modal damping, which both programs leave out of
+#: undamped modes far above the frequencies, but of different ones.
+FEW_MODES = 1e-3
 
 
 @dataclass(frozen=True)
@@ -49,12 +52,15 @@ class Work:
         Prepares one run, which is timed.
     difference : callable, optional
         Largest relative difference of the results of gearbow and SciPy.
+    accepted : float
+        Difference above which the row fails.
     """
 
     setting: str
     gearbow: Callable[[], Run[Any]]
     scipy: Callable[[], Run[Any]] | None = None
     difference: Callable[[Any, Any], float] | None = None
+    accepted: float = 1e-6
 
 
 class Machine:
@@ -244,6 +250,7 @@ def frequency_response(machine: Machine) -> Work:
         lambda: prepare(count),
         lambda: lambda: np.array([pencil.inverse(1j * omega)(force) for omega in frequencies]),
         difference,
+        FEW_MODES if machine.system.modal_damping else 1e-6,
     )
 
 

@@ -36,6 +36,6 @@ for panel, speed in zip(panels, (400.0, 1200.0)):
     v, w = run.bearing_displacement(("rotor", 0.0))[1:].T / clearance
     panel.plot(np.cos(angle), np.sin(angle), "k")
     panel.plot(v, w, linewidth=0.8)
-    panel.set(title=f"{speed:.0f} rad/s, {state}", xlabel="v / clearance", aspect="equal")
+    panel.set(title=f"{speed:.0f} rad/s, {state}", xlabel="y / clearance", aspect="equal")
 
-panels[0].set_ylabel("w / clearance")
+panels[0].set_ylabel("z / clearance")

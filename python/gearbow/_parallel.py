@@ -9,15 +9,17 @@ import queue
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from functools import cache
 from itertools import islice
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gearbow._convert import shown, whole
 from gearbow.errors import GearbowError, SceneError
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor, Future
 
 __all__ = ["ParallelCalls", "check_stop", "cores", "thread_count"]
 
@@ -110,7 +112,7 @@ class ParallelCalls:
         self,
         function: Callable[..., Any],
         arguments: Iterable[tuple[Any, ...]],
-        executor: Executor | None = None,
+        executor: "Executor | None" = None,
     ) -> None:
         is_one = callable(getattr(executor, "submit", None)) and not isinstance(executor, type)
         if executor is not None and not is_one:
@@ -121,6 +123,8 @@ class ParallelCalls:
         self._function = function
         self._waiting = enumerate(arguments)
         self._own = executor is None
+        from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415  # parallel calls only
+
         self._executor = ThreadPoolExecutor(cores(), "gearbow") if executor is None else executor
         self._group = os.urandom(16).hex()
         self._pending: dict[Future[Any], int] = {}
@@ -171,6 +175,8 @@ class ParallelCalls:
             future.cancel()
         running = [future for future in self._pending if not future.cancelled()]
         # Calls that do not end in time continue in the background.
+        from concurrent.futures import wait  # noqa: PLC0415  # parallel calls only
+
         ended = not wait(running, timeout=GRACE).not_done
         if self._own:
             self._executor.shutdown(wait=ended, cancel_futures=True)

@@ -62,6 +62,8 @@ class Column:
     unit: str = ""
     form: str = ".4g"
     written: Written | None = None
+    #: Size below which text tables write 0 [SI], for each row or for all: round-off says nothing.
+    round_off: Any = 0.0
 
     @property
     def heading(self) -> str:
@@ -74,7 +76,21 @@ class Column:
         if self.unit == "rad/s" and self.written is None:
             written = Written(speed_unit, speed_factor(speed_unit))
         heading = _heading(written.name or self.name, written.unit)
-        return [heading, *(_cell(self.values[row], self.form, written.factor) for row in rows)]
+        least = np.broadcast_to(self.round_off, len(self.values))
+        return [
+            heading,
+            *(
+                _cell(self._without_round_off(row, least), self.form, written.factor)
+                for row in rows
+            ),
+        ]
+
+    def _without_round_off(self, row: int, least: Any) -> Any:
+        """Give a value, or 0 for one that is smaller than the round-off."""
+        value = self.values[row]
+        if least[row] > 0.0 and abs(value) < least[row]:
+            return 0.0
+        return value
 
     @property
     def is_text(self) -> bool:
@@ -122,7 +138,12 @@ def plain_text(value: float, form: str) -> str:
     """Write a number without the sign of a zero; "–" for an unknown one."""
     if np.isnan(value):
         return "–"
+    if np.isinf(value):
+        return "∞" if value > 0.0 else "−∞"
     text = f"{value:{form}}"
+    if text.endswith(("e+04", "e+05")):
+        # 14190 N, not 1.419e+04 N: the digits are those of the format.
+        text = f"{float(text):.0f}"
     return text.lstrip("-") if float(text) == 0.0 else text
 
 

@@ -67,6 +67,34 @@ Window: TypeAlias = Literal["hann", "flat top", "none"]
 RunFigure: TypeAlias = Literal[
     "orbits", "history", "twist", "mesh", "geometry", "bearings", "spectrum"
 ]
+#: A recorded quantity of a place, a bearing or a mesh.
+SignalQuantity: TypeAlias = Literal[
+    "y",
+    "z",
+    "x",
+    "twist",
+    "velocity_y",
+    "velocity_z",
+    "velocity_x",
+    "twist_rate",
+    "acceleration_y",
+    "acceleration_z",
+    "acceleration_x",
+    "force",
+    "deflection",
+    "stiffness",
+    "pressure_angle",
+    "centre_distance",
+    "centre_line_angle",
+    "contact_ratio",
+    "pairs_in_contact",
+    "thrust",
+    "energy",
+]
+#: Quantity of a place that is differentiated.
+SensitivityQuantity: TypeAlias = Literal[
+    "displacement", "velocity", "acceleration", "twist", "axial_displacement", "bearing_force"
+]
 #: Horizontal axis of a figure of a run.
 Abscissa: TypeAlias = Literal["time", "speed", "angle"]
 #: What a figure of a frequency response shows.
@@ -133,16 +161,6 @@ class CampbellData(TypedDict):
     thresholds: list[tuple[int, float, float, str, bool, float]]
 
 
-class SynchronousData(TypedDict):
-    """Phasors by speed, source shaft and degree of freedom; bearing forces as (y, z) pairs."""
-
-    amplitudes: ComplexArray
-    residuals: Array
-    bearings: list[tuple[str, float]]
-    bearing_force: ComplexArray
-    bow: ComplexArray
-
-
 class HarmonicData(TypedDict):
     """Phasors by pair of frequency and speed, source and degree of freedom; forces likewise."""
 
@@ -152,6 +170,12 @@ class HarmonicData(TypedDict):
     bearing_force: ComplexArray
     meshes: list[tuple[str, str]]
     mesh_force: ComplexArray
+
+
+class SynchronousData(HarmonicData):
+    """The same by speed and source shaft, and the bow of every shaft."""
+
+    bow: ComplexArray
 
 
 class BalanceData(TypedDict, total=False):

@@ -16,14 +16,16 @@ mod threshold;
 
 use std::sync::Arc;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DVector};
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
-use super::modes::{lowest_oscillating_modes, require, uses_bands};
+use super::modes::{lowest_modes, lowest_oscillating_modes, require, uses_bands};
+use super::own_frequency;
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
-    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Whirl,
+    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Residuals, Whirl,
 };
+use crate::model::Model;
 use crate::scene::EntryPath;
 use state::State;
 pub use threshold::Threshold;
@@ -40,6 +42,8 @@ const MIN_CORRELATION_ON_LINE: f64 = 0.7;
 const MIN_OSCILLATION: f64 = 0.05;
 /// Number of modes that are computed beyond those that are tracked.
 const FURTHER_MODES: usize = 5;
+/// Number of speeds before the current one from which modes are extrapolated: by parabolas.
+const EXTRAPOLATED_SPEEDS: usize = 2;
 /// Part of the highest computed frequency above which a mode may have left the computed ones.
 const NEAR_TOP: f64 = 0.8;
 
@@ -155,6 +159,13 @@ pub fn campbell(
     Ok(diagram)
 }
 
+/// Tracked modes at an earlier speed.
+struct Previous {
+    /// Speed of the reference shaft, rad/s.
+    speed: f64,
+    modes: Vec<State>,
+}
+
 /// Tracked modes up to the current speed.
 struct Tracker<'a> {
     cached: &'a CachedModel,
@@ -170,6 +181,8 @@ struct Tracker<'a> {
     /// Current speed, rad/s; None before the first speed.
     speed: Option<f64>,
     modes: Vec<State>,
+    /// The tracked modes at the last speeds before the current one, at most [`EXTRAPOLATED_SPEEDS`], the earliest first.
+    previous: Vec<Previous>,
     intersections: Vec<Intersection>,
     thresholds: Vec<Threshold>,
 }
@@ -183,8 +196,8 @@ impl<'a> Tracker<'a> {
         threads: &'a Threads,
         interrupt: &'a Interrupt,
     ) -> Result<Self, AnalysisError> {
-        // Of bearings that depend on the speed, those of the first speed are as good as any for the inner product.
-        let basis = cached.at_speed(speeds.first().copied().unwrap_or(0.0))?;
+        // Of bearings that depend on speed or frequency, those of one speed and frequency are as good as any for the inner product.
+        let basis = cached.at(speeds.first().copied().unwrap_or(0.0), cached.model.lowest_frequency())?;
         let wanted = count.saturating_add(FURTHER_MODES);
         let is_dense = !cached.model.scene.modal_damping.is_zero() && !uses_bands(&cached.model, wanted);
         let mut tracker = Self {
@@ -197,6 +210,7 @@ impl<'a> Tracker<'a> {
             lines: lines(cached, harmonics),
             speed: None,
             modes: Vec::new(),
+            previous: Vec::new(),
             intersections: Vec::new(),
             thresholds: Vec::new(),
         };
@@ -206,9 +220,16 @@ impl<'a> Tracker<'a> {
             loop {
                 let states = tracker.at(start)?;
                 tracker.modes = states.iter().filter(|state| oscillates(state)).take(count).cloned().collect();
-                let complete = tracker.modes.len() == count || states.len() < tracker.wanted;
-                if complete {
+                let is_bounded = !cached.model.depends_on_frequency() && states.len() < tracker.wanted;
+                if tracker.modes.len() == count || is_bounded {
                     break;
+                }
+                if cached.model.depends_on_frequency() {
+                    // The mode that the tables of the bearings do not contain is the error.
+                    let found = lowest_modes(cached, start, tracker.wanted)?.len();
+                    if found < tracker.wanted {
+                        break;
+                    }
                 }
                 // Rigid-body modes and overdamped modes are not tracked.
                 tracker.wanted += count.saturating_sub(tracker.modes.len());
@@ -222,7 +243,11 @@ impl<'a> Tracker<'a> {
         // At speed zero too, the flanks in contact are those of a positive speed.
         let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
         let count = if self.is_partial() { self.wanted } else { usize::MAX };
-        let modes = lowest_oscillating_modes(self.cached, speed, count)?;
+        let mut modes = lowest_oscillating_modes(self.cached, speed, count)?;
+        if self.cached.model.depends_on_frequency() && modes.len() < self.modes.len() {
+            // The mode that the tables of the bearings do not contain is the error.
+            modes = lowest_modes(self.cached, speed, count)?;
+        }
         Ok(Arc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
     }
 
@@ -232,14 +257,12 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         let [low, high] = ends;
         let part = ((speed - low.0) / (high.0 - low.0)).clamp(0.0, 1.0);
-        if self.is_partial() {
+        if self.is_partial() || self.cached.model.depends_on_frequency() {
             let nearest = if part < 0.5 { low.1 } else { high.1 };
             let eigenvalue = low.1.eigenvalue * (1.0 - part) + high.1.eigenvalue * part;
-            let cached = self.cached.at_speed(speed)?;
             let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
-            let modal = self.modal_damping(&cached, speed)?;
-            if let Some(met) = modal::mode_near(&cached.model, modal.as_deref(), &start) {
-                let found = self.state(&cached, met)?;
+            if let Some(met) = own_frequency::mode_near(self.cached, self.highest(), &start)? {
+                let found = self.own_state(met)?;
                 if found.residual.is_accurate() && is_like(ends, &found) {
                     return Ok(found);
                 }
@@ -248,12 +271,19 @@ impl<'a> Tracker<'a> {
         Ok(most_like(ends, &self.at(speed)?).unwrap_or(low.1).clone())
     }
 
-    /// A mode with its direction of whirl and its residual; `cached` is the model at its speed.
-    fn state(&self, cached: &CachedModel, met: ModeAtSpeed) -> Result<State, AnalysisError> {
+    /// A mode with its direction of whirl and its residual.
+    fn own_state(&self, met: ModeAtSpeed) -> Result<State, AnalysisError> {
+        let cached = &*self.cached.at(met.speed, met.eigenvalue.im)?;
+        let modal = self.modal_damping(cached, met.speed)?;
+        let mut residuals = Residuals::new(cached, met.speed, EquationForces::All(modal.as_deref()))?;
+        self.state(&cached.model, &mut residuals, met)
+    }
+
+    /// The same with the `model` and the residuals of its speed.
+    fn state(&self, model: &Model, residuals: &mut Residuals<'_>, met: ModeAtSpeed) -> Result<State, AnalysisError> {
         let ModeAtSpeed { speed, eigenvalue, shape } = met;
-        let whirl = modal::whirl(&cached.model, speed, eigenvalue, &shape);
-        let modal = self.modal_damping(cached, speed)?;
-        let residual = modal::residual(cached, speed, eigenvalue, &shape, EquationForces::All(modal.as_deref()))?;
+        let whirl = modal::whirl(model, speed, eigenvalue, &shape);
+        let residual = residuals.of(eigenvalue, &shape)?;
         Ok(State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual }))
     }
 
@@ -302,17 +332,26 @@ impl<'a> Tracker<'a> {
     /// lead to the same modes without doubt.
     fn followed(&self, speed: f64) -> Result<Option<Vec<State>>, AnalysisError> {
         self.interrupt.check()?;
-        let cached = self.cached.at_speed(speed)?;
-        let modal = self.modal_damping(&cached, speed)?;
-        let found = self.threads.map(&self.modes, |mode| {
+        // All modes share the model, the modal damping and the residuals of this speed, unless each has its own frequency.
+        let depends = self.cached.model.depends_on_frequency();
+        let at_speed = (!depends).then(|| self.cached.at_speed(speed)).transpose()?;
+        let modal = at_speed.as_deref().map(|cached| self.modal_damping(cached, speed)).transpose()?.flatten();
+        let forces = EquationForces::All(modal.as_deref());
+        let shared = at_speed.as_deref().map(|cached| Residuals::new(cached, speed, forces)).transpose()?;
+        let mut shared = at_speed.as_deref().zip(shared);
+        let numbers: Vec<usize> = (0..self.modes.len()).collect();
+        let found = self.threads.map(&numbers, |mode| {
             self.interrupt.check()?;
-            let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape() };
-            let met = modal::mode_near(&cached.model, modal.as_deref(), &start);
-            met.map(|met| self.state(&cached, met)).transpose()
+            own_frequency::mode_near(self.cached, self.highest(), &self.expected(*mode, speed))
         })?;
+        let mut state = |met: ModeAtSpeed| match &mut shared {
+            Some((cached, residuals)) => self.state(&cached.model, residuals, met),
+            None => self.own_state(met),
+        };
         let mut states: Vec<State> = Vec::new();
         for found in found {
             let is_new = |found: &State| !states.iter().any(|other| equal(other.eigenvalue, found.eigenvalue));
+            let found = found.map(&mut state).transpose()?;
             let Some(found) = found.filter(|found| found.residual.is_accurate() && is_new(found)) else {
                 return Ok(None);
             };
@@ -323,18 +362,40 @@ impl<'a> Tracker<'a> {
         Ok((assignment.clear && is_same).then_some(states))
     }
 
+    /// A tracked mode extrapolated to `speed` from the last speeds (polynomial of Lagrange).
+    fn expected(&self, mode: usize, speed: f64) -> ModeAtSpeed {
+        let current = &self.modes[mode];
+        let known = self.previous.iter().map(|previous| (previous.speed, &previous.modes[mode]));
+        let known = known.filter(|(_, before)| before.correlation(current) > MIN_CORRELATION);
+        let points: Vec<(f64, &State)> = known.chain([(self.speed.unwrap_or(speed), current)]).collect();
+        let (mut eigenvalue, mut shape) = (Complex::ZERO, DVector::zeros(self.cached.model.len()));
+        for (at, state) in &points {
+            let others = points.iter().map(|(other, _)| *other).filter(|other| other != at);
+            let weight: f64 = others.map(|other| (speed - other) / (at - other)).product();
+            let phase = state.product(current);
+            eigenvalue += state.eigenvalue * weight;
+            shape += state.shape() * (phase * (weight / phase.norm()));
+        }
+        ModeAtSpeed { speed, eigenvalue, shape }
+    }
+
     /// Whether Newton's method can follow the tracked modes: no two are equal, as in identical shafts.
     fn can_follow(&self) -> bool {
         let is_equal = |(index, mode): (usize, &State)| {
             self.modes[..index].iter().any(|other| equal(other.eigenvalue, mode.eigenvalue))
         };
-        self.is_partial() && !self.modes.iter().enumerate().any(is_equal)
+        let is_followed = self.is_partial() || self.cached.model.depends_on_frequency();
+        is_followed && !self.modes.iter().enumerate().any(is_equal)
     }
 
     /// Modal damping of a model at `speed`: that of the lowest modes, or of all modes if all are computed.
     fn modal_damping(&self, cached: &CachedModel, speed: f64) -> Result<Option<Arc<ModalDamping>>, AnalysisError> {
-        let highest = if self.is_partial() { Highest::Mode(self.wanted) } else { Highest::Frequency(f64::INFINITY) };
-        Ok(cached.modal_damping(speed, highest)?)
+        Ok(cached.modal_damping(speed, self.highest())?)
+    }
+
+    /// Which undamped modes have modal damping.
+    fn highest(&self) -> Highest {
+        if self.is_partial() { Highest::Mode(self.wanted) } else { Highest::Frequency(f64::INFINITY) }
     }
 
     /// Tracks the modes to the states at `speed`.
@@ -372,6 +433,8 @@ impl<'a> Tracker<'a> {
                 self.thresholds.extend(threshold);
             }
         }
+        self.previous.extend(self.speed.map(|speed| Previous { speed, modes: self.modes.clone() }));
+        self.previous.drain(..self.previous.len().saturating_sub(EXTRAPOLATED_SPEEDS));
         for (mode, index) in self.modes.iter_mut().zip(indices) {
             let state = &states[index];
             let distinct = states.iter().filter(|other| equal(other.eigenvalue, state.eigenvalue)).count() == 1;
@@ -405,7 +468,7 @@ impl<'a> Tracker<'a> {
                 let (speed, eigenvalue, whirl, residual) = if self.has_newton() {
                     let met = self.intersection(order, ends, 0)?;
                     let speed = met.speed;
-                    let state = self.state(self.cached, met)?;
+                    let state = self.own_state(met)?;
                     (speed, state.eigenvalue, state.whirl, state.residual)
                 } else {
                     // Without Newton's method.

@@ -28,8 +28,8 @@ pub struct Critical {
 /// The lowest speeds Ω, in ascending order and at most `count`, at which an undamped mode has the frequency `order`·Ω (Nelson and McVaugh, J. Eng.
 /// Ind. 98, 1976, who use the whirl ratio instead).
 ///
-/// Where bearings depend on the speed, each critical speed is found with the stiffness at that same speed; a table that
-/// does not hold its end values has no critical speeds outside its range.
+/// Where bearings depend on the speed, each critical speed is found with the stiffness at that same speed, or at the frequency
+/// `order`·Ω; a table that does not hold its end values has no critical speeds outside its range.
 ///
 /// # Errors
 /// [`AnalysisError`] if `order` is not positive, a decomposition fails, or `interrupt` requests a stop.

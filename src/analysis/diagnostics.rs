@@ -18,7 +18,7 @@ const ROUND_OFF_LIMIT: f64 = 1e-6;
 /// # Errors
 /// [`AnalysisError`] if the undamped modes cannot be found, or a bearing has no coefficients at the speed.
 pub fn ill_conditioning(cached: &CachedModel, speed: f64) -> Result<Option<String>, AnalysisError> {
-    let cached = cached.at_speed(speed)?;
+    let cached = cached.at(speed, cached.model.lowest_frequency())?;
     let (model, range) = (&cached.model, cached.spectral_range(speed)?);
     let (Some(slowest), fastest) = (range.slowest, range.fastest) else {
         return Ok(None);

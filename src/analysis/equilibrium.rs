@@ -27,7 +27,7 @@ pub fn equilibrium_residuals(
     speed: f64,
     q: &DVector<f64>,
 ) -> Result<Vec<f64>, AnalysisError> {
-    Ok(modal::equilibrium_residuals(&cached.at_speed(speed)?.model, geometry, speed.into(), q)?)
+    Ok(modal::equilibrium_residuals(&cached.at(speed, 0.0)?.model, geometry, speed.into(), q)?)
 }
 
 /// The static equilibrium. One speed determines the bearings; a second one determines the flanks in contact and the torques
@@ -37,7 +37,7 @@ pub(super) fn equilibrium_with_flanks(
     geometry: Geometry,
     speeds: EquilibriumSpeeds,
 ) -> Result<DVector<f64>, AnalysisError> {
-    Ok(cached.at_speed(speeds.film)?.equilibrium(geometry, speeds)?)
+    Ok(cached.at(speeds.film, 0.0)?.equilibrium(geometry, speeds)?)
 }
 
 impl From<EquilibriumError> for AnalysisError {

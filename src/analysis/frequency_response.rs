@@ -20,52 +20,64 @@ const BACKWARD_ERROR: f64 = 1e-13;
 /// Work of a force on a rigid-body motion, relative to the product of their sizes, from which the force drives the motion.
 const DRIVES: f64 = 1e-9;
 
+/// Sources that act with one frequency at one speed.
+#[derive(Clone, Copy, Debug)]
+pub struct ResponsePoint<'s> {
+    /// Number of the frequency or speed in messages.
+    pub index: usize,
+    /// Frequency and speed.
+    pub at: Harmonic,
+    /// The sources.
+    pub sources: &'s [HarmonicSource],
+}
+
 /// Responses of a model to harmonic sources.
 pub struct FrequencyResponses<'a> {
     cached: &'a CachedModel,
-    sources: &'a [HarmonicSource],
+    /// Name of the list that [`ResponsePoint::index`] numbers.
+    argument: &'static str,
     /// Highest frequency in question.
     highest: Highest,
 }
 
 impl<'a> FrequencyResponses<'a> {
-    /// The responses of a model to sources at `frequencies`, rad/s; nothing is computed yet.
-    pub fn new(cached: &'a CachedModel, sources: &'a [HarmonicSource], frequencies: &[f64]) -> Self {
-        let highest = frequencies.iter().map(|frequency| frequency.abs()).fold(0.0, f64::max);
-        Self { cached, sources, highest: Highest::Frequency(highest) }
+    /// The responses of a model at frequencies, rad/s; nothing is computed yet.
+    pub fn new(cached: &'a CachedModel, argument: &'static str, frequencies: impl Iterator<Item = f64>) -> Self {
+        let highest = frequencies.map(f64::abs).fold(0.0, f64::max);
+        Self { cached, argument, highest: Highest::Frequency(highest) }
     }
 
-    /// The responses to every source: `keep` takes each point, the model at its speed and the responses, in the order of the
-    /// points.
+    /// The responses at `points`: `keep` takes each point, the model at its speed and frequency, and the responses to its sources,
+    /// in the order of the points.
     ///
     /// # Errors
     /// [`AnalysisError`] if a response has no accurate solution, a source drives a rigid-body motion at frequency zero, or
     /// `interrupt` requests a stop.
     pub fn each(
         &self,
-        points: &[Harmonic],
+        points: &[ResponsePoint<'_>],
         threads: &Threads,
         interrupt: &Interrupt,
-        mut keep: impl FnMut(Harmonic, &Model, &[SourceResponse]),
+        mut keep: impl FnMut(&ResponsePoint<'_>, &Model, &[SourceResponse]),
     ) -> Result<(), AnalysisError> {
-        let numbered: Vec<_> = points.iter().copied().enumerate().collect();
         threads.in_order(
-            &numbered,
-            |(_, at)| Ok(self.cached.at_speed(at.speed)?),
-            |(index, at), at_speed| {
+            points,
+            |ResponsePoint { at, .. }| Ok(self.cached.at(at.speed, at.frequency)?),
+            |point, cached| {
                 interrupt.check()?;
-                self.at(at_speed, *index, *at)
+                self.at(cached, point)
             },
-            |(_, at), at_speed, found| keep(*at, &at_speed.model, &found),
+            |point, cached, found| keep(point, &cached.model, &found),
         )
     }
 
-    /// The response of the model at the speed. `index` is the number of the frequency in messages.
-    fn at(&self, cached: &CachedModel, index: usize, at: Harmonic) -> Result<Vec<SourceResponse>, AnalysisError> {
+    /// The responses of the model with the coefficients of speed and frequency.
+    fn at(&self, cached: &CachedModel, point: &ResponsePoint<'_>) -> Result<Vec<SourceResponse>, AnalysisError> {
+        let ResponsePoint { index, at, sources } = *point;
         let force = |source: &HarmonicSource| DVector::from_vec(source.force(&cached.model, at));
-        let forces: Vec<_> = self.sources.iter().map(force).collect();
+        let forces: Vec<_> = sources.iter().map(force).collect();
         if at.frequency == 0.0 {
-            check_rigid_body_motion(&cached.model, index, at.speed, &forces)?;
+            check_rigid_body_motion(&cached.model, &EntryPath::entry(self.argument, index), at.speed, &forces)?;
         }
         forces.iter().map(|force| self.one(cached, index, at, Side::Right, force)).collect()
     }
@@ -80,12 +92,12 @@ impl<'a> FrequencyResponses<'a> {
         at: Harmonic,
         outputs: &HarmonicOutputs,
     ) -> Result<Vec<SourceResponse>, AnalysisError> {
-        let cached = &*self.cached.at_speed(at.speed)?;
+        let cached = &*self.cached.at(at.speed, at.frequency)?;
         let rows = outputs.rows(&cached.model, at);
         rows.iter().map(|row| self.one(cached, index, at, Side::Left, row)).collect()
     }
 
-    /// The response of a model with the coefficients of the speed.
+    /// The response of a model with the coefficients of speed and frequency.
     fn one(
         &self,
         cached: &CachedModel,
@@ -95,12 +107,16 @@ impl<'a> FrequencyResponses<'a> {
         force: &DVector<Complex<f64>>,
     ) -> Result<SourceResponse, AnalysisError> {
         let Harmonic { frequency, speed } = at;
+        if force.iter().all(|value| *value == Complex::ZERO) {
+            return Ok(SourceResponse::zero(&cached.model));
+        }
         let key = DynamicKey { speed, spin: frequency, flank_speed: speed };
         let found = solve(cached, key, self.highest, side, BACKWARD_ERROR, force)?;
         // A residual that is not a number is refused as well.
         found.filter(|found| found.residual <= MAX_RESIDUAL).ok_or_else(|| {
             AnalysisError::Convergence(format!(
-                "frequencies[{index}]: the response at {frequency} rad/s and the speed {speed} rad/s has no accurate solution: it is an undamped natural frequency; add damping or change the frequency"
+                "{}[{index}]: the response at {frequency} rad/s and the speed {speed} rad/s has no accurate solution: it is an undamped natural frequency; add damping, or change the frequency or speed",
+                self.argument
             ))
         })
     }
@@ -109,7 +125,7 @@ impl<'a> FrequencyResponses<'a> {
 /// Refuses frequency zero if a force drives a rigid-body motion.
 fn check_rigid_body_motion(
     model: &Model,
-    index: usize,
+    path: &EntryPath<'_>,
     speed: f64,
     forces: &[DVector<Complex<f64>>],
 ) -> Result<(), AnalysisError> {
@@ -121,7 +137,6 @@ fn check_rigid_body_motion(
             work.norm() > DRIVES * size
         };
         if null.column_iter().any(|motion| drives(motion.into_owned())) {
-            let path = EntryPath::entry("frequencies", index);
             return Err(path
                     .error(format!(
                         "source[{source}] accelerates a rigid-body motion, which has no stiffness, so that the response at 0 is infinite; leave 0 out, or hold the motion with a bearing or gb.Drive"

@@ -70,64 +70,85 @@ impl HarmonicOutputs {
     }
 }
 
-/// The entries of B at a speed of the reference shaft, rad/s. Columns of sources and rows of outputs follow the n coordinates, which
-/// have the order and the signs that users see. `scale` is the largest frequency in question, rad/s. The columns of a velocity or
-/// an acceleration of the ground are those of the displacement.
+/// A model with its sources and outputs, which depend on it.
+pub struct HarmonicSystem<'a> {
+    /// The model at the speed of the analysis.
+    pub cached: &'a CachedModel,
+    /// The sources.
+    pub sources: &'a [HarmonicSource],
+    /// The outputs.
+    pub outputs: &'a HarmonicOutputs,
+}
+
+impl HarmonicSystem<'_> {
+    /// Columns of the sources, with s₀, and rows of the outputs over the frequency, as [`over_frequency`].
+    fn bordering(&self, speed: f64, scale: f64) -> Vec<Vec<(usize, [Complex64; TERMS])>> {
+        let model = &self.cached.model;
+        let of_source = |source: &HarmonicSource| {
+            over_frequency(speed, scale, |at| {
+                let integral = Complex64::new(0.0, at.frequency).powu(source.integrations());
+                let mut values = source.force(model, at);
+                values.extend(self.outputs.offsets(model, at, source));
+                values.iter().map(|value| value * integral).collect()
+            })
+        };
+        let rows = |at: Harmonic| self.outputs.rows(model, at).iter().flat_map(|row| row.iter().copied()).collect();
+        self.sources.iter().map(of_source).chain([over_frequency(speed, scale, rows)]).collect()
+    }
+}
+
+/// The entries of B at a speed of the reference shaft, rad/s, less those of `base`, a system with the same coordinates. Columns of
+/// sources and rows of outputs follow the n coordinates, which have the order and the signs that users see. `scale` is the largest
+/// frequency in question, rad/s. The columns of a velocity or an acceleration of the ground are those of the displacement.
 ///
 /// # Errors
-/// [`AnalysisError`] if a bearing has no coefficients at the speed, or modal damping has no modes.
+/// [`AnalysisError`] if modal damping has no modes.
 pub fn harmonic_terms(
-    cached: &CachedModel,
+    system: &HarmonicSystem<'_>,
+    base: Option<&HarmonicSystem<'_>>,
     speed: f64,
     scale: f64,
-    sources: &[HarmonicSource],
-    outputs: &HarmonicOutputs,
 ) -> Result<Vec<Entry>, AnalysisError> {
-    let cached = &*cached.at_speed(speed)?;
-    let model = &cached.model;
+    let model = &system.cached.model;
     let size = model.len();
     let mut places = vec![(0, 1.0); size];
     for (place, dof) in model.numbering.dofs().iter().enumerate() {
         places[dof.index] = (place, dof.sign);
     }
     let mut entries: Vec<Entry> = Vec::new();
-    let mut add_matrix = |matrix: crate::linalg::Sparse, term: usize, factor: f64| {
-        matrix.for_each(|row, column, value| {
-            let ((row, left), (column, right)) = (places[row], places[column]);
-            entries.push((row, column, at_term(term, Complex64::from(factor * left * right * value))));
-        });
+    let mut add = |row: usize, column: usize, term: usize, value: f64| {
+        let ((row, left), (column, right)) = (places[row], places[column]);
+        entries.push((row, column, at_term(term, Complex64::from(left * right * value))));
     };
-    add_matrix(model.sparse_stiffness(speed), CONSTANT, -1.0);
-    add_matrix(model.sparse_structural(speed), STRUCTURAL, -1.0);
-    add_matrix(model.sparse_damping(speed), RATE, -1.0);
-    add_matrix(model.sparse_gyroscopic(), GYROSCOPIC, -1.0);
-    add_matrix(model.sparse_mass(), INERTIA, 1.0);
-    if let Some(modal) = cached.modal_damping_matrix(speed)? {
-        for (column, values) in modal.column_iter().enumerate() {
-            for (row, value) in values.iter().enumerate() {
-                let ((row, left), (column, right)) = (places[row], places[column]);
-                entries.push((row, column, at_term(RATE, Complex64::from(-left * right * value))));
+    let changes = model.matrix_changes(base.map(|base| &base.cached.model), speed);
+    let terms = [(CONSTANT, -1.0), (STRUCTURAL, -1.0), (RATE, -1.0), (GYROSCOPIC, -1.0), (INERTIA, 1.0)];
+    for ((term, factor), changes) in terms.into_iter().zip(changes) {
+        changes.into_iter().for_each(|(row, column, value)| add(row, column, term, factor * value));
+    }
+    for (system, factor) in [(Some(system), -1.0), (base, 1.0)] {
+        if let Some(modal) = system.map(|system| system.cached.modal_damping_matrix(speed)).transpose()?.flatten() {
+            for (column, values) in modal.column_iter().enumerate() {
+                values.iter().enumerate().for_each(|(row, value)| add(row, column, RATE, factor * value));
             }
         }
     }
-    for (index, source) in sources.iter().enumerate() {
-        let force = |at: Harmonic| {
-            let integral = Complex64::new(0.0, at.frequency).powu(source.integrations());
-            let mut values = source.force(model, at);
-            values.extend(outputs.offsets(model, at, source));
-            values.iter().map(|value| value * integral).collect()
-        };
-        for (row, values) in over_frequency(speed, scale, force) {
-            let (row, sign) = if row < size { places[row] } else { (row, 1.0) };
-            entries.push((row, size + index, values.map(|value| value * sign)));
+    for (system, factor) in [(Some(system), 1.0), (base, -1.0)] {
+        let Some(system) = system else { continue };
+        for (index, values) in system.bordering(speed, scale).into_iter().enumerate() {
+            for (place, values) in values {
+                let is_source = index < system.sources.len();
+                let (row, column) = if is_source { (place, size + index) } else { (size + place / size, place % size) };
+                let moved = |index: usize| if index < size { places[index] } else { (index, 1.0) };
+                let ((row, left), (column, right)) = (moved(row), moved(column));
+                entries.push((row, column, values.map(|value| value * (factor * left * right))));
+            }
         }
     }
-    let rows = |at: Harmonic| outputs.rows(model, at).iter().flat_map(|row| row.iter().copied()).collect();
-    for (place, values) in over_frequency(speed, scale, rows) {
-        let (column, sign) = places[place % size];
-        entries.push((size + place / size, column, values.map(|value| value * sign)));
+    let mut found = summed(entries);
+    if base.is_some() {
+        found.retain(|(_, _, values)| *values != [Complex64::ZERO; TERMS]);
     }
-    Ok(summed(entries))
+    Ok(found)
 }
 
 /// A value in one of the B_j.
@@ -178,6 +199,21 @@ fn summed(mut entries: Vec<Entry>) -> Vec<Entry> {
     sums
 }
 
+/// Entry of B without the B_j in which it is zero.
+pub struct SparseEntry {
+    row: usize,
+    column: usize,
+    /// Number of the B_j, and the entry.
+    terms: Vec<(usize, Complex64)>,
+}
+
+impl From<Entry> for SparseEntry {
+    fn from((row, column, values): Entry) -> Self {
+        let terms = values.into_iter().enumerate().filter(|(_, value)| *value != Complex64::ZERO).collect();
+        Self { row, column, terms }
+    }
+}
+
 /// One harmonic motion with its adjoint solutions.
 pub struct HarmonicPoint<'a> {
     /// Frequency and speed.
@@ -192,7 +228,7 @@ pub struct HarmonicPoint<'a> {
 
 impl HarmonicPoint<'_> {
     /// The forms (yᵀ, eᵀ) B (x, e) for n coordinates, with the sources of an output next to each other.
-    pub fn forms(&self, size: usize, entries: &[Entry]) -> Vec<Complex64> {
+    pub fn forms(&self, size: usize, entries: &[SparseEntry]) -> Vec<Complex64> {
         let Harmonic { frequency, speed } = self.at;
         let sign = if frequency == 0.0 { 0.0 } else { frequency.signum() };
         let rate = Complex64::new(0.0, frequency);
@@ -200,8 +236,8 @@ impl HarmonicPoint<'_> {
             [Complex64::ONE, Complex64::new(0.0, sign), rate, rate * speed, Complex64::from(frequency * frequency)];
         let (sources, outputs) = (self.phasors.len() / size, self.adjoint.len() / size);
         let mut forms = vec![Complex64::ZERO; sources * outputs];
-        for (row, column, values) in entries {
-            let value: Complex64 = values.iter().zip(&weights).map(|(value, weight)| value * weight).sum();
+        for SparseEntry { row, column, terms } in entries {
+            let value: Complex64 = terms.iter().map(|(term, value)| value * weights[*term]).sum();
             let (first_output, last_output) = if *row < size { (0, outputs) } else { (row - size, row - size + 1) };
             let (first_source, last_source) =
                 if *column < size { (0, sources) } else { (column - size, column - size + 1) };

@@ -32,6 +32,9 @@ const FIRST_SPEEDS: usize = 9;
 /// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, or `interrupt` requests a stop.
 pub fn is_unstable(cached: &CachedModel, speed: f64, interrupt: &Interrupt) -> Result<bool, AnalysisError> {
     interrupt.check()?;
+    if cached.model.depends_on_frequency() {
+        return Ok(!growing_modes(cached, speed)?.is_empty());
+    }
     let at_speed = cached.at_speed(speed)?;
     if at_speed.model.is_dissipative(speed) {
         return Ok(false);
@@ -54,12 +57,25 @@ pub fn is_unstable(cached: &CachedModel, speed: f64, interrupt: &Interrupt) -> R
 /// # Errors
 /// [`AnalysisError`] if a decomposition fails, or a bearing has no coefficients at the speed.
 pub(super) fn growing_modes(cached: &CachedModel, speed: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
-    if cached.at_speed(speed)?.model.is_dissipative(speed) {
+    if is_dissipative(cached, speed)? {
         return Ok(Vec::new());
     }
     let count = EXAMINED_MODES + MODES_OF_BEARING * cached.model.scene.bearings.len();
     let eigenvalues = lowest_oscillating_modes(cached, speed, count)?.into_iter().map(|mode| mode.eigenvalue);
     Ok(eigenvalues.filter(|value| is_growing(*value, speed)).collect())
+}
+
+/// Whether no element can feed energy into the motion, with the coefficients of every frequency of the tables of bearings.
+fn is_dissipative(cached: &CachedModel, speed: f64) -> Result<bool, AnalysisError> {
+    for frequency in cached.model.table_frequencies() {
+        // No mode has a frequency that a table does not contain.
+        if let Ok(at) = cached.at(speed, frequency)
+            && !at.model.is_dissipative(speed)
+        {
+            return Ok(false);
+        }
+    }
+    Ok(cached.at(speed, cached.model.lowest_frequency())?.model.is_dissipative(speed))
 }
 
 /// The ranges of `speeds`, rad/s, in which the motion is unstable: the first and the last unstable speed of each.
@@ -88,8 +104,11 @@ pub fn unstable_ranges(
     let mut known = BTreeMap::new();
     threads.in_order(
         &places,
-        |place| Ok(cached.at_speed(speeds[order[*place]])?),
-        |place, at_speed| is_unstable(at_speed, speeds[order[*place]], interrupt),
+        |place| match cached.model.depends_on_frequency() {
+            true => Ok(None),
+            false => Ok(Some(cached.at_speed(speeds[order[*place]])?)),
+        },
+        |place, at_speed| is_unstable(at_speed.as_deref().unwrap_or(cached), speeds[order[*place]], interrupt),
         |place, _, grows| {
             known.insert(*place, grows);
         },

@@ -2,9 +2,10 @@
 //!
 //! - Before a model: `discretisation` chooses number and degree of the shaft elements.
 //! - Linear analyses: `modes`, `campbell` with `assignment` (which modes continue which), `critical`, `equilibrium`,
-//!   `synchronous` (one speed) and `responses` (several speeds), `frequency_response` to the harmonic `sources` with
-//!   `harmonic_terms` for its derivatives, `peaks`, `instability` (speeds at which the motion is unstable), `stability`
-//!   (step limits of explicit methods); `mass` (mass properties), `efficiency` (losses of the meshes), `thrust` (axial forces of the equilibrium).
+//!   `frequency_response` to the harmonic `sources`, of which `synchronous` has those of rotating shafts, with
+//!   `harmonic_terms` for its derivatives, `own_frequency` (modes where bearings depend on the frequency), `peaks`, `instability` (speeds at which the motion is unstable), `stability`
+//!   (step limits of explicit methods); `mass` (mass properties), `efficiency` (losses of the meshes), `thrust` (axial forces of the
+//!   equilibrium).
 //! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
 //! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
 //!   (refuses matrices and results that do not fit), `threads` (independent speeds and frequencies on several threads).
@@ -24,8 +25,8 @@ mod interrupt;
 mod mass;
 mod memory;
 mod modes;
+mod own_frequency;
 mod peaks;
-mod responses;
 pub mod simulate;
 mod sources;
 mod stability;
@@ -41,17 +42,16 @@ pub use discretisation::{Choice, ElementErrors, Resolved, resolve, resolve_varia
 pub use efficiency::{Losses, losses};
 pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;
-pub use frequency_response::FrequencyResponses;
-pub use harmonic_terms::{HarmonicOutputs, HarmonicPoint, TERMS, harmonic_terms};
+pub use frequency_response::{FrequencyResponses, ResponsePoint};
+pub use harmonic_terms::{HarmonicOutputs, HarmonicPoint, HarmonicSystem, SparseEntry, TERMS, harmonic_terms};
 pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;
 pub use mass::{ShaftMass, mass_properties};
 pub use memory::{Dense, Kept, product};
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
-pub use responses::{Response, Responses, memory_of_responses, synchronous};
 pub use sources::{Harmonic, HarmonicForces, HarmonicSource};
 pub use stability::Spectrum;
-pub use synchronous::{ExcitationPart, SourceResponse, bow};
+pub use synchronous::{ExcitationPart, SourceResponse, bow, highest_spin, memory_of_responses, synchronous};
 pub use threads::Threads;
 pub use thrust::with_axial_forces;

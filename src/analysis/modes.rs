@@ -1,5 +1,6 @@
 //! The modes of lowest frequency: from band matrices for a few modes of a large model, otherwise from dense matrices.
 
+use super::own_frequency::{self, Outside};
 use super::{AnalysisError, Dense};
 use crate::modal::{self, CachedModel, Highest, MAX_DENSE, Mode, Residual};
 use crate::model::Model;
@@ -34,6 +35,9 @@ pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
 /// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, dense matrices are needed and
 /// are too large, or a mode does not satisfy the equations of motion.
 pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
+    if cached.model.depends_on_frequency() {
+        return accurate(own_frequency::modes(cached, speed, count, Outside::Refuse)?, speed);
+    }
     let modes = lowest_oscillating_modes(cached, speed, count)?;
     let cached = cached.at_speed(speed)?;
     if !uses_bands(&cached.model, count) || cached.model.len() > MAX_DENSE {
@@ -54,7 +58,8 @@ pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Ve
     accurate(modal::modes(&cached, speed, count)?, speed)
 }
 
-/// The same, where modal damping may act only on the undamped modes of low frequency also in overdamped modes.
+/// The same, where modal damping may act only on the undamped modes of low frequency also in overdamped modes. Modes whose
+/// frequency lies outside the tables of bearings are left out.
 ///
 /// # Errors
 /// As [`lowest_modes`].
@@ -63,6 +68,17 @@ pub(super) fn lowest_oscillating_modes(
     speed: f64,
     count: usize,
 ) -> Result<Vec<Mode>, AnalysisError> {
+    if cached.model.depends_on_frequency() {
+        return accurate(own_frequency::modes(cached, speed, count, Outside::LeaveOut)?, speed);
+    }
+    linear_modes(cached, speed, count)
+}
+
+/// The same of a model whose coefficients do not depend on the frequency.
+///
+/// # Errors
+/// As [`lowest_modes`].
+pub(super) fn linear_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
     let cached = cached.at_speed(speed)?;
     if uses_bands(&cached.model, count) {
         if let Some(modes) = modal::structured_modes(&cached, speed, count)? {

@@ -9,7 +9,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use nalgebra::Complex;
 
 use super::instability::is_unstable;
-use super::{AnalysisError, ExcitationPart, Interrupt, Responses};
+use super::synchronous::{highest_spin, synchronous_of};
+use super::{AnalysisError, ExcitationPart, Interrupt};
 use crate::modal::CachedModel;
 use crate::numerics::{Sample, bisect, maximum};
 
@@ -56,10 +57,10 @@ pub fn peaks(
     speeds: &[f64],
     interrupt: &Interrupt,
 ) -> Result<Vec<Peak>, AnalysisError> {
-    let responses = Responses::new(cached, speeds);
+    let highest = highest_spin(&cached.model, speeds);
     let displacement = |speed: f64| -> Result<[Complex<f64>; 2], AnalysisError> {
         interrupt.check()?;
-        let amplitudes = &responses.at(speed, &[probe.source], probe.part)?[0].phasors;
+        let amplitudes = &synchronous_of(cached, speed, speed, probe.source, probe.part, highest)?.phasors;
         Ok([amplitudes[probe.index], amplitudes[probe.index + 1]])
     };
     let runout = probe.slow_roll.map(displacement).transpose()?.unwrap_or_default();

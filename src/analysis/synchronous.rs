@@ -96,6 +96,33 @@ pub fn bow(model: &Model) -> DVector<Complex<f64>> {
     amplitudes
 }
 
+/// Memory that synchronous responses need.
+pub fn memory_of_responses(model: &Model) -> Dense {
+    if !model.scene.modal_damping.is_zero() && !is_banded(model) { Dense::Undamped } else { Dense::Bands }
+}
+
+/// Highest spin of a shaft at `speeds` of the reference shaft, rad/s.
+pub fn highest_spin(model: &Model, speeds: &[f64]) -> Highest {
+    let fastest = speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max);
+    Highest::Frequency(model.max_speed_ratio() * fastest)
+}
+
+/// Phasors of the synchronous response at one speed, rad/s, in m and rad: one column for each source shaft, in the coordinate
+/// order of the core. The meshes are linearised at rest.
+///
+/// # Errors
+/// [`AnalysisError`] if a response has no accurate solution.
+pub fn synchronous(
+    cached: &CachedModel,
+    speed: f64,
+    part: ExcitationPart,
+) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+    let highest = highest_spin(&cached.model, &[speed]);
+    let one = |source| Ok(synchronous_of(cached, speed, speed, source, part, highest)?.phasors);
+    let columns = (0..cached.model.shafts.len()).map(one).collect::<Result<Vec<_>, AnalysisError>>()?;
+    Ok(DMatrix::from_columns(&columns))
+}
+
 /// Response at `speed` to one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s, and with the modal
 /// damping for the `highest` frequency in question.
 ///
@@ -109,9 +136,9 @@ pub(super) fn synchronous_of(
     part: ExcitationPart,
     highest: Highest,
 ) -> Result<SourceResponse, AnalysisError> {
-    let cached = cached.at_speed(speed)?;
+    let spin = cached.model.shafts[source].ratio * speed;
+    let cached = cached.at(speed, spin)?;
     let model = &cached.model;
-    let spin = model.shafts[source].ratio * speed;
     let Some(force) = rotating_force(model, spin, source, part) else {
         return Ok(SourceResponse::zero(model));
     };

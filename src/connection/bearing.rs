@@ -1,6 +1,9 @@
 //! A bearing whose stiffness or damping depends on the speed of its shaft: f = −K(Ω_s) u − C(Ω_s) u̇ over u = (v, w).
 //! Between two shafts Ω_s is the speed of its shaft relative to the other one.
 //!
+//! Where K and C depend on the frequency of the vibration too, `Model::at_frequency` has the bearing with those of one
+//! frequency. A motion in time contains many frequencies: without that, [`SpeedDependentBearing::check`] refuses the bearing.
+//!
 //! At a constant speed K and C are constant, and `Model::with_tables_at` includes the bearing in the matrices. At a changing
 //! speed every evaluation computes K and C for the current speed. The linear motion of the exponential method contains K
 //! and C at one speed; the remainder is a load like that of any other connection. The energy ½uᵀKu also changes with K.
@@ -10,9 +13,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::instant::{Instant, InterfaceOptions, Tangent};
 use super::{Bounds, Coefficients, Row};
-use crate::scene::{Bearing, EntryPath, Matrix2, SceneError, outside_table};
+use crate::scene::{Bearing, BearingCoefficient, EntryPath, Matrix2, SceneError, outside_frequencies, outside_table};
 
-/// A bearing whose coefficients depend on the speed of its shaft.
+/// A bearing whose coefficients depend on the speed of its shaft or on the frequency of the vibration.
 #[derive(Clone, Debug)]
 pub struct SpeedDependentBearing {
     /// Index of the bearing in the scene.
@@ -28,28 +31,55 @@ pub struct SpeedDependentBearing {
 }
 
 impl SpeedDependentBearing {
-    /// Refuses a speed of the reference shaft [rad/s] that a table of the bearing does not contain.
+    /// Stiffness and damping with their names.
+    fn coefficients(&self) -> [(&'static str, &BearingCoefficient); 2] {
+        [("stiffness", &self.bearing.stiffness), ("damping", &self.bearing.damping)]
+    }
+
+    /// Refuses a speed of the reference shaft [rad/s] that a table of the bearing does not contain, and tables over the frequency.
     ///
     /// # Errors
     /// [`SceneError`] with the path of the table, the speed and the range of the table; `turning` says what has the speed.
     pub fn check(&self, speed: f64, turning: &str) -> Result<(), SceneError> {
         let own = (self.ratio * speed).abs();
-        for (name, coefficient) in [("stiffness", &self.bearing.stiffness), ("damping", &self.bearing.damping)] {
-            if let Some([first, last]) = coefficient.excludes(own) {
-                let message = outside_table([first, last], turning, own);
+        for (name, coefficient) in self.coefficients() {
+            let message = if coefficient.frequencies().is_empty() {
+                coefficient.excludes(own).map(|range| outside_table(range, turning, own))
+            } else {
+                Some("depends on the frequency of the vibration, and this analysis is not for one frequency: the motion of a run, a steady state or a branch has many; give the coefficients at the frequency of interest, which SpeedTable.at_frequency has".to_owned())
+            };
+            if let Some(message) = message {
                 return Err(EntryPath::entry("bearings", self.number).field(name).error(message));
             }
         }
         Ok(())
     }
 
+    /// Refuses a frequency [rad/s] that a table of the bearing does not contain.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the table, the frequency and the range of the table.
+    pub fn check_frequency(&self, frequency: f64) -> Result<(), SceneError> {
+        for (name, coefficient) in self.coefficients() {
+            if let Some(range) = coefficient.excludes_frequency(frequency) {
+                let message = outside_frequencies(range, frequency);
+                return Err(EntryPath::entry("bearings", self.number).field(name).error(message));
+            }
+        }
+        Ok(())
+    }
+
+    /// Frequencies at the knots of its tables, rad/s.
+    pub fn frequencies(&self) -> impl Iterator<Item = f64> {
+        self.coefficients().into_iter().flat_map(|(_, coefficient)| coefficient.frequencies()).copied()
+    }
+
     /// Speeds of the reference shaft at the knots of its tables, rad/s; none between shafts of one speed.
     pub fn knots(&self) -> impl Iterator<Item = f64> {
-        let coefficients = [&self.bearing.stiffness, &self.bearing.damping];
-        coefficients
+        self.coefficients()
             .into_iter()
             .filter(|_| self.ratio != 0.0)
-            .flat_map(|coefficient| coefficient.speeds())
+            .flat_map(|(_, coefficient)| coefficient.speeds())
             .map(|speed| speed / self.ratio.abs())
     }
 

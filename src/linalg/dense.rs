@@ -70,8 +70,8 @@ pub struct Eigen {
 ///
 /// The QR algorithm is used for every size. From 128 rows on faer uses divide and conquer by default, which leaves
 /// residuals of 1e-6‖A‖ for repeated eigenvalues, such as those of the two bending planes of a shaft.
-pub(super) fn symmetric_eigen(matrix: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), DecompositionError> {
-    self_adjoint_eigen(matrix.as_ref())
+pub(super) fn symmetric_eigenpairs(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), DecompositionError> {
+    self_adjoint_eigen(matrix)
 }
 
 /// Eigenvalues in ascending order and orthonormal eigenvectors of a Hermitian matrix; only its lower triangle is read.

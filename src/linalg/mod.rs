@@ -35,6 +35,6 @@ pub use dense::{
 };
 pub use determinant::Determinant;
 pub use krylov::{Krylov, Operator, RitzPair};
-pub use pencil::{SymmetricPencil, symmetric_pencil};
+pub use pencil::{SymmetricPencil, symmetric_eigen, symmetric_pencil};
 pub use sparse::Sparse;
 pub use tridiagonal::{eigenvector, largest_eigenvalue};

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::DecompositionError;
 use super::convert::{copy, view};
-use super::dense::symmetric_eigen;
+use super::dense::symmetric_eigenpairs;
 
 /// Eigenvalues and eigenvectors of a symmetric n × n pencil (K, M).
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ pub fn symmetric_pencil(
     if rest > 0 {
         let block = standard.view((known, known), (rest, rest));
         let symmetric = Mat::from_fn(rest, rest, |i, j| (block[(i, j)] + block[(j, i)]) / 2.0);
-        let (found, unit) = symmetric_eigen(&symmetric)?;
+        let (found, unit) = symmetric_eigenpairs(symmetric.as_ref())?;
         for j in 0..rest {
             values[known + j] = found[j];
             for i in 0..rest {
@@ -84,6 +84,15 @@ pub fn symmetric_pencil(
         vectors.set_column(column, &null.column(column));
     }
     Ok(SymmetricPencil { values, vectors })
+}
+
+/// Solves K φ = ω² φ: the same with the identity for M.
+///
+/// # Errors
+/// [`DecompositionError`] if the iteration fails.
+pub fn symmetric_eigen(stiffness: &DMatrix<f64>) -> Result<SymmetricPencil, DecompositionError> {
+    let (values, vectors) = symmetric_eigenpairs(view(stiffness))?;
+    Ok(SymmetricPencil { values: DVector::from_vec(values), vectors: copy(vectors.as_ref()) })
 }
 
 /// Householder reflection `matrix ← (I − 2aaᵀ)·matrix` with a = `axis`.

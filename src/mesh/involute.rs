@@ -61,6 +61,16 @@ pub struct Centres {
     pub involute_clearance: f64,
 }
 
+/// Lengths between the gear axes, m.
+struct Lengths {
+    /// Centre distance C.
+    distance: f64,
+    /// Length t of the line of action between the base circles.
+    tangent: f64,
+    /// t − t₀: its change from rest.
+    stretched: f64,
+}
+
 /// Position of the gear centres, which the lines of action of both flanks share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CentreGeometry {
@@ -152,9 +162,12 @@ impl Involute {
         )
     }
 
-    /// Centre distance, and the length of the line of action with its change from rest.
+    /// The lengths that follow from the displacement `relative_displacement` = u_b − u_a.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
     #[inline(always)]
-    fn lengths(&self, relative_displacement: [f64; 2]) -> Result<(f64, f64, f64), Overlap> {
+    fn lengths(&self, relative_displacement: [f64; 2]) -> Result<Lengths, Overlap> {
         let (along, _) = self.along_and_across(relative_displacement);
         // C² − C₀²
         let growth = 2.0 * self.distance * along
@@ -167,7 +180,11 @@ impl Involute {
             return Err(Overlap { distance, base_circles: self.sum });
         }
         let tangent = square.sqrt();
-        Ok(((self.distance * self.distance + growth).sqrt(), tangent, growth / (tangent + self.tangent)))
+        Ok(Lengths {
+            distance: (self.distance * self.distance + growth).sqrt(),
+            tangent,
+            stretched: growth / (tangent + self.tangent),
+        })
     }
 
     /// The line of action for the centre displacement `relative_displacement` = u_b − u_a; `sigma` is the sign of the
@@ -186,7 +203,7 @@ impl Involute {
     #[inline(always)]
     pub(super) fn centre_geometry(&self, relative_displacement: [f64; 2]) -> Result<CentreGeometry, Overlap> {
         let (along, tangent_direction) = self.along_and_across(relative_displacement);
-        let (distance, tangent, stretched) = self.lengths(relative_displacement)?;
+        let Lengths { distance, tangent, stretched } = self.lengths(relative_displacement)?;
         let rotation = angle(tangent_direction, self.distance + along);
         // inv α − inv α₀ = (t − t₀)/S − [atan(t/S) − atan(t₀/S)]
         let pressure_angle_change = angle(self.sum * stretched, self.sum * self.sum + tangent * self.tangent);
@@ -226,7 +243,7 @@ impl Involute {
     /// [`Overlap`] of the base circles.
     pub fn centres(&self, relative_displacement: [f64; 2]) -> Result<Centres, Overlap> {
         let (along, tangent_direction) = self.along_and_across(relative_displacement);
-        let (distance, tangent, _) = self.lengths(relative_displacement)?;
+        let Lengths { distance, tangent, .. } = self.lengths(relative_displacement)?;
         let ContactPath { low, high, pitch, overlap, .. } = self.path(tangent);
         Ok(Centres {
             pressure_angle: tangent.atan2(self.sum),

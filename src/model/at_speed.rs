@@ -1,4 +1,4 @@
-//! Connections of the model, and the coefficients of bearings at a speed.
+//! Connections of the model, and the coefficients of bearings at a speed and a frequency.
 
 use nalgebra::DVector;
 
@@ -238,21 +238,57 @@ impl Model {
     /// belong to the matrices.
     ///
     /// # Errors
-    /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
+    /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table; for a table over the
+    /// frequency.
     pub fn with_tables_at(&self, speed: f64) -> Result<Self, SceneError> {
         self.check_tables(speed)?;
+        let mut model = self.with_coefficients(|bearing| bearing.at(speed).map(BearingCoefficient::Constant));
+        model.circulation = model.has_internal_damping().then_some(speed);
+        Ok(model)
+    }
+
+    /// The model whose bearings with tables over the frequency have the coefficients of one frequency, rad/s, which may depend on
+    /// the speed.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the table, the frequency and the range of the table.
+    pub fn at_frequency(&self, frequency: f64) -> Result<Self, SceneError> {
+        self.bearings.iter().try_for_each(|bearing| bearing.check_frequency(frequency))?;
+        Ok(self.with_coefficients(|SpeedDependentBearing { bearing, .. }| {
+            [&bearing.stiffness, &bearing.damping].map(|coefficient| coefficient.at_frequency(frequency))
+        }))
+    }
+
+    /// The model whose bearings with tables have other coefficients: stiffness and damping.
+    fn with_coefficients(&self, of: impl Fn(&SpeedDependentBearing) -> [BearingCoefficient; 2]) -> Self {
         let mut model = self.clone();
         for bearing in &self.bearings {
             let given = &mut model.scene.bearings[bearing.number];
-            let [stiffness, damping] = bearing.at(speed);
-            given.stiffness = BearingCoefficient::Constant(stiffness);
-            given.damping = BearingCoefficient::Constant(damping);
+            [given.stiffness, given.damping] = of(bearing);
         }
         (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
         model.links = links(&model.scene, &model.numbering);
         model.add_operating_points();
-        model.circulation = model.has_internal_damping().then_some(speed);
-        Ok(model)
+        model
+    }
+
+    /// Frequencies at the knots of the tables of all bearings, rad/s, ascending; none without tables over the frequency.
+    pub fn table_frequencies(&self) -> Vec<f64> {
+        let mut found: Vec<f64> = self.bearings.iter().flat_map(SpeedDependentBearing::frequencies).collect();
+        found.sort_by(f64::total_cmp);
+        found.dedup();
+        found
+    }
+
+    /// Whether stiffness or damping of a bearing depend on the frequency of the vibration.
+    pub fn depends_on_frequency(&self) -> bool {
+        self.bearings.iter().any(|bearing| bearing.frequencies().next().is_some())
+    }
+
+    /// Lowest frequency that the tables of all bearings contain, rad/s; zero without tables over the frequency.
+    pub fn lowest_frequency(&self) -> f64 {
+        let first = self.bearings.iter().filter_map(|bearing| bearing.frequencies().min_by(f64::total_cmp));
+        first.reduce(f64::max).unwrap_or(0.0)
     }
 
     /// Lowest speed of the reference shaft that the tables of all bearings contain, rad/s; none without tables.

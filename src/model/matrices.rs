@@ -85,12 +85,7 @@ impl Model {
 
     /// Stiffness matrix K of shafts, bearings and connections.
     pub fn sparse_stiffness(&self, speed: f64) -> Sparse {
-        self.sparse(|add| {
-            self.visit_shaft_stiffness(add);
-            self.visit_supports(|support| support.stiffness, add);
-            self.visit_circulation(add);
-            self.visit_connections(speed, |connection| connection.linear(speed).stiffness, add);
-        })
+        self.sparse(|add| self.visit_stiffness(speed, add))
     }
 
     /// The same with the symmetric part of the bearing stiffness.
@@ -120,10 +115,7 @@ impl Model {
 
     /// Damping matrix of shafts, bearings and connections, without modal damping.
     pub fn sparse_damping(&self, speed: f64) -> Sparse {
-        self.sparse(|add| {
-            self.visit_damping_without_meshes(add);
-            self.visit_connections(speed, |connection| connection.linear(speed).damping, add);
-        })
+        self.sparse(|add| self.visit_damping(speed, add))
     }
 
     /// Gyroscopic matrix G per unit speed of the reference shaft.
@@ -133,12 +125,56 @@ impl Model {
 
     /// H = Σ η K of the elements with a loss factor η, with the flanks in contact at `speed`, rad/s.
     pub fn sparse_structural(&self, speed: f64) -> Sparse {
-        self.sparse(|add| {
-            let lossy = |support: &Support| support.stiffness.map(|row| row.map(|value| support.loss_factor * value));
-            self.visit_supports(lossy, add);
-            let of = |connection: &Connection<'_>| connection.linear(speed).stiffness * connection.loss_factor();
-            self.visit_connections(speed, of, add);
+        self.sparse(|add| self.visit_structural(speed, add))
+    }
+
+    /// Entries (row, column, value) of K, H, C, G and M at `speed`, rad/s, in any order, whose sums are the matrices less those of
+    /// `base`, a model with the same coordinates. Elements that both models share give no entries.
+    pub fn matrix_changes(&self, base: Option<&Self>, speed: f64) -> [Vec<(usize, usize, f64)>; 5] {
+        type Visit = fn(&Model, f64, Add<'_>);
+        let visits: [Visit; 5] = [
+            Self::visit_stiffness,
+            Self::visit_structural,
+            Self::visit_damping,
+            |model, _, add| model.visit_gyroscopic(add),
+            |model, _, add| model.visit_mass(add),
+        ];
+        let entries = |model: &Self, visit: Visit| {
+            let mut entries = Vec::new();
+            visit(model, speed, &mut |row, column, value| entries.push((row, column, value)));
+            entries
+        };
+        visits.map(|visit| {
+            let mut own = entries(self, visit);
+            let known = base.map_or_else(Vec::new, |base| entries(base, visit));
+            let has_same_places = own.len() == known.len()
+                && own.iter().zip(&known).all(|(own, known)| (own.0, own.1) == (known.0, known.1));
+            if has_same_places {
+                let changes = own.iter().zip(&known).filter(|(own, known)| own.2 != known.2);
+                return changes.map(|(own, known)| (own.0, own.1, own.2 - known.2)).collect();
+            }
+            own.extend(known.into_iter().map(|(row, column, value)| (row, column, -value)));
+            own
         })
+    }
+
+    fn visit_stiffness(&self, speed: f64, add: Add<'_>) {
+        self.visit_shaft_stiffness(add);
+        self.visit_supports(|support| support.stiffness, add);
+        self.visit_circulation(add);
+        self.visit_connections(speed, |connection| connection.linear(speed).stiffness, add);
+    }
+
+    fn visit_damping(&self, speed: f64, add: Add<'_>) {
+        self.visit_damping_without_meshes(add);
+        self.visit_connections(speed, |connection| connection.linear(speed).damping, add);
+    }
+
+    fn visit_structural(&self, speed: f64, add: Add<'_>) {
+        let lossy = |support: &Support| support.stiffness.map(|row| row.map(|value| support.loss_factor * value));
+        self.visit_supports(lossy, add);
+        let of = |connection: &Connection<'_>| connection.linear(speed).stiffness * connection.loss_factor();
+        self.visit_connections(speed, of, add);
     }
 
     /// Whether an element has a loss factor.

@@ -9,7 +9,25 @@ use crate::analysis::AnalysisError;
 use crate::bearing_force::{BearingForce, Uncarried};
 use crate::film::Film;
 use crate::rolling::{Ring, RollingElements};
-use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError};
+use crate::scene::description::BearingCoefficient;
+use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError, outside_frequencies};
+
+/// Gives the coefficient of a table at a frequency, rad/s, in plain form: a table over the speed, or a matrix.
+#[pyfunction]
+pub fn table_at_frequency<'py>(
+    py: Python<'py>,
+    table: &Bound<'py, PyAny>,
+    frequency: f64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let given: BearingCoefficient = pythonize::depythonize(table)?;
+    let found = scene::BearingCoefficient::of_description(&given)?;
+    let place = EntryPath::root("frequency");
+    place.finite(frequency)?;
+    if let Some(range) = found.excludes_frequency(frequency) {
+        return Err(place.error(outside_frequencies(range, frequency)).into());
+    }
+    Ok(pythonize::pythonize(py, &found.at_frequency(frequency).description())?)
+}
 
 /// Computes displacement (2,), stiffness and damping (2, 2) of a journal bearing under a static load over (y, z), N, at a
 /// spin, rad/s.

@@ -1,6 +1,6 @@
 //! Frequency-domain analyses for Python: Campbell diagrams, critical speeds, synchronous response, peaks.
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::Complex;
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -9,10 +9,10 @@ use super::convert::{mesh_names, stack, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use crate::analysis::{
-    self, AnalysisError, ExcitationPart, ExcitationSource, Harmonic, HarmonicForces, HarmonicSource, Kept, Threads,
-    product,
+    self, AnalysisError, ExcitationPart, ExcitationSource, Harmonic, HarmonicForces, HarmonicSource, Interrupt, Kept,
+    ResponsePoint, Threads, product,
 };
-use crate::modal;
+use crate::modal::{self, CachedModel};
 use crate::model::Model;
 use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, description, range_with_rpm, with_rpm};
 
@@ -153,87 +153,188 @@ pub fn synchronous<'py>(
     threads: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (speeds, part) = (finite_speeds(speeds)?, ExcitationPart::named(excitation, &EntryPath::root("excitation"))?);
-    let memory = analysis::memory_of_responses(model.model());
-    model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
-    warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
-    let assembled = &model.cached.model;
-    let bearings = assembled.scene.bearing_nodes();
-    let (rows, shafts, directions) = (speeds.len(), assembled.shafts.len(), 2 * bearings.len());
-    let kept = amplitudes_kept(rows, shafts * (assembled.len() + directions));
-    kept.require()?;
-    let (amplitudes, forces) = (kept.room(rows * shafts * assembled.len())?, kept.room(rows * shafts * directions)?);
-    let nodes = bearings.clone();
-    let found = model.run(py, memory, move |cached, interrupt| {
-        let mut found =
-            ResponseTable { amplitudes, forces, residuals: Vec::new(), largest: Vec::new(), unstable: Ok(Vec::new()) };
-        let threads = Threads::new(memory.threads(&cached.model, threads), speeds.len());
-        let responses = analysis::Responses::new(cached, &speeds);
-        responses.each(&speeds, part, &threads, interrupt, |speed, at_speed, response| {
-            found.add(at_speed, speed, response, &nodes);
-        })?;
-        let peaks = local_maxima(&found.largest);
-        found.unstable = match analysis::unstable_ranges(cached, &speeds, &peaks, &threads, interrupt) {
-            Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
-            unstable => unstable,
-        };
-        Ok(found)
+    let assembled = model.model();
+    let sources: Vec<_> = (0..assembled.shafts.len()).map(|shaft| HarmonicSource::Shaft { shaft, part }).collect();
+    let ratios: Vec<f64> = assembled.shafts.iter().map(|shaft| shaft.ratio).collect();
+    let lines = ratios.iter().map(|ratio| speeds.iter().map(|speed| ratio * speed).collect()).collect();
+    let request = ResponseRequest { argument: "speeds", speeds: speeds.clone(), lines, sources };
+    let (table, unstable) = request.run(model, py, threads, move |cached, table, threads, interrupt| {
+        let peaks = local_maxima(&table.largest);
+        match analysis::unstable_ranges(cached, &speeds, &peaks, threads, interrupt) {
+            Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
+            unstable => Ok(unstable),
+        }
     })?;
-    for (index, largest) in found.largest.into_iter().enumerate() {
-        if let Some(text) = analysis::small_displacement_check(assembled, largest) {
+    for (index, largest) in table.largest.iter().enumerate() {
+        if let Some(text) = analysis::small_displacement_check(assembled, *largest) {
             warn(py, format!("speeds[{index}]: {text}"))?;
         }
     }
-    if let Some(text) = instability_warning(found.unstable) {
+    if let Some(text) = instability_warning(unstable) {
         warn(py, text)?;
     }
-    let dict = PyDict::new(py);
-    dict.set_item("amplitudes", stack(py, found.amplitudes, rows, shafts, assembled.len())?)?;
-    dict.set_item("bearing_force", stack(py, found.forces, rows, shafts, directions)?)?;
-    dict.set_item("residuals", found.residuals.into_pyarray(py))?;
-    dict.set_item("bearings", bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
+    let dict = table.into_dict(model, py)?;
     let bow: Vec<Complex<f64>> = assembled.numbering.to_user_order(analysis::bow(assembled).as_slice());
     dict.set_item("bow", bow.into_pyarray(py))?;
     Ok(dict)
 }
 
-/// The responses at several speeds, in the form of the result: arrays adopt the lists without copies.
-struct ResponseTable {
-    /// Amplitudes (speeds, shafts, n), m and rad, in the order of the degrees of freedom that users see.
-    amplitudes: Vec<Complex<f64>>,
-    /// Bearing forces (speeds, shafts, 2 bearings), N.
-    forces: Vec<Complex<f64>>,
-    /// Residual at each speed.
-    residuals: Vec<f64>,
-    /// Largest displacement at each speed, m.
-    largest: Vec<f64>,
-    /// Ranges of unstable speeds, rad/s.
-    unstable: Result<Vec<[f64; 2]>, AnalysisError>,
+/// Computes the response to harmonic sources at pairs of a frequency and a speed: phasors (pairs, sources, n), bearing
+/// forces and mesh forces.
+pub fn frequency_response<'py>(
+    model: &PyModel,
+    py: Python<'py>,
+    frequencies: &PyReadonlyArray1<'_, f64>,
+    speeds: &PyReadonlyArray1<'_, f64>,
+    sources: &[description::Source],
+    threads: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (frequencies, speeds) = (frequencies.as_array().to_vec(), finite_speeds(speeds)?);
+    for (index, frequency) in frequencies.iter().enumerate() {
+        EntryPath::entry("frequencies", index).finite(*frequency)?;
+    }
+    let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(model.model(), given, index);
+    let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
+    let request = ResponseRequest { argument: "frequencies", speeds, lines: vec![frequencies], sources };
+    request.run(model, py, threads, |_, _, _, _| Ok(()))?.0.into_dict(model, py)
 }
 
-impl ResponseTable {
-    /// Adds the amplitudes of the model at a speed, rad/s: one column for each shaft, in the order of the core.
-    fn add(&mut self, model: &Model, speed: f64, response: &analysis::Response, bearings: &[Node]) {
-        let sources = &response.amplitudes;
-        self.residuals.push(response.residual);
-        self.largest.push(largest_displacement(model, sources));
-        for (column, shaft) in sources.column_iter().zip(&model.shafts) {
-            let phasors = column.as_slice();
-            self.amplitudes.extend(model.numbering.to_user_order(phasors));
-            let at = Harmonic { frequency: shaft.ratio * speed, speed };
-            let forces = HarmonicForces { model, at, source: None, phasors };
-            self.forces.extend(bearings.iter().flat_map(|node| forces.bearing(*node)));
+/// Responses to harmonic sources over a list of speeds or frequencies.
+struct ResponseRequest {
+    /// Name of the list.
+    argument: &'static str,
+    /// Speed of the reference shaft at each entry, rad/s.
+    speeds: Vec<f64>,
+    /// Frequency at each entry, rad/s: one list for all sources, or one for each.
+    lines: Vec<Vec<f64>>,
+    sources: Vec<HarmonicSource>,
+}
+
+impl ResponseRequest {
+    /// The responses, and what `then` finds in the same task.
+    fn run<T: Send + 'static>(
+        self,
+        model: &PyModel,
+        py: Python<'_>,
+        threads: usize,
+        then: impl FnOnce(&CachedModel, &HarmonicTable, &Threads, &Interrupt) -> Result<T, AnalysisError> + Send + 'static,
+    ) -> PyResult<(HarmonicTable, T)> {
+        let assembled = model.model();
+        let memory = analysis::memory_of_responses(assembled);
+        let fastest = fastest(&self.speeds);
+        model.warn_of_ill_conditioning(py, model.representative_speed(fastest), memory)?;
+        warn_of_speed(py, &assembled.scene, fastest)?;
+        let mut table = HarmonicTable::new(assembled, self.argument, self.speeds.len(), self.sources.len())?;
+        model.run(py, memory, move |cached, interrupt| {
+            let threads = Threads::new(memory.threads(&cached.model, threads), self.speeds.len());
+            let responses =
+                analysis::FrequencyResponses::new(cached, self.argument, self.lines.iter().flatten().copied());
+            let shared = self.sources.len() / self.lines.len().max(1);
+            let points: Vec<_> = self
+                .speeds
+                .iter()
+                .enumerate()
+                .flat_map(|(index, speed)| {
+                    let sources = self.sources.chunks(shared.max(1));
+                    self.lines.iter().zip(sources).map(move |(line, sources)| ResponsePoint {
+                        index,
+                        at: Harmonic { frequency: line[index], speed: *speed },
+                        sources,
+                    })
+                })
+                .collect();
+            responses.each(&points, &threads, interrupt, |point, at, found| table.add(at, point, found))?;
+            let found = then(cached, &table, &threads, interrupt)?;
+            Ok::<_, AnalysisError>((table, found))
+        })
+    }
+}
+
+/// Responses to harmonic sources in the form of the result: arrays adopt the lists without copies.
+struct HarmonicTable {
+    /// Number of the speeds or frequencies, and of the sources.
+    rows: usize,
+    sources: usize,
+    bearings: Vec<Node>,
+    /// Phasors (rows, sources, n), m and rad, in the order of the degrees of freedom that users see.
+    phasors: Vec<Complex<f64>>,
+    /// Bearing forces (rows, sources, 2 bearings), N.
+    bearing_force: Vec<Complex<f64>>,
+    /// Mesh forces (rows, sources, meshes), N.
+    mesh_force: Vec<Complex<f64>>,
+    /// Largest residual over the sources at each row.
+    residuals: Vec<f64>,
+    /// Largest displacement of a node along y or z over the sources at each row, m.
+    largest: Vec<f64>,
+}
+
+impl HarmonicTable {
+    /// Room for the responses over a list called `argument`.
+    fn new(model: &Model, argument: &'static str, rows: usize, sources: usize) -> Result<Self, SceneError> {
+        let bearings = model.scene.bearing_nodes();
+        let values = model.len() + 2 * bearings.len() + model.meshes.len();
+        let kept = Kept {
+            argument,
+            what: format!("the response at {rows} {argument} to {sources} sources"),
+            bytes: product(&[rows, sources, values, size_of::<Complex<f64>>()]),
+            remedy: if argument == "speeds" {
+                "give fewer speeds at a time"
+            } else {
+                "give fewer frequencies at a time"
+            },
+        };
+        kept.require()?;
+        let room = |values: usize| kept.room(rows * sources * values);
+        Ok(Self {
+            rows,
+            sources,
+            phasors: room(model.len())?,
+            bearing_force: room(2 * bearings.len())?,
+            mesh_force: room(model.meshes.len())?,
+            residuals: vec![0.0; rows],
+            largest: vec![0.0; rows],
+            bearings,
+        })
+    }
+
+    /// Adds the responses of a model at a point.
+    fn add(&mut self, model: &Model, point: &ResponsePoint<'_>, found: &[analysis::SourceResponse]) {
+        for (source, response) in point.sources.iter().zip(found) {
+            let phasors = response.phasors.as_slice();
+            self.residuals[point.index] = self.residuals[point.index].max(response.residual);
+            let largest = model.translations().map(|i| phasors[i].norm()).fold(0.0, f64::max);
+            self.largest[point.index] = self.largest[point.index].max(largest);
+            self.phasors.extend(model.numbering.to_user_order(phasors));
+            let forces = HarmonicForces { model, at: point.at, source: Some(source), phasors };
+            self.bearing_force.extend(self.bearings.iter().flat_map(|node| forces.bearing(*node)));
+            self.mesh_force.extend(forces.meshes());
         }
     }
+
+    fn into_dict<'py>(self, model: &PyModel, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (assembled, rows, sources) = (model.model(), self.rows, self.sources);
+        let (directions, meshes) = (2 * self.bearings.len(), assembled.meshes.len());
+        let dict = PyDict::new(py);
+        dict.set_item("phasors", stack(py, self.phasors, rows, sources, assembled.len())?)?;
+        dict.set_item("bearing_force", stack(py, self.bearing_force, rows, sources, directions)?)?;
+        dict.set_item("mesh_force", stack(py, self.mesh_force, rows, sources, meshes)?)?;
+        dict.set_item("residuals", self.residuals.into_pyarray(py))?;
+        dict.set_item("bearings", self.bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
+        dict.set_item("meshes", mesh_names(assembled, 0..meshes))?;
+        Ok(dict)
+    }
 }
 
-/// Memory of `values` complex amplitudes at each of a number of speeds.
-fn amplitudes_kept(speeds: usize, values: usize) -> Kept<'static> {
-    Kept {
+/// Refuses speeds whose synchronous responses at one place do not fit into memory.
+fn require_peaks(speeds: usize) -> Result<(), SceneError> {
+    let kept = Kept {
         argument: "speeds",
         what: format!("the amplitudes at {speeds} speeds"),
-        bytes: product(&[speeds, values, size_of::<Complex<f64>>()]),
+        // The speeds of both directions of rotation, and the size of the response.
+        bytes: product(&[speeds, 2, size_of::<Complex<f64>>()]),
         remedy: "give fewer speeds at a time",
-    }
+    };
+    kept.require()
 }
 
 /// Refuses a Campbell diagram that does not fit into memory.
@@ -247,11 +348,6 @@ fn require_campbell(speeds: usize, modes: usize) -> Result<(), SceneError> {
         remedy: "give fewer speeds at a time, or a smaller count",
     };
     kept.require()
-}
-
-/// Largest magnitude of the displacements of nodes along y and z, m.
-fn largest_displacement(model: &Model, amplitudes: &DMatrix<Complex<f64>>) -> f64 {
-    model.translations().map(|i| amplitudes.row(i).camax()).fold(0.0, f64::max)
 }
 
 /// Indices of the values that are larger than their neighbours: at most eight, those with the largest values.
@@ -295,8 +391,7 @@ pub fn peaks(
     let (speeds, part) = (finite_speeds(speeds)?, ExcitationPart::named(excitation, &EntryPath::root("excitation"))?);
     let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
-    // The speeds of both directions of rotation, and the size of the response.
-    amplitudes_kept(speeds.len(), 2).require()?;
+    require_peaks(speeds.len())?;
     let memory = analysis::memory_of_responses(model.model());
     let found = model.run(py, memory, move |cached, interrupt| analysis::peaks(cached, probe, &speeds, interrupt))?;
     let open = f64::NAN;
@@ -304,95 +399,4 @@ pub fn peaks(
         (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open), peak.is_stable)
     };
     Ok(found.iter().map(row).collect())
-}
-
-/// Computes the response to harmonic sources at pairs of a frequency and a speed: phasors (pairs, sources, n), bearing
-/// forces and mesh forces.
-pub fn frequency_response<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    frequencies: &PyReadonlyArray1<'_, f64>,
-    speeds: &PyReadonlyArray1<'_, f64>,
-    sources: &[description::Source],
-    threads: usize,
-) -> PyResult<Bound<'py, PyDict>> {
-    let (frequencies, speeds) = (frequencies.as_array().to_vec(), finite_speeds(speeds)?);
-    for (index, frequency) in frequencies.iter().enumerate() {
-        EntryPath::entry("frequencies", index).finite(*frequency)?;
-    }
-    let assembled = model.model();
-    let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(assembled, given, index);
-    let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
-    let memory = analysis::memory_of_responses(assembled);
-    model.warn_of_ill_conditioning(py, model.representative_speed(fastest(&speeds)), memory)?;
-    warn_of_speed(py, &assembled.scene, fastest(&speeds))?;
-    let bearings = assembled.scene.bearing_nodes();
-    let (rows, meshes, directions) = (frequencies.len(), assembled.meshes.len(), 2 * bearings.len());
-    let count = sources.len();
-    let kept = Kept {
-        argument: "frequencies",
-        what: format!("the response at {rows} frequencies to {count} sources"),
-        bytes: product(&[rows, count, assembled.len() + directions + meshes, size_of::<Complex<f64>>()]),
-        remedy: "give fewer frequencies at a time",
-    };
-    kept.require()?;
-    let room = |values: usize| kept.room(rows * count * values);
-    let mut table = HarmonicTable {
-        phasors: room(assembled.len())?,
-        bearing_force: room(directions)?,
-        mesh_force: room(meshes)?,
-        residuals: Vec::with_capacity(rows),
-    };
-    let nodes = bearings.clone();
-    let table = model.run(py, memory, move |cached, interrupt| {
-        let threads = Threads::new(memory.threads(&cached.model, threads), frequencies.len());
-        let responses = analysis::FrequencyResponses::new(cached, &sources, &frequencies);
-        let point = |(frequency, speed): (&f64, &f64)| Harmonic { frequency: *frequency, speed: *speed };
-        let points: Vec<_> = frequencies.iter().zip(&speeds).map(point).collect();
-        responses.each(&points, &threads, interrupt, |at, at_speed, found| {
-            table.add(at_speed, at, &sources, found, &nodes);
-        })?;
-        Ok::<_, AnalysisError>(table)
-    })?;
-    let dict = PyDict::new(py);
-    dict.set_item("phasors", stack(py, table.phasors, rows, count, assembled.len())?)?;
-    dict.set_item("bearing_force", stack(py, table.bearing_force, rows, count, directions)?)?;
-    dict.set_item("mesh_force", stack(py, table.mesh_force, rows, count, meshes)?)?;
-    dict.set_item("residuals", table.residuals.into_pyarray(py))?;
-    dict.set_item("bearings", bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;
-    dict.set_item("meshes", mesh_names(assembled, 0..meshes))?;
-    Ok(dict)
-}
-
-/// Responses to harmonic sources in the form of the result.
-struct HarmonicTable {
-    /// Phasors (pairs, sources, n), m and rad, in the order of the degrees of freedom that users see.
-    phasors: Vec<Complex<f64>>,
-    /// Bearing forces (pairs, sources, 2 bearings), N.
-    bearing_force: Vec<Complex<f64>>,
-    /// Mesh forces (pairs, sources, meshes), N.
-    mesh_force: Vec<Complex<f64>>,
-    /// Largest residual over the sources at each pair.
-    residuals: Vec<f64>,
-}
-
-impl HarmonicTable {
-    /// Adds the responses at a frequency and speed.
-    fn add(
-        &mut self,
-        model: &Model,
-        at: Harmonic,
-        sources: &[HarmonicSource],
-        found: &[analysis::SourceResponse],
-        bearings: &[Node],
-    ) {
-        self.residuals.push(found.iter().map(|response| response.residual).fold(0.0, f64::max));
-        for (source, response) in sources.iter().zip(found) {
-            let phasors = response.phasors.as_slice();
-            self.phasors.extend(model.numbering.to_user_order(phasors));
-            let forces = HarmonicForces { model, at, source: Some(source), phasors };
-            self.bearing_force.extend(bearings.iter().flat_map(|node| forces.bearing(*node)));
-            self.mesh_force.extend(forces.meshes());
-        }
-    }
 }

@@ -37,7 +37,7 @@ mod _core {
     #[pymodule_export]
     use super::bearing::rolling_coefficients;
     #[pymodule_export]
-    use super::bearing::{ring_coefficients, rolling_estimate};
+    use super::bearing::{ring_coefficients, rolling_estimate, table_at_frequency};
     #[pymodule_export]
     use super::convert::connection_channels;
     #[pymodule_export]

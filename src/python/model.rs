@@ -16,7 +16,7 @@ use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::mesh::MeshLoss;
-use crate::modal;
+use crate::modal::{self, AtSpeed, CachedModel};
 use crate::model::Model;
 use crate::scene::{EntryPath, Node, SceneDescription, SceneError, description, nearest};
 
@@ -49,6 +49,14 @@ fn require_modes(model: &Model, count: usize) -> Result<(), SceneError> {
         remedy: "ask for fewer modes",
     };
     kept.require()
+}
+
+/// The model at a speed and, if it is given, a frequency, both rad/s.
+fn at_frequency(cached: &CachedModel, speed: f64, frequency: Option<f64>) -> Result<AtSpeed<'_>, AnalysisError> {
+    Ok(match frequency {
+        Some(frequency) => cached.at(speed, frequency)?,
+        None => cached.at_speed(speed)?,
+    })
 }
 
 #[pymethods]
@@ -202,13 +210,14 @@ impl PyModel {
         Ok((translation.and_then(outside), translation.and_then(|v| outside(v + 1)), twist.and_then(outside)))
     }
 
-    #[pyo3(signature = (speed=0.0))]
-    fn matrices<'py>(&self, py: Python<'py>, speed: f64) -> PyResult<Bound<'py, PyDict>> {
+    #[pyo3(signature = (speed=0.0, frequency=None))]
+    fn matrices<'py>(&self, py: Python<'py>, speed: f64, frequency: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
+        EntryPath::root("frequency").finite(frequency.unwrap_or(0.0))?;
         // The matrix of modal damping is a sum over the modes.
         let dense = if !self.model().scene.modal_damping.is_zero() { Dense::Undamped } else { Dense::Matrices };
         let matrices = self.run(py, dense, move |cached, _| -> Result<_, AnalysisError> {
-            let cached = cached.at_speed(speed)?;
+            let cached = at_frequency(cached, speed, frequency)?;
             let model = &cached.model;
             let outside = |matrix: DMatrix<f64>| outside_matrix(&model.numbering, &matrix);
             Ok([
@@ -225,15 +234,21 @@ impl PyModel {
         Ok(dict)
     }
 
-    #[pyo3(signature = (speed=0.0))]
-    fn sparse_matrices<'py>(&self, py: Python<'py>, speed: f64) -> PyResult<Bound<'py, PyDict>> {
+    #[pyo3(signature = (speed=0.0, frequency=None))]
+    fn sparse_matrices<'py>(
+        &self,
+        py: Python<'py>,
+        speed: f64,
+        frequency: Option<f64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
+        EntryPath::root("frequency").finite(frequency.unwrap_or(0.0))?;
         if !self.model().scene.modal_damping.is_zero() {
             let message = "must be False with modal damping, whose matrix has no zeros";
             return Err(SceneError::new("sparse", message).into());
         }
         let matrices = self.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
-            let cached = cached.at_speed(speed)?;
+            let cached = at_frequency(cached, speed, frequency)?;
             let model = &cached.model;
             Ok([
                 ("mass", model.sparse_mass()),
@@ -349,7 +364,9 @@ impl PyModel {
         frequency::peaks(self, py, &speeds, index, source, excitation, slow_roll)
     }
 
-    /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix.
+    /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix; less those of
+    /// `base`, another model with its outputs.
+    #[pyo3(signature = (speed, scale, sources, outputs, base=None))]
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn harmonic_terms<'py>(
         &self,
@@ -358,9 +375,11 @@ impl PyModel {
         scale: f64,
         sources: &Bound<'py, PyAny>,
         outputs: sensitivity::Outputs<'py>,
+        base: Option<(Bound<'py, Self>, sensitivity::Outputs<'py>)>,
     ) -> PyResult<sensitivity::Terms<'py>> {
         let sources: Vec<description::Source> = pythonize::depythonize(sources)?;
-        sensitivity::harmonic_terms(self, py, [speed, scale], &sources, &outputs)
+        let base = base.as_ref().map(|(model, outputs)| (model.get(), outputs));
+        sensitivity::harmonic_terms(self, py, [speed, scale], &sources, &outputs, base)
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
@@ -398,7 +417,7 @@ impl PyModel {
     ) -> PyResult<Bound<'py, PyDict>> {
         let geometry = mesh_geometry(geometry)?;
         EntryPath::root("speed").finite(speed)?;
-        let at_speed = self.cached.at_speed(speed)?;
+        let at_speed = self.cached.at(speed, 0.0)?;
         let model = &at_speed.model;
         let dict = PyDict::new(py);
         let (found, residuals) = if let Some(state) = state {

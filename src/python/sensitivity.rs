@@ -1,5 +1,7 @@
 //! What the derivatives of harmonic responses and of the static equilibrium need.
 
+use std::sync::Arc;
+
 use nalgebra::{Complex, DVector};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
@@ -11,10 +13,11 @@ use super::convert::{stack, table};
 use super::frequency::finite_speeds;
 use super::handle::PyModel;
 use crate::analysis::{
-    self, AnalysisError, Dense, FrequencyResponses, Harmonic, HarmonicOutputs, HarmonicPoint, HarmonicSource, TERMS,
+    self, AnalysisError, Dense, FrequencyResponses, Harmonic, HarmonicOutputs, HarmonicPoint, HarmonicSource,
+    HarmonicSystem, SparseEntry, TERMS,
 };
 use crate::mesh::Geometry;
-use crate::modal::EquilibriumChange;
+use crate::modal::{CachedModel, EquilibriumChange};
 use crate::model::Model;
 use crate::scene::{SceneError, description};
 
@@ -51,21 +54,43 @@ impl Outputs<'_> {
     }
 }
 
-/// Entries of B at a speed with a largest frequency, both rad/s.
+/// A system that a harmonic response has, with what excites and measures it.
+struct Given {
+    cached: Arc<CachedModel>,
+    sources: Vec<HarmonicSource>,
+    outputs: HarmonicOutputs,
+}
+
+impl Given {
+    fn new(model: &PyModel, sources: &[description::Source], outputs: &Outputs<'_>) -> Result<Self, SceneError> {
+        let assembled = model.model();
+        let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(assembled, given, index);
+        let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { cached: Arc::clone(&model.cached), sources, outputs: outputs.parse(assembled)? })
+    }
+}
+
+/// Entries of B at a speed with a largest frequency, both rad/s, less those of another model with its outputs.
 pub fn harmonic_terms<'py>(
     model: &PyModel,
     py: Python<'py>,
     [speed, scale]: [f64; 2],
     sources: &[description::Source],
     outputs: &Outputs<'py>,
+    base: Option<(&PyModel, &Outputs<'py>)>,
 ) -> PyResult<Terms<'py>> {
-    let assembled = model.model();
-    let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(assembled, given, index);
-    let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
-    let outputs = outputs.parse(assembled)?;
-    let dense = if !assembled.scene.modal_damping.is_zero() { Dense::Undamped } else { Dense::Bands };
-    let found =
-        model.run(py, dense, move |cached, _| analysis::harmonic_terms(cached, speed, scale, &sources, &outputs))?;
+    let given = Given::new(model, sources, outputs)?;
+    let base = base.map(|(base, outputs)| Given::new(base, sources, outputs)).transpose()?;
+    let dense = if !model.model().scene.modal_damping.is_zero() { Dense::Undamped } else { Dense::Bands };
+    dense.require(model.model())?;
+    let found = py.detach(|| -> Result<_, AnalysisError> {
+        let at_speed = given.cached.at_speed(speed)?;
+        let base_at_speed = base.as_ref().map(|base| base.cached.at_speed(speed)).transpose()?;
+        let system = HarmonicSystem { cached: &at_speed, sources: &given.sources, outputs: &given.outputs };
+        let base = base.as_ref().zip(base_at_speed.as_ref());
+        let base = base.map(|(Given { sources, outputs, .. }, cached)| HarmonicSystem { cached, sources, outputs });
+        analysis::harmonic_terms(&system, base.as_ref(), speed, scale)
+    })?;
     let integers = |values: Vec<i64>| values.into_pyarray(py);
     let rows = integers(found.iter().map(|(row, _, _)| *row as i64).collect());
     let columns = integers(found.iter().map(|(_, column, _)| *column as i64).collect());
@@ -87,7 +112,7 @@ pub fn harmonic_adjoint<'py>(
     let memory = analysis::memory_of_responses(assembled);
     let (rows, size) = (frequencies.len(), assembled.len());
     let found = model.run(py, memory, move |cached, interrupt| {
-        let responses = FrequencyResponses::new(cached, &[], &frequencies);
+        let responses = FrequencyResponses::new(cached, "frequencies", frequencies.iter().copied());
         let mut found = Vec::new();
         for (index, (frequency, speed)) in frequencies.iter().zip(&speeds).enumerate() {
             interrupt.check()?;
@@ -117,9 +142,9 @@ pub fn harmonic_forms<'py>(
     let (outputs, sources, size) = (adjoint.shape()[1], phasors.shape()[1], adjoint.shape()[2]);
     let (rows, columns, values) = &entries;
     let places = rows.as_array().to_vec().into_iter().zip(columns.as_array().to_vec());
-    let entries: Vec<_> = places
+    let entries: Vec<SparseEntry> = places
         .zip(values.as_slice()?.chunks_exact(TERMS))
-        .map(|((row, column), values)| (row as usize, column as usize, std::array::from_fn(|term| values[term])))
+        .map(|((row, column), values)| (row as usize, column as usize, std::array::from_fn(|term| values[term])).into())
         .collect();
     let harmonics = harmonics.as_array();
     let count = harmonics.nrows();
@@ -148,7 +173,7 @@ pub fn static_changes<'py>(
     let state = inside(state.as_slice()?);
     let size = state.len();
     let forces: Vec<_> = forces.as_slice()?.chunks_exact(size.max(1)).map(inside).collect();
-    let at_speed = model.cached.at_speed(speed)?;
+    let at_speed = model.cached.at(speed, 0.0)?;
     let change = EquilibriumChange::new(&at_speed.model, geometry, speed.into(), state);
     let found = change.and_then(|change| change.under(&forces)).map_err(AnalysisError::from)?;
     let values = found.iter().flat_map(|change| numbering.to_user_order(change.as_slice())).collect();

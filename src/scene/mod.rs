@@ -63,10 +63,10 @@ pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use modal_damping::DampingRatios;
 pub use nonlinear::{Nonlinear, bearing};
-pub use number::{outside_table, range_with_rpm, short, with_rpm};
+pub use number::{outside_frequencies, outside_table, range_with_rpm, short, with_rpm};
 pub use rolling::Rolling;
 pub use shaft::{Element, MAX_DEGREE, Shaft, Tube};
-pub use speed_table::{BearingCoefficient, Matrix2, SpeedTable};
+pub use speed_table::{BearingCoefficient, Matrix2};
 pub use stiffness::{Scale, StiffnessModel};
 pub use teeth::{Engagement, Phase, Relief, Teeth, TransmissionError};
 

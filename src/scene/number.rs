@@ -38,3 +38,13 @@ pub fn outside_table(range: [f64; 2], shaft: &str, own: f64) -> String {
         with_rpm(own)
     )
 }
+
+/// Says that a table with a `range` does not contain the frequency of a vibration, both in rad/s, and what to do.
+pub fn outside_frequencies([first, last]: [f64; 2], frequency: f64) -> String {
+    format!(
+        "the table has the frequencies {} to {} rad/s, but the vibration has {} rad/s; extend the table, ask for fewer modes or frequencies, or hold its end values with outside=\"hold\"",
+        short(first),
+        short(last),
+        short(frequency.abs())
+    )
+}

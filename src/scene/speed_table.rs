@@ -1,9 +1,10 @@
-//! Coefficients of a bearing over the speed of its shaft: monotone cubic interpolation between given speeds.
+//! Coefficients of a bearing over the speed of its shaft, the frequency of a vibration or both: monotone cubic interpolation
+//! between given values.
 //!
-//! Each entry of the 2×2 coefficient is interpolated on its own. Between two knots an entry is monotone, so no stiffness lies
-//! outside the values of its neighbours.
+//! Each entry of the 2×2 coefficient is interpolated on its own, over the frequency first. Between two knots an entry is
+//! monotone, so no stiffness lies outside the values of its neighbours.
 
-use super::description::{self, Coefficient, Outside};
+use super::description::{self, Coefficient, Outside, TableValue};
 use super::{EntryPath, SceneError};
 use crate::numerics::{PiecewiseCubic, Place, ROUND_OFF, monotone_slopes};
 
@@ -13,10 +14,12 @@ pub type Matrix2 = [[f64; 2]; 2];
 /// A coefficient of a bearing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BearingCoefficient {
-    /// The same at every speed.
+    /// The same at every speed and frequency.
     Constant(Matrix2),
     /// A function of the magnitude of the speed of the shaft.
     Table(SpeedTable),
+    /// A function of the magnitude of the frequency of the vibration, and perhaps of the speed.
+    OverFrequency(FrequencyTable),
 }
 
 /// Coefficients over the magnitude of a speed.
@@ -30,34 +33,118 @@ pub struct SpeedTable {
     holds: bool,
 }
 
+/// Coefficients over the magnitude of a frequency, and perhaps of a speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrequencyTable {
+    /// Coefficient at each speed and frequency.
+    values: Vec<Matrix2>,
+    /// Speeds, rad/s; none if the speed has no effect.
+    speeds: Vec<f64>,
+    /// The coefficient over the frequency, rad/s, at each speed; one if the speed has no effect.
+    curves: Vec<PiecewiseCubic<nalgebra::Matrix2<f64>>>,
+    /// Whether the first and the last value hold outside the speeds and frequencies.
+    holds: bool,
+}
+
 impl BearingCoefficient {
+    /// The coefficient of a plain description, in which messages call it `table`.
+    ///
+    /// # Errors
+    /// [`SceneError`] for an invalid value.
+    pub fn of_description(given: &description::BearingCoefficient) -> Result<Self, SceneError> {
+        Self::new(Some(given), &EntryPath::root("table"))
+    }
+
+    /// The plain description of a coefficient that does not depend on the frequency.
+    pub fn description(&self) -> description::BearingCoefficient {
+        match self {
+            Self::Table(table) => description::BearingCoefficient::Table(description::SpeedTable {
+                speeds: Some(table.curve.x.clone()),
+                frequencies: None,
+                values: table.values.iter().map(|value| TableValue::One(Coefficient::Full(*value))).collect(),
+                outside: if table.holds { Outside::Hold } else { Outside::Error },
+            }),
+            other => Coefficient::Full(other.at(0.0)).into(),
+        }
+    }
+
     /// Checks the coefficient `given` at the entry `at`; one that is not given is zero.
     ///
     /// # Errors
     /// [`SceneError`] for a number that is not finite or a negative diagonal, which would push the shaft away from its
-    /// centre; for speeds that do not ascend from zero or above, and for values that do not fit them.
+    /// centre; for speeds or frequencies that do not ascend from zero or above, and for values that do not fit them.
     pub(super) fn new(given: Option<&description::BearingCoefficient>, at: &EntryPath) -> Result<Self, SceneError> {
         match given {
             None => Ok(Self::Constant([[0.0; 2]; 2])),
             Some(description::BearingCoefficient::Constant(constant)) => checked(*constant, at).map(Self::Constant),
-            Some(description::BearingCoefficient::Table(table)) => SpeedTable::new(table, at).map(Self::Table),
+            Some(description::BearingCoefficient::Table(table)) => Self::of_table(table, at),
         }
     }
 
-    /// The coefficient where it does not depend on the speed.
+    fn of_table(given: &description::SpeedTable, at: &EntryPath) -> Result<Self, SceneError> {
+        let holds = given.outside == Outside::Hold;
+        let axis = |given: &Option<Vec<f64>>, name: &'static str, one: &'static str| match given {
+            Some(values) => ascending(values, &at.field(name), one).map(Some),
+            None => Ok(None),
+        };
+        let (speeds, frequencies) =
+            (axis(&given.speeds, "speeds", "speed")?, axis(&given.frequencies, "frequencies", "frequency")?);
+        let place = at.field("values");
+        let single = |count: usize, axis: &str| {
+            let values: Vec<_> = given
+                .values
+                .iter()
+                .enumerate()
+                .map(|(index, value)| match value {
+                    TableValue::One(value) => Ok(*value),
+                    TableValue::OverFrequencies(_) => Err(place
+                        .index(index)
+                        .error("expected a number, a pair [yy, zz] or rows [[yy, yz], [zy, zz]]; a list of these needs speeds and frequencies")),
+                })
+                .collect::<Result<_, _>>()?;
+            matrices(&values, count, axis, &place)
+        };
+        match (speeds, frequencies) {
+            (None, None) => Err(at.error("a table needs speeds, frequencies or both")),
+            (Some(speeds), None) => {
+                let values = single(speeds.len(), "speeds")?;
+                Ok(Self::Table(SpeedTable::new(speeds, values, holds)))
+            }
+            (None, Some(frequencies)) => {
+                let values = single(frequencies.len(), "frequencies")?;
+                let curves = vec![curve(frequencies, &values)];
+                Ok(Self::OverFrequency(FrequencyTable { values, speeds: Vec::new(), curves, holds }))
+            }
+            (Some(speeds), Some(frequencies)) => {
+                if given.values.len() != speeds.len() {
+                    return Err(place.error(count_message(speeds.len(), "speeds", given.values.len())));
+                }
+                let row = |(index, value): (usize, &TableValue)| {
+                    matrices(&value.over_frequencies(), frequencies.len(), "frequencies", &place.index(index))
+                };
+                let rows = given.values.iter().enumerate().map(row).collect::<Result<Vec<_>, _>>()?;
+                let curves = rows.iter().map(|row| curve(frequencies.clone(), row)).collect();
+                Ok(Self::OverFrequency(FrequencyTable { values: rows.concat(), speeds, curves, holds }))
+            }
+        }
+    }
+
+    /// The coefficient where it depends neither on speed nor on frequency.
     pub fn constant(&self) -> Option<Matrix2> {
         match self {
             Self::Constant(constant) => Some(*constant),
-            Self::Table(_) => None,
+            Self::Table(_) | Self::OverFrequency(_) => None,
         }
     }
 
-    /// The coefficient at a speed of the shaft, rad/s of either sign; outside a table its first or last value.
+    /// The coefficient at a speed of the shaft, rad/s of either sign; outside a table its first or last value. A table over the
+    /// frequency has its value at the first frequency: analyses take it [at a frequency](Self::at_frequency) before.
     #[inline]
     pub fn at(&self, speed: f64) -> Matrix2 {
         match self {
             Self::Constant(constant) => *constant,
             Self::Table(table) => table.at(speed.abs())[0],
+            Self::OverFrequency(table) => table.at_frequency(0.0).at(speed),
         }
     }
 
@@ -66,22 +153,50 @@ impl BearingCoefficient {
         match self {
             Self::Constant(_) => [[0.0; 2]; 2],
             Self::Table(table) => table.at(speed.abs())[1],
+            Self::OverFrequency(table) => table.at_frequency(0.0).slope(speed),
+        }
+    }
+
+    /// The coefficient over the speed at a frequency of the vibration, rad/s of either sign; outside a table that of its first or
+    /// last frequency.
+    #[must_use]
+    pub fn at_frequency(&self, frequency: f64) -> Self {
+        match self {
+            Self::OverFrequency(table) => table.at_frequency(frequency.abs()),
+            Self::Constant(_) | Self::Table(_) => self.clone(),
         }
     }
 
     /// The range of speeds [rad/s] outside which the coefficient is not defined, if `speed` lies outside it.
     pub fn excludes(&self, speed: f64) -> Option<[f64; 2]> {
         match self {
-            Self::Constant(_) => None,
-            Self::Table(table) => table.excludes(speed.abs()),
+            Self::Table(table) if !table.holds => excluding(table.curve.range(), speed.abs()),
+            _ => None,
         }
     }
 
-    /// The speeds of the table, rad/s; none where the coefficient is constant.
+    /// The range of frequencies [rad/s] outside which the coefficient is not defined, if `frequency` lies outside it.
+    pub fn excludes_frequency(&self, frequency: f64) -> Option<[f64; 2]> {
+        match self {
+            Self::OverFrequency(table) if !table.holds => excluding(table.curves[0].range(), frequency.abs()),
+            _ => None,
+        }
+    }
+
+    /// The speeds of the table, rad/s; none where the coefficient does not depend on the speed.
     pub fn speeds(&self) -> &[f64] {
         match self {
             Self::Constant(_) => &[],
             Self::Table(table) => &table.curve.x,
+            Self::OverFrequency(table) => &table.speeds,
+        }
+    }
+
+    /// The frequencies of the table, rad/s; none where the coefficient does not depend on the frequency.
+    pub fn frequencies(&self) -> &[f64] {
+        match self {
+            Self::Constant(_) | Self::Table(_) => &[],
+            Self::OverFrequency(table) => &table.curves[0].x,
         }
     }
 
@@ -89,61 +204,94 @@ impl BearingCoefficient {
     pub fn extremes(&self) -> &[Matrix2] {
         match self {
             Self::Constant(constant) => std::slice::from_ref(constant),
-            Self::Table(table) => &table.values,
+            Self::Table(SpeedTable { values, .. }) | Self::OverFrequency(FrequencyTable { values, .. }) => values,
         }
     }
 
-    /// Whether the first and the last value hold outside the speeds of the table; a constant always holds.
+    /// Whether the first and the last value hold outside the speeds and frequencies of the table; a constant always holds.
     pub fn holds(&self) -> bool {
-        !matches!(self, Self::Table(SpeedTable { holds: false, .. }))
+        match self {
+            Self::Constant(_) => true,
+            Self::Table(SpeedTable { holds, .. }) | Self::OverFrequency(FrequencyTable { holds, .. }) => *holds,
+        }
+    }
+}
+
+impl FrequencyTable {
+    /// The coefficient over the speed at a frequency, rad/s, that is not negative.
+    fn at_frequency(&self, frequency: f64) -> BearingCoefficient {
+        let values: Vec<Matrix2> = self.curves.iter().map(|curve| value_and_slope(curve, frequency)[0]).collect();
+        match self.speeds.is_empty() {
+            true => BearingCoefficient::Constant(values[0]),
+            false => BearingCoefficient::Table(SpeedTable::new(self.speeds.clone(), values, self.holds)),
+        }
     }
 }
 
 impl SpeedTable {
-    fn new(given: &description::SpeedTable, at: &EntryPath) -> Result<Self, SceneError> {
-        let (speeds, place) = (given.speeds.clone(), at.field("speeds"));
-        if speeds.len() < 2 {
-            return Err(place.error(format!("needs at least 2 speeds, got {}", speeds.len())));
-        }
-        for (index, speed) in speeds.iter().enumerate() {
-            place.index(index).non_negative(*speed)?;
-            if index > 0 && *speed <= speeds[index - 1] {
-                let message = format!("must be above the speed before it, {}, got {speed}", speeds[index - 1]);
-                return Err(place.index(index).error(message));
-            }
-        }
-        let place = at.field("values");
-        if given.values.len() != speeds.len() {
-            let message =
-                format!("needs one value for each of the {} speeds, got {}", speeds.len(), given.values.len());
-            return Err(place.error(message));
-        }
-        let form = std::mem::discriminant(&given.values[0]);
-        if let Some(other) = given.values.iter().position(|value| std::mem::discriminant(value) != form) {
-            return Err(place.index(other).error("must have the same form as the value before it"));
-        }
-        let value = |(index, value): (usize, &Coefficient)| checked(*value, &place.index(index));
-        let values = given.values.iter().enumerate().map(value).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { curve: curve(speeds, &values), values, holds: given.outside == Outside::Hold })
+    fn new(speeds: Vec<f64>, values: Vec<Matrix2>, holds: bool) -> Self {
+        Self { curve: curve(speeds, &values), values, holds }
     }
 
     /// The coefficient and its derivative at a speed that is not negative. At a knot the coefficient is the given value.
     fn at(&self, speed: f64) -> [Matrix2; 2] {
-        let [value, slope] = match self.curve.at(speed) {
-            Place::Within { cubic, fraction, width } => [cubic.value(fraction), cubic.slope(fraction) / width],
-            Place::Behind(end) if speed == self.curve.range()[1] => [end.value, end.slope],
-            Place::Before(end) | Place::Behind(end) => [end.value, nalgebra::Matrix2::zeros()],
-        };
-        [value.into(), slope.into()]
+        value_and_slope(&self.curve, speed)
     }
+}
 
-    fn excludes(&self, speed: f64) -> Option<[f64; 2]> {
-        let [first, last] = self.curve.range();
-        // A speed ratio has round-off.
-        let slack = ROUND_OFF * last;
-        let inside = speed >= first - slack && speed <= last + slack;
-        (!self.holds && !inside).then_some([first, last])
+/// Value and derivative of a curve; outside its knots the first or the last value. At a knot the value is the given one.
+fn value_and_slope(curve: &PiecewiseCubic<nalgebra::Matrix2<f64>>, x: f64) -> [Matrix2; 2] {
+    let [value, slope] = match curve.at(x) {
+        Place::Within { cubic, fraction, width } => [cubic.value(fraction), cubic.slope(fraction) / width],
+        Place::Behind(end) if x == curve.range()[1] => [end.value, end.slope],
+        Place::Before(end) | Place::Behind(end) => [end.value, nalgebra::Matrix2::zeros()],
+    };
+    [value.into(), slope.into()]
+}
+
+/// A range, if a value that is not negative lies outside it.
+fn excluding([first, last]: [f64; 2], value: f64) -> Option<[f64; 2]> {
+    // A speed ratio has round-off.
+    let slack = ROUND_OFF * last;
+    let inside = value >= first - slack && value <= last + slack;
+    (!inside).then_some([first, last])
+}
+
+/// The axis of a table at the entry `place`: at least two values, ascending from zero or above. `one` is the name of a value.
+fn ascending(values: &[f64], place: &EntryPath<'_>, one: &str) -> Result<Vec<f64>, SceneError> {
+    if values.len() < 2 {
+        let plural = if one == "speed" { "speeds" } else { "frequencies" };
+        return Err(place.error(format!("needs at least 2 {plural}, got {}", values.len())));
     }
+    for (index, value) in values.iter().enumerate() {
+        place.index(index).non_negative(*value)?;
+        if index > 0 && *value <= values[index - 1] {
+            let message = format!("must be above the {one} before it, {}, got {value}", values[index - 1]);
+            return Err(place.index(index).error(message));
+        }
+    }
+    Ok(values.to_vec())
+}
+
+fn count_message(count: usize, axis: &str, found: usize) -> String {
+    format!("needs one value for each of the {count} {axis}, got {found}")
+}
+
+/// The coefficients along an axis with `count` knots, all of the same form.
+fn matrices(
+    given: &[Coefficient],
+    count: usize,
+    axis: &str,
+    place: &EntryPath<'_>,
+) -> Result<Vec<Matrix2>, SceneError> {
+    if given.len() != count {
+        return Err(place.error(count_message(count, axis, given.len())));
+    }
+    let form = std::mem::discriminant(&given[0]);
+    if let Some(other) = given.iter().position(|value| std::mem::discriminant(value) != form) {
+        return Err(place.index(other).error("must have the same form as the value before it"));
+    }
+    given.iter().enumerate().map(|(index, value)| checked(*value, &place.index(index))).collect()
 }
 
 /// A finite 2×2 coefficient without a negative diagonal.
@@ -186,9 +334,8 @@ mod tests {
     use super::*;
 
     fn table(speeds: &[f64], values: &[f64]) -> SpeedTable {
-        let values = values.iter().map(|value| Coefficient::Isotropic(*value)).collect();
-        let given = description::SpeedTable { speeds: speeds.to_vec(), values, outside: Outside::Error };
-        SpeedTable::new(&given, &EntryPath::root("table")).unwrap()
+        let values = values.iter().map(|value| [[*value, 0.0], [0.0, *value]]).collect();
+        SpeedTable::new(speeds.to_vec(), values, false)
     }
 
     #[test]
@@ -219,10 +366,35 @@ mod tests {
     #[test]
     fn a_table_refuses_speeds_outside_it_unless_it_holds() {
         let mut table = table(&[1.0, 2.0], &[1.0, 2.0]);
-        assert_eq!(table.excludes(2.1), Some([1.0, 2.0]));
-        assert_eq!(table.excludes(2.0 + 1e-13), None);
+        let excludes = |table: &SpeedTable, speed| BearingCoefficient::Table(table.clone()).excludes(speed);
+        assert_eq!(excludes(&table, 2.1), Some([1.0, 2.0]));
+        assert_eq!(excludes(&table, 2.0 + 1e-13), None);
         table.holds = true;
-        assert_eq!(table.excludes(2.1), None);
+        assert_eq!(excludes(&table, 2.1), None);
         assert_eq!(table.at(2.1)[0], [[2.0, 0.0], [0.0, 2.0]]);
+    }
+
+    fn over_frequency(values: Vec<TableValue>) -> Result<BearingCoefficient, SceneError> {
+        let (speeds, frequencies) = (Some(vec![0.0, 10.0]), Some(vec![1.0, 3.0]));
+        let table = description::SpeedTable { speeds, frequencies, values, outside: Outside::Error };
+        BearingCoefficient::new(Some(&description::BearingCoefficient::Table(table)), &EntryPath::root("table"))
+    }
+
+    #[test]
+    fn values_over_two_frequencies_have_the_form_of_one_speed() {
+        use Coefficient::{Full, Isotropic, Orthotropic};
+        let pair = |k: [f64; 2]| TableValue::One(Orthotropic(k));
+        let numbers = over_frequency(vec![pair([1.0, 2.0]), pair([3.0, 4.0])]).unwrap();
+        let expected = [[[1.0, 0.0], [0.0, 1.0]], [[4.0, 0.0], [0.0, 4.0]]];
+        assert_eq!([numbers.at_frequency(1.0).at(0.0), numbers.at_frequency(-3.0).at(-10.0)], expected);
+        let pairs = |k: [f64; 2]| TableValue::One(Full(k.map(|k| [k, k])));
+        assert_eq!(over_frequency(vec![pairs([1.0, 2.0]), pairs([3.0, 4.0])]).unwrap(), numbers);
+        let rows = |k: [f64; 2]| TableValue::OverFrequencies(k.map(|k| Full([[k, 0.0], [0.0, k]])).to_vec());
+        assert_eq!(over_frequency(vec![rows([1.0, 2.0]), rows([3.0, 4.0])]).unwrap(), numbers);
+        let three = |k: f64| TableValue::OverFrequencies(vec![Isotropic(k); 3]);
+        assert!(over_frequency(vec![three(1.0), three(2.0)]).is_err());
+        assert!(over_frequency(vec![TableValue::One(Isotropic(1.0)); 2]).is_err());
+        assert_eq!(numbers.excludes_frequency(3.1), Some([1.0, 3.0]));
+        assert_eq!(numbers.excludes_frequency(-2.0), None);
     }
 }

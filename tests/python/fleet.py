@@ -43,6 +43,8 @@ REFUSALS: dict[tuple[str, str], tuple[type[Exception], str]] = {
         )
         for sense in "+-"
     },
+    # A branch needs a common period.
+    ("idler_train", "branch +"): (gb.SceneError, "period: the common period of the excitation"),
 }
 
 

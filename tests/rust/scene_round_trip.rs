@@ -3,8 +3,8 @@
 use gearbow::model::Model;
 use gearbow::scene::description::{
     Bearing, BearingCoefficient, Bow, BowShape, Coefficient, Complex, Disk, Drive, Force, ForceValue, FrictionTable,
-    Gear, Gravity, Material, Mesh, MeshFriction, Outside, Place, Segment, Shaft, SpeedTable, Stiffness, Torque,
-    TorqueValue,
+    Gear, Gravity, Material, Mesh, MeshFriction, Outside, Place, Segment, Shaft, SpeedTable, Stiffness, TableValue,
+    Torque, TorqueValue,
 };
 use gearbow::scene::{Scene, SceneDescription};
 use proptest::prelude::*;
@@ -118,9 +118,10 @@ fn bearing_coefficients() -> BoxedStrategy<BearingCoefficient> {
                 speed
             })
             .collect();
-        let values = rows.iter().map(|(_, value)| Coefficient::Orthotropic([*value, 1.0])).collect();
+        let value = |value: f64| TableValue::One(Coefficient::Orthotropic([value, 1.0]));
+        let values = rows.iter().map(|(_, k)| value(*k)).collect();
         let outside = if holds { Outside::Hold } else { Outside::Error };
-        BearingCoefficient::Table(SpeedTable { speeds, values, outside })
+        BearingCoefficient::Table(SpeedTable { speeds: Some(speeds), frequencies: None, values, outside })
     });
     prop_oneof![coefficients().prop_map(BearingCoefficient::from), table].boxed()
 }

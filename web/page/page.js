@@ -30,6 +30,30 @@ function shape(name, attributes, text = "") {
   return element;
 }
 
+/** Points of a curve through nodes: cubic pieces whose slopes are those of a parabola through three nodes. */
+function smooth(x, y) {
+  const last = x.length - 1;
+  if (last < 2) return x.map((at, node) => [at, y[node]]);
+  const chord = (i) => (y[i + 1] - y[i]) / (x[i + 1] - x[i]);
+  const slope = x.map((at, node) => {
+    const i = Math.min(Math.max(node, 1), last - 1);
+    const [before, after] = [x[i] - x[i - 1], x[i + 1] - x[i]];
+    const bend = (chord(i) - chord(i - 1)) / (before + after);
+    return chord(i - 1) + bend * (2 * at - x[i - 1] - x[i]);
+  });
+  const points = [];
+  for (let i = 0; i < last; i++) {
+    const length = x[i + 1] - x[i];
+    for (let k = 0; k < 12; k++) {
+      const t = k / 12;
+      const [a, b] = [(1 + 2 * t) * (1 - t) ** 2, t * t * (3 - 2 * t)];
+      const [c, d] = [t * (1 - t) ** 2, t * t * (t - 1)];
+      points.push([x[i] + t * length, a * y[i] + b * y[i + 1] + length * (c * slope[i] + d * slope[i + 1])]);
+    }
+  }
+  return [...points, [x[last], y[last]]];
+}
+
 /** Draws the shafts to scale from the side, one above the other, with the bow enlarged. */
 function drawTrain(layout) {
   const radiusAt = (index) => Math.max(
@@ -48,7 +72,7 @@ function drawTrain(layout) {
   const margin = 0.16 * length;
   const largest = Math.max(...layout.shafts.flatMap((shaft) => shaft.bow));
   const enlarged = largest > 0 ? (0.6 * gap) / largest : 0;
-  const drawing = shape("svg", { viewBox: `${-margin} 0 ${length + margin + 0.05 * length} ${y}`, role: "img" });
+  const drawing = shape("svg", { viewBox: `${-margin} 0 ${length + margin + 0.14 * length} ${y}`, role: "img" });
   const thin = { stroke: "#1b2733", "stroke-width": 0.0025 * length };
   layout.shafts.forEach((shaft, index) => {
     drawing.append(shape("text", { x: -margin, y: axes[index], "font-size": 0.028 * length, "dominant-baseline": "middle" }, shaft.name));
@@ -80,10 +104,14 @@ function drawTrain(layout) {
   }
   layout.shafts.forEach((shaft, index) => {
     if (!shaft.bow.some((size) => size > 0)) return;
-    const points = shaft.nodes.map((x, node) => `${x},${axes[index] - enlarged * shaft.bow[node]}`);
+    const points = smooth(shaft.nodes, shaft.bow).map(([x, size]) => `${x},${axes[index] - enlarged * size}`);
     drawing.append(shape("polyline", { points: points.join(" "), fill: "none", stroke: "#c0392b", "stroke-width": 0.004 * length }));
   });
-  byId("drawing").replaceChildren(drawing);
+  const note = document.createElement("p");
+  note.className = "note";
+  const bow = largest > 0 ? ` Red: bow, ${Number(enlarged.toPrecision(1))} times enlarged, in its own plane.` : "";
+  note.textContent = `Each shaft from its own left end, one below the other; disks without their size.${bow}`;
+  byId("drawing").replaceChildren(drawing, note);
 }
 
 /** Fills a table. */
@@ -98,7 +126,7 @@ function tabulate(id, heads, rows) {
 
 function plot(id, traces, x, y, layout = {}) {
   const axes = { xaxis: { title: { text: x } }, yaxis: { title: { text: y } } };
-  const common = { margin: { l: 70, r: 20, t: 20, b: 50 }, legend: { orientation: "h", y: -0.22 }, ...axes, ...layout };
+  const common = { showlegend: true, margin: { l: 70, r: 20, t: 40, b: 50 }, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" }, ...axes, ...layout };
   Plotly.react(id, traces, common, { responsive: true, displaylogo: false });
 }
 
@@ -131,6 +159,8 @@ function plotSynchronous(found) {
 function plotRun(run) {
   const micro = (values) => values.map((value) => value * 1e6);
   plot("orbits", run.points.map((point) => ({ x: micro(point.y), y: micro(point.z), mode: "lines", name: point.name })), "y [µm]", "z [µm]", { yaxis: { title: { text: "z [µm]" }, scaleanchor: "x" } });
+  byId("meshing").hidden = run.meshes.length === 0;
+  if (run.meshes.length === 0) return;
   const time = run.time.map((instant) => instant * 1e3);
   plot("contact", run.meshes.map((mesh) => ({ x: time, y: mesh.contact_ratio, mode: "lines", name: mesh.name })), "time [ms]", "contact ratio");
   plot("force", run.meshes.map((mesh) => ({ x: time, y: mesh.force.map((force) => force / 1e3), mode: "lines", name: mesh.name })), "time [ms]", "mesh force [kN]");
@@ -142,6 +172,8 @@ function asked(train, name, ...values) {
 }
 
 let pending = false;
+/** Largest bow of each shaft of the train as it is written [µm]. */
+const present = new Map();
 
 async function compute() {
   if (pending) return;
@@ -159,6 +191,7 @@ async function compute() {
     const fastest = byId("fastest").value / RPM;
     const layout = asked(train, "layout");
     offerShafts(layout);
+    limitBow(layout);
     byId("warnings").replaceChildren(...layout.warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
     drawTrain(layout);
     const parts = [
@@ -203,24 +236,41 @@ function offerShafts(layout) {
   byId("bow").disabled = byId("shaft").value === "";
 }
 
+/** Gives the slider twice the present bow of the shaft as its end, and at least 200 µm. */
+function limitBow(layout) {
+  layout.shafts.forEach((shaft) => present.set(shaft.name, byId("shaft").value === shaft.name ? present.get(shaft.name) ?? 0 : 1e6 * Math.max(0, ...shaft.bow)));
+}
+
+/** Begins the slider of a shaft at its present bow. */
+function beginBow() {
+  const size = present.get(byId("shaft").value) ?? 0;
+  const end = Math.max(200, 2 * size);
+  byId("bow").max = Number(end.toPrecision(2));
+  byId("bow").step = end > 1000 ? 10 : 1;
+  byId("bow").value = size;
+  byId("bow").disabled = byId("shaft").value === "";
+  showBow();
+}
+
 function showBow() {
-  byId("bow-text").textContent = `${byId("bow").value} µm`;
+  byId("bow-text").textContent = byId("shaft").value === "" ? "–" : `${byId("bow").value} µm`;
 }
 
 function choose(name) {
   const example = EXAMPLES[name];
   byId("scene").value = example.scene;
-  byId("speed").value = example.speed_rpm;
-  byId("fastest").value = example.fastest_rpm;
+  byId("speed").value = Number(example.speed_rpm.toPrecision(6));
+  byId("fastest").value = Number(example.fastest_rpm.toPrecision(4));
   byId("shaft").value = "";
-  byId("bow").disabled = true;
+  present.clear();
+  beginBow();
 }
 
 async function begin() {
   byId("example").append(...Object.keys(EXAMPLES).map((name) => new Option(name, name)));
   byId("example").addEventListener("change", (event) => { choose(event.target.value); compute(); });
   byId("compute").addEventListener("click", compute);
-  byId("shaft").addEventListener("change", () => { byId("bow").disabled = byId("shaft").value === ""; compute(); });
+  byId("shaft").addEventListener("change", () => { beginBow(); compute(); });
   byId("bow").addEventListener("input", showBow);
   byId("bow").addEventListener("change", compute);
   showBow();

@@ -1,7 +1,7 @@
 //! What the page asks of a train.
 
 use gearbow::analysis::simulate::{self, Initial, Method, Options, RecordPlan, Request, sample_step};
-use gearbow::analysis::{self, ExcitationPart, ExcitationSource, Interrupt, Responses, Threads};
+use gearbow::analysis::{self, ExcitationPart, ExcitationSource, Interrupt, Threads};
 use gearbow::connection::MESH_CHANNELS;
 use gearbow::mesh::Geometry;
 use gearbow::modal::CachedModel;
@@ -267,10 +267,9 @@ impl Train {
     pub fn synchronous(&self, fastest: f64, points: usize) -> Result<Synchronous, String> {
         let speeds = speeds(fastest, points);
         let (model, bodies) = (&self.cached.model, self.bodies());
-        let responses = Responses::new(&self.cached, &speeds);
         let mut semi_major_axes = vec![Vec::with_capacity(points); bodies.len()];
         for speed in &speeds {
-            let found = responses.all(*speed, ExcitationPart::Both).map_err(message)?.amplitudes;
+            let found = analysis::synchronous(&self.cached, *speed, ExcitationPart::Both).map_err(message)?;
             for ((_, node), axes) in bodies.iter().zip(&mut semi_major_axes) {
                 let phasor = |index: usize| found[(index, node.shaft)];
                 axes.push(

@@ -40,7 +40,7 @@ def check_initial_state(model: Model, options: Mapping[str, Any]) -> None:
         spins = speed * model.speed_ratios
         angle = profile.angle(begin) if isinstance(profile, SpeedProfile) else speed * begin
         phasors = np.exp(1j * model.speed_ratios * angle)
-        moving = phasors[:, np.newaxis] * response["amplitudes"][0]
+        moving = phasors[:, np.newaxis] * response["phasors"][0]
         motion[0] = motion[0] + moving.real.sum(axis=0)
         motion[1] = -(spins[:, np.newaxis] * moving.imag).sum(axis=0)
     state = _state(model, options)

@@ -46,6 +46,10 @@ class System(Protocol):
     def _from_description(cls, description: Mapping[str, Plain]) -> Any:
         """Make a system that was checked before, without warnings."""
 
+    @classmethod
+    def _from_model(cls, model: Model) -> Any:
+        """Make a system of a checked model."""
+
     @property
     def description(self) -> dict[str, Plain]:
         """Plain description."""

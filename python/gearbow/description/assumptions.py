@@ -44,7 +44,7 @@ def assumptions(
     }
     names = [f"{mesh.driver}–{mesh.driven}" for mesh in meshes]
     found = [
-        ("shafts", "steel with 207 GPa, 0.3 and 7850 kg/m³", steel, len(shafts)),
+        ("shafts", "steel with E = 207 GPa, ν = 0.3, ρ = 7850 kg/m³", steel, len(shafts)),
         ("gears", "tip radius of full-depth teeth", tips, len(gears)),
         ("gears", "mass and inertia of solid steel disks", disks, len(gears)),
     ]

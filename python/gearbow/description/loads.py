@@ -32,8 +32,8 @@ class Bearing(Part):
         Position on the shaft, from its left end [m].
     stiffness : float, pair, 2×2 array or SpeedTable
         Stiffness [N/m]: a number for every direction, (yy, zz), or [[yy, yz], [zy, zz]]; or a table
-        of one of these against the speed of the shaft; between two shafts, against the speed of one
-        relative to the other.
+        of one of these against the speed of the shaft, the frequency of the vibration or both;
+        between two shafts, against the speed of one relative to the other.
     damping : float, pair, 2×2 array or SpeedTable
         Damping [N s/m], in the same forms.
     axial_stiffness : float

@@ -1,16 +1,17 @@
-"""Coefficients of a bearing that depend on the speed of its shaft."""
+"""Coefficients of a bearing that depend on the speed of its shaft or on the frequency."""
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import shown
+from gearbow._convert import number, shown
+from gearbow._core import table_at_frequency
 from gearbow._lookup import one_of
-from gearbow._types import BearingQuantity, OutsideTable, TableAxes
+from gearbow._types import Array, BearingQuantity, OutsideTable, Plain, TableAxes
 from gearbow.description.part import Part, freeze
 from gearbow.errors import SceneError
 
@@ -22,21 +23,26 @@ _LETTERS = {"stiffness": "k", "damping": "c"}
 
 @dataclass(frozen=True)
 class SpeedTable(Part):
-    """A bearing coefficient against the magnitude of the speed of the shaft.
+    """A bearing coefficient against the speed of the shaft, the frequency or both.
 
     Each entry is interpolated by a monotone piecewise cubic (PCHIP) through the given values, as by
     `scipy.interpolate.PchipInterpolator`.
 
     Parameters
     ----------
-    speeds : array_like, shape (k,)
+    speeds : array_like, shape (k,), optional
         Magnitudes of the speed of the shaft that carries the bearing [rad/s], ascending from zero
-        or above; at least two.
-    values : array_like, shape (k,), (k, 2) or (k, 2, 2)
+        or above; at least two. None if the speed has no effect.
+    values : array_like, shape (k,), (k, 2) or (k, 2, 2), or (k, m, ...) with m frequencies
         Stiffness [N/m] or damping [N s/m] at each speed: a number for every direction, (yy, zz), or
-        [[yy, yz], [zy, zz]].
+        [[yy, yz], [zy, zz]]; with `frequencies` at each speed and frequency, or at each frequency
+        if `speeds` is None.
     outside : str
-        "error" rejects speeds outside the table; "hold" uses the first or the last value there.
+        "error" rejects speeds and frequencies outside the table; "hold" uses the first or the last
+        value there.
+    frequencies : array_like, shape (m,), optional
+        Magnitudes of the frequency of the vibration [rad/s], ascending from zero or above; at least
+        two. None if the frequency has no effect.
 
     Notes
     -----
@@ -47,6 +53,12 @@ class SpeedTable(Part):
     At a constant speed the bearing is linear, with the coefficients at that speed. In a run with a
     changing speed, stiffness and damping change with the speed. The work of the stiffness change is
     counted as work of the drive.
+
+    A frequency is that of the vibration, |ω|: a frequency response has the coefficients at each of
+    its frequencies, and each mode those at its own. Intersections of a Campbell diagram and
+    critical speeds follow from that; a static equilibrium has the frequency 0. Runs and steady
+    motions contain many frequencies at once and refuse the table; `at_frequency` gives them the
+    coefficients at one.
 
     The axis of the shaft is x. ROSS, and bearing programs after API standards, call the directions
     across the shaft x and y: their kxx, kxy, kyx, kyy are yy, yz, zy, zz here. The first index is
@@ -67,14 +79,60 @@ class SpeedTable(Part):
     ...     print(f"{system.modes(speed).frequencies_hz[0]:.1f} Hz")
     94.7 Hz
     98.9 Hz
+
+    A rubber ring that is stiffer at higher frequencies:
+
+    >>> ring = gb.SpeedTable(None, [2e7, 3e7, 4e7], "hold", frequencies=[0.0, 300.0, 900.0])
+    >>> soft = [gb.Bearing("rotor", x, stiffness=ring) for x in (0, 1)]
+    >>> mode = system.replace(bearings=soft).modes(count=1)
+    >>> same = [gb.Bearing("rotor", x, stiffness=4e7) for x in (0, 1)]
+    >>> print(mode.frequencies_hz < system.replace(bearings=same).modes(count=1).frequencies_hz)
+    [ True]
     """
 
-    speeds: ArrayLike
+    speeds: ArrayLike | None
     values: ArrayLike
     outside: OutsideTable = "error"
+    _: KW_ONLY
+    frequencies: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        freeze(self, "speeds", "values")
+        freeze(self, "speeds", "values", "frequencies")
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "SpeedTable":
+        return cls(**{"speeds": None, **description})
+
+    def at_frequency(self, frequency: float) -> "SpeedTable | Array":
+        """Give the coefficient at one frequency, as a run in time needs it.
+
+        Parameters
+        ----------
+        frequency : float
+            Frequency of the vibration [rad/s].
+
+        Returns
+        -------
+        SpeedTable or array, shape (2, 2)
+            The table over the speed; without `speeds`, the matrix [[yy, yz], [zy, zz]].
+
+        Raises
+        ------
+        SceneError
+            If the table is invalid or does not contain the frequency.
+
+        Examples
+        --------
+        >>> import gearbow as gb
+        >>> ring = gb.SpeedTable(None, [2e7, 3e7], frequencies=[0.0, 1000.0])
+        >>> bearing = gb.Bearing("rotor", 0.0, stiffness=ring.at_frequency(1000.0))
+        >>> bearing.stiffness[0]
+        array([30000000.,        0.])
+        """
+        found = table_at_frequency(self._describe("table"), number(frequency, "frequency"))
+        if isinstance(found, Mapping):
+            return SpeedTable._from_description(found)
+        return np.array(found)
 
     @classmethod
     def read_table(

@@ -2,7 +2,7 @@
 
 The axes x, y and z of ROSS, with z along the shaft, are y, z and x here. A shaft element becomes a
 segment with one element, and an element around another one a sleeve with its stiffness. Tables of
-bearings are over the speed in ROSS 3, and over the frequency, which means the same, in ROSS 2. https://ross.readthedocs.io
+bearings are over speed, frequency or both in ROSS 3; what ROSS 2 calls frequency is the speed. https://ross.readthedocs.io
 """
 
 import json
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from gearbow._files import reading
-from gearbow._types import Plain
+from gearbow._types import Array, Plain
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.exchange.names import cleaned
 
@@ -223,80 +223,60 @@ def _mass(file: _File, name: str, mass: Mapping[str, Any]) -> float:
 
 
 def _coefficients(file: _File, name: str, bearing: Mapping[str, Any]) -> dict[str, Plain]:
-    """Give stiffness and damping: constant, or tables over the speed."""
+    """Give stiffness and damping: constant, or tables over speed, frequency or both."""
     for key in ("mxx", "mxy", "myx", "myy", "mzz"):
         if any(_values(bearing.get(key))):
             raise file.error(name, f"gearbow cannot represent {key}, the added mass of a bearing")
-    speeds = _speeds(file, name, bearing)
+    axes = _axes(file, bearing)
     found: dict[str, Plain] = {}
     for letter, key in (("k", "stiffness"), ("c", "damping")):
-        rows = zip(
-            *(
-                _over_speed(file, name, bearing, f"{letter}{axes}", speeds)
-                for axes in ("xx", "xy", "yx", "yy")
-            ),
-            strict=True,
-        )
-        values = [[[xx, xy], [yx, yy]] for xx, xy, yx, yy in rows]
-        if all(value == values[0] for value in values):
-            found[key] = values[0]
-        elif speeds is None:
-            raise file.error(
-                name,
-                f"{key}: its table is over the excitation frequency, one of gearbow is over "
-                "the speed of the shaft; save it with speed=",
-            )
-        else:
-            found[key] = {"speeds": speeds, "values": values}
-        axial = set(_over_speed(file, name, bearing, f"{letter}zz", speeds))
-        if len(axial) > 1:
+        entries = [
+            _over_axes(file, name, bearing, f"{letter}{entry}", axes)
+            for entry in ("xx", "xy", "yx", "yy")
+        ]
+        table = np.stack(entries, axis=-1).reshape(*entries[0].shape, 2, 2)
+        # An axis along which nothing changes is none.
+        kept = {
+            axis: values
+            for i, (axis, values) in enumerate(axes.items())
+            if np.any(np.ptp(table, axis=i))
+        }
+        index = tuple(slice(None) if axis in kept else 0 for axis in axes)
+        values = table[index].tolist()
+        found[key] = {**kept, "values": values} if kept else values
+        axial = _over_axes(file, name, bearing, f"{letter}zz", axes)
+        if np.ptp(axial) > 0.0:
             raise file.error(name, f"{letter}zz must be constant")
-        if any(axial):
-            found[f"axial_{key}"] = axial.pop()
+        if np.any(axial):
+            found[f"axial_{key}"] = float(np.ravel(axial)[0])
     return found
 
 
-def _speeds(file: _File, name: str, bearing: Mapping[str, Any]) -> list[float] | None:
-    """Give the speeds of a table. ROSS 2 calls them frequency, which is that of whirl in ROSS 3."""
-    given = bearing.get("speed")
-    if given is None and file.version < _WITH_SPEED:
-        given = bearing.get("frequency")
-    elif given is not None and bearing.get("frequency") is not None:
-        table = np.array(bearing["kxx"], dtype=float)
-        if np.ndim(table) != 2:
-            raise file.error(name, "with speed and frequency, its coefficients must have two axes")
-        if np.ptp(table, axis=1).any():
-            warnings.warn(
-                f"{file.path}: {name}: its coefficients over speed and frequency are read at the "
-                "frequency of the speed; gearbow has coefficients over the speed",
-                SceneWarning,
-                stacklevel=outside(),
-            )
-    return None if given is None else [float(each) for each in given]
+def _axes(file: _File, bearing: Mapping[str, Any]) -> dict[str, Plain]:
+    """Give the axes of a table [rad/s]. ROSS 2 calls speeds frequency, that of whirl in ROSS 3."""
+    keys = {"speeds": "speed", "frequencies": "frequency"}
+    if file.version < _WITH_SPEED and bearing.get("speed") is None:
+        keys = {"speeds": "frequency"}
+    given = {axis: bearing.get(key) for axis, key in keys.items()}
+    return {
+        axis: [float(each) for each in values]
+        for axis, values in given.items()
+        if values is not None
+    }
 
 
-def _over_speed(
-    file: _File, name: str, bearing: Mapping[str, Any], key: str, speeds: list[float] | None
-) -> list[float]:
-    """Give a coefficient at each speed; of a table over the frequency too, at that of the speed."""
-    given = bearing.get(key)
+def _over_axes(
+    file: _File, name: str, bearing: Mapping[str, Any], key: str, axes: Mapping[str, Any]
+) -> Array:
+    """Give a coefficient over the axes of its table."""
+    given, shape = bearing.get(key), tuple(len(values) for values in axes.values())
     values = np.array(0.0 if given is None else given, dtype=float)
-    if values.ndim < 2 or speeds is None:
-        return [float(value) for value in np.ravel(values)]
-    frequencies = np.array(bearing["frequency"], dtype=float)
-    if values.shape != (len(speeds), len(frequencies)):
-        raise file.error(
-            name,
-            f"{key}: must have the shape {(len(speeds), len(frequencies))}, got {values.shape}",
-        )
-    found = []
-    for speed, row in zip(speeds, values, strict=True):
-        if np.ptp(row) > 0.0 and not frequencies[0] <= speed <= frequencies[-1]:
-            raise file.error(
-                name, f"{key}: its frequencies do not contain the speed {speed:g} rad/s"
-            )
-        found.append(float(np.interp(speed, frequencies, row)))
-    return found
+    if values.shape == shape:
+        return values
+    if np.ptp(values) > 0.0:
+        wanted = f"the shape {shape} of its {' and '.join(axes)}" if axes else "one value"
+        raise file.error(name, f"{key}: must have {wanted}, got {values.shape}")
+    return np.full(shape, values.flat[0])
 
 
 def _values(given: object) -> list[float]:

@@ -5,7 +5,11 @@ from typing import Any
 
 from gearbow._convert import text
 from gearbow._shown import Shown
-from gearbow._types import Array, Record
+from gearbow._types import (
+    Array,
+    Record,
+    SignalQuantity,
+)
 from gearbow.description.places import is_pair, place, place_label
 from gearbow.errors import ChannelError
 from gearbow.recording import access
@@ -37,7 +41,9 @@ class Channel(Shown):
     values: Array
 
 
-def channel(run: RunRecord, at: Record | SignalSensor, quantity: str | None = None) -> Channel:
+def channel(
+    run: RunRecord, at: Record | SignalSensor, quantity: SignalQuantity | None = None
+) -> Channel:
     """Find one recorded signal."""
     if isinstance(at, SignalSensor):
         if quantity is not None:
@@ -61,7 +67,9 @@ def channel(run: RunRecord, at: Record | SignalSensor, quantity: str | None = No
     return Channel(f"{place_label(item)} {name}", unit, values)
 
 
-def _of_bearing(run: RunRecord, item: tuple[str, str, float], quantity: str | None) -> Channel:
+def _of_bearing(
+    run: RunRecord, item: tuple[str, str, float], quantity: SignalQuantity | None
+) -> Channel:
     """Find a component of the force on a bearing, ("bearing", shaft, position)."""
     _, shaft, position = item
     name = _chosen(item, quantity, list(_BEARING))
@@ -73,7 +81,7 @@ def _of_bearing(run: RunRecord, item: tuple[str, str, float], quantity: str | No
     return Channel(f"bearing {shaft} at {position:g} m {name}", unit, values)
 
 
-def _chosen(at: Record, quantity: str | None, names: list[str]) -> str:
+def _chosen(at: Record, quantity: SignalQuantity | None, names: list[str]) -> str:
     name = names[0] if quantity is None else quantity
     if text(name, "quantity") not in names:
         raise ChannelError(f"quantity: {at!r} has {', '.join(names)}, got {quantity!r}")

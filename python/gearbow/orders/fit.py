@@ -19,7 +19,12 @@ from gearbow._convert import number, text, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_degrees, in_micrometres, written_unit
-from gearbow._types import Array, ComplexArray, Record
+from gearbow._types import (
+    Array,
+    ComplexArray,
+    Record,
+    SignalQuantity,
+)
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
@@ -190,8 +195,13 @@ class Orders(Result, ReadOnly):
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:
         at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
         factor, unit = written_unit(self.unit)
-        mean = f"mean {factor * self.mean:.6g} {unit}"
+        mean = f"mean {factor * self._shown_mean():.6g} {unit}"
         return [f"orders of {self.label}{at}: {mean}, {self._remainder()}"]
+
+    def _shown_mean(self) -> float:
+        """Give the mean, or 0 where it is round-off of the amplitudes."""
+        least = _ROUND_OFF * float(np.abs(self.amplitudes).max(initial=0.0))
+        return 0.0 if abs(self.mean) < least else self.mean
 
     def _columns(self) -> list[Column]:
         """Give a row for each order, the largest amplitude first."""
@@ -239,7 +249,7 @@ class Orders(Result, ReadOnly):
         label = f"amplitude of {self.label} [{unit}]"
         drawn = f"{chosen.size} largest of " if chosen.size < amplitudes.size else ""
         title = (
-            f"mean {factor * self.mean:.4g} {unit}; {drawn}{amplitudes.size} orders; "
+            f"mean {factor * self._shown_mean():.4g} {unit}; {drawn}{amplitudes.size} orders; "
             f"{self._remainder()}"
         )
         if self.times.size > 1:
@@ -274,7 +284,7 @@ class Orders(Result, ReadOnly):
 def orders(
     run: RunRecord,
     at: Record | SignalSensor,
-    quantity: str | None = None,
+    quantity: SignalQuantity | None = None,
     *,
     shaft_harmonics: int = 4,
     mesh_harmonics: int | None = None,

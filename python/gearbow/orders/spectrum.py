@@ -9,7 +9,12 @@ from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_micrometres, written_unit
-from gearbow._types import Array, Record, Window
+from gearbow._types import (
+    Array,
+    Record,
+    SignalQuantity,
+    Window,
+)
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
@@ -20,7 +25,14 @@ from gearbow.units.speed import SpeedUnit, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["WINDOWS", "Spectrum", "amplitudes", "order_frequencies", "spectrum"]
+__all__ = [
+    "WINDOWS",
+    "Spectrum",
+    "amplitudes",
+    "default_window",
+    "order_frequencies",
+    "spectrum",
+]
 
 #: Coefficients of the window functions a₀ − a₁ cos + a₂ cos 2 − … after Heinzel, Rüdiger and
 #: Schilling, *Spectrum and spectral density estimation by the DFT* (2002). A flat-top window gives
@@ -58,6 +70,8 @@ class Spectrum(Result, ReadOnly):
         Speed of the reference shaft [rad/s], if it is constant.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
+    periodic : bool
+        Whether the record is a period of the motion, so that there is nothing between the lines.
 
     Examples
     --------
@@ -79,6 +93,7 @@ class Spectrum(Result, ReadOnly):
     orders: tuple[tuple[str, float], ...] = field(default=(), repr=False)
     speed: float | None = None
     speed_unit: SpeedUnit = "rad/s"
+    periodic: bool = False
 
     def plot(self, *, ax: Any = None) -> "Figure":
         """Draw the spectrum on a logarithmic scale, up to the highest frequency with a signal.
@@ -108,6 +123,7 @@ class Spectrum(Result, ReadOnly):
             factor * self.amplitudes,
             f"{self.label} [{unit}]",
             orders=self.orders,
+            periodic=self.periodic,
             ax=ax,
         )
 
@@ -168,16 +184,31 @@ def amplitudes(time: Array, values: Array, window: Window = "hann") -> tuple[Arr
 def spectrum(
     run: RunRecord,
     at: Record | SignalSensor,
-    quantity: str | None = None,
+    quantity: SignalQuantity | None = None,
     *,
-    window: Window = "hann",
+    window: Window | None = None,
 ) -> Spectrum:
     """Find the amplitude spectrum of a recorded signal."""
     signal = channel(run, at, quantity)
-    frequencies, amplitude = amplitudes(run.time, signal.values, window)
+    chosen = default_window(run) if window is None else window
+    frequencies, amplitude = amplitudes(run.time, signal.values, chosen)
     named = order_frequencies(run)
     speed = None if isinstance(run.speed, SpeedProfile) else abs(run.speed)
-    return Spectrum(frequencies, amplitude, signal.label, signal.unit, named, speed, run.speed_unit)
+    return Spectrum(
+        frequencies,
+        amplitude,
+        signal.label,
+        signal.unit,
+        named,
+        speed,
+        run.speed_unit,
+        periodic=run.period is not None and chosen == "none",
+    )
+
+
+def default_window(run: RunRecord) -> Window:
+    """Choose a window: none for a period of a motion, whose lines are exact without one."""
+    return "hann" if run.period is None else "none"
 
 
 def order_frequencies(run: RunRecord) -> tuple[tuple[str, float], ...]:

@@ -17,7 +17,12 @@ from gearbow._keywords import checked
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_micrometres, written_unit
 from gearbow._shown import span
-from gearbow._types import Array, Record, Window
+from gearbow._types import (
+    Array,
+    Record,
+    SignalQuantity,
+    Window,
+)
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
@@ -154,9 +159,9 @@ class Waterfall(Result, ReadOnly):
 def waterfall(
     responses: Recorded | Sequence[Recorded],
     at: Record | SignalSensor,
-    quantity: str | None = None,
+    quantity: SignalQuantity | None = None,
     *,
-    window: Window = "hann",
+    window: Window | None = None,
     revolutions: float | None = None,
 ) -> Waterfall:
     """Collect the spectra of runs at several speeds, or of segments of one run-up.
@@ -171,8 +176,8 @@ def waterfall(
         or "energy".
     quantity : str, optional
         Quantity, as for `Response.spectrum`.
-    window : {"hann", "flat top", "none"}
-        Window function.
+    window : {"hann", "flat top", "none"}, optional
+        Window function, as for `Response.spectrum`.
     revolutions : float, optional
         Length of the segments of a run-up in revolutions of the reference shaft. Orders with a
         distance of 2/`revolutions` have separate lines. None is a sixteenth of the run. Two
@@ -215,11 +220,15 @@ def waterfall(
         if revolutions is not None:
             raise GearbowError("revolutions: only one run-up has segments, not several runs")
         return _of_runs(_runs(responses), at, quantity, window)
-    return _of_segments(recorded_run(responses, "responses"), at, quantity, window, revolutions)
+    run = recorded_run(responses, "responses")
+    return _of_segments(run, at, quantity, window or "hann", revolutions)
 
 
 def _of_runs(
-    runs: list[RunRecord], at: Record | SignalSensor, quantity: str | None, window: Window
+    runs: list[RunRecord],
+    at: Record | SignalSensor,
+    quantity: SignalQuantity | None,
+    window: Window | None,
 ) -> Waterfall:
     """Collect the spectra of runs at constant speeds."""
     speeds = []
@@ -254,7 +263,7 @@ def _of_runs(
 def _of_segments(
     run: RunRecord,
     at: Record | SignalSensor,
-    quantity: str | None,
+    quantity: SignalQuantity | None,
     window: Window,
     revolutions: float | None,
 ) -> Waterfall:

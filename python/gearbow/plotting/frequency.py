@@ -28,8 +28,11 @@ from gearbow.plotting.style import (
 
 __all__ = ["bode", "critical_speed_map", "synchronous"]
 
-#: Smallest orbit of a figure, relative to the largest one of all panels.
-_VISIBLE = 1e-5
+#: Smallest orbit of a figure relative to the largest one of its panels, and the size below which
+#: one is shown only where all are small [m].
+_VISIBLE, _TINY = 1e-5, 1e-10
+#: Ratio of a peak to the median of a response from which its axis is logarithmic.
+_RESONANT = 30.0
 #: Directions in which the amplification factor of a peak stands from it.
 _AROUND_A_PEAK = ((1.0, 0.5), (-1.0, 0.5), (1.0, -0.5), (-1.0, -0.5), (1.0, 1.0), (-1.0, 1.0))
 
@@ -114,10 +117,20 @@ def bode(
         upper.set(ylabel="phase [°]")
         lower.set(ylabel=f"amplitude [{shown}]")
         label_x(axes, label)
-        lower.set_ylim(bottom=0.0)
-        if peaks and any(peaks.values()):
-            # The factors of the peaks stay within the panel.
-            lower.set_ylim(top=1.08 * lower.get_ylim()[1])
+        drawn = [np.asarray(line.get_ydata(), dtype=np.float64) for line in lower.lines]
+        curves = [values for values in drawn if values.size > 1]
+        sizes = np.concatenate([np.zeros(1), *curves])
+        top = float(np.max(sizes, initial=0.0))
+        usual = float(np.median(sizes[sizes > 0.0])) if top > 0.0 else 0.0
+        if top > _RESONANT * usual > 0.0:
+            # Beside the peak of a lightly damped mode, all else would lie on the axis.
+            log_scale(lower)
+            lower.set_ylim(max(0.5 * float(sizes[sizes > 0.0].min()), 1e-3 * usual), 3.0 * top)
+        else:
+            lower.set_ylim(bottom=0.0)
+            if peaks and any(peaks.values()):
+                # The factors of the peaks stay within the panel.
+                lower.set_ylim(top=1.08 * lower.get_ylim()[1])
         legend(figure, upper, ax=ax)
     labels = Labels(lower, 0.0)
     for at, text, shade in marked:
@@ -139,7 +152,8 @@ def synchronous(
     """Draw the major semi-axis of the orbits against the speed."""
     factor, label = speed_axis(speed_unit)
     with panels(len(orbits), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
-        least = _VISIBLE * max(float(orbit.max(initial=0.0)) for orbit in orbits.values())
+        largest = max(float(orbit.max(initial=0.0)) for orbit in orbits.values())
+        least = max(_VISIBLE * largest, min(_TINY, 1e-2 * largest))
         for panel, (name, orbit) in zip(axes, orbits.items(), strict=True):
             for source, shaft in enumerate(shafts):
                 if np.any(orbit[:, source] > least):

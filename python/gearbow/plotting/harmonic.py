@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gearbow._types import Array, ComplexArray
-from gearbow.plotting.style import MICRO, GivenAxes, colour, label_x, legend, panels
+from gearbow.plotting.style import MICRO, GivenAxes, colour, label_x, legend, log_scale, panels
 
 __all__ = ["bode", "nyquist", "waterfall"]
 
@@ -36,6 +36,7 @@ def bode(
     label = "speed of the reference shaft [rad/s]" if over_speed else "frequency [Hz]"
     with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         upper, lower = axes
+        log_scale(upper)
         for number, (name, (along, values)) in enumerate(lines.items()):
             style: dict[str, Any] = {
                 "color": colour(number // 2 if pairs else number),
@@ -43,7 +44,7 @@ def bode(
             }
             # A phasor that is zero has no phase.
             size = np.where(values == 0.0, np.nan, scale * np.abs(values))
-            upper.semilogy(factor * along, size, label=name, **style)
+            upper.plot(factor * along, size, label=name, **style)
             known = np.isfinite(size)
             phase = np.degrees(np.unwrap(np.angle(values[known])))
             lower.plot(factor * along[known], phase, **style)

@@ -4,6 +4,7 @@ A converted figure has the same panels, lines, areas and texts at the same place
 vertices that are visible at a fourfold magnification.
 """
 
+import math
 from collections.abc import Iterable
 from html import escape
 from typing import Any
@@ -25,8 +26,10 @@ from gearbow.plotting.mode_shape import Path as Line, Surface
 
 __all__ = ["WIDTH", "converted", "scene"]
 
-#: Width of a figure [px].
-WIDTH = 960.0
+#: Width of a figure that is as wide as a page [px], and of matplotlib [in].
+WIDTH, _PAGE = 960.0, 12.0
+#: Length of the longest axis in three dimensions, in the unit of the distance of the camera.
+_LONGEST = 1.8
 #: Magnification at which a simplified line looks like the complete one.
 _MAGNIFIED = 4.0
 #: Line styles and markers of plotly by those of matplotlib.
@@ -57,15 +60,30 @@ def converted(figure: Figure) -> dict[str, Any]:
 
 def scene(parts: Iterable[Surface | Line], title: str) -> dict[str, Any]:
     """Make a figure of a mode in three dimensions, which the mouse turns."""
-    data = [_in_space(part) for part in parts]
-    axes = {f"{axis}axis": {"title": {"text": f"{axis} [m]"}} for axis in "xyz"}
+    drawn = list(parts)
+    data = [_in_space(part) for part in drawn]
+    corners = np.concatenate(
+        [part.points if isinstance(part, Line) else part.points.reshape(3, -1).T for part in drawn]
+    )
+    margin = 0.02 * np.ptp(corners, axis=0).max()
+    low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
+    # Equal scales, at which the longest axis fills the view of the camera.
+    aspect = _LONGEST * (high - low) / (high - low).max()
+    axes = {
+        f"{axis}axis": {"title": {"text": f"{axis} [m]"}, "range": ends, "nticks": 5}
+        for axis, ends in zip("xyz", np.column_stack([low, high]).tolist(), strict=True)
+    }
+    ratio = dict(zip("xyz", aspect.tolist(), strict=True))
     camera = {"eye": {"x": 0.7, "y": -1.5, "z": 0.7}}
     heading = {"text": title.replace("\n", "<br>"), "font": {"size": 15}, "x": 0.5}
     layout = {"width": WIDTH, "height": round(0.62 * WIDTH), "title": heading}
     layout |= {"margin": {"l": 0, "r": 0, "t": 60, "b": 0}, "legend": {"x": 0.01, "y": 0.98}}
     return {
         "data": data,
-        "layout": {**layout, "scene": {"aspectmode": "data", "camera": camera, **axes}},
+        "layout": {
+            **layout,
+            "scene": {"aspectmode": "manual", "aspectratio": ratio, "camera": camera, **axes},
+        },
     }
 
 
@@ -98,14 +116,16 @@ class _Converter:
     def __init__(self, figure: Figure) -> None:
         self.figure = figure
         width, height = figure.get_size_inches()
+        # A narrow figure keeps the size of its letters.
+        self.width = WIDTH * min(1.0, float(width) / _PAGE)
         #: Pixels of plotly per point of matplotlib.
-        self.scale = WIDTH / (72.0 * float(width))
+        self.scale = self.width / (72.0 * float(width))
         self.data: list[dict[str, Any]] = []
         self.shapes: list[dict[str, Any]] = []
         self.texts: list[dict[str, Any]] = []
         self.layout: dict[str, Any] = {
-            "width": WIDTH,
-            "height": round(WIDTH * float(height / width)),
+            "width": round(self.width),
+            "height": round(self.width * float(height / width)),
             "shapes": self.shapes,
             "annotations": self.texts,
             "margin": dict.fromkeys("lrtb", 0),
@@ -157,12 +177,13 @@ class _Converter:
         axis: Any = getattr(panel, f"{name}axis")
         scale = str(axis.get_scale())
         ends = np.array(axis.get_view_interval(), dtype=np.float64)
-        label = axis.label
-        ticks = int(np.clip(self._length(panel, name), 3, 8))
+        # A number below an axis takes about an inch, one beside it half an inch.
+        ticks = int(np.clip((2.0 if name == "y" else 1.0) * self._length(panel, name), 3, 8))
+        # A title of plotly does not keep clear of powers of ten: the label is a text.
+        self._text(axis.label)
         found: dict[str, Any] = {
             "type": _SCALES.get(scale, "linear"),
             "range": (np.log10(ends) if scale == "log" else _forward(axis)(ends)).tolist(),
-            "title": {"text": label.get_text(), "standoff": 4, "font": self._font(label)},
             "tickfont": {"size": self.scale * self._tick_size(axis)},
             "gridcolor": "#e3e3e3",
             "linecolor": "black",
@@ -170,8 +191,8 @@ class _Converter:
             "zeroline": False,
             "ticks": "outside",
             "showgrid": bool(panel.xaxis.get_gridlines()[0].get_visible()),
-            # A number of an axis takes about an inch.
             "exponentformat": "power",
+            "minexponent": 5,
             "nticks": ticks,
             "tickangle": 0,
             "showticklabels": any(text.get_text() for text in axis.get_ticklabels())
@@ -183,7 +204,11 @@ class _Converter:
         }
         if scale == "log":
             decades = float(np.ptp(found["range"]))
-            found |= {"tickformat": "~g", "dtick": "D2" if decades < _FEW_DECADES else 1}
+            found["dtick"] = math.ceil(decades / (2.0 * self._length(panel, name)))
+            if decades < _FEW_DECADES:
+                found["dtick"] = "D2"
+            if ends.min() > 1e-4 and ends.max() < 1e6:
+                found["tickformat"] = "~g"
         if scale not in _SCALES:
             ticks = axis.get_major_locator()()
             texts = axis.get_major_formatter().format_ticks(ticks)
@@ -328,7 +353,7 @@ class _Converter:
         size = self.scale * float(entries[0][1].get_fontsize()) if entries else 10.0
         box = legend.get_window_extent().transformed(self.figure.transFigure.inverted())
         title = legend.get_title().get_text()
-        wide = box.width > 2.5 * box.height * self.layout["height"] / WIDTH
+        wide = box.width > 2.5 * box.height * self.layout["height"] / self.width
         self.layout[name] = {
             "orientation": "h" if wide else "v",
             "font": {"size": size},

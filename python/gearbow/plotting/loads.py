@@ -10,13 +10,23 @@ from gearbow.description.loads import Torque
 from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.development import body_box
-from gearbow.plotting.labels import Labels, around
+from gearbow.plotting.labels import Box, Labels, around
 from gearbow.plotting.style import quantity
 
 __all__ = ["draw", "place"]
 
 #: Directions of the labels of loads.
-_WAYS = ((0, 1), (0, -1), (1, 0.7), (1, -0.7), (-1, 0.7), (-1, -0.7))
+_WAYS: tuple[tuple[float, float], ...] = (
+    (0, 1),
+    (0, -1),
+    (1, 0.7),
+    (1, -0.7),
+    (-1, 0.7),
+    (-1, -0.7),
+)
+
+#: Number of equal torques on a shaft from which one label names them.
+_EQUAL = 3
 
 
 def place(train: Train, heights: Mapping[str, float], at: At) -> tuple[float, float, float]:
@@ -32,20 +42,31 @@ def place(train: Train, heights: Mapping[str, float], at: At) -> tuple[float, fl
 
 def draw(labels: Labels, train: Train, heights: Mapping[str, float]) -> None:
     """Draw all torques, drives and forces with their values."""
+    arcs: dict[tuple[float, str], list[Box]] = {}
     for torque in train.parts["torques"]:
         value = _value(train, torque)
         text = "torque" if value is None else quantity(value, "N m")
         text += " (balance)" if torque.value == "balance" else ""
-        _turning(labels, (train, heights, torque.at), text, value)
+        box = _turning(labels, (train, heights, torque.at), value)
+        arcs.setdefault((place(train, heights, torque.at)[1], text), []).append(box)
+    for (_, text), boxes in arcs.items():
+        edges = np.array(boxes)
+        # Equal torques side by side, as of the cylinders of an engine, have one label.
+        if len(boxes) >= _EQUAL:
+            left, bottom = edges[:, :2].min(axis=0).tolist()
+            right, top = edges[:, 2:].max(axis=0).tolist()
+            labels.add(f"{len(boxes)} × {text}", around(left, bottom, right, top, _WAYS))
+        else:
+            for box in boxes:
+                labels.add(text, around(*box, _WAYS))
     for drive in train.parts["drives"]:
-        _turning(labels, (train, heights, drive.at), "drive", None)
+        box = _turning(labels, (train, heights, drive.at), None)
+        labels.add("drive", around(*box, _WAYS))
     for force in train.parts["forces"]:
         _force(labels, place(train, heights, force.at), force)
 
 
-def _turning(
-    labels: Labels, at: tuple[Train, Mapping[str, float], At], text: str, value: float | None
-) -> None:
+def _turning(labels: Labels, at: tuple[Train, Mapping[str, float], At], value: float | None) -> Box:
     """Draw an arc in front of a shaft: positive about +x moves the front of the shaft downwards."""
     x, y, radius = place(*at)
     if isinstance(at[2], str):  # beside a gear or disk, where the shaft is visible
@@ -58,7 +79,7 @@ def _turning(
     symbols.arrow(labels.panel, path, both=value is None)
     box = (x, y - up, x + 1.3 * across, y + up)
     labels.avoid(box, strictly=True)
-    labels.add(text, around(*box, _WAYS))
+    return box
 
 
 def _force(labels: Labels, at: tuple[float, float, float], force: Any) -> None:

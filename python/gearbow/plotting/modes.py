@@ -44,8 +44,8 @@ def overview(
                     panel.plot(places[name], shape[at[0]], "s", markersize=8.0, label=own, **style)
             panel.set_title(title, fontsize=text_size(1.0))
             panel.set(xlabel="position [m]")
-            label = "v (w dashed, open)" if places else "v (w dashed)"
-            label = label if drawn[mode] == "lateral" else drawn[mode]
+            label = "y (z dashed, open)" if places else "y (z dashed)"
+            label = {"lateral": label, "u": "x"}.get(drawn[mode], drawn[mode])
             panel.set(ylabel=label, ylim=(-1.15, 1.15))
         legend(figure, axes[0], ax=ax)
     return figure

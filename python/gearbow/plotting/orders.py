@@ -19,6 +19,7 @@ from gearbow.plotting.style import (
     colour,
     figure_of,
     legend,
+    log_scale,
     panels,
     quantity,
     remark,
@@ -69,22 +70,40 @@ def spectrum(
     label: str,
     *,
     orders: Sequence[tuple[str, float]] = (),
+    periodic: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw one spectrum."""
+    """Draw one spectrum; of a period of a motion, its lines."""
     with panels(1, 4.8, columns=1, ax=ax) as (figure, (panel,)):
-        panel.semilogy(frequencies_hz, amplitudes, color=PALETTE[0], linewidth=1.2)
-        highest = spectrum_limits(panel, frequencies_hz, amplitudes)
+        log_scale(panel)
+        highest = spectrum_limits(panel, frequencies_hz, amplitudes, periodic=periodic)
+        curve = (frequencies_hz, amplitudes)
+        if periodic:
+            curve = spectral_lines(panel, frequencies_hz, amplitudes)
+        panel.plot(*curve, color=PALETTE[0], linewidth=1.8 if periodic else 1.2)
         if highest > 0.0:
             panel.set_xlim(0.0, highest)
         panel.set(xlabel="frequency [Hz]", ylabel=label)
-        name_orders(panel, frequencies_hz, amplitudes, orders)
-        say_resolution(panel, frequencies_hz, orders)
+        name_orders(panel, frequencies_hz, amplitudes, orders, periodic=periodic)
+        say_resolution(panel, frequencies_hz, orders, periodic=periodic)
         legend(figure, panel, ax=ax)
     return figure
 
 
-def spectrum_limits(panel: Axes, frequencies_hz: Array, amplitudes: Array) -> float:
+def spectral_lines(panel: Axes, frequencies_hz: Array, amplitudes: Array) -> tuple[Array, Array]:
+    """Give the curve of upright lines from the bottom of a panel to each visible amplitude."""
+    bottom = panel.get_ylim()[0]
+    seen = amplitudes > bottom
+    x = np.repeat(frequencies_hz[seen], 3)
+    y = np.column_stack([0.0 * amplitudes[seen] + bottom, amplitudes[seen], amplitudes[seen]])
+    # A gap after each line.
+    y[:, 2] = np.nan
+    return x, y.ravel()
+
+
+def spectrum_limits(
+    panel: Axes, frequencies_hz: Array, amplitudes: Array, *, periodic: bool = False
+) -> float:
     """Limit the amplitudes of a panel to those above round-off, and find the last frequency."""
     top = float(amplitudes.max(initial=0.0))
     if not top > 0.0:
@@ -92,7 +111,7 @@ def spectrum_limits(panel: Axes, frequencies_hz: Array, amplitudes: Array) -> fl
     largest = amplitudes.reshape(len(amplitudes), -1).max(axis=1)
     highest = _highest(frequencies_hz, largest, _SIGNAL)
     # The floor between the lines says nothing: most of it stays below the panel.
-    floor = 0.3 * float(np.median(largest[frequencies_hz <= highest]))
+    floor = 0.0 if periodic else 0.3 * float(np.median(largest[frequencies_hz <= highest]))
     panel.set_ylim(min(max(_LINES * top, floor), 0.1 * top), 2.0 * top)
     return highest
 
@@ -105,9 +124,11 @@ def name_orders(
     *,
     most: int = 12,
     sidebands: bool = True,
+    periodic: bool = False,
 ) -> None:
     """Mark the peaks of a spectrum at orders of the train, and name the largest."""
-    found = _peaks(panel, frequencies_hz, amplitudes, _distinct(frequencies_hz, orders))
+    distinct = _distinct(frequencies_hz, orders, periodic)
+    found = _peaks(panel, frequencies_hz, amplitudes, distinct, periodic=periodic)
     if not found:
         return
     for kind, (marker, shade) in FAMILIES.items():
@@ -153,17 +174,18 @@ def name_orders(
     _raise_limit(panel, [(name, y) for name, _, y in named], height)
 
 
-def _resolution(frequencies_hz: Array) -> float:
-    """Give the distance at which two tones have separate peaks [Hz]."""
-    return 2.0 * float(frequencies_hz[1] - frequencies_hz[0]) if frequencies_hz.size > 1 else 0.0
+def _resolution(frequencies_hz: Array, periodic: bool) -> float:
+    """Give the distance at which two tones have separate peaks or, of a period, lines [Hz]."""
+    lines = 1.0 if periodic else 2.0
+    return lines * float(frequencies_hz[1] - frequencies_hz[0]) if frequencies_hz.size > 1 else 0.0
 
 
 def _distinct(
-    frequencies_hz: Array, orders: Sequence[tuple[str, float]]
+    frequencies_hz: Array, orders: Sequence[tuple[str, float]], periodic: bool
 ) -> list[tuple[str, float]]:
     """Give the orders that the spectrum separates from all others, or all but their sidebands."""
     # Round-off of a distance of exactly the resolution must not hide an order.
-    nearest = (1.0 - 1e-6) * _resolution(frequencies_hz)
+    nearest = (1.0 - 1e-6) * _resolution(frequencies_hz, periodic)
     ascending = sorted(orders, key=lambda order: order[1])
     gaps = np.diff([frequency for _, frequency in ascending])
     ends = [0, *(np.flatnonzero(gaps >= nearest) + 1).tolist(), len(ascending)]
@@ -179,11 +201,17 @@ def _distinct(
     return found
 
 
-def say_resolution(panel: Axes, frequencies_hz: Array, orders: Sequence[tuple[str, float]]) -> None:
+def say_resolution(
+    panel: Axes,
+    frequencies_hz: Array,
+    orders: Sequence[tuple[str, float]],
+    *,
+    periodic: bool = False,
+) -> None:
     """Say in the title below which distance orders have no name, if there are such orders."""
     visible = [order for order in orders if order[1] <= panel.get_xlim()[1]]
-    if len(_distinct(frequencies_hz, visible)) < len(visible):
-        distance = quantity(_resolution(frequencies_hz), "Hz", 3)
+    if len(_distinct(frequencies_hz, visible, periodic)) < len(visible):
+        distance = quantity(_resolution(frequencies_hz, periodic), "Hz", 3)
         remark(panel, f"orders closer than {distance} have no name of their own")
 
 
@@ -224,7 +252,12 @@ def _raise_limit(panel: Axes, named: Sequence[tuple[str, float]], height: float)
 
 
 def _peaks(
-    panel: Axes, frequencies_hz: Array, amplitudes: Array, orders: Sequence[tuple[str, float]]
+    panel: Axes,
+    frequencies_hz: Array,
+    amplitudes: Array,
+    orders: Sequence[tuple[str, float]],
+    *,
+    periodic: bool,
 ) -> list[tuple[str, float, float]]:
     """Find the orders at which the spectrum has a visible peak: name, frequency and amplitude."""
     if frequencies_hz.size < 3 or not orders:
@@ -233,10 +266,16 @@ def _peaks(
     low, right = panel.get_ylim()[0], panel.get_xlim()[1]
     found: dict[int, tuple[str, float, float]] = {}
     for name, frequency in orders:
-        near = np.flatnonzero(np.abs(frequencies_hz - frequency) <= 1.01 * step)
+        # A tone of a period is on its line, beside which there may be larger ones.
+        reach = 0.01 if periodic else 1.01
+        near = np.flatnonzero(np.abs(frequencies_hz - frequency) <= reach * step)
         if near.size == 0 or frequency > right:
             continue
         peak = int(near[np.argmax(amplitudes[near])])
+        if periodic:
+            if amplitudes[peak] > low:
+                found.setdefault(peak, (name, frequency, float(amplitudes[peak])))
+            continue
         around = amplitudes[max(0, peak - 12) : peak + 13]
         inside = 0 < peak < amplitudes.size - 1
         if inside and amplitudes[peak] < max(amplitudes[peak - 1], amplitudes[peak + 1]):

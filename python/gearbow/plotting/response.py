@@ -9,7 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
-from gearbow.plotting.orders import name_orders, say_resolution, spectrum_limits
+from gearbow.plotting.orders import (
+    name_orders,
+    say_resolution,
+    spectral_lines,
+    spectrum_limits,
+)
 from gearbow.plotting.style import (
     MICRO,
     PALETTE,
@@ -19,6 +24,7 @@ from gearbow.plotting.style import (
     equal_ranges,
     label_x,
     legend,
+    log_scale,
     panels,
     place_legend,
     quantity,
@@ -179,22 +185,33 @@ def spectrum(
     spectra: Mapping[str, tuple[Array, Array]],
     *,
     orders: Sequence[tuple[str, float]] = (),
+    periodic: bool = False,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw the amplitude spectrum of the displacement of each centre."""
+    """Draw the amplitude spectrum of the displacement of each centre; of a period, its lines."""
     with panels(len(spectra), 3.8, columns=1, sharex=True, ax=ax) as (figure, axes):
         highest = 0.0
         for panel, (label, (frequency, amplitude)) in zip(axes, spectra.items(), strict=True):
-            _lines(panel, frequency, MICRO * amplitude, ("y", "z"))
-            panel.set_yscale("log")
+            log_scale(panel)
             panel.set(ylabel=f"{label} [µm]")
-            highest = max(highest, spectrum_limits(panel, frequency, MICRO * amplitude))
+            limits = spectrum_limits(panel, frequency, MICRO * amplitude, periodic=periodic)
+            highest = max(highest, limits)
+            if not periodic:
+                _lines(panel, frequency, MICRO * amplitude, ("y", "z"))
+                continue
+            # A wide line is visible behind a narrow one at the same frequency.
+            count = int(np.sum(frequency <= limits))
+            for number, (along, width) in enumerate((("y", 3.2), ("z", 1.4))):
+                curve = spectral_lines(panel, frequency, MICRO * amplitude[:, number])
+                style: Any = {"color": colour(number), "label": along}
+                panel.plot(*curve, linewidth=width * min(1.0, 300.0 / max(count, 1)), **style)
         for panel, (frequency, amplitude) in zip(axes, spectra.values(), strict=True):
             if highest > 0.0:
                 panel.set_xlim(0.0, highest)
             largest = MICRO * amplitude.max(axis=1)
-            name_orders(panel, frequency, largest, orders, most=8, sidebands=False)
-        say_resolution(axes[0], next(iter(spectra.values()))[0], orders)
+            given: Any = {"most": 8, "sidebands": False, "periodic": periodic}
+            name_orders(panel, frequency, largest, orders, **given)
+        say_resolution(axes[0], next(iter(spectra.values()))[0], orders, periodic=periodic)
         label_x(axes, "frequency [Hz]")
         place_legend(figure, axes[0], axes[0].get_legend_handles_labels(), ax=ax)
     return figure

@@ -190,7 +190,12 @@ def log_scale(panel: Axes) -> None:
         digit = value / 10.0 ** math.floor(math.log10(value) + 1e-9)
         kept = any(math.isclose(digit, one, rel_tol=1e-6) for one in (1.0, 2.0, 5.0))
         if high < _SHORT_RANGE * low or (high < _LABELLED_RANGE * low and kept):
-            return f"{value:g}" if 1e-4 <= value < 1e6 else usual(value)
+            if 1e-4 <= value < 1e6:
+                return f"{value:g}"
+            # 2 × 10⁻⁵, where the usual label is 10^-4.70.
+            power = round(math.log10(value / digit))
+            number = "" if math.isclose(digit, 1.0, rel_tol=1e-6) else f"{digit:g}\\times "
+            return f"$\\mathdefault{{{number}10^{{{power}}}}}$"
         return usual(value) if math.isclose(digit, 1.0, rel_tol=1e-6) else ""
 
     axis.set_major_formatter(FuncFormatter(label))

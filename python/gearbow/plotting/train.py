@@ -17,8 +17,11 @@ __all__ = ["draw", "magnification"]
 
 #: Width and largest height of the figure, and height of legend and labels of the axes [in].
 _WIDTH, _HEIGHT, _BELOW = 13.5, 7.5, 1.6
-#: Part of the width that the side view takes.
-_SIDE = 0.58
+#: Largest height of the end view below a side view [in].
+_END = 4.6
+#: Part of the width that the side view takes, and length of a train relative to its height from
+#: which it takes the whole width, above the end view.
+_SIDE, _LONG = 0.58, 6.5
 #: Margins around the parts in both views, for names and symbols [pt].
 _MARGIN = 46.0
 #: Size of the largest bow on the page, as a fraction of the height of the parts.
@@ -58,6 +61,13 @@ def _new(boxes: Sequence[Box]) -> tuple[Figure, list[Axes]]:
     """Make a figure with two panels."""
     spans = np.array([[right - left, top - bottom] for left, bottom, right, top in boxes])
     margin = 2.0 * _MARGIN / 72.0
+    if spans[0, 0] > _LONG * spans[0, 1]:
+        width = _WIDTH - 2.0
+        upper = float(np.clip(spans[0, 1] * (width - margin) / spans[0, 0] + margin, 3.2, _HEIGHT))
+        lower = float(np.clip(spans[1, 1] * (width - margin) / spans[1, 0] + margin, 3.2, _END))
+        figure = Figure(figsize=(_WIDTH, upper + lower + 1.5 * _BELOW))
+        rows = figure.subplots(2, 1, height_ratios=[upper, lower], squeeze=False)
+        return figure, rows[:, 0].tolist()
     widths = np.array([_SIDE, 1.0 - _SIDE]) * (_WIDTH - 2.0)
     heights = spans[:, 1] * (widths - margin) / spans[:, 0] + margin
     figure = Figure(figsize=(_WIDTH, float(np.clip(heights.max(), 3.5, _HEIGHT)) + _BELOW))

@@ -1,6 +1,5 @@
 """A recorded run as a data set or a table, and its arrays and metadata in a file."""
 
-import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["FORMAT", "arrays_of", "metadata_of", "series", "summary", "to_xarray"]
 
+#: Size of a mean value that is an error of the times of a run, relative to its extremes.
+_ROUND_OFF = 1e-4
 #: Number of the file format. It increases if older readers cannot read a newer file.
 FORMAT = 1
 
@@ -100,7 +101,7 @@ def summary(run: RunRecord) -> list[Column]:
     low, high = known.min(axis=1), known.max(axis=1)
     return [
         Column("signal", names),
-        Column("mean", known.mean(axis=1)),
+        Column("mean", known.mean(axis=1), round_off=_ROUND_OFF * np.maximum(abs(low), abs(high))),
         Column("smallest", low),
         Column("largest", high),
         Column("peak-to-peak", high - low),
@@ -159,4 +160,6 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
         },
         **more,
     }
+    import json  # noqa: PLC0415  # files only
+
     return json.dumps(about)

@@ -7,7 +7,7 @@ loses its damping.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -35,8 +35,12 @@ _SECOND_PLANE = 0.5
 _OWN_MODE = 0.5
 #: Damping ratio above which a mode is no resonance.
 _OVERDAMPED = 0.7
-#: First cross-coupled stiffness of the search [N/m], and the numbers of steps of search and curve.
-_FIRST_STIFFNESS, _SEARCH, _CURVE = 1e6, 4, 7
+#: First stiffness of the search, relative to that of one mass, and largest number of its doublings.
+_FIRST, _DOUBLINGS = 0.25, 20
+#: Largest number of further steps, and decrement that is zero, relative to the first.
+_SEARCH, _NEAR_ZERO = 12, 1e-2
+#: Number of points of the curve of the decrement.
+_CURVE = 7
 #: Smallest logarithmic decrement of level 1, and smallest ratio Q₀/Q_A.
 _DECREMENT, _RATIO = 0.1, 2.0
 
@@ -105,7 +109,7 @@ def unbalance(contents: "Contents") -> Iterator[Block]:
     for name, place in first.items():
         peaks = found._peaks(made._model, place, name, contents.options.operating)
         if len(peaks):
-            yield Table.of_result(peaks, "Unbalance of API 617")
+            yield Table.of_result(peaks, f"Unbalance of API 617 on {name}")
         else:
             yield Note(
                 f"Unbalance of API 617 on {name}: the response at {place} has no peak in this "
@@ -214,19 +218,20 @@ def level_1(contents: "Contents") -> Iterator[Block]:
         ratio = float(found.damping_ratios[nearest])
         return 2.0 * math.pi * ratio / math.sqrt(1.0 - ratio**2)
 
-    known = {0.0: decrement(0.0)}
-    stiffness = _FIRST_STIFFNESS
-    for _ in range(_SEARCH):
-        known[stiffness] = decrement(stiffness)
-        slope = (known[stiffness] - known[0.0]) / stiffness
-        if not slope < 0.0:
-            yield Note(
-                f"{name}: a cross-coupled stiffness at {body.name} does not reduce the damping."
-            )
-            return
-        stiffness = float(min(-known[0.0] / slope, 100.0 * stiffness))
-    curve = np.linspace(0.0, 1.2 * stiffness, _CURVE)
-    values = np.array([known[0.0], *map(decrement, curve[1:])])
+    first = decrement(0.0)
+    if not first > 0.0:
+        yield Note(f"{name}: the first forward mode is unstable without cross coupling.", True)
+        return
+    # A mass m on a shaft with the damping c loses it at the stiffness c ω, which is m ω² δ/π.
+    mass = float(system.mass_properties().mass.sum())
+    scale = mass * (2.0 * math.pi * float(modes.frequencies_hz[mode])) ** 2 * first / math.pi
+    removing = _zero(decrement, first, scale)
+    if removing is None:
+        yield Note(f"{name}: a cross-coupled stiffness at {body.name} does not remove the damping.")
+        return
+    # Unequal bearings keep the damping up to a stiffness at which it falls steeply.
+    curve = np.unique([*np.linspace(0.0, 1.2, _CURVE) * removing, removing])
+    values = np.array([first, *map(decrement, curve[1:])])
     limits = [float(_crossing(curve, values, level)) for level in (0.0, _DECREMENT)]
     yield picture(
         _figure(curve, values),
@@ -238,12 +243,36 @@ def level_1(contents: "Contents") -> Iterator[Block]:
     if not largest > 0.0:
         passed = "Level 1 is not passed even without cross coupling"
     yield Note(
-        f"{name}: the decrement is {known[0.0]:.3g} without cross coupling and zero at Q₀ = "
+        f"{name}: the decrement is {first:.3g} without cross coupling and zero at Q₀ = "
         f"{limits[0]:.3g} N/m. {passed} (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, "
         "diameters and densities of the stages, which a scene does not have; the criterion of the "
         "gas density is not evaluated.",
         warning=not largest > 0.0,
     )
+
+
+def _zero(decrement: Callable[[float], float], first: float, scale: float) -> float | None:
+    """Find the smallest stiffness at which the decrement is zero; None for none."""
+    low, at_low, high = 0.0, first, _FIRST * scale
+    for _ in range(_DOUBLINGS):
+        at_high = decrement(high)
+        if at_high < 0.0:
+            break
+        low, at_low, high = high, at_high, 2.0 * high
+    else:
+        return None
+    for _ in range(_SEARCH):
+        # The secant, away from the ends, so that both of them move.
+        part = min(max(at_low / (at_low - at_high), 0.1), 0.9)
+        middle = low + part * (high - low)
+        value = decrement(middle)
+        if abs(value) < _NEAR_ZERO * first:
+            return middle
+        if value > 0.0:
+            low, at_low = middle, value
+        else:
+            high, at_high = middle, value
+    return low + at_low / (at_low - at_high) * (high - low)
 
 
 def _crossing(x: Array, y: Array, level: float) -> float:

@@ -14,6 +14,7 @@ from gearbow._types import Progress
 from gearbow.description.load_values import refuse_functions
 from gearbow.report.contents import SECTIONS, Contents, Options
 from gearbow.report.page import Block, Code, Note, Section, write
+from gearbow.units.speed import SpeedUnit, speed_text
 
 __all__ = ["compose"]
 
@@ -46,14 +47,21 @@ def _write(path: Path, contents: Contents, sections: list[Section]) -> None:
     options = contents.options
     facts = [("system", repr(contents.system).partition("(")[2][:-1])]
     if options.operating is not None:
-        ends = " to ".join(dict.fromkeys(map(contents.text, options.operating)))
-        facts.append(("operating speed", f"{ends}, of the reference shaft"))
+        both = [
+            " to ".join(dict.fromkeys(speed_text(speed, unit) for speed in options.operating))
+            for unit in (options.unit, _other(options.unit))
+        ]
+        facts.append(("operating speed", f"{both[0]} ({both[1]}), of the reference shaft"))
     if options.speeds is not None:
         ends = " to ".join(contents.text(float(options.speeds[end])) for end in (0, -1))
         facts.append(("speeds of diagrams", ends))
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
     facts.append(("made", f"{made} by gearbow {__version__}"))
     write(path, options.title, facts, [summary, *sections, again])
+
+
+def _other(unit: SpeedUnit) -> SpeedUnit:
+    return "rpm" if unit == "rad/s" else "rad/s"
 
 
 def _again(path: Path, contents: Contents) -> Iterator[Block]:

@@ -6,7 +6,7 @@ reason, and the blocks before it stay.
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -23,16 +23,21 @@ from gearbow.errors import ConvergenceError, GearbowError, StabilityError
 from gearbow.report import api617
 from gearbow.report.data import parts_tables
 from gearbow.report.page import Block, Note, Picture, Section, Table, picture
-from gearbow.results.campbell import Campbell
+from gearbow.results.campbell import Campbell, Intersection
 from gearbow.results.modes import Modes
-from gearbow.results.peak import Peak, marks
+from gearbow.results.peak import Peak, computed, marks
 from gearbow.results.response import Response
 from gearbow.results.static import Static
+from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
 from gearbow.results.synchronous import Synchronous
-from gearbow.units.speed import SpeedUnit, speed_text
+from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 __all__ = ["SECTIONS", "Contents", "Options"]
 
+#: Damping ratio, without its sign, of a mode that neither grows nor decays.
+_GROWTH = 1e-6
+#: Damping ratio from which a mode is no resonance, and number of critical speeds of the summary.
+_OVERDAMPED, _NAMED = 0.7, 6
 #: Largest number of speeds of a Campbell diagram, whose curves are smooth between them.
 _DIAGRAM_SPEEDS = 25
 #: Number of modes of the overview, and of those in three dimensions.
@@ -151,11 +156,11 @@ class Contents:
         return self.options.speeds
 
     @property
-    def motion(self) -> tuple[Response, str]:
-        """Motion at the highest operating speed, and what it is."""
+    def motion(self) -> tuple[Response, str, SteadyState | None]:
+        """Motion at the highest operating speed, what it is, and the steady state."""
         return self.kept("motion", self._motion)  # type: ignore[no-any-return]
 
-    def _motion(self) -> tuple[Response, str]:
+    def _motion(self) -> tuple[Response, str, SteadyState | None]:
         speed = self.need_operating()
         record = ["gears", "disks", "meshes", "bearings"]
         try:
@@ -163,12 +168,12 @@ class Contents:
         except (ConvergenceError, StabilityError) as error:
             run: Response = self.system.simulate(_REVOLUTIONS * self.turn(), speed, record=record)
             what = f"a run of {_REVOLUTIONS:g} revolutions of the slowest shaft, because {error}"
-            return run, what
+            return run, what, None
         period = (
             "without a common period" if math.isinf(steady.period) else f"{steady.period:.4g} s"
         )
         what = f"the steady state, {steady.method}, period {period}, residual {steady.residual:.1e}"
-        return steady.response, what
+        return steady.response, what, steady
 
     def section(self, name: str, title: str, make: "Make") -> Section:
         """Make a section, with a sentence in place of what cannot be computed."""
@@ -195,10 +200,26 @@ def drawing(contents: Contents) -> Iterator[Block]:
     """Draw the train to scale."""
     system = contents.system
     yield picture(system.plot(), "The train to scale; bows are enlarged.")
-    rows = system._rows()
-    yield Table(
-        "Shafts and tooth frequencies", rows[0], rows[1:], numeric=(False, True, False, True)
-    )
+    turns = contents.speed / (2.0 * math.pi)
+    rows = []
+    for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True):
+        gears = [gear for gear in system.gears if gear.shaft == shaft.name]
+        row = [shaft.name, f"{ratio:.6g}"]
+        if contents.speed:
+            row += [f"{60.0 * ratio * turns:.6g}", f"{abs(ratio * turns):.6g}"]
+        row.append(", ".join(f"{gear.name} ({gear.teeth})" for gear in gears))
+        teeth = [abs(ratio * gear.teeth) * (abs(turns) or 1.0) for gear in gears]
+        rows.append([*row, ", ".join(dict.fromkeys(f"{each:.6g}" for each in teeth))])
+    head = ["shaft", "speed ratio", "speed [rpm]", "1× [Hz]", "gears (teeth)"]
+    at = f" at {contents.text(contents.speed)}" if contents.speed else ""
+    if not contents.speed:
+        head = [*head[:2], head[-1]]
+    if system.gears:
+        head.append("tooth frequency [Hz]" if contents.speed else "tooth frequency / speed")
+    else:
+        head, rows = head[:-1], [row[:-2] for row in rows]
+    numeric = [name not in ("shaft", "gears (teeth)") for name in head]
+    yield Table(f"Shafts and tooth frequencies{at}", head, rows, numeric=numeric)
 
 
 def data(contents: Contents) -> Iterator[Block]:
@@ -305,7 +326,7 @@ def criticals(contents: Contents) -> Iterator[Block]:
                 one.speed * (1.0 - one.damping_ratio),
                 one.speed * (1.0 + one.damping_ratio),
                 span,
-                one.damping_ratio >= 0.0,
+                one.damping_ratio > -_GROWTH,
             )
             for one in found
         ]
@@ -326,8 +347,9 @@ def criticals(contents: Contents) -> Iterator[Block]:
                 *_margins(peaks),
             ],
             contents.options.unit,
-            [_API_684],
+            [_API_684, _OTHER_MODES],
         )
+        contents.findings.append((_nearest(contents, found), False))
     else:
         yield Note("No shaft excites a mode at its own frequency in this range of speeds.")
     places = _largest(contents)
@@ -351,6 +373,33 @@ def criticals(contents: Contents) -> Iterator[Block]:
 _API_684 = (
     "Required margin after API RP 684: 17 (1 − 1/(AF − 1.5)) % below and 10 % more above the "
     "operating speed; none for AF < 2.5."
+)
+
+
+def _nearest(contents: Contents, found: Sequence[Intersection]) -> str:
+    """Name the critical speeds that are nearest to the operating speed, in ascending order."""
+    unit, speed = contents.options.unit, abs(contents.speed)
+    near = sorted(
+        (one for one in found if one.damping_ratio < _OVERDAMPED),
+        key=lambda one: abs(one.speed - speed),
+    )[:_NAMED]
+    if not near:
+        return "No shaft excites a lightly damped mode at its own frequency."
+    texts = [
+        f"{speed_factor(unit) * one.speed:.4g} ({one.line.name}, {one.whirl})"
+        for one in sorted(near, key=lambda one: one.speed)
+    ]
+    which = "Critical speeds" if len(near) == len(found) else "Nearest critical speeds"
+    return f"{which} [{unit}]: {', '.join(texts)}."
+
+
+_LINEARISED = (
+    "Of the motion about the static equilibrium, linearised with mean mesh stiffnesses and with "
+    "the coefficients of the bearings at this speed."
+)
+_OTHER_MODES = (
+    "The standard means lateral modes; unbalance and bow do not excite axial motion and, without "
+    "teeth, no torsion. The response shows which of the speeds matter."
 )
 
 
@@ -394,13 +443,16 @@ def stability(contents: Contents) -> Iterator[Block]:
         [
             Column("mode", np.array(order) + 1),
             Column("frequency", found.frequencies_hz[order], "Hz", ".3f"),
-            Column("decrement", decrement[order], "", ".4g"),
+            Column("decrement", decrement[order], "", ".4g", None, 2.0 * math.pi * _GROWTH),
             Column("whirl", [found.whirl[i] for i in order]),
             Column("largest motion", [names[i] for i in order]),
         ],
+        remarks=[_LINEARISED],
     )
     growing = [
-        i for i in range(len(ratio)) if found.eigenvalues[i].real > 1e-6 * abs(found.eigenvalues[i])
+        i
+        for i in range(len(ratio))
+        if found.eigenvalues[i].real > _GROWTH * abs(found.eigenvalues[i])
     ]
     state = "unstable" if growing else "stable"
     contents.findings.append((f"The linear motion {where} is {state}.", bool(growing)))
@@ -432,15 +484,17 @@ def response(contents: Contents) -> Iterator[Block]:
         )
         yield Note(f"There is no response to bow and unbalance: {reason}.")
         return
-    lines, peaks = {}, {}
+    lines, peaks, known = {}, {}, {}
     for place in places:
         own = _peaks(contents, place)
         lines[place_label(place)] = (own.phase, own.amplitude)
         peaks[place_label(place)] = marks(own)
+        known[place_label(place)] = computed(own)
     figure = frequency.bode(
         found.speeds,
         lines,
         peaks=peaks,
+        known=known,
         operating=contents.options.operating,
         speed_unit=contents.options.unit,
     )
@@ -475,6 +529,7 @@ def response(contents: Contents) -> Iterator[Block]:
             ),
             Column("phase", np.degrees(phase), "°", ".1f"),
         ],
+        remarks=["Phase: angle of the high spot in the shaft, from its mark at angle 0."],
     )
 
 
@@ -495,8 +550,8 @@ def bow(contents: Contents) -> Iterator[Block]:
         yield Table.of_result(found)
         first = found.deciding
         if first is not None and found.present > 0.0:
-            sizes = f"{1e6 * found.present:.4g} µm of {1e6 * first.bow:.4g} µm"
-            text = f"Bow of {shaft.name}: {sizes} ({first.limit}, {first.at})."
+            sizes = f"{1e6 * found.present:.4g} µm of at most {1e6 * first.bow:.4g} µm"
+            text = f"Bow of {shaft.name}: {sizes}, by the limit {first.limit} ({first.at})."
             contents.findings.append((text, found.margin < 0.0))
     yield Note(
         "The value of API 617 for the vibration of a shaft, 25.4 µm √(12000/n), is a reference at "
@@ -506,9 +561,11 @@ def bow(contents: Contents) -> Iterator[Block]:
 
 def motion(contents: Contents) -> Iterator[Block]:
     """Show orbits, spectra and mesh geometry at the operating speed."""
-    run, what = contents.motion
+    run, what, steady = contents.motion
     speed = contents.need_operating()
     yield Note(f"Motion at {contents.text(speed)}: {what}.")
+    if steady is not None:
+        yield _floquet(contents, steady)
     yield Table.of_result(run)
     end = float(run.time[-1])
     times = (max(float(run.time[0]), end - _SHOWN_REVOLUTIONS * contents.turn()), end)
@@ -541,6 +598,30 @@ def motion(contents: Contents) -> Iterator[Block]:
         few = places[first : first + _BEARINGS]
         names = ", ".join(map(place_label, few))
         yield picture(run.plot("bearings", few, times=times), f"Bearing forces: {names}.")
+
+
+def _floquet(contents: Contents, steady: SteadyState) -> Note:
+    """Say whether small disturbances of the steady state decay."""
+    if not contents.system.meshes:
+        return Note(
+            "Whether small disturbances of this motion decay follows from the eigenvalues in the "
+            "section on stability: no teeth change the stiffness of the system."
+        )
+    try:
+        kind = steady.instability()
+    except GearbowError as error:
+        return Note(f"Stability of the steady state: not computed, because {error}")
+    largest = max(map(abs, steady.multipliers()), default=0.0)
+    # A motion that decays slowly has a multiplier that rounds to 1.
+    near = abs(largest - 1.0) < 1e-3
+    sign = "−" if largest < 1.0 else "+"
+    shown = f"1 {sign} {abs(largest - 1.0):.1e}" if near else f"{largest:.4g}"
+    size = f"the largest is {shown}" if largest else f"all are below {SMALLEST_MULTIPLIER:g}"
+    section = "a part of the motion" if math.isinf(steady.period) else "a period"
+    text = f"Floquet multipliers over {section}, with the changing stiffness of the teeth: {size}"
+    state = "stable" if kind is None else f"unstable ({kind})"
+    contents.findings.append((f"The steady state is {state}.", kind is not None))
+    return Note(f"The steady state is {state}. {text}.", kind is not None)
 
 
 def accuracy(contents: Contents) -> Iterator[Block]:

@@ -24,6 +24,10 @@ _WRITTEN = {
 }
 #: Fields that are complex: a size and an angle in the shaft.
 _TURNING = ("unbalance", "runout")
+#: Names of fields that are not those of the table with spaces.
+_NAMES = {"youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio"}
+#: Fields with a word of a fixed set.
+_WORDS = ("shape", "kind", "model", "phase", "foundation")
 #: Largest number of columns of a table of parts.
 _COLUMNS = 9
 #: Longest list of numbers that a table shows.
@@ -42,9 +46,27 @@ def parts_tables(system: Any) -> list[Table]:
             own = [part for part, its in zip(given, kinds, strict=True) if its == kind]
             words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind).lower()
             title = key if len(set(kinds)) == 1 or words == "bearing" else f"{words}s"
-            tables.append(_parts_table(title.capitalize(), key, own))
+            tables += _parts_tables(title.capitalize(), key, own)
     if options:
         tables.append(Table("Options", ("option", "value"), options, numeric=(False, False)))
+    return tables
+
+
+def _parts_tables(title: str, key: str, given: Sequence[Mapping[str, Any]]) -> list[Table]:
+    """Make the table of a kind of part, and one for each list of segments in it."""
+    pieces: dict[str, list[dict[str, Any]]] = {}
+    plain = []
+    for part in given:
+        own = dict(part)
+        for name, value in part.items():
+            if isinstance(value, list) and value and isinstance(value[0], Mapping):
+                rows = [{"of": part.get("name", ""), **one} for one in own.pop(name)]
+                pieces.setdefault(name, []).extend(rows)
+        plain.append(own)
+    tables = [_parts_table(title, key, plain)]
+    for name, rows in pieces.items():
+        heading = f"{name.replace('_', ' ').capitalize()} of {title.lower()}, from left to right"
+        tables.append(_parts_table(heading, f"{key}[0].{name}", rows))
     return tables
 
 
@@ -80,6 +102,12 @@ def _written(unit: str | None) -> tuple[float, str | None]:
     return factor, None if text is None else text.replace("^2", "²").replace("^3", "³")
 
 
+def _is_place(value: Any) -> bool:
+    """Tell whether a value is a shaft and a position on it."""
+    given = value if isinstance(value, list | tuple) else ()
+    return len(given) == 2 and isinstance(given[0], str) and _is_number(given[1])
+
+
 def _is_numbers(value: Any) -> bool:
     if isinstance(value, list | tuple):
         return bool(value) and all(_is_number(each) or _is_numbers(each) for each in value)
@@ -94,8 +122,11 @@ def _cell(value: Any, path: str, unit: str | None = None) -> str:
         return "yes" if value else "no"
     if isinstance(value, Mapping):
         return ", ".join(
-            f"{k.replace('_', ' ')} {_cell(v, f'{path}.{k}')}" for k, v in value.items()
+            f"{_NAMES.get(k, k.replace('_', ' '))} {_cell(v, f'{path}.{k}')}"
+            for k, v in value.items()
         )
+    if _is_place(value):
+        return f"{value[0]} at {_cell(value[1], 'shafts[0].length')}"
     if isinstance(value, list | tuple):
         if path.endswith(_TURNING) and len(value) == 2:
             number = complex(*value)
@@ -108,8 +139,11 @@ def _cell(value: Any, path: str, unit: str | None = None) -> str:
         nested = any(isinstance(each, list | tuple) for each in value)
         return sign.join(f"({text})" if nested else text for text in cells)
     if not _is_number(value):
-        return str(value)
+        # A word of a fixed set, not a name that the user gave.
+        is_word = path.rpartition(".")[2] in _WORDS
+        return str(value).replace("_", " ") if is_word else str(value)
     factor, written = _written(unit_of(path))
-    text = f"{factor * value:.6g}".replace("e+0", "e")
+    digits = 4 if written == "°" else 6
+    text = f"{factor * value:.{digits}g}".replace("e+0", "e")
     shown = written if unit is None and written not in (None, DIMENSIONLESS) else unit
     return f"{text}{'' if shown in ('', '°') else ' '}{shown}" if shown else text

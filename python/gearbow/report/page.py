@@ -93,6 +93,8 @@ class Picture:
     interactive: str
     #: Width and height of the interactive figure [px].
     size: tuple[float, float]
+    #: Width of the figure relative to that of the page [%].
+    width: float
     kind = "picture"
 
 
@@ -113,17 +115,21 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
     with extra("report"):
         from plotly.io.json import to_json_plotly  # noqa: PLC0415
 
-        from gearbow.plotting.interactive import converted  # noqa: PLC0415
+        from gearbow.plotting.interactive import WIDTH, converted  # noqa: PLC0415
 
+    given = space or converted(figure)
+    if space is None:
+        # Both have the layout of the conversion, which takes as long as a drawing.
+        figure.set_layout_engine("none")
     stream = BytesIO()
     kind = "svg+xml" if space is None else "png"
     figure.savefig(stream, format=kind[:3], dpi=_RESOLUTION)
     image = f"data:image/{kind};base64,{b64encode(stream.getvalue()).decode()}"
-    given = space or converted(figure)
     layout = given["layout"]
     # A "</" would end the element of the page.
     text = to_json_plotly(given).replace("</", "<\\/")
-    return Picture(caption, image, text, (float(layout["width"]), float(layout["height"])))
+    size = (float(layout["width"]), float(layout["height"]))
+    return Picture(caption, image, text, size, 100.0 * size[0] / WIDTH)
 
 
 def write(

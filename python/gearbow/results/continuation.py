@@ -12,7 +12,14 @@ from gearbow._lookup import one_of
 from gearbow._read_only import read_only
 from gearbow._result import Column, Result, data_frame, in_micrometres, written_unit
 from gearbow._shown import short
-from gearbow._types import Array, ComplexArray, Record, RunData, Statistic
+from gearbow._types import (
+    Array,
+    ComplexArray,
+    Record,
+    RunData,
+    SignalQuantity,
+    Statistic,
+)
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
 from gearbow.orders.channel import channel
@@ -122,7 +129,7 @@ class Continuation(Result):
         )
         read_only(vars(self))
 
-    def amplitude(self, at: Record, quantity: str | None = None) -> Array:
+    def amplitude(self, at: Record, quantity: SignalQuantity | None = None) -> Array:
         """Give half of the peak-to-peak value of a signal over a period.
 
         Parameters
@@ -144,7 +151,9 @@ class Continuation(Result):
         """
         return (self.statistic("max", at, quantity) - self.statistic("min", at, quantity)) / 2.0
 
-    def statistic(self, name: Statistic, at: Record, quantity: str | None = None) -> Array:
+    def statistic(
+        self, name: Statistic, at: Record, quantity: SignalQuantity | None = None
+    ) -> Array:
         """Give one number that describes a signal over a period.
 
         Parameters
@@ -170,7 +179,7 @@ class Continuation(Result):
         """
         return self._statistic(one_of(name, STATISTICS, "name"), at, quantity)
 
-    def _statistic(self, name: str, at: Record, quantity: str | None) -> Array:
+    def _statistic(self, name: str, at: Record, quantity: SignalQuantity | None) -> Array:
         """Give one statistic of a signal at each point."""
         found: Array = channel(self._signals.to_record(), at, quantity).values
         chosen: Array = found[STATISTICS.index(name) :: len(STATISTICS)].copy()
@@ -179,7 +188,7 @@ class Continuation(Result):
     def plot(
         self,
         at: Record | None = None,
-        quantity: str | None = None,
+        quantity: SignalQuantity | None = None,
         *,
         statistic: Statistic | None = None,
         speed_unit: SpeedUnit | None = None,
@@ -240,7 +249,9 @@ class Continuation(Result):
             ax=ax,
         )
 
-    def to_dataframe(self, at: Record | None = None, quantity: str | None = None) -> "pd.DataFrame":
+    def to_dataframe(
+        self, at: Record | None = None, quantity: SignalQuantity | None = None
+    ) -> "pd.DataFrame":
         """Give the branch as a table with one row for each point.
 
         Parameters
@@ -265,7 +276,7 @@ class Continuation(Result):
         """
         return data_frame(self._of(self._first() if at is None else at, quantity))
 
-    def _of(self, at: Record, quantity: str | None = None) -> list[Column]:
+    def _of(self, at: Record, quantity: SignalQuantity | None = None) -> list[Column]:
         """Give a row for each point, with the statistics and the amplitude of a signal."""
         name = channel(self._signals.to_record(), at, quantity)
         found: dict[str, Array] = {each: self.statistic(each, at, quantity) for each in STATISTICS}

@@ -84,7 +84,7 @@ class MassProperties(Result, ReadOnly):
         inertia = np.diag(self.total_inertia)
         return [
             Column("shaft", [*self.names, "machine"]),
-            Column("mass", np.append(self.mass, self.total_mass), "kg", ".4f"),
+            Column("mass", np.append(self.mass, self.total_mass), "kg", ".5g"),
             Column("x", x, "m", ".4f"),
             Column("y", y, "m", ".4f"),
             Column("z", z, "m", ".4f"),

@@ -314,7 +314,7 @@ class Modes(Result, ReadOnly):
         return dict(self._shares)
 
     def names(self) -> list[str]:
-        """Name each shape by its largest motions, e.g. "middle v" or "twist of output".
+        """Name each shape by its largest motions, e.g. "middle y" or "twist of output".
 
         Returns
         -------
@@ -442,15 +442,19 @@ class Modes(Result, ReadOnly):
         return self._titles()[number - 1], shapes[0], dofs
 
 
+#: Axis of the displacement of a degree of freedom.
+_AXES = {"v": "y", "w": "z", "u": "x"}
+
+
 def _name(groups: Sequence[tuple[str, str]]) -> str:
-    """Write (shaft, direction) pairs as text: "input v and w, twist of output"."""
+    """Write (shaft, direction) pairs as text: "input y and z, twist of output"."""
     lateral: dict[str, list[str]] = {}
     twist = []
     for shaft, direction in groups:
         if direction == "twist":
             twist.append(shaft)
         else:
-            lateral.setdefault(shaft, []).append(direction)
+            lateral.setdefault(shaft, []).append(_AXES[direction])
     words = [f"{shaft} {' and '.join(directions)}" for shaft, directions in lateral.items()]
     if twist:
         words.append(f"twist of {' and '.join(twist)}")

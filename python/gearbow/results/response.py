@@ -12,7 +12,16 @@ from gearbow._progress import working
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._result import Column, Result
 from gearbow._shown import span
-from gearbow._types import Abscissa, Array, At, Record, RunData, RunFigure, Window
+from gearbow._types import (
+    Abscissa,
+    Array,
+    At,
+    Record,
+    RunData,
+    RunFigure,
+    SignalQuantity,
+    Window,
+)
 from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
@@ -593,7 +602,11 @@ class Response(Result, ReadOnly):
         return sensor.measure(self)
 
     def spectrum(
-        self, at: Record | SignalSensor, quantity: str | None = None, *, window: Window = "hann"
+        self,
+        at: Record | SignalSensor,
+        quantity: SignalQuantity | None = None,
+        *,
+        window: Window | None = None,
     ) -> Spectrum:
         """Find the amplitude spectrum of one recorded signal.
 
@@ -610,9 +623,9 @@ class Response(Result, ReadOnly):
             "y", "z", "x" or "twist" of a place, also as ``velocity_y``, ``acceleration_y`` or
             ``twist_rate``; "y", "z" or "x" of the force on a bearing; a number
             field of `MeshResponse`. None is "y" or the mesh force.
-        window : {"hann", "flat top", "none"}
+        window : {"hann", "flat top", "none"}, optional
             Window function. "flat top" gives the most exact amplitudes, "none" is for a record of
-            whole periods.
+            whole periods. None is "none" for a period of a `SteadyState`, and "hann" for a run.
 
         Returns
         -------
@@ -631,7 +644,7 @@ class Response(Result, ReadOnly):
     def orders(
         self,
         at: Record | SignalSensor,
-        quantity: str | None = None,
+        quantity: SignalQuantity | None = None,
         *,
         shaft_harmonics: int = 4,
         mesh_harmonics: int | None = None,

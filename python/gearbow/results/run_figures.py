@@ -8,11 +8,11 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._times import begin_after, window
-from gearbow._types import Abscissa, Array, At, RunFigure
+from gearbow._types import Abscissa, Array, At, RunFigure, Window
 from gearbow.description.places import place_label, places
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
-from gearbow.orders.spectrum import amplitudes, order_frequencies
+from gearbow.orders.spectrum import amplitudes, default_window, order_frequencies
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
 
@@ -77,8 +77,14 @@ def plot(
     if kind == "history":
         return figures.history(time, motion, **settled)
     begin = 0 if skip_time is None else skipped
-    spectra = {label: amplitudes(time[begin:], values[begin:]) for label, values in motion.items()}
-    return figures.spectrum(spectra, orders=order_frequencies(run), ax=ax)
+    # A part of a period is no period.
+    periodic = run.period is not None and time[begin:].size == run.time.size
+    kind_of_window: Window = default_window(run) if periodic else "hann"
+    spectra = {
+        label: amplitudes(time[begin:], values[begin:], kind_of_window)
+        for label, values in motion.items()
+    }
+    return figures.spectrum(spectra, orders=order_frequencies(run), periodic=periodic, ax=ax)
 
 
 def _abscissa(run: RunRecord, kind: str, against: str, speed_unit: str) -> tuple[Array, str]:

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 __all__ = ["MeshState", "Static"]
 
+#: Size of a displacement that is round-off, relative to the largest one.
+_ROUND_OFF = 1e-9
+
 
 @dataclass(frozen=True)
 class MeshState(Shown):
@@ -320,11 +323,12 @@ class Static(Result, ReadOnly):
             rows += [(n, np.nan, self.displacement(n), np.nan) for n in self.coordinates.bodies]
         displacements = np.array([row[2] for row in rows]).reshape(-1, 2)
         um = in_micrometres()
+        given: Any = (".4g", um, _ROUND_OFF * np.abs(np.nan_to_num(displacements)).max(initial=0.0))
         return [
             Column("place", [row[0] for row in rows]),
             Column("force", np.array([row[1] for row in rows]), "N"),
-            Column("displacement y", displacements[:, 0], "m", ".4g", um),
-            Column("displacement z", displacements[:, 1], "m", ".4g", um),
+            Column("displacement y", displacements[:, 0], "m", *given),
+            Column("displacement z", displacements[:, 1], "m", *given),
             Column("mesh deflection", np.array([row[3] for row in rows]), "m", ".4g", um),
         ]
 

@@ -256,7 +256,7 @@ class Synchronous(Result, ReadOnly):
             If the speed is not finite.
         """
         slow = number(speed, "speed")
-        runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["amplitudes"]
+        runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["phasors"]
         return replace(self, amplitudes=self.amplitudes - runout, slow_roll=slow)
 
     def peaks(

@@ -1,8 +1,7 @@
 """The method `gearbow.RotorSystem.simulate_many`."""
 
 from collections.abc import Iterable, Mapping
-from concurrent.futures import Executor, Future
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gearbow._convert import items, shown
 from gearbow._parallel import ParallelCalls
@@ -11,6 +10,9 @@ from gearbow._types import Progress
 from gearbow.analysis.protocol import System
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.response import Response
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor, Future
 
 __all__ = ["simulate_many"]
 
@@ -21,7 +23,7 @@ def simulate_many(
     duration: float,
     speed: Any,
     *,
-    executor: Executor | None = None,
+    executor: "Executor | None" = None,
     progress: bool | Progress | None = None,
     **options: Any,
 ) -> list[Response]:

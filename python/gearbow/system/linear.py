@@ -41,7 +41,9 @@ __all__ = [
 ]
 
 
-def matrices(self: System, speed: float = 0.0, sparse: bool = False) -> Matrices:
+def matrices(
+    self: System, speed: float = 0.0, sparse: bool = False, *, frequency: float | None = None
+) -> Matrices:
     """Assemble the matrices of the linear equations of motion.
 
     Parameters
@@ -52,6 +54,8 @@ def matrices(self: System, speed: float = 0.0, sparse: bool = False) -> Matrices
     sparse : bool
         Whether the matrices are sparse ones of SciPy, which need memory in proportion to the
         number of degrees of freedom.
+    frequency : float, optional
+        Frequency of the vibration [rad/s] for bearings whose coefficients depend on it.
 
     Returns
     -------
@@ -62,15 +66,16 @@ def matrices(self: System, speed: float = 0.0, sparse: bool = False) -> Matrices
     Raises
     ------
     SceneError
-        If the speed is not finite, the dense matrices do not fit into memory, or sparse ones
-        are asked for with modal damping, whose matrix has no zeros.
+        If the speed or the frequency is not finite, the dense matrices do not fit into memory,
+        sparse ones are asked for with modal damping, whose matrix has no zeros, or a bearing
+        needs a frequency.
     MissingExtraError
         If sparse matrices are asked for, and SciPy is not installed.
     """
+    at = number(speed, "speed"), None if frequency is None else number(frequency, "frequency")
     if truth(sparse, "sparse"):
-        data = self._model.sparse_matrices(number(speed, "speed"))
-        return Matrices._from_sparse(data, self.dofs)
-    return Matrices(**self._model.matrices(number(speed, "speed")), dofs=self.dofs)
+        return Matrices._from_sparse(self._model.sparse_matrices(*at), self.dofs)
+    return Matrices(**self._model.matrices(*at), dofs=self.dofs)
 
 
 def modes(
@@ -95,10 +100,15 @@ def modes(
     Raises
     ------
     SceneError
-        If the speed or the count is invalid.
+        If the speed or the count is invalid, or the coefficients of a bearing depend on the
+        frequency and a mode has one that its table does not contain.
     ConvergenceError
         If the residual of a mode exceeds 1e-4 and the round-off of its shape,
         ``100 ε ω_max/|λ|``.
+
+    Notes
+    -----
+    Where coefficients of bearings depend on the frequency, each mode has those at its own.
     """
     unit = given_unit(speed) or self._speed_unit
     speed = number(speed, "speed")
@@ -417,7 +427,7 @@ def synchronous(
     return Synchronous(
         speeds=wanted,
         shafts=tuple(self._model.shafts),
-        amplitudes=data["amplitudes"],
+        amplitudes=data["phasors"],
         excitation=excitation,
         slow_roll=None,
         residuals=data["residuals"],

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearbow._core import Model
 from gearbow._types import Array, ComplexArray
-from gearbow.analysis.protocol import System
 from gearbow.description.parameter import Parameter
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.modes import Modes
 from gearbow.results.sensitivity import Sensitivity
-from gearbow.system.linear import matrices
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
 
 __all__ = ["of_intersections", "of_modes"]
@@ -35,9 +34,10 @@ class _DynamicStiffness:
     stiffness: Array
 
     @classmethod
-    def of(cls, system: System, speed: float) -> "_DynamicStiffness":
-        found = matrices(system, speed)
-        return cls(found.mass, found.damping + speed * found.gyroscopic, found.stiffness)
+    def of(cls, model: Model, speed: float) -> "_DynamicStiffness":
+        found = model.matrices(speed)
+        damping = found["damping"] + speed * found["gyroscopic"]
+        return cls(found["mass"], damping, found["stiffness"])
 
     def at(self, value: complex) -> ComplexArray:
         """Give the dynamic stiffness."""
@@ -127,11 +127,11 @@ def _derivatives(
     largest = max((abs(group.value) for own in groups for group in own), default=0.0)
 
     def forms(value: float) -> list[ComplexArray]:
-        system = family.system(parameter, value)
+        model = family.model(parameter, value)
         return [
             form
             for speed, own in zip(speeds, groups, strict=True)
-            for form in _DynamicStiffness.of(system, speed).forms(own)
+            for form in _DynamicStiffness.of(model, speed).forms(own)
         ]
 
     return extrapolated(forms, parameter.path, parameter.value, largest)
@@ -140,7 +140,7 @@ def _derivatives(
 def of_modes(family: ParameterFamily, parameters: Sequence[Parameter], of: Modes) -> Sensitivity:
     """Give the derivatives of the modes of a result."""
     members = _equal([complex(value) for value in of.eigenvalues])
-    base = _DynamicStiffness.of(family.base, of.speed)
+    base = _DynamicStiffness.of(family.base._model, of.speed)
     kept = [own for own in members if of.whirl[own[0]] != "rigid" and of.eigenvalues[own[0]] != 0.0]
     values = [complex(np.mean(of.eigenvalues[own])) for own in kept]
     groups = [
@@ -202,11 +202,11 @@ def of_intersections(
         value = complex(-ratio * frequency / math.sqrt(1.0 - ratio**2), frequency)
         what = f"intersection {i + 1}"
         values.append(value)
-        own = _Group.of(_DynamicStiffness.of(family.base, crossing.speed), value, 1, what)
+        own = _Group.of(_DynamicStiffness.of(family.base._model, crossing.speed), value, 1, what)
         groups.append([own])
 
         def forms(speed: float, own: _Group = own) -> list[ComplexArray]:
-            return _DynamicStiffness.of(family.base, speed).forms([own])
+            return _DynamicStiffness.of(family.base._model, speed).forms([own])
 
         slope = extrapolated(forms, "speed", crossing.speed, abs(value))
         along.append(complex(slope[0][0, 0]))

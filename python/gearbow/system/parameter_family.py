@@ -1,16 +1,18 @@
 """Systems over a parameter, and derivatives of what follows from them."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from gearbow._core import Model
 from gearbow.analysis.protocol import System, variant
+from gearbow.description.coordinates import Coordinates
 from gearbow.description.parameter import Parameter
 from gearbow.description.places import is_place
-from gearbow.description.shafts import Shaft, Sleeve, segments_of
+from gearbow.description.shafts import Segment, Shaft, Sleeve, segments_of
 from gearbow.description.train import PARTS
 from gearbow.errors import ConvergenceError, GearbowError
 
@@ -43,6 +45,7 @@ class ParameterFamily:
         self._parts = [_parts_along(base, shaft) for shaft in self.shafts]
         self.base: System = variant(base, shafts=self._of_nodes(self.shafts))
         self.names = [name for name, *_ in self.base.dofs]
+        self._description: dict[str, Any] = dict(self.base.description)
         same = len(self.base.dofs) == len(base.dofs)
         if not same:
             raise ConvergenceError(
@@ -54,13 +57,23 @@ class ParameterFamily:
         """Give a list of parts, or an option."""
         return self.shafts if key == "shafts" else getattr(self.origin, key)
 
-    def system(self, parameter: Parameter, value: float) -> System:
-        """Give the system with another value of a parameter."""
-        changed = parameter.changed(self.entry(parameter.key), value)
-        if parameter.key == "shafts":
-            made: System = variant(self.base, shafts=self._of_nodes(changed))
+    def model(self, parameter: Parameter, value: float) -> Model:
+        """Give the model of the system with another value of a parameter."""
+        key = parameter.key
+        given = self.entry(key)
+        changed = parameter.changed(given, value)
+        if key in PARTS:
+            # Only the part with the parameter is described again.
+            plain = dict(self._description)
+            listed = plain[key] = list(plain[key])
+            for i, (old, part) in enumerate(zip(given, changed, strict=True)):
+                if part is not old:
+                    path = f"{key}[{i}]"
+                    is_shaft = key == "shafts"
+                    listed[i] = self._plain_shaft(i, part) if is_shaft else part._describe(path)
+            made = Model(plain)
         else:
-            made = variant(self.base, **{parameter.key: changed})
+            made = variant(self.base, **{key: changed})._model
         if [name for name, *_ in made.dofs] != self.names:
             raise ConvergenceError(
                 f"the nodes change with it: {len(self.names)} degrees of freedom become "
@@ -68,6 +81,27 @@ class ParameterFamily:
                 "leave the end of a shaft or segment or another part; shift one of them"
             )
         return made
+
+    def _plain_shaft(self, index: int, shaft: Shaft) -> dict[str, Any]:
+        """Describe a changed shaft: only the segments that differ, if nothing else does."""
+        old, known = self.shafts[index], self._description["shafts"][index]
+        others = (field.name for field in fields(shaft) if field.name != "segments")
+        if any(getattr(shaft, name) is not getattr(old, name) for name in others):
+            return _of_nodes(shaft, self._parts[index])._describe(f"shafts[{index}]")
+        made: list[Any] = []
+        rows = zip(segments_of(old), segments_of(shaft), self._parts[index], strict=True)
+        for before, after, inner in rows:
+            first, path = len(made), f"shafts[{index}].segments[{len(made)}]"
+            if after is before:
+                made += known["segments"][first : first + len(inner) + 1]
+            else:
+                made += [part._describe(path) for part in _between(after, inner)]
+        return {**known, "segments": made}
+
+    def coordinates(self, model: Model) -> Coordinates:
+        """Give the degrees of freedom of a model by name and place."""
+        made: System = type(self.base)._from_model(model)
+        return made.coordinates
 
     def _of_nodes(self, shafts: Sequence[Shaft]) -> list[Shaft]:
         """Give every shaft a segment for each element, with the boundaries of the first system."""
@@ -102,12 +136,15 @@ def _parts_along(system: System, shaft: Shaft) -> list[list[float]]:
 
 def _of_nodes(shaft: Shaft, boundaries: list[list[float]]) -> Shaft:
     """Give a shaft a segment between each two boundaries."""
-    made = []
-    for segment, inner in zip(segments_of(shaft), boundaries, strict=True):
-        ends = [0.0, *inner, 1.0]
-        made += [segment._between(begin, end) for begin, end in pairwise(ends)]
+    pairs = zip(segments_of(shaft), boundaries, strict=True)
+    made = [part for segment, inner in pairs for part in _between(segment, inner)]
     none: dict[str, Any] = {"length": None, "outer_diameter": None, "inner_diameter": 0.0}
     return replace(shaft, segments=made, elements=None, **none)
+
+
+def _between(segment: Segment, inner: Sequence[float]) -> list[Segment]:
+    """Give the parts of a segment between its boundaries, over its length."""
+    return [segment._between(begin, end) for begin, end in pairwise([0.0, *inner, 1.0])]
 
 
 def extrapolated(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gearbow._convert import shown
-from gearbow._core import harmonic_forms
+from gearbow._core import Model, harmonic_forms
 from gearbow._lookup import one_of
 from gearbow._types import Array, ComplexArray, Plain
 from gearbow.analysis.protocol import System
@@ -143,6 +143,15 @@ class _Terms:
 
     __rmul__ = __mul__
 
+    def chosen(self, places: Any) -> "_Terms":
+        """Leave out other entries."""
+        return self._with(self.keys[places], self.values[places])
+
+    def judged(self) -> "_Terms":
+        """Keep some motions, which show how accurate differences of the entries are."""
+        some = self.motions[:: 1 + self.motions.size // _JUDGED]
+        return dataclasses.replace(self, motions=some)
+
     def _with(self, keys: Any, values: ComplexArray) -> "_Terms":
         return dataclasses.replace(self, keys=keys, values=values)
 
@@ -163,52 +172,60 @@ class _Harmonic:
     def derivatives(self, parameters: Sequence[Parameter]) -> tuple[ComplexArray, ComplexArray]:
         """Give the signal (k, sources, components), and its derivatives (p, k, sources, ...)."""
         base = self.family.base
-        adjoint = base._model.harmonic_adjoint(self.frequencies, self.speeds, self._outputs(base))
-        terms = self._terms(base)
-        none = np.zeros_like(adjoint)
-        values: ComplexArray = np.sum([self._forms(each, none) for each in terms], axis=0)
+        outputs = self._outputs(base.coordinates)
+        adjoint = base._model.harmonic_adjoint(self.frequencies, self.speeds, outputs)
+        terms = self._terms(base._model, outputs)
+        # At a node, the outputs do not depend on the elements.
+        is_fixed = isinstance(outputs, tuple) or np.count_nonzero(outputs, axis=-1).max() <= 1
+        none, size_of = np.zeros_like(adjoint), len(self.family.names)
+        own_rows = [each.chosen(each.keys >= size_of * each.width) for each in terms]
+        values: ComplexArray = np.sum([self._forms(each, none) for each in own_rows], axis=0)
         sizes = dataclasses.replace(self, phasors=np.abs(self.phasors).astype(np.complex128))
         stiffness = np.eye(1, 5, dtype=np.complex128)
-        elastic = (e._with(e.keys, np.abs(e.values) * stiffness) for e in terms)
+        elastic = (
+            each.judged()._with(each.keys, np.abs(each.values) * stiffness) for each in terms
+        )
         own = np.abs(adjoint).astype(np.complex128)
         largest = max((float(np.max(np.abs(sizes._forms(e, own)))) for e in elastic), default=0.0)
         # The sum of absolute elastic terms has the round-off of a much larger response.
         largest *= _ROUND_OFF_OF_TERMS
 
         def size(change: _Terms) -> float:
-            # Some motions show how accurate the differences of the entries are.
-            some = change.motions[:: 1 + change.motions.size // _JUDGED]
-            forms = self._forms(dataclasses.replace(change, motions=some), adjoint)
+            forms = self._forms(change.judged(), adjoint)
             return float(np.max(np.abs(forms), initial=0.0))
 
         slopes = np.zeros((len(parameters), *values.shape), dtype=np.complex128)
         for row, parameter in enumerate(parameters):
 
             def of(value: float, parameter: Parameter = parameter) -> list[Any]:
-                return self._terms(self.family.system(parameter, value))
+                model = self.family.model(parameter, value)
+                own = outputs if is_fixed else self._outputs(self.family.coordinates(model))
+                return self._terms(model, own, (base._model, outputs))
 
             for change in extrapolated(of, parameter.path, parameter.value, largest, size):
                 slopes[row] -= self._forms(change, adjoint)
         return values, slopes
 
-    def _outputs(self, system: System) -> Any:
+    def _outputs(self, coordinates: Coordinates) -> Any:
         """Give what the core calls outputs: factors of displacements, a bearing or a mesh."""
         if self.signal.kind != "motion":
             return self.signal.kind, self.index
-        rows = self.signal.moved(system.coordinates, np.eye(len(system.dofs)))
+        rows = self.signal.moved(coordinates, np.eye(len(coordinates.dofs)))
         return np.ascontiguousarray(np.moveaxis(rows, -1, 0), dtype=np.complex128)
 
-    def _terms(self, system: System) -> list[_Terms]:
-        """Assemble the entries once for all motions, or for each speed that changes them."""
-        depends = system._model.depends_on_speed
+    def _terms(
+        self, model: Model, outputs: Any, base: tuple[Model, Any] | None = None
+    ) -> list[_Terms]:
+        """Assemble the entries, less those of a base, once for all motions or for each speed."""
+        depends = model.depends_on_speed
         states = self.speeds if depends else np.sign(self.speeds)
         scale = float(np.max(np.abs(self.frequencies), initial=0.0)) or 1.0
-        width = len(system.dofs) + max(len(self.sources), len(self.signal.components))
-        found, outputs = [], self._outputs(system)
+        width = len(self.family.names) + max(len(self.sources), len(self.signal.components))
+        found = []
         for state in np.unique(states):
             motions = np.flatnonzero(states == state)
-            rows, columns, values = system._model.harmonic_terms(
-                float(self.speeds[motions[0]]), scale, self.sources, outputs
+            rows, columns, values = model.harmonic_terms(
+                float(self.speeds[motions[0]]), scale, self.sources, outputs, base
             )
             found.append(_Terms(rows * width + columns, values, motions, width))
         return found
@@ -328,30 +345,30 @@ def of_equilibrium(
     ):
         raise SceneError("of: is no equilibrium of this system; give a result of this system")
 
-    def signal_of(system: System, moved: Array) -> Array:
+    def signal_of(model: Model, moved: Array) -> Array:
         if signal.quantity == "mesh":
-            data = system._model.static(geometry, speed, moved)
+            data = model.static(geometry, speed, moved)
             return np.atleast_1d(data["mesh"]["force"][signal.index(data["meshes"])])
         if signal.quantity == "bearing_force":
-            data = system._model.static(geometry, speed, moved)
+            data = model.static(geometry, speed, moved)
             force: Array = data["bearing_force"][signal.index(data["bearings"])]
             return force
-        found: Array = signal.moved(system.coordinates, moved)
+        found: Array = signal.moved(family.coordinates(model), moved)
         return found
 
-    values, model = signal_of(family.base, state), family.base._model
+    model = family.base._model
+    values = signal_of(model, state)
     load = float(np.max(np.abs(model.static(geometry, speed, 0.0 * state)["unbalanced"])))
     largest = [load, float(np.max(np.abs(state), initial=0.0)), float(np.max(np.abs(values)))]
     slopes = np.zeros((len(parameters), values.size))
     for row, parameter in enumerate(parameters):
 
         @cache
-        def system(value: float, parameter: Parameter = parameter) -> System:
-            made: System = family.system(parameter, value)
-            return made
+        def varied(value: float, parameter: Parameter = parameter) -> Model:
+            return family.model(parameter, value)
 
-        def at_state(value: float, name: str, system: Any = system) -> list[Any]:
-            return [system(value)._model.static(geometry, speed, state)[name]]
+        def at_state(value: float, name: str, varied: Any = varied) -> list[Any]:
+            return [varied(value).static(geometry, speed, state)[name]]
 
         path, value = parameter.path, parameter.value
         force, fixed = (
@@ -361,8 +378,8 @@ def of_equilibrium(
         # An equilibrium contains no null motion of its own system.
         change = model.static_changes(geometry, speed, state, force[None, :])[0] + fixed
 
-        def along(other: float, system: Any = system, value: float = value, q: Any = change) -> Any:
-            return [signal_of(system(other), state + (other - value) * q)]
+        def along(other: float, varied: Any = varied, value: float = value, q: Any = change) -> Any:
+            return [signal_of(varied(other), state + (other - value) * q)]
 
         slopes[row] = -extrapolated(along, path, value, largest[2])[0]
     return _result(

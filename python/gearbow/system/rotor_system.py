@@ -692,7 +692,7 @@ class RotorSystem(CheckedKeywords, Shown):
         return type(self)._from_description, (self.description,)
 
     def __repr__(self) -> str:
-        counts = [f"{len(getattr(self, key))} {key}" for key in PARTS if getattr(self, key)]
+        counts = [_count(key, len(getattr(self, key))) for key in PARTS if getattr(self, key)]
         dofs, ratios = len(self._model.dofs), listed(self.speed_ratios)
         text = f"{', '.join(counts)}; speed ratios {ratios}; {dofs} degrees of freedom"
         return f"{type(self).__name__}({text}; accuracy {self.accuracy!r})"
@@ -710,6 +710,12 @@ class RotorSystem(CheckedKeywords, Shown):
             orders = ", ".join(f"{abs(ratio) * gear.teeth:.6g}" for gear in gears)
             rows.append((shaft.name, f"{ratio:.6g}", teeth, orders))
         return (("shaft", "speed ratio", "gears (teeth)", "tooth frequency / speed"), *rows)
+
+
+def _count(key: str, number: int) -> str:
+    """Write a number of parts: "2 shafts", "1 mesh"."""
+    singular = key.removesuffix("es") if key == "meshes" else key.removesuffix("s")
+    return f"{number} {singular if number == 1 else key}"
 
 
 def _warn(model: Model) -> None:

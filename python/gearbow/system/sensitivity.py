@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from gearbow._convert import items, shown
 from gearbow._progress import working
+from gearbow._types import SensitivityQuantity
 from gearbow.analysis.protocol import System
 from gearbow.description.parameter import Parameter
 from gearbow.errors import SceneError
@@ -36,7 +37,7 @@ def sensitivity(
     of: FrequencyResponse | Synchronous | Static,
     *,
     at: Any,
-    quantity: str = "displacement",
+    quantity: SensitivityQuantity = "displacement",
     progress: bool | None = None,
 ) -> "ResponseSensitivity": ...
 def sensitivity(
@@ -45,7 +46,7 @@ def sensitivity(
     of: Modes | Campbell | FrequencyResponse | Synchronous | Static,
     *,
     at: Any = None,
-    quantity: str | None = None,
+    quantity: SensitivityQuantity | None = None,
     progress: bool | None = None,
 ) -> "Sensitivity | ResponseSensitivity":
     """Find derivatives of a result with respect to parameters of the system.
@@ -94,12 +95,13 @@ def sensitivity(
     have the eigenvalues of their small matrix. For a response ``Z a = f`` with the output ``r a``,
     it is ``dr a + y(df - dZ a)`` with one adjoint solution ``Zᵀ y = r`` for all parameters. For an
     equilibrium q with the unbalanced forces F(q, p), ``dq = K⁻¹ dF`` with the tangent K. The
-    derivatives of the matrices are central differences of the assembly with two or three steps,
-    extrapolated; those of an equilibrium (oil films) are included. Elements keep their number and
-    their degree, and move with the segments and the parts at their ends. R. L. Fox, M. P. Kapoor,
-    *Rates of change of eigenvalues and eigenvectors*, AIAA J. 6 (1968); equal eigenvalues: H.
-    Baumgärtel, *Analytic perturbation theory* (1985); adjoint solutions: M. B. Giles, N. A. Pierce,
-    *An introduction to the adjoint approach to design*, Flow Turbul. Combust. 65 (2000).
+    derivatives of the matrices are central differences of the entries that change with the
+    parameter, with two or three steps, extrapolated; those of an equilibrium (oil films) are
+    included. Elements keep their number and their degree, and move with the segments and the parts
+    at their ends. R. L. Fox, M. P. Kapoor, *Rates of change of eigenvalues and eigenvectors*, AIAA
+    J. 6 (1968); equal eigenvalues: H. Baumgärtel, *Analytic perturbation theory* (1985); adjoint
+    solutions: M. B. Giles, N. A. Pierce, *An introduction to the adjoint approach to design*, Flow
+    Turbul. Combust. 65 (2000).
 
     Examples
     --------

@@ -120,6 +120,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     # Arguments of analyses
     "speed": "rad/s",
     "speeds": "rad/s",
+    "frequencies": "rad/s",
     "speed.start": "rad/s",
     "speed.end": "rad/s",
     "operating": "rad/s",

@@ -45,8 +45,13 @@ impl State {
         self.velocity.unscale(self.velocity.dotc(&self.momentum).re.sqrt())
     }
 
+    /// Inner product yᴴy' of two modes.
+    pub fn product(&self, other: &Self) -> Complex<f64> {
+        self.position.dotc(&other.force) + self.velocity.dotc(&other.momentum)
+    }
+
     /// Correlation |yᴴy'|² of two modes.
     pub fn correlation(&self, other: &Self) -> f64 {
-        (self.position.dotc(&other.force) + self.velocity.dotc(&other.momentum)).norm_sqr()
+        self.product(other).norm_sqr()
     }
 }

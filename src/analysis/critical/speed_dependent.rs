@@ -1,4 +1,5 @@
-//! Undamped critical speeds where the stiffness of bearings depends on the speed.
+//! Undamped critical speeds where the stiffness of bearings depends on the speed, or on the frequency, which is that of the
+//! excitation there.
 //!
 //! With the stiffness K(s) of one speed s, the eigenproblem gives critical speeds Ω_1(s) ≤ Ω_2(s) ≤ …. A critical speed of
 //! the rotor is a root of Ω_j(s) − s, because only there mode and bearings belong to the same speed. The functions Ω_j are
@@ -22,10 +23,10 @@ pub(super) fn critical_speeds(
 ) -> Result<Vec<Critical>, AnalysisError> {
     let at = |speed: f64| -> Result<Vec<f64>, AnalysisError> {
         interrupt.check()?;
-        let found = Quadratic::new(&*cached.at_speed(speed)?, 1.0)?.critical(excitation)?;
+        let found = Quadratic::new(&*cached.at(speed, excitation * speed)?, 1.0)?.critical(excitation)?;
         Ok(found.into_iter().map(|met| met.speed).collect())
     };
-    let samples = samples(cached)?;
+    let samples = samples(cached, excitation)?;
     let found = samples.iter().map(|speed| Ok((*speed, at(*speed)?))).collect::<Result<Vec<_>, AnalysisError>>()?;
     // The speed whose stiffness counts, and the number of the critical speed.
     let mut roots: Vec<(f64, usize)> = Vec::new();
@@ -49,7 +50,7 @@ pub(super) fn critical_speeds(
     }
     let mut critical = Vec::new();
     for (speed, number) in roots {
-        let model = cached.at_speed(speed)?;
+        let model = cached.at(speed, excitation * speed)?;
         let met = Quadratic::new(&model, 1.0)?.critical(excitation)?.into_iter().nth(number);
         critical.extend(met.map(|met| named(&model, &met, interrupt)).transpose()?);
     }
@@ -61,9 +62,10 @@ pub(super) fn critical_speeds(
 ///
 /// # Errors
 /// [`AnalysisError`] if the tables have no speed in common.
-fn samples(cached: &CachedModel) -> Result<Vec<f64>, AnalysisError> {
+fn samples(cached: &CachedModel, excitation: f64) -> Result<Vec<f64>, AnalysisError> {
     let model = &cached.model;
     let mut knots: Vec<f64> = model.bearings.iter().flat_map(|bearing| bearing.knots()).collect();
+    knots.extend(model.table_frequencies().into_iter().map(|frequency| frequency / excitation));
     knots.sort_by(f64::total_cmp);
     knots.dedup();
     let between = |pair: &[f64]| {
@@ -74,9 +76,10 @@ fn samples(cached: &CachedModel) -> Result<Vec<f64>, AnalysisError> {
     };
     let last = knots.last().copied();
     let mut samples: Vec<f64> = knots.windows(2).flat_map(between).chain(last).collect();
-    samples.retain(|speed| model.check_speed(*speed).is_ok());
+    let check = |speed: &f64| model.at_frequency(excitation * speed)?.check_speed(*speed);
+    samples.retain(|speed| check(speed).is_ok());
     if samples.is_empty() {
-        knots.iter().try_for_each(|speed| model.check_speed(*speed))?;
+        knots.iter().try_for_each(check)?;
     }
     Ok(samples)
 }

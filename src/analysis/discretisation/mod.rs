@@ -194,14 +194,14 @@ fn excitations(phases: &[CachedModel], largest: usize) -> Result<Vec<Excitation>
     phases.iter().map(|phase| excitation(phase, largest)).collect()
 }
 
-/// The model with the bearing coefficients of the lowest speed that all tables contain. Nonlinear bearings have a stiffness
+/// The model with the bearing coefficients of the lowest speed and frequency that all tables contain. Nonlinear bearings have a stiffness
 /// that follows from the weight of their shafts, because the loads and speeds of the analyses are not known.
 fn at_lowest_speed(model: Model) -> Result<Model, SceneError> {
     let model = if model.nonlinear_bearings.is_empty() { model } else { model.with_initial_operating_points() };
     if model.bearings.is_empty() && !model.has_internal_damping() {
         return Ok(model);
     }
-    model.with_tables_at(model.lowest_speed().unwrap_or(0.0))
+    model.at_frequency(model.lowest_frequency())?.with_tables_at(model.lowest_speed().unwrap_or(0.0))
 }
 
 /// Errors to expect of the elements of a model.

@@ -143,6 +143,8 @@ pub struct CachedModel {
     linear_part: OnceLock<Arc<LinearPart>>,
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<CachedModel>>,
+    /// Models at the speeds and frequencies of the last analyses, if bearings depend on the frequency.
+    at_frequencies: Recent<[f64; 2], Arc<CachedModel>>,
     /// What the models at all speeds share, if bearings depend on the speed.
     nominal: OnceLock<Arc<Nominal>>,
     /// Displacements of the last static equilibria.
@@ -192,6 +194,7 @@ impl CachedModel {
             model,
             linear_part: OnceLock::new(),
             at_speeds: Recent::default(),
+            at_frequencies: Recent::default(),
             nominal: OnceLock::new(),
             equilibria: Recent::default(),
             run_results: OnceLock::new(),
@@ -251,6 +254,45 @@ impl CachedModel {
         Ok(AtSpeed::Specialised(model))
     }
 
+    /// The model at a constant speed of the reference shaft and a frequency of the vibration, both rad/s. Only the coefficients of
+    /// bearings with tables over the frequency depend on the latter. Nonlinear bearings have the coefficients of the static
+    /// equilibrium, which has the frequency zero.
+    ///
+    /// # Errors
+    /// As [`Self::at_speed`], and if a bearing has no coefficients at the frequency.
+    pub fn at(&self, speed: f64, frequency: f64) -> Result<AtSpeed<'_>, EquilibriumError> {
+        if !self.model.depends_on_frequency() {
+            return self.at_speed(speed);
+        }
+        let key = [speed, frequency.abs()];
+        if let Some(known) = self.at_frequencies.get(&key) {
+            return Ok(AtSpeed::Specialised(known));
+        }
+        let model = if frequency == 0.0 {
+            self.model.at_frequency(0.0)?
+        } else {
+            self.with_operating_points_of(speed)?.model.at_frequency(frequency)?
+        };
+        let made = Self::new(model);
+        if self.nominal.get().is_none() {
+            let mut first = made.model.with_tables_at(speed)?;
+            if !first.nonlinear_bearings.is_empty() {
+                first = first.with_initial_operating_points();
+            }
+            self.nominal.get_or_init(|| Arc::new(self.nominal_at(&first)));
+        }
+        if let Some(nominal) = self.nominal.get() {
+            made.nominal.get_or_init(|| Arc::clone(nominal));
+        }
+        let specialised = match made.at_speed(speed)? {
+            AtSpeed::Specialised(model) => Some(model),
+            AtSpeed::Same(_) => None,
+        };
+        let found = specialised.unwrap_or_else(|| Arc::new(made));
+        self.at_frequencies.insert(key, Arc::clone(&found));
+        Ok(AtSpeed::Specialised(found))
+    }
+
     /// The model whose nonlinear bearings have their initial stiffness; with bearings that have tables over the speed, the first
     /// model at a speed, `first`.
     fn nominal_at(&self, first: &Model) -> Nominal {
@@ -274,7 +316,7 @@ impl CachedModel {
         if self.model.nonlinear_bearings.is_empty() {
             return Ok(AtSpeed::Same(self));
         }
-        let at_speed = self.at_speed(speed)?;
+        let at_speed = self.at(speed, 0.0)?;
         let mut points = at_speed.model.nonlinear_bearings.iter().filter_map(|bearing| bearing.point);
         let model = self.model.clone();
         let points: Vec<_> = model.nonlinear_bearings.iter().map(|bearing| bearing.number).zip(&mut points).collect();

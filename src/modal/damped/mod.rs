@@ -8,7 +8,7 @@ mod quadratic;
 mod residual;
 mod whirl;
 
-pub use modes::{Mode, modes, structured_modes, whirl, with_all_modal_damping};
+pub use modes::{Mode, modes, modes_of, structured_modes, whirl, with_all_modal_damping};
 pub use quadratic::Quadratic;
 pub use residual::{Residual, Residuals, residual};
 pub use whirl::Whirl;

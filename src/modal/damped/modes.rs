@@ -141,7 +141,10 @@ pub fn with_all_modal_damping(
 }
 
 /// Modes with their whirl and their residuals.
-fn modes_of(
+///
+/// # Errors
+/// [`DecompositionError`] if the stiffness has no factors.
+pub fn modes_of(
     cached: &CachedModel,
     speed: f64,
     modal: Option<&ModalDamping>,

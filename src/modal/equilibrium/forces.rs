@@ -250,7 +250,7 @@ impl<'m> AtRest<'m> {
             load.iter().enumerate().for_each(|(index, force)| forces.add(index, self.load_factor * force));
         }
         forces.add_elements(&self.model, q.as_slice());
-        forces.add_connections(self, (contacts, laws), q.as_slice(), visit)?;
+        forces.add_connections(self, contacts, laws, q.as_slice(), visit)?;
         forces.add_elastic(&self.model, q.as_slice());
         Ok(forces)
     }
@@ -301,7 +301,8 @@ impl Forces {
     fn add_connections(
         &mut self,
         AtRest { model, geometry, speeds, .. }: &AtRest<'_>,
-        (contacts, laws): (Contacts<'_>, Laws<'_>),
+        contacts: Contacts<'_>,
+        laws: Laws<'_>,
         q: &[f64],
         visit: &mut dyn FnMut(Entry),
     ) -> Result<(), EquilibriumError> {

@@ -181,7 +181,7 @@ impl Search<'_, '_> {
                 Some(known) => known.iter().flat_map(Annulus::halves).collect(),
                 None => self.problem.annuli(radius),
             };
-            annuli = Some(self.search_annuli(narrower, (&found, &chosen), &mut further, &inverse)?);
+            annuli = Some(self.search_annuli(narrower, &found, &chosen, &mut further, &inverse)?);
         }
     }
 
@@ -190,7 +190,8 @@ impl Search<'_, '_> {
     fn search_annuli<T: Inverse>(
         &self,
         annuli: Vec<Annulus>,
-        (found, chosen): (&[Found], &[&Found]),
+        found: &[Found],
+        chosen: &[&Found],
         further: &mut Vec<Found>,
         inverse: impl Fn(f64) -> Result<T, DecompositionError>,
     ) -> Result<Vec<Annulus>, DecompositionError> {

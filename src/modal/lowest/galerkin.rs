@@ -144,7 +144,7 @@ impl<'p, 'm> Galerkin<'p, 'm> {
         let rotation = self.momenta.transpose() * &modes.vectors;
         let mut damping = modes.project_sparse(&self.problem.rate);
         if let Some(modal) = self.problem.modal {
-            damping += modes.vectors.tr_mul(&modal.times(&modes.vectors));
+            damping += modes.vectors.transpose() * modal.times(&modes.vectors);
         }
         let skew_part = modes.project_sparse(&self.skew_part);
         let order = FirstOrder::projected(&modes, &damping, &skew_part, false);

@@ -11,7 +11,7 @@ use crate::model::{Model, Weights};
 /// Newton's method converges quadratically, and with modal damping by the damping ratio in each iteration; if it needs more
 /// iterations, it diverges.
 const MAX_ITERATIONS: usize = 20;
-/// Change of φ, λ and Ω, relative to each, after which the error of the next iterate, its square, is below round-off.
+/// Error of φ, λ and Ω, relative to each, at which iteration stops.
 const CONVERGED: f64 = 1e-9;
 /// Relative change of λ and Ω below which changes that no longer decrease are due to round-off in stiff scenes.
 const STALLED: f64 = 1e-8;
@@ -64,6 +64,9 @@ fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at:
     let (mut previous, mut is_close) = (f64::INFINITY, false);
     // A mode without oscillation has a real shape; the imaginary parts of its changes are round-off.
     let is_real = at.eigenvalue.im == 0.0;
+    // Ratio of the second and the first change: the square of the error follows in each iteration, with modal damping its
+    // product with the damping ratio.
+    let first_rate = |change: f64| if modal.is_none() { change.sqrt() } else { 1.0 };
     for _ in 0..MAX_ITERATIONS {
         let change = newton_step(model, modal, unknown, &at).ok()?;
         let size = match unknown {
@@ -94,7 +97,9 @@ fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at:
         if !(largest.is_finite() && norm.is_finite() && norm > 0.0 && (is_real || at.eigenvalue.im > 0.0)) {
             return None;
         }
-        if largest <= CONVERGED {
+        // The next change is smaller than this one by the same factor at least; without modal damping its square follows.
+        let rate = if previous.is_finite() { (largest / previous).min(1.0) } else { first_rate(largest) };
+        if largest * rate <= CONVERGED {
             return Some(at);
         }
         (previous, is_close) = (largest, of_values <= STALLED);
@@ -131,19 +136,20 @@ fn newton_step(
     let rate = &damping + &gyroscopic * Complex64::from(at.speed);
     let residual = elastic + &rate * lambda + &inertia * (lambda * lambda);
     let by_decay = &inertia * (2.0 * lambda) + rate;
-    let by_further = match unknown {
-        Unknown::Frequency => &by_decay * Complex64::I,
-        Unknown::Speed(order) => &by_decay * Complex64::new(0.0, order) + gyroscopic * lambda,
-    };
     let sense = if lambda.re < 0.0 { -1.0 } else { 1.0 };
     let weights = Weights::dynamic(lambda, at.speed);
     let weights = modal.map_or(weights, |modal| modal.banded(lambda, weights));
     let factors = model.dynamic_stiffness(&weights, at.speed).factor(sense)?;
-    let [by_decay, by_further, residual] = [by_decay, by_further, residual].map(|right| {
+    let solved = |right: &DVector<Complex64>| {
         let mut x = model.to_circular(right.as_slice());
         factors.solve_once(Side::Right, &mut x);
         DVector::from_vec(model.from_circular(&x))
-    });
+    };
+    let [by_decay, residual] = [&by_decay, &residual].map(solved);
+    let by_further = match unknown {
+        Unknown::Frequency => &by_decay * Complex64::I,
+        Unknown::Speed(order) => &by_decay * Complex64::new(0.0, order) + solved(&(gyroscopic * lambda)),
+    };
     let [decay, further, constant] = [&by_decay, &by_further, &residual].map(|column| inertia.dotc(column));
     let borders = DMatrix::from_row_slice(2, 2, &[decay.re, further.re, decay.im, further.im]);
     let change = solve(&borders, &DMatrix::from_row_slice(2, 1, &[-constant.re, -constant.im]));

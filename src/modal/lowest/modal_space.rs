@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use super::arnoldi::undamped_modes;
 use super::shift_invert::Problem;
 use crate::connection::Row;
-use crate::linalg::{DecompositionError, symmetric_pencil};
+use crate::linalg::{DecompositionError, symmetric_eigen};
 use crate::modal::state_space::Projected;
 use crate::modal::undamped::{ModalDamping, RealModes, ShiftInverse, SpectralRange, null_motions, times};
 use crate::model::Model;
@@ -140,9 +140,9 @@ impl ModalSpace {
             DVector::from_iterator(rows.len(), statics.column_iter().map(|x| 1.0 / norm(x).max(f64::MIN_POSITIVE)));
         // The known modes are orthonormal in M.
         for _ in 0..2 {
-            statics -= &known * known.tr_mul(&model.mass_times(&statics));
+            statics -= &known * (known.transpose() * model.mass_times(&statics));
         }
-        let mut form = statics.tr_mul(&model.mass_times(&statics));
+        let mut form = statics.transpose() * model.mass_times(&statics);
         form.iter_mut().enumerate().for_each(|(place, value)| {
             *value *= scale[place % rows.len()] * scale[place / rows.len()];
         });
@@ -176,12 +176,10 @@ impl ModalSpace {
     /// # Errors
     /// [`DecompositionError`] if the decomposition of the projected stiffness fails.
     pub(in crate::modal) fn damping(&self, model: &Model, speed: f64) -> Result<ModalDamping, DecompositionError> {
-        let stiffness = self.shapes.tr_mul(&times(&model.sparse_symmetric_stiffness(speed), &self.shapes));
-        let size = stiffness.nrows();
-        let symmetric = (&stiffness + stiffness.transpose()) / 2.0;
-        let modes = symmetric_pencil(&symmetric, &DMatrix::identity(size, size), &DMatrix::zeros(size, 0))?;
+        let stiffness = self.shapes.transpose() * times(&model.sparse_symmetric_stiffness(speed), &self.shapes);
+        let modes = symmetric_eigen(&((&stiffness + stiffness.transpose()) / 2.0))?;
         let ratios = model.scene.modal_damping.clone();
-        let kept = modes.vectors.columns(0, self.damped.min(size)).into_owned();
+        let kept = modes.vectors.columns(0, self.damped.min(modes.values.len())).into_owned();
         let mut scaled = kept.clone();
         let frequencies: Vec<f64> = modes.values.iter().take(kept.ncols()).map(|value| value.max(0.0).sqrt()).collect();
         for (index, (mut column, frequency)) in scaled.column_iter_mut().zip(&frequencies).enumerate() {

@@ -363,7 +363,7 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
                 }
             }
             let rates = &modal.rates * shift;
-            let mut capacity = &rates * modal.momenta.tr_mul(&responses);
+            let mut capacity = &rates * (modal.momenta.transpose() * &responses);
             (0..capacity.nrows()).for_each(|index| capacity[(index, index)] += 1.0);
             Ok(Update { responses, rates, capacity: LuFactors::new(&capacity) })
         });

@@ -234,11 +234,8 @@ impl Subspace<'_> {
         let frequencies = all.frequencies.rows(null, elastic);
         let shapes = all.vectors.columns(null, elastic);
         let mut further: Vec<DVector<f64>> = Vec::new();
-        let growing = shapes.tr_mul(&model.mass_times(growing)).component_mul(&DMatrix::from_fn(
-            elastic,
-            growing.ncols(),
-            |mode, _| frequencies[mode],
-        ));
+        let scale = DMatrix::from_fn(elastic, growing.ncols(), |mode, _| frequencies[mode]);
+        let growing = (shapes.transpose() * model.mass_times(growing)).component_mul(&scale);
         for given in growing.column_iter().map(|column| column.into_owned()).chain(statics.iter().cloned()) {
             let mut rest = given.clone();
             kept.iter().for_each(|mode| rest[*mode] = 0.0);
@@ -261,7 +258,7 @@ impl Subspace<'_> {
             let displacements =
                 DMatrix::from_fn(elastic, further.len(), |mode, column| further[column][mode] / frequencies[mode]);
             let size = further.len();
-            let mass = displacements.tr_mul(&displacements);
+            let mass = displacements.transpose() * &displacements;
             let pencil = symmetric_pencil(&DMatrix::identity(size, size), &mass, &DMatrix::zeros(size, 0))?;
             vectors.columns_mut(null + kept.len(), size).copy_from(&(shapes * (displacements * pencil.vectors)));
         }

@@ -47,7 +47,7 @@ impl ModalDamping {
 
     /// D X for real columns X, n × k.
     pub(in crate::modal) fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        &*self.momenta * (&self.rates * self.momenta.tr_mul(columns))
+        &*self.momenta * (&self.rates * (self.momenta.transpose() * columns))
     }
 
     /// Adds `factor`·D x to `sum`, both with n entries.

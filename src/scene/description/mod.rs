@@ -24,7 +24,7 @@ pub use shaft::{
     Bow, BowShape, Material, STEEL, STEEL_POISSON_RATIO, Segment, Shaft, Sleeve, SleeveStiffness, SleeveStiffnessWord,
 };
 pub use sources::{GroundQuantity, Source};
-pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable};
+pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable, TableValue};
 pub use teeth::{
     Engagement, Foundation, FrictionTable, MeshFriction, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief,
     TransmissionError,

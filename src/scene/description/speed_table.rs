@@ -1,4 +1,4 @@
-//! Coefficients of a bearing, as a user describes them: constant, or a table over the speed.
+//! Coefficients of a bearing, as a user describes them: constant, or a table over speed, frequency or both.
 
 use std::fmt;
 
@@ -10,13 +10,13 @@ use serde::{Deserialize, Deserializer, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum BearingCoefficient {
-    /// The same at every speed.
+    /// The same at every speed and frequency.
     Constant(Coefficient),
-    /// A table over the speed.
+    /// A table over the speed, the frequency or both.
     Table(SpeedTable),
 }
 
-/// What a table does outside its speeds.
+/// What a table does outside its speeds and frequencies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outside {
@@ -27,15 +27,19 @@ pub enum Outside {
     Hold,
 }
 
-/// Coefficients over the magnitude of the speed of a shaft.
+/// Coefficients over the magnitude of the speed of a shaft, of the frequency of a vibration, or of both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedTable {
-    /// Speeds, rad/s, ascending from zero or above.
-    pub speeds: Vec<f64>,
-    /// One coefficient for each speed, all in the same form.
-    pub values: Vec<Coefficient>,
-    /// What holds outside the speeds; an error by default.
+    /// Speeds, rad/s, ascending from zero or above; without them the speed has no effect.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speeds: Option<Vec<f64>>,
+    /// Frequencies, rad/s, ascending from zero or above; without them the frequency has no effect.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequencies: Option<Vec<f64>>,
+    /// One entry for each speed, or for each frequency of a table without speeds; all coefficients have the same form.
+    pub values: Vec<TableValue>,
+    /// What holds outside the speeds and frequencies; an error by default.
     #[serde(default, skip_serializing_if = "is_error")]
     pub outside: Outside,
 }
@@ -43,6 +47,32 @@ pub struct SpeedTable {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
 fn is_error(outside: &Outside) -> bool {
     *outside == Outside::Error
+}
+
+/// An entry of a table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a number, a pair [yy, zz] or rows [[yy, yz], [zy, zz]], or a list of these over the frequencies"
+)]
+pub enum TableValue {
+    /// One coefficient.
+    One(Coefficient),
+    /// The coefficients of one speed over the frequencies.
+    OverFrequencies(Vec<Coefficient>),
+}
+
+impl TableValue {
+    /// The coefficients over the frequencies of a table that has speeds too. Over two frequencies, two numbers read as a pair,
+    /// and two pairs as rows.
+    pub fn over_frequencies(&self) -> Vec<Coefficient> {
+        match self {
+            Self::OverFrequencies(values) => values.clone(),
+            Self::One(Coefficient::Orthotropic(values)) => values.map(Coefficient::Isotropic).to_vec(),
+            Self::One(Coefficient::Full(values)) => values.map(Coefficient::Orthotropic).to_vec(),
+            Self::One(value) => vec![*value],
+        }
+    }
 }
 
 impl From<Coefficient> for BearingCoefficient {

@@ -82,6 +82,35 @@ def test_limits_without_a_curve_keep_the_range_of_speeds():
     assert figure.axes[0].get_xlim() == (100.0, 200.0)
 
 
+def test_limits_at_one_speed_are_bars():
+    lines = {"teeth": np.array([2e-4]), "force": np.array([5e-5]), "play": np.array([np.inf])}
+    (panel,) = bow_limits(np.array([100.0]), lines, 1e-4, label="bow of rotor").axes
+    assert [bar.get_width() for bar in panel.patches] == pytest.approx([200.0, 50.0])
+    assert [text.get_text() for text in panel.get_yticklabels()] == ["teeth", "force"]
+    # a limit that the present bow exceeds has the colour of a warning
+    assert panel.patches[0].get_facecolor() != panel.patches[1].get_facecolor()
+    assert panel.get_xlabel() == "bow of rotor [µm], at 100 rad/s"
+    assert panel.get_title(loc="right") == "1 further limit is above, or not reached"
+
+
+@each_case(("damping", "scale"), [(2e2, "log"), (2e4, "linear")])
+def test_a_response_with_a_sharp_peak_has_a_logarithmic_axis(damping, scale):
+    system = jeffcott(damping=damping)
+    response = system.synchronous(np.linspace(10.0, 1500.0, 60))
+    assert response.bode().axes[1].get_yscale() == scale
+
+
+def test_small_logarithmic_labels_have_whole_exponents():
+    figure = Figure()
+    panel = figure.subplots()
+    panel.plot([0.0, 1.0], [2e-6, 3e-5])
+    log_scale(panel)
+    figure.draw_without_rendering()
+    texts = [text.get_text() for text in panel.get_yticklabels(which="both")]
+    assert any("2\\times 10^{-5}" in text for text in texts)
+    assert not any("." in text for text in texts if "^" in text)
+
+
 def test_round_off_is_no_damping():
     modes = jeffcott().modes(count=2)
     ratios = np.array([-6e-17, 0.02])

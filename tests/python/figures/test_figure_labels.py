@@ -331,12 +331,12 @@ class TestSpeed:
 
 
 def test_mode_shapes():
-    # soft along y: the first bending mode has only v, the second one only w
+    # soft along y: the first bending mode moves along y, the second one along z
     rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
     bearings = [gb.Bearing("rotor", x, stiffness=(1e7, 1e9)) for x in (0.0, 1.0)]
     modes = gb.RotorSystem([rotor], bearings=bearings, motion="lateral").modes(count=2)
     figure = modes.plot(count=2)
-    assert labels(figure) == [("position [m]", "v (w dashed)")] * 2
+    assert labels(figure) == [("position [m]", "y (z dashed)")] * 2
     for mode, panel in enumerate(figure.axes):
         solid, dashed = panel.get_lines()
         assert (solid.get_linestyle(), dashed.get_linestyle()) == ("-", "--")

@@ -35,13 +35,14 @@ def test_lines_axes_and_legend():
     made.legend(*upper.get_legend_handles_labels())
     found = converted(made)
     layout = found["layout"]
-    assert (layout["width"], layout["height"]) == (WIDTH, 0.75 * WIDTH)
+    # 8 of the 12 inches of a page
+    assert (layout["width"], layout["height"]) == (2.0 / 3.0 * WIDTH, 0.5 * WIDTH)
     (line,) = traces(found, xaxis="x", legendgroup="square")
     np.testing.assert_allclose(line["x"], x)
     np.testing.assert_allclose(line["y"], x**2)
     assert (line["mode"], line["line"]["dash"]) == ("lines", "dash")
     assert line["line"]["color"] == "rgba(255,0,0,1)"
-    assert line["line"]["width"] == pytest.approx(2.0 * WIDTH / (72.0 * 8.0))
+    assert line["line"]["width"] == pytest.approx(2.0 * WIDTH / (72.0 * 12.0))
     assert "square" in line["hovertemplate"]
     assert "size [m]" in line["hovertemplate"]
     # an entry of the legend hides the lines of its group

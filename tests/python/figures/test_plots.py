@@ -9,6 +9,7 @@ import pytest
 import gearbow as gb
 from gearbow.results.run_figures import PLOT_KINDS
 from reference.machines import bowed_pair
+from reference.records import of_series
 from test_response import recorded
 
 
@@ -79,6 +80,23 @@ def test_the_spectrum_of_a_sine_has_its_frequency_and_amplitude():
     frequency, amplitude = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
     assert frequency[np.argmax(amplitude)] == pytest.approx(50.0)
     assert amplitude.max() == pytest.approx(3.0, rel=1e-3)
+
+
+def test_the_spectrum_of_a_period_has_its_lines():
+    # The second harmonic of a period is its second line, without a share of its neighbours.
+    count, period = 64, 0.5
+    time = period / count * np.arange(count)
+    response = of_series(time, 3e-6 * np.cos(2.0 * np.pi * 2.0 * time / period))
+    response.period = period
+    found = response.spectrum("g1", "z")
+    assert found.periodic
+    np.testing.assert_allclose(found.amplitudes[:3], [0.0, 3e-6, 0.0], atol=1e-18)
+    assert response.spectrum("g1", "z", window="hann").amplitudes[0] > 1e-6
+    (panel,) = response.plot("spectrum", at=["g1"]).axes
+    line = next(line for line in panel.get_lines() if line.get_label() == "z")
+    x, y = np.array(line.get_xydata()).T
+    assert x.tolist() == [4.0, 4.0, 4.0]
+    assert y[1] == pytest.approx(3.0)
 
 
 def test_a_spectrum_needs_equally_spaced_times():

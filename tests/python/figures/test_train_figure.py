@@ -326,3 +326,27 @@ def test_a_free_shaft_without_anything_is_drawn():
     figure = gb.RotorSystem([gb.Shaft("s", length=1.0, outer_diameter=0.1)]).plot()
     assert figure.legends == []
     assert texts(figure.axes[0]) == ["s"]
+
+
+def test_a_long_train_has_its_side_view_above_the_end_view():
+    shaft = gb.Shaft("rotor", length=2.0, outer_diameter=0.05)
+    disk = gb.Disk("disk", "rotor", 1.0, mass=5.0, diametral_inertia=0.01, polar_inertia=0.02)
+    for length, above in ((2.0, True), (0.2, False)):
+        own = replace(shaft, length=length)
+        disks = [replace(disk, position=length / 2.0)]
+        system = gb.RotorSystem([own], bearings=at_ends([own], stiffness=1e8), disks=disks)
+        side, end = (panel.get_position() for panel in system.plot().axes)
+        assert bool(side.y0 > end.y1) is above
+        assert bool(side.x1 < end.x0) is not above
+
+
+def test_equal_torques_side_by_side_have_one_label():
+    shaft = gb.Shaft("crankshaft", length=1.0, outer_diameter=0.1)
+    places = [0.2, 0.4, 0.6]
+    torques = [gb.Torque(("crankshaft", x), 3.0) for x in places]
+    torques.append(gb.Torque(("crankshaft", 0.8), "balance"))
+    system = gb.RotorSystem([shaft], bearings=at_ends([shaft], stiffness=1e8), torques=torques)
+    found = texts(system.plot().axes[0])
+    assert "3 × 3 N m" in found
+    assert "3 N m" not in found
+    assert "−9 N m (balance)" in found

@@ -79,6 +79,24 @@ def test_universal_files_are_read_again(response, tmp_path):
         two.save(tmp_path / "two.uff")
 
 
+def test_pyuff_reads_the_functions_of_a_universal_file(response, tmp_path):
+    pyuff = pytest.importorskip("pyuff")
+    response.save(tmp_path / "frf.uff", at="pinion")
+    sets = pyuff.UFF(str(tmp_path / "frf.uff")).read_sets()
+    sets = [each for each in sets if each["type"] == 58]
+    moved = response.displacement("pinion")
+    for source in range(moved.shape[1]):
+        for direction in range(2):
+            values = moved[:, source, direction]
+            matches = [
+                each
+                for each in sets
+                if np.allclose(each["data"], values, rtol=1e-6, atol=1e-6 * np.abs(values).max())
+            ]
+            assert matches
+            np.testing.assert_allclose(2.0 * np.pi * matches[0]["x"], FREQUENCIES, rtol=1e-6)
+
+
 def test_a_measured_response_is_compared(response, tmp_path):
     acceleration = response.acceleration(("in", 0.33))[:, 0]
     lines = [

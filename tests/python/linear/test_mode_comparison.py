@@ -68,6 +68,32 @@ def test_a_universal_file_keeps_shapes(tmp_path: Path):
     assert first["r2"][0] == pytest.approx(shape[0], rel=1e-4, abs=1e-5 * np.abs(shape).max())
 
 
+def test_every_shape_that_pyuff_reads_is_that_of_the_mode(tmp_path: Path):
+    pyuff = pytest.importorskip("pyuff")
+    system = train()
+    modes = system.modes(80.0, count=8)
+    modes.save(tmp_path / "modes.uff")
+    nodes, *sets = pyuff.UFF(str(tmp_path / "modes.uff")).read_sets()
+    assert [each["mode_n"] for each in sets] == list(range(1, 9))
+    places = list(dict.fromkeys((shaft, x) for shaft, x, kind in system.dofs if kind == "v"))
+    assert len(nodes["x"]) == len(places)
+    own = np.stack([modes.displacement(place) for place in places], axis=1)
+    read = np.array([[each["r2"], each["r3"]] for each in sets]).swapaxes(1, 2)
+    flat = [shapes.reshape(len(sets), -1) for shapes in (own, read)]
+    cross = np.abs(flat[0].conj() @ flat[1].T) ** 2
+    sizes = [np.sum(np.abs(shapes) ** 2, axis=1) for shapes in flat]
+    lateral = sizes[0] > 1e-12 * sizes[0].max()
+    mac = (cross / np.maximum(np.outer(*sizes), 1e-300))[np.ix_(lateral, lateral)]
+    # The format has five digits.
+    assert np.diag(mac) == pytest.approx(np.ones(lateral.sum()), abs=1e-9)
+    exact = np.abs(flat[0].conj() @ flat[0].T) ** 2 / np.maximum(
+        np.outer(sizes[0], sizes[0]), 1e-300
+    )
+    np.testing.assert_allclose(mac, exact[np.ix_(lateral, lateral)], atol=2e-5)
+    values = np.array([complex(each["eig"]) for each in sets])
+    np.testing.assert_allclose(values, modes.eigenvalues, rtol=1e-4, atol=1e-4)
+
+
 def test_wrong_measured_shapes_are_refused(tmp_path: Path):
     modes = train().modes(count=3)
     with pytest.raises(gb.SceneError, match="measured: must be a universal file"):

@@ -610,7 +610,7 @@ def test_a_run_up_agrees_between_methods():
 def test_shapes_have_the_axial_part_and_a_name():
     modes = rod().modes()
     number = modes.whirl.index("axial")
-    assert modes.names()[number] == "rod u"
+    assert modes.names()[number] == "rod x"
     shares = modes.energy_shares()
     assert shares["rod", "u"][number] == pytest.approx(1.0, abs=1e-9)
 

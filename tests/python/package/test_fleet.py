@@ -464,7 +464,8 @@ def test_figures_show_every_part(machine, figure):
     assert len(drawn.axes) == drawing.panels(system)
     texts = [text.get_text() for legend in drawn.legends for text in legend.get_texts()]
     for panel in drawn.axes:
-        assert panel.has_data()
+        # orbits of all shafts may be smaller than a figure shows
+        assert panel.has_data() or panel.get_title(loc="right").startswith("below")
         texts += [panel.get_title(place) for place in ("left", "center", "right")]
         texts += [panel.get_xlabel(), panel.get_ylabel()]
         texts += [text.get_text() for text in panel.texts]

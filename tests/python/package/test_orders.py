@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.orders import Kinematics
+from gearbow._types import SensitivityQuantity, SignalQuantity
+from gearbow.orders import Kinematics, channel
 from gearbow.orders.spectrum import WINDOWS, amplitudes
+from gearbow.system import response_sensitivity
 from reference.machines import bowed_pair
 from test_response import recorded
 
@@ -429,3 +433,10 @@ def test_the_order_of_a_force_is_among_the_orders(tmp_path):
     assert found.amplitude("2.5× force at g2") == pytest.approx(expected, rel=1e-2)
     response.save(tmp_path / "run.npz")
     assert gb.Response.load(tmp_path / "run.npz").kinematics == kinematics
+
+
+def test_quantities_of_signatures_are_those_that_runs_record():
+    # an editor offers the words of the type, and the table decides which of them a place has
+    known = {"energy", *channel._MOTION, *channel._MESH, *channel._BEARING}
+    assert set(get_args(SignalQuantity)) == known
+    assert set(get_args(SensitivityQuantity)) == set(response_sensitivity._QUANTITIES)

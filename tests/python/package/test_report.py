@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.report.data import parts_tables
 from reference.machines import bowed_pair, bowed_rotor_with_disk, rotor_with_two_disks
 
 SECTION_NAMES = (
@@ -140,6 +141,62 @@ def test_level_1_of_api_617(tmp_path):
 
     # the curve has seven points, between which it is a line
     assert damping(0.95 * limit) > 0.0 > damping(1.05 * limit)
+
+
+def test_level_1_of_a_soft_rotor_on_unequal_bearings(tmp_path):
+    # Two planar modes keep their small damping until the cross-coupled stiffness couples them; in
+    # a larger one the search of 1e6 N/m missed the zero.
+    kit = gb.examples()["bowed_rotor"]
+    path = written(kit.load(), tmp_path, operating=kit.speed, modes=4)
+    text = html.unescape(read_sections(path)["stability"])
+    limit = float(re.search(r"zero at Q₀ = ([\d.e+]+) N/m", text)[1])
+    rotor = kit.load()
+
+    def damping(stiffness: float) -> float:
+        cross = [[0.0, stiffness], [-stiffness, 0.0]]
+        added = gb.Bearing("rotor", rotor.disks[0].position, stiffness=cross)
+        return float(
+            rotor.replace(bearings=[*rotor.bearings, added])
+            .modes(kit.speed, count=2)
+            .damping_ratios.min()
+        )
+
+    # the zero is found to 1 % of the decrement, and is printed with three digits
+    assert damping(0.98 * limit) > 0.0 > damping(1.02 * limit)
+
+
+def test_tables_have_no_round_off(page):
+    for name, section in read_sections(page).items():
+        cells = re.findall(r'<td class="n">([^<]*)</td>', section)
+        if name != "accuracy":  # residuals are round-off
+            assert not [
+                cell for cell in cells if re.search(r"e-\d\d", cell) and abs(float(cell)) < 1e-9
+            ]
+        assert "inf" not in cells
+
+
+def test_speeds_have_both_units_and_frequencies(page):
+    text = page.read_text(encoding="utf-8")
+    assert "900 rpm to 1000 rpm (94.2478 rad/s to 104.72 rad/s), of the reference shaft" in text
+    head, first, second = rows(read_sections(page)["drawing"], "Shafts and tooth frequencies")
+    assert head[2:] == ["speed [rpm]", "1× [Hz]", "gears (teeth)", "tooth frequency [Hz]"]
+    assert float(first[2]) == pytest.approx(1000.0)
+    assert float(first[3]) == pytest.approx(1000.0 / 60.0, rel=1e-5)
+    assert float(first[5]) == float(second[5])
+
+
+def test_segments_have_a_table():
+    rotor = gb.examples()["dual_rotor"].load()
+    (table,) = [one for one in parts_tables(rotor) if one.title.startswith("Segments of shafts")]
+    assert list(table.head)[:3] == ["of", "length [mm]", "outer diameter [mm]"]
+    assert len(table.rows) == sum(len(shaft.segments) for shaft in rotor.shafts)
+    assert any("high at 680 mm" in row for one in parts_tables(rotor) for row in one.rows)
+
+
+def test_the_steady_state_of_a_train_has_multipliers(page, pair):
+    text = html.unescape(read_sections(page)["motion"])
+    assert "The steady state is stable. Floquet multipliers over a period" in text
+    assert pair.steady_state(gb.rpm(1000.0)).is_stable()
 
 
 def test_what_a_system_lacks_is_said(tmp_path):

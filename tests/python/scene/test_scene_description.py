@@ -93,7 +93,7 @@ def test_parts_keep_their_arguments():
     assert system.shafts[0].length == 1.0
     assert [bearing.position for bearing in system.bearings] == [0.0, 1.0]
     assert system.gears == ()
-    assert "1 shafts, 2 bearings" in repr(system)
+    assert "1 shaft, 2 bearings" in repr(system)
     with pytest.raises(AttributeError):
         system.shafts[0].length = 2.0
 
@@ -246,7 +246,7 @@ def test_the_text_of_a_system_lists_what_it_assumes():
     first, *assumed = str(system).splitlines()
     assert first == repr(system)
     assert assumed == [
-        "  assumed for shafts: steel with 207 GPa, 0.3 and 7850 kg/m³",
+        "  assumed for shafts: steel with E = 207 GPa, ν = 0.3, ρ = 7850 kg/m³",
         "  assumed for gears: tip radius of full-depth teeth (g1)",
         "  assumed for gears: mass and inertia of solid steel disks (g1)",
         "  assumed for meshes: tooth pairs engage over 0.1 of the base pitch",

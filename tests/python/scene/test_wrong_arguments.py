@@ -319,6 +319,12 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         ),
         {"speeds": [0.0, 1.0], "values": [1e8, 2e8]},
     ),
+    "SpeedTable.at_frequency": (
+        lambda frequency: gb.SpeedTable(None, [1e8, 2e8], frequencies=[0.0, 1.0]).at_frequency(
+            frequency
+        ),
+        {"frequency": 0.5},
+    ),
     "SpeedTable.read_table": (
         lambda **given: system().replace(
             bearings=[gb.Bearing("input", 0.0, stiffness=gb.SpeedTable.read_table(**given))]
