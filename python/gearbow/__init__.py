@@ -62,6 +62,7 @@ from gearbow.description.supports import (
     Support as Support,
 )
 from gearbow.description.teeth import (
+    MeshFriction as MeshFriction,
     TipRelief as TipRelief,
     TransmissionError as TransmissionError,
 )

@@ -4,7 +4,8 @@
 //! - Linear analyses: `modes`, `campbell` with `assignment` (which modes continue which), `critical`, `equilibrium`,
 //!   `frequency_response` to the harmonic `sources`, of which `synchronous` has those of rotating shafts, with
 //!   `harmonic_terms` for its derivatives, `own_frequency` (modes where bearings depend on the frequency), `peaks`, `instability` (speeds at which the motion is unstable), `stability`
-//!   (step limits of explicit methods); `mass` (mass properties), `thrust` (axial forces of the equilibrium).
+//!   (step limits of explicit methods); `mass` (mass properties), `efficiency` (losses of the meshes), `thrust` (axial forces of the
+//!   equilibrium).
 //! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
 //! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
 //!   (refuses matrices and results that do not fit), `threads` (independent speeds and frequencies on several threads).
@@ -14,6 +15,7 @@ mod campbell;
 mod critical;
 mod diagnostics;
 mod discretisation;
+mod efficiency;
 mod equilibrium;
 mod error;
 mod frequency_response;
@@ -37,6 +39,7 @@ pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, Thr
 pub use critical::{Critical, CriticalPoint, critical_speed_map, critical_speeds, memory_of_critical_speeds};
 pub use diagnostics::{ill_conditioning, parallel_modes_check, small_displacement_check};
 pub use discretisation::{Choice, ElementErrors, Resolved, resolve, resolve_variation};
+pub use efficiency::{Losses, losses};
 pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;
 pub use frequency_response::{FrequencyResponses, ResponsePoint};

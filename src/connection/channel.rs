@@ -16,7 +16,7 @@ const fn channel(name: &'static str, unit: &'static str) -> Channel {
 }
 
 /// Channels of a mesh, in the order of [`mesh_values`].
-pub const MESH_CHANNELS: [Channel; 9] = [
+pub const MESH_CHANNELS: [Channel; 11] = [
     channel("deflection", "m"),
     channel("force", "N"),
     channel("stiffness", "N/m"),
@@ -26,6 +26,8 @@ pub const MESH_CHANNELS: [Channel; 9] = [
     channel("contact_ratio", "1"),
     channel("pairs_in_contact", "1"),
     channel("thrust", "N"),
+    channel("friction_force", "N"),
+    channel("friction_power", "W"),
 ];
 
 /// Channels of the bearings at a node: components of the force of the shaft on them.
@@ -46,5 +48,7 @@ pub fn mesh_values(state: &MeshState) -> [f64; MESH_CHANNELS.len()] {
         state.centres.contact_ratio,
         state.pairs_in_contact,
         state.thrust,
+        state.friction_force,
+        state.friction_power,
     ]
 }

@@ -2,7 +2,7 @@
 //!
 //! The force of a mesh depends on six coordinates, but only through the relative displacement of the gear centres and the
 //! rolling displacement of the gears: three scalars. In frozen geometry the deflection alone is enough. Both twists are
-//! needed if the tooth engagement depends on the twist, or if a gear has run-out. Helical teeth add the tilts and, with both
+//! needed if the tooth engagement depends on the twist, if a gear has run-out, and with friction. Helical teeth add the tilts and, with both
 //! twists, the axial displacement. The linear motion may contain the
 //! mean stiffness and the damping of the mesh at rest; the load is the remainder.
 
@@ -29,8 +29,8 @@ enum Scalars {
     SpaceAndTwists,
 }
 
-/// The largest number of scalars of a mesh.
-const MAX_SCALARS: usize = 7;
+/// The largest number of scalars of a mesh, with the rotation that resists friction.
+const MAX_SCALARS: usize = 8;
 
 /// A mesh in a run.
 #[derive(Clone, Debug)]
@@ -71,10 +71,11 @@ impl MeshInterface {
     ) -> Result<Self, Overlap> {
         let InterfaceOptions { geometry, reference, contained, highest_frequency, mobility, .. } = options;
         let follows_twist = gear_mesh.phase == Phase::Twist && !gear_mesh.teeth.is_constant();
+        let needs_twists = follows_twist || gear_mesh.has_runout() || gear_mesh.friction.is_some();
         // The back flank has another line of action, unless there is no bending.
         let frozen = geometry == Geometry::Frozen && gear_mesh.backlash.is_none();
         let flat = frozen || gear_mesh.coordinates.translation.is_none();
-        let scalars = match (follows_twist || gear_mesh.has_runout(), flat, gear_mesh.helix.is_some()) {
+        let scalars = match (needs_twists, flat, gear_mesh.helix.is_some()) {
             (true, _, false) => Scalars::PlaneAndTwists,
             (true, _, true) => Scalars::SpaceAndTwists,
             (false, true, _) => Scalars::Deflection,
@@ -86,11 +87,11 @@ impl MeshInterface {
         let slope = gear_mesh.helix.as_ref().map_or(0.0, |helix| helix.slope);
         let [j, k] = centres.map(|centre| sigma * slope * centre);
         let gradient = match scalars {
-            Scalars::Deflection => [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            Scalars::Plane => [-y, -z, sigma, 0.0, 0.0, 0.0, 0.0],
-            Scalars::PlaneAndTwists => [-y, -z, sigma * ra, sigma * rb, 0.0, 0.0, 0.0],
-            Scalars::Space => [-y, -z, sigma, j, k, 0.0, 0.0],
-            Scalars::SpaceAndTwists => [-y, -z, sigma * ra, sigma * rb, j, k, sigma],
+            Scalars::Deflection => [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Scalars::Plane => [-y, -z, sigma, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Scalars::PlaneAndTwists => [-y, -z, sigma * ra, sigma * rb, 0.0, 0.0, 0.0, 0.0],
+            Scalars::Space => [-y, -z, sigma, j, k, 0.0, 0.0, 0.0],
+            Scalars::SpaceAndTwists => [-y, -z, sigma * ra, sigma * rb, j, k, sigma, 0.0],
         };
         let contained = if contained { [gear_mesh.stiffness, gear_mesh.damping] } else { [0.0; 2] };
         let mut interface = Self {
@@ -118,6 +119,17 @@ impl MeshInterface {
     /// Number of scalars.
     #[inline(always)]
     pub(super) fn scalars(&self) -> usize {
+        self.motion_scalars() + usize::from(!self.rotation().is_empty())
+    }
+
+    /// The free rotation of the train, which the friction resists and the drive keeps, as a row; it is the last scalar.
+    fn rotation(&self) -> &[(usize, f64)] {
+        self.gear_mesh.friction.as_ref().map_or(&[], |friction| &friction.rotation)
+    }
+
+    /// Number of scalars of the relative motion of the gears.
+    #[inline(always)]
+    fn motion_scalars(&self) -> usize {
         match self.scalars {
             Scalars::Deflection => 1,
             Scalars::Plane => 3,
@@ -141,6 +153,14 @@ impl MeshInterface {
     }
 
     pub(super) fn rows(&self) -> Vec<Row> {
+        let mut rows = self.motion_rows();
+        if !self.rotation().is_empty() {
+            rows.push(self.rotation().to_vec());
+        }
+        rows
+    }
+
+    fn motion_rows(&self) -> Vec<Row> {
         let (gear_mesh, sigma) = (&self.gear_mesh, self.sigma);
         let [ra, rb] = gear_mesh.involute.base_radius;
         let MeshCoordinates { translation, twist: [a, b], .. } = gear_mesh.coordinates;
@@ -204,7 +224,7 @@ impl MeshInterface {
                 }
             }
             Scalars::SpaceAndTwists => {
-                let [y, z, driver, driven, tilt_y, tilt_z, axial] = scalars;
+                let [y, z, driver, driven, tilt_y, tilt_z, axial, _] = scalars;
                 RelativeMotion {
                     relative_displacement: [y, z],
                     rolling_displacement: driver_radius * driver + driven_radius * driven + axial,
@@ -218,18 +238,29 @@ impl MeshInterface {
     /// The generalised forces of a contact on the scalars.
     #[inline(always)]
     fn forces(&self, contact: &Contact) -> [f64; MAX_SCALARS] {
+        let mut forces = self.motion_forces(contact);
+        if self.gear_mesh.friction.is_some() && !self.rotation().is_empty() {
+            forces[self.motion_scalars()] = -contact.resistance;
+        }
+        forces
+    }
+
+    #[inline(always)]
+    fn motion_forces(&self, contact: &Contact) -> [f64; MAX_SCALARS] {
         let [y, z] = contact.centre_force;
         match self.scalars {
-            Scalars::Deflection => [-contact.force, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            Scalars::Plane => [y, z, contact.moments[0] / self.gear_mesh.involute.base_radius[0], 0.0, 0.0, 0.0, 0.0],
-            Scalars::PlaneAndTwists => [y, z, contact.moments[0], contact.moments[1], 0.0, 0.0, 0.0],
+            Scalars::Deflection => [-contact.force, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Scalars::Plane => {
+                [y, z, contact.moments[0] / self.gear_mesh.involute.base_radius[0], 0.0, 0.0, 0.0, 0.0, 0.0]
+            }
+            Scalars::PlaneAndTwists => [y, z, contact.moments[0], contact.moments[1], 0.0, 0.0, 0.0, 0.0],
             Scalars::Space => {
                 let [j, k] = contact.helix.tilt;
-                [y, z, -self.sigma * contact.force, j, k, 0.0, 0.0]
+                [y, z, -self.sigma * contact.force, j, k, 0.0, 0.0, 0.0]
             }
             Scalars::SpaceAndTwists => {
                 let [j, k] = contact.helix.tilt;
-                [y, z, contact.moments[0], contact.moments[1], j, k, -self.sigma * contact.force]
+                [y, z, contact.moments[0], contact.moments[1], j, k, -self.sigma * contact.force, 0.0]
             }
         }
     }
@@ -243,11 +274,11 @@ impl MeshInterface {
         let [j, k] = n.centres.map(|centre| -force * self.sigma * slope * centre);
         let [ra, rb] = self.gear_mesh.involute.base_radius.map(|radius| -force * self.sigma * radius);
         let reference_force = match self.scalars {
-            Scalars::Deflection => [-force, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            Scalars::Plane => [y, z, -force * self.sigma, 0.0, 0.0, 0.0, 0.0],
-            Scalars::PlaneAndTwists => [y, z, ra, rb, 0.0, 0.0, 0.0],
-            Scalars::Space => [y, z, -force * self.sigma, j, k, 0.0, 0.0],
-            Scalars::SpaceAndTwists => [y, z, ra, rb, j, k, -force * self.sigma],
+            Scalars::Deflection => [-force, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Scalars::Plane => [y, z, -force * self.sigma, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Scalars::PlaneAndTwists => [y, z, ra, rb, 0.0, 0.0, 0.0, 0.0],
+            Scalars::Space => [y, z, -force * self.sigma, j, k, 0.0, 0.0, 0.0],
+            Scalars::SpaceAndTwists => [y, z, ra, rb, j, k, -force * self.sigma, 0.0],
         };
         Ok((reference_force, force))
     }

@@ -129,6 +129,8 @@ pub struct Contact {
     pub damping_power: f64,
     /// Deflection of the back flank, m; −∞ without backlash.
     pub back_flank_deflection: f64,
+    /// Moment of the friction about the axis of the driver that the drive of a train with free rotation supplies, N m.
+    pub resistance: f64,
 }
 
 impl Contact {
@@ -152,6 +154,7 @@ impl Contact {
             drive_power: self.drive_power + back.drive_power,
             damping_power: self.damping_power + back.damping_power,
             back_flank_deflection: back.deflection,
+            resistance: self.resistance + back.resistance,
         }
     }
 }
@@ -171,4 +174,8 @@ pub struct MeshState {
     pub pairs_in_contact: f64,
     /// Axial force of the teeth on the driven gear along x, N; the driver is subject to the opposite.
     pub thrust: f64,
+    /// Friction on the driven gear across the line of action, N.
+    pub friction_force: f64,
+    /// Power that the friction dissipates, W.
+    pub friction_power: f64,
 }

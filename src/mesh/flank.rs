@@ -2,6 +2,7 @@
 
 use super::contact::{Contact, ContactMode, Flank, HelixForces};
 use super::contact_path::ContactPath;
+use super::friction::{FrictionForce, FrictionSums};
 use super::gear_mesh::GearMesh;
 use super::involute::{CentreGeometry, LineOfAction, Overlap};
 use super::pose::{Geometry, MeshPose, RelativeMotion, dot};
@@ -116,7 +117,27 @@ impl GearMesh {
     ) -> Contact {
         let path = || self.path_of(gears.pose, flank);
         let engaged = contact_mode.engaged[usize::from(flank.back)];
-        self.flank_force(gears, flank, self.teeth.elastic_state(path, engaged, flank.deflection))
+        let state = self.teeth.elastic_state(path, engaged, flank.deflection);
+        let sums = self.friction.as_ref().map(|friction| friction.sums(&self.teeth, path, engaged, flank.deflection));
+        self.flank_force(gears, flank, state, sums)
+    }
+
+    /// Friction of the flanks in contact on the driven gear, N, and the power that it dissipates, W.
+    pub(super) fn friction_of(&self, gears: &GearKinematics<'_>, contact_mode: &ContactMode) -> [f64; 2] {
+        let Some(friction) = &self.friction else { return [0.0; 2] };
+        let mut sum = [0.0; 2];
+        for back in [false, true] {
+            if if back { contact_mode.flank.holds_back() } else { contact_mode.flank.drives() } {
+                let flank = self.flank_kinematics(gears, back);
+                let contact = self.flank_contact(gears, &flank, contact_mode);
+                let engaged = contact_mode.engaged[usize::from(back)];
+                let sums = friction.sums(&self.teeth, || self.path_of(gears.pose, &flank), engaged, flank.deflection);
+                let own = friction.force(flank.sigma, &flank.line, gears.pose.phases, contact.force, &sums);
+                sum[0] += own.force;
+                sum[1] += contact.damping_power - self.damping * contact.rate * contact.rate;
+            }
+        }
+        sum
     }
 
     /// The contact with separated flanks, from that of the drive flank: no force, or that of the damping.
@@ -127,7 +148,7 @@ impl GearMesh {
         drive: &Contact,
     ) -> Contact {
         let contact = if self.damping_in_separation {
-            self.flank_force(gears, flank, ElasticState::default())
+            self.flank_force(gears, flank, ElasticState::default(), None)
         } else {
             drive.separated()
         };
@@ -136,9 +157,15 @@ impl GearMesh {
         Contact { back_flank_deflection, ..contact }
     }
 
-    /// Evaluates the contact of one flank with the elastic `state` of its teeth.
+    /// Evaluates the contact of one flank with the elastic `state` of its teeth and the `sums` of its friction.
     #[inline(always)]
-    fn flank_force(&self, gears: &GearKinematics<'_>, flank: &FlankKinematics, state: ElasticState) -> Contact {
+    fn flank_force(
+        &self,
+        gears: &GearKinematics<'_>,
+        flank: &FlankKinematics,
+        state: ElasticState,
+        sums: Option<FrictionSums>,
+    ) -> Contact {
         let GearKinematics { pose: MeshPose { geometry, phases, .. }, velocity, eccentric, runout_velocity, .. } =
             gears;
         let FlankKinematics { sigma, line, deflection, rate, error_rate, .. } = *flank;
@@ -150,6 +177,8 @@ impl GearMesh {
         // Power of the prescribed motion: transmission error, teeth moving along the path, and run-out that rotates with the
         // shafts.
         let mut drive_power = -force * error_rate + by_position * ra * sigma * phases[0].spin;
+        let mut damping_power = self.damping * rate * rate;
+        let mut resistance = 0.0;
         let steeper = self.involute.base_circles() / line.tangent;
         match self.phase {
             Phase::Twist => {
@@ -168,12 +197,26 @@ impl GearMesh {
             }
             Phase::Prescribed => {}
         }
+        if let (Some(friction), Some(sums)) = (&self.friction, sums) {
+            let FrictionForce { force: across, moments: [a, b] } = friction.force(sigma, &line, phases, force, &sums);
+            for (centre_force, direction) in centre_force.iter_mut().zip(line.tangent_direction) {
+                *centre_force += across * direction;
+            }
+            moments = [moments[0] + a, moments[1] + b];
+            // The drive keeps the prescribed spins against the moments. The sliding velocity contains all velocities.
+            let prescribed = -(a * phases[0].spin + b * phases[1].spin);
+            drive_power += prescribed;
+            damping_power += prescribed
+                - a * velocity.twist[0]
+                - b * velocity.twist[1]
+                - across * dot(line.tangent_direction, velocity.relative_displacement);
+            resistance = a - b * ra / rb;
+        }
         if let Some([ea, eb]) = eccentric {
             moments[0] += centre_force[0] * ea[1] - centre_force[1] * ea[0];
             moments[1] += centre_force[1] * eb[0] - centre_force[0] * eb[1];
             drive_power -= dot(centre_force, *runout_velocity);
         }
-        let damping_power = self.damping * rate * rate;
         let back_flank_deflection = f64::NEG_INFINITY;
         Contact {
             deflection,
@@ -187,6 +230,7 @@ impl GearMesh {
             drive_power,
             damping_power,
             back_flank_deflection,
+            resistance,
         }
     }
 

@@ -15,6 +15,7 @@
 
 use super::contact::{Contact, ContactMode, Flank, HelixForces, MeshState, ShaftPhase};
 use super::error::ErrorCurve;
+use super::friction::Friction;
 use super::helix::Helix;
 use super::involute::{CentreGeometry, Centres, Involute, LineOfAction, Overlap};
 use super::pose::{Directions, Geometry, MeshCoordinates, MeshPose, RelativeMotion, dot};
@@ -50,6 +51,8 @@ pub struct GearMesh {
     pub backlash: Option<f64>,
     /// Shafts of driver and driven gear; the spin of the first gives σ.
     pub shafts: [usize; 2],
+    /// Friction between the flanks.
+    pub friction: Option<Box<Friction>>,
     pub(super) error: Option<ErrorCurve>,
     /// Run-out of driver and driven gear: amplitude, m, and angle in the shaft, rad; none if neither gear has run-out.
     runout: Option<[(f64, f64); 2]>,
@@ -77,6 +80,8 @@ impl GearMesh {
         let flanks = if mesh.teeth.backlash.is_some() { 2.0 } else { 1.0 };
         let helix = |axial: [usize; 2], v: [usize; 2]| Helix::new(&involute, base_helix.tan(), axial, v);
         let helical = if base_helix == 0.0 { None } else { coordinates.axial.zip(coordinates.translation) };
+        let friction = mesh.teeth.friction.as_ref();
+        let friction = friction.map(|given| Box::new(Friction::new(given, [a, b], &involute, &teeth)));
         let out = [a, b].map(|gear| (gear.runout.norm(), gear.runout.arg()));
         Self {
             at_rest: [-1.0, 1.0].map(|sigma| involute.line_at_rest(sigma)),
@@ -93,6 +98,7 @@ impl GearMesh {
             loss_factor: mesh.loss_factor,
             backlash: mesh.teeth.backlash.map(|backlash| backlash / base_helix_cosine),
             shafts: [a.body.node.shaft, b.body.node.shaft],
+            friction,
             error: mesh.teeth.error.as_ref().map(|error| ErrorCurve::new(error, a.teeth)),
             runout: out.iter().any(|(size, _)| *size > 0.0).then_some(out),
         }
@@ -110,7 +116,8 @@ impl GearMesh {
 
     /// Whether the force depends on the position of the teeth on the path of contact at a constant contact mode.
     pub fn depends_on_tooth_position(&self) -> bool {
-        !self.teeth.is_piecewise_constant() || self.error.is_some()
+        let friction_varies = self.friction.as_ref().is_some_and(|friction| friction.follows_pairs());
+        !self.teeth.is_piecewise_constant() || self.error.is_some() || friction_varies
     }
 
     /// Whether the tooth engagement depends on the motion, by the twist or by run-out.
@@ -155,9 +162,9 @@ impl GearMesh {
         twist.into_iter().chain(of_plane).chain(self.helix.iter().flat_map(of_helix)).collect()
     }
 
-    /// Whether the force does not depend on the angles of the shafts.
+    /// Whether the force acts along the line of action and does not depend on the angles of the shafts.
     fn is_autonomous(&self) -> bool {
-        self.teeth.is_constant() && self.error.is_none() && self.runout.is_none()
+        self.teeth.is_constant() && self.error.is_none() && self.runout.is_none() && self.friction.is_none()
     }
 
     /// Relative motion of the gears for displacements or velocities of the whole model; without the product τ·c of helical
@@ -309,6 +316,7 @@ impl GearMesh {
                 damping_power: self.damping * rate * rate,
                 back_flank_deflection: self.back_flank_deflection(sigma, &centre_geometry, &position),
                 helix: HelixForces::default(),
+                resistance: 0.0,
             });
         }
         Ok(self.contact_of(&self.gear_kinematics(pose)?, contact_mode))
@@ -337,6 +345,9 @@ impl GearMesh {
         out[b] += contact.moments[1];
         if let Some(helix) = &self.helix {
             helix.apply(&contact.helix, out);
+        }
+        if let Some(friction) = &self.friction {
+            friction.rotation.iter().for_each(|(index, share)| out[*index] -= share * contact.resistance);
         }
     }
 
@@ -388,6 +399,7 @@ impl GearMesh {
         };
         let centres = self.reported_centres(pose.geometry, self.relative_displacement(pose.phases, &pose.position))?;
         let (first, last) = self.engagement_of(&gears, contact_mode.flank == Flank::Back).engaged();
+        let [friction_force, friction_power] = self.friction_of(&gears, contact_mode);
         let count = if contact_mode.flank == Flank::Separated { 0.0 } else { (last - first + 1).max(0) as f64 };
         Ok(self.normal_to_teeth(MeshState {
             deflection: contact.deflection,
@@ -395,6 +407,8 @@ impl GearMesh {
             stiffness: contact.stiffness,
             pairs_in_contact: count,
             thrust: contact.helix.axial,
+            friction_force,
+            friction_power,
             centres,
         }))
     }

@@ -15,6 +15,19 @@ pub struct TeethAtAngle {
     pub error: f64,
 }
 
+/// Power that a mesh transmits in static equilibrium, and its loss.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MeshLoss {
+    /// Transmitted power, W.
+    pub power: f64,
+    /// Mesh force normal to the teeth, N.
+    pub force: f64,
+    /// Coefficient of friction; zero without friction.
+    pub coefficient: f64,
+    /// Power that friction dissipates, mean over the mesh cycle, W.
+    pub loss: f64,
+}
+
 impl GearMesh {
     /// The teeth at `count` equally spaced angles of one tooth cycle.
     pub fn tooth_cycle(&self, sigma: f64, count: usize) -> Vec<TeethAtAngle> {
@@ -139,7 +152,39 @@ impl GearMesh {
             stiffness: flanks * self.stiffness,
             pairs_in_contact: (last - first + 1).max(0) as f64,
             thrust: self.helix.as_ref().map_or(0.0, |helix| -sigma * helix.slope * (drive - back)),
+            friction_force: 0.0,
+            friction_power: 0.0,
             centres,
         }))
+    }
+
+    /// Transmitted power and mean loss of a mesh in equilibrium with the mean stiffness at the displacements `q`, with the spins
+    /// of driver and driven gear, rad/s.
+    ///
+    /// # Errors
+    /// [`Overlap`] of the base circles.
+    pub fn loss_at_rest(
+        &self,
+        geometry: Geometry,
+        sigma: f64,
+        spins: [f64; 2],
+        q: &[f64],
+    ) -> Result<MeshLoss, Overlap> {
+        let relative = self.position(geometry, q);
+        let centre_geometry = self.centre_geometry(geometry, relative.relative_displacement)?;
+        let tangent = self.line(sigma, &centre_geometry, relative.relative_displacement).tangent;
+        let [(drive, _), (back, _)] = self.mean_forces(geometry, sigma, q)?;
+        let force = drive - back;
+        let power = (force * self.involute.base_radius[0] * spins[0]).abs();
+        let without = MeshLoss { power, force: force / self.base_helix_cosine, ..MeshLoss::default() };
+        let Some(friction) = self.friction.as_ref().filter(|_| spins[0] != 0.0 && force != 0.0) else {
+            return Ok(without);
+        };
+        let sums = friction.cycle_mean(&self.involute.path(tangent), |path| {
+            let deflection = self.teeth.deflection_under(force.abs(), path);
+            friction.sums(&self.teeth, || *path, path.engaged(), deflection)
+        });
+        let coefficient = friction.coefficient(force, spins[0], tangent);
+        Ok(MeshLoss { coefficient, loss: friction.mean_loss(force, spins, tangent, &sums), ..without })
     }
 }

@@ -3,13 +3,14 @@
 //! - Geometry: `involute` (deflection of the moving centres, its gradient, contact ratio), `contact_path` (the path of
 //!   contact and the tooth pairs on it), `helix` (axial displacements and tilts), `error` (transmission error).
 //! - Force: `pose` (coordinates and relative motion of the gears), `flank` (one flank), `gear_mesh` (both flanks),
-//!   `contact` (the flank in contact), `mean` (mean stiffness, for linear analyses).
+//!   `contact` (the flank in contact), `friction` (across the line of action), `mean` (mean stiffness, for linear analyses).
 //! - [`stiffness`]: one file for each model of the stiffness.
 
 mod contact;
 mod contact_path;
 mod error;
 mod flank;
+mod friction;
 mod gear_mesh;
 mod helix;
 mod involute;
@@ -19,8 +20,9 @@ pub mod stiffness;
 
 pub use contact::{Contact, ContactMode, Flank, HelixForces, MeshState, ShaftPhase};
 pub use contact_path::ContactPath;
+pub use friction::{Friction, FrictionForce, FrictionSums};
 pub use gear_mesh::GearMesh;
 pub use helix::Helix;
 pub use involute::{Centres, Involute, LineOfAction, Overlap};
-pub use mean::TeethAtAngle;
+pub use mean::{MeshLoss, TeethAtAngle};
 pub use pose::{Directions, Geometry, MeshCoordinates, MeshPose, RelativeMotion};

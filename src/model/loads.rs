@@ -12,6 +12,7 @@ impl Model {
     pub(super) fn add_loads(&mut self) {
         self.loads = self.varying_loads();
         self.bows = self.turning_bows();
+        self.set_resisted_rotations();
         self.add_turning_forces();
         self.constant_load = self.assemble_constant_load();
         self.sigma_standing = self.sigma_at_rest();

@@ -22,6 +22,7 @@ mod circular;
 mod dissipative;
 mod dynamic_stiffness;
 mod flanks;
+mod free_rotation;
 mod housing;
 mod link;
 mod loads;

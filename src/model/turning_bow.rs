@@ -2,11 +2,11 @@
 
 use num_complex::Complex64;
 
+use super::free_rotation::entries;
 use super::{Excitation, Model, ShaftModel};
 use crate::connection::{Row, TurningBow};
 use crate::element::Elastic;
 use crate::linalg::load;
-use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Whether the bow of a shaft exerts a force.
 pub fn is_bowed(shaft: &ShaftModel) -> bool {
@@ -65,27 +65,10 @@ impl Model {
         let Some(rotation) = self.free_rotation(shaft) else {
             return Some(mean);
         };
-        let mut momentum = vec![0.0; self.len()];
-        self.multiply_mass(&rotation, &mut momentum);
-        let inertia: f64 = momentum.iter().zip(&rotation).map(|(momentum, rotation)| momentum * rotation).sum();
+        let mut twist: Vec<f64> = self.inertia_shares(&rotation).into_iter().map(|share| -share).collect();
         // The rotation has the value 1 on this shaft.
-        let mut twist: Vec<f64> = momentum.iter().map(|momentum| -momentum / inertia).collect();
         mean.iter().for_each(|(index, weight)| twist[*index] += weight);
-        Some(twist.into_iter().enumerate().filter(|(_, factor)| *factor != 0.0).collect())
-    }
-
-    /// The rigid-body rotation of everything that turns with a shaft, with the value 1 there; none if a link holds it.
-    fn free_rotation(&self, shaft: usize) -> Option<Vec<f64>> {
-        let mut rotation = vec![0.0; self.len()];
-        for (other, ratio) in self.scene.rotations_with(shaft).into_iter().enumerate() {
-            if let Some(chain) = self.shafts[other].twist.as_ref() {
-                rotation[chain.start..chain.start + chain.nodes].fill(ratio);
-            }
-        }
-        let holds = |link: &super::Link| {
-            link.local.elastic_form(&link.scalars(&rotation)) > EQUALITY_TOLERANCE * link.local.elastic_form(&[1.0; 2])
-        };
-        (!self.links.iter().any(holds)).then_some(rotation)
+        Some(entries(twist))
     }
 }
 

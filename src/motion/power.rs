@@ -103,6 +103,8 @@ impl PowerCoordinates {
             displacements.extend(of_link().filter(|_| link.rest.is_some() || is_crossed(&link.local)));
             velocities.extend(of_link());
         }
+        let frictions = model.meshes.iter().filter_map(|mesh| mesh.friction.as_ref());
+        velocities.extend(frictions.flat_map(|friction| friction.rotation.iter().map(|(index, _)| *index)));
         velocities.extend(model.loads.iter().flat_map(|load| load.rows.iter().flatten().map(|(index, _)| *index)));
         let forces = model.scene.forces.iter().filter_map(|force| model.numbering.translation(force.node));
         velocities.extend(forces.flat_map(lateral));
@@ -248,6 +250,10 @@ impl EquationOfMotion<'_> {
                     let contact = mesh.contact(&self.pose(index, &pose, q, v), &self.contact_modes[index]);
                     let contact = contact.map_err(|overlap| (index, overlap))?;
                     teeth += contact.drive_power;
+                    if let Some(friction) = &mesh.friction {
+                        let rate: f64 = friction.rotation.iter().map(|(index, share)| share * v[*index]).sum();
+                        teeth -= contact.resistance * rate;
+                    }
                     damping += contact.damping_power;
                 }
                 Connection::Bearing(bearing) => {

@@ -15,6 +15,7 @@ use super::{background, frequency, sensitivity, simulate, speed};
 use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Harmonic, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
+use crate::mesh::MeshLoss;
 use crate::modal::{self, AtSpeed, CachedModel};
 use crate::model::Model;
 use crate::scene::{EntryPath, Node, SceneDescription, SceneError, description, nearest};
@@ -482,6 +483,24 @@ impl PyModel {
         let along = bearings.iter().map(|node| model.axial_bearing_force(*node, q, &rest));
         dict.set_item("axial_bearing_force", PyArray1::from_vec(py, along.collect()))?;
         Ok(dict)
+    }
+
+    /// The power that torques and drives supply at each speed [W], and (power, force, coefficient, loss) of each mesh.
+    fn losses(&self, py: Python<'_>, speeds: Vec<f64>, geometry: &str) -> PyResult<Vec<(f64, Vec<[f64; 4]>)>> {
+        let geometry = mesh_geometry(geometry)?;
+        for (index, speed) in speeds.iter().enumerate() {
+            EntryPath::root("speed").index(index).finite(*speed)?;
+        }
+        self.run(py, Dense::Bands, move |cached, interrupt| -> Result<_, AnalysisError> {
+            let mut found = Vec::with_capacity(speeds.len());
+            for speed in speeds {
+                interrupt.check()?;
+                let losses = analysis::losses(cached, geometry, speed)?;
+                let values = |mesh: &MeshLoss| [mesh.power, mesh.force, mesh.coefficient, mesh.loss];
+                found.push((losses.input, losses.meshes.iter().map(values).collect()));
+            }
+            Ok(found)
+        })
     }
 
     fn default_output_step(&self, duration: f64, speed: &Bound<'_, PyAny>, start: f64) -> PyResult<f64> {

@@ -1,6 +1,7 @@
 //! Checks how the teeth of a mesh are described: engagement, tip relief, backlash and transmission error.
 
 use super::description::{self, Foundation, StiffnessKind};
+use super::friction::{self, Friction};
 use super::stiffness::{StiffnessModel, stiffness_model};
 use super::{EntryPath, Gear, SceneError};
 
@@ -63,6 +64,8 @@ pub struct Teeth {
     pub backlash: Option<f64>,
     /// Unloaded transmission error.
     pub error: Option<TransmissionError>,
+    /// Friction between the flanks.
+    pub friction: Option<Friction>,
 }
 
 /// Default engagement, as a fraction of the base pitch. The integration to 1e-7 then needs no event.
@@ -100,6 +103,7 @@ impl Teeth {
         let pairs = stiffness.has_tooth_pairs();
         let relief = given.tip_relief.as_ref().map(|relief| self::relief(relief, pairs, &at.field("tip_relief")));
         let error = given.error.as_ref().map(|error| transmission_error(error, &at.field("error")));
+        let friction = given.friction.as_ref().map(|own| friction::friction(own, pair, &at.field("friction")));
         Ok(Self {
             stiffness,
             engagement,
@@ -107,6 +111,7 @@ impl Teeth {
             relief: relief.transpose()?,
             backlash: given.backlash.map(|backlash| at.field("backlash").non_negative(backlash)).transpose()?,
             error: error.transpose()?,
+            friction: friction.transpose()?.flatten(),
         })
     }
 }

@@ -2,8 +2,9 @@
 
 use gearbow::model::Model;
 use gearbow::scene::description::{
-    Bearing, BearingCoefficient, Bow, BowShape, Coefficient, Complex, Disk, Drive, Force, ForceValue, Gear, Gravity,
-    Material, Mesh, Outside, Place, Segment, Shaft, SpeedTable, Stiffness, TableValue, Torque, TorqueValue,
+    Bearing, BearingCoefficient, Bow, BowShape, Coefficient, Complex, Disk, Drive, Force, ForceValue, FrictionTable,
+    Gear, Gravity, Material, Mesh, MeshFriction, Outside, Place, Segment, Shaft, SpeedTable, Stiffness, TableValue,
+    Torque, TorqueValue,
 };
 use gearbow::scene::{Scene, SceneDescription};
 use proptest::prelude::*;
@@ -198,6 +199,11 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                 value: value.map(TorqueValue::Constant),
                 balance: value.is_none(),
             };
+            let table = MeshFriction::Table(FrictionTable {
+                coefficient: Some(0.05),
+                transition: Some(0.2),
+                ..FrictionTable::default()
+            });
             SceneDescription {
                 accuracy: None,
                 reference: named.then(|| "two".to_owned()),
@@ -224,6 +230,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                     backlash: None,
                     tip_relief: None,
                     error: None,
+                    friction: vector.then_some(if named { MeshFriction::Coefficient(0.1) } else { table }),
                 }],
                 bearings: places.into_iter().map(bearing).collect(),
                 supports: Vec::new(),

@@ -1,4 +1,4 @@
-"""``gearbow check``, ``plot``, ``modes``, ``campbell``, ``bow-limits``: commands without runs."""
+"""``gearbow check``, ``plot``, ``modes``, ``efficiency`` and others without runs."""
 
 import argparse
 import warnings
@@ -99,6 +99,20 @@ def add(commands: Commands) -> None:
 
     parser = add_command(
         commands,
+        "efficiency",
+        efficiency,
+        "print the losses of the meshes by friction, and the efficiency of the train",
+        '  gearbow efficiency scene.toml --speed "1500 rpm"\n'
+        '  gearbow efficiency scene.toml --speed "500 rpm" "3000 rpm" --out losses.png',
+    )
+    add_scene(parser)
+    parser.add_argument(
+        "--speed", type=speed, nargs="+", required=True, help='for example "1500 rpm"; or several'
+    )
+    parser.add_argument("--out", type=figure, help="write a figure to this file, for example .png")
+
+    parser = add_command(
+        commands,
         "bow-limits",
         bow_limits,
         "print the bow of a shaft at which teeth jam, interfere or lose contact",
@@ -191,6 +205,19 @@ def campbell(given: argparse.Namespace) -> Answer:
     }
     drawing = None if given.out is None else Drawing(found.plot, given.out)
     return Answer(f"{speed_line(given.first, given.last)}\n{found.table()}", data, drawing)
+
+
+def efficiency(given: argparse.Namespace) -> Answer:
+    """Find the losses of the meshes."""
+    found = RotorSystem.load(given.scene).efficiency(given.speed)
+    keys = ("speeds", "input_power", "power", "force", "coefficient", "loss", "efficiency")
+    data = {
+        "meshes": found.meshes,
+        **{key: getattr(found, key) for key in keys},
+        "file": None if given.out is None else str(given.out),
+    }
+    drawing = None if given.out is None else Drawing(found.plot, given.out)
+    return Answer("\n".join([speed_line(*given.speed), found.table()]), data, drawing)
 
 
 def bow_limits(given: argparse.Namespace) -> Answer:

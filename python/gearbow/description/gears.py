@@ -8,7 +8,7 @@ from typing import Any
 from gearbow._types import Plain
 from gearbow.description.part import Part
 from gearbow.description.stiffness import Stiffness
-from gearbow.description.teeth import TipRelief, TransmissionError
+from gearbow.description.teeth import MeshFriction, TipRelief, TransmissionError
 
 __all__ = ["Disk", "Gear", "Mesh"]
 
@@ -168,6 +168,10 @@ class Mesh(Part):
         Relief of the tips of both gears; None is no relief.
     error : TransmissionError, optional
         Unloaded transmission error; None is no error.
+    friction : float or MeshFriction, optional
+        Sliding friction between the flanks: a coefficient, or a `MeshFriction`; None is no
+        friction. It acts in runs and steady states, and `RotorSystem.efficiency` gives its loss.
+        Modes, responses to harmonic forces and the static equilibrium do not contain it.
 
     Examples
     --------
@@ -190,12 +194,15 @@ class Mesh(Part):
     backlash: float | None = None
     tip_relief: TipRelief | None = None
     error: TransmissionError | None = None
+    friction: float | MeshFriction | None = None
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Mesh":
         given = dict(description)
         if isinstance(given.get("stiffness"), Mapping):
             given["stiffness"] = Stiffness._from_description(given["stiffness"])
+        if isinstance(given.get("friction"), Mapping):
+            given["friction"] = MeshFriction._from_description(given["friction"])
         for key, kind in (("tip_relief", TipRelief), ("error", TransmissionError)):
             if key in given:
                 given[key] = kind._from_description(given[key])

@@ -1,11 +1,11 @@
-"""Tip relief and transmission error of a mesh."""
+"""Tip relief, transmission error and friction of a mesh."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gearbow.description.part import Part, freeze
 
-__all__ = ["TipRelief", "TransmissionError"]
+__all__ = ["MeshFriction", "TipRelief", "TransmissionError"]
 
 #: (amplitude [m], phase [rad]) of the orders 1, 2, ….
 Harmonics = Sequence[Sequence[float]]
@@ -81,3 +81,52 @@ class TransmissionError(Part):
 
     def __post_init__(self) -> None:
         freeze(self, "tooth", "driver", "driven", "table")
+
+
+@dataclass(frozen=True)
+class MeshFriction(Part):
+    """Sliding friction between the flanks of a mesh: a coefficient, or that of lubricated steel.
+
+    Parameters
+    ----------
+    coefficient : float, optional
+        Coefficient of friction μ; a plain number in place of a `MeshFriction` has the same meaning.
+    viscosity : float, optional
+        Dynamic viscosity of the oil at its temperature in the gearbox [Pa s]; with `roughness` in
+        place of `coefficient`.
+    roughness : float, optional
+        Arithmetic mean roughness Ra of the flanks [m].
+    lubricant_factor : float, optional
+        Factor X_L of the lubricant; None is 1, that of mineral oil.
+    transition : float
+        Length of the path of contact, centred on the pitch point, on which the friction changes its
+        sign, as a fraction of the base pitch; at most 0.5.
+
+    Notes
+    -----
+    The friction μF_j of each tooth pair acts across the line of action, against the sliding of the
+    flanks, which changes its direction at the pitch point of the moving centres. A stiffness
+    without tooth pairs has the mean over the mesh cycle.
+
+    Viscosity and roughness give the mean coefficient of ISO/TR 14179-2 (Schlenk 1994) for the load
+    and the speed of each instant, at most 0.2,
+
+        μ = 0.048 (F_bt/b / (v_ΣC ρ_redC))^0.2 η^−0.05 Ra^0.25 X_L,
+
+    with the line load F_bt/b on the base circle, at least 150 N/mm, the sum v_ΣC of the rolling
+    velocities at the pitch point, at a pitch line velocity of at most 50 m/s, and the reduced
+    radius of curvature ρ_redC there; in N/mm, m/s, mm, mPa s and µm. Both gears need a face width.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> mesh = gb.Mesh("g1", "g2", friction=0.05)
+    >>> oil = gb.MeshFriction(viscosity=0.02, roughness=0.8e-6)
+    >>> mesh = gb.Mesh("g1", "g2", stiffness=gb.Stiffness.square(pair=2e8), friction=oil)
+    """
+
+    coefficient: float | None = None
+    viscosity: float | None = None
+    roughness: float | None = None
+    lubricant_factor: float | None = None
+    transition: float = 0.1

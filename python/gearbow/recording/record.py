@@ -143,6 +143,11 @@ class MeshResponse(ReadOnly):
     thrust : ndarray, shape (k,)
         Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
         subject to the opposite force.
+    friction_force : ndarray, shape (k,)
+        Friction of all pairs on the driven gear [N], across the line of action of the pressed
+        flanks, positive from the centre of the driver to its tangent point.
+    friction_power : ndarray, shape (k,)
+        Power that the friction dissipates [W].
     contact : ndarray of int8, shape (k,)
         Flanks in contact, as values of `gearbow.results.Contact`: 0 none, 1 drive, 2 back, 3 both.
         They follow from the events, which are exact. `Response.contact_shares` gives shares of
@@ -173,6 +178,8 @@ class MeshResponse(ReadOnly):
     contact_ratio: Array
     pairs_in_contact: Array
     thrust: Array
+    friction_force: Array
+    friction_power: Array
     contact: NDArray[np.int8]
 
 

@@ -47,6 +47,7 @@ _MODULES = {
     "Continuation": "gearbow.results.continuation",
     "CriticalSpeedMap": "gearbow.results.critical_speeds",
     "Discretisation": "gearbow.results.discretisation",
+    "Efficiency": "gearbow.results.efficiency",
     "FrequencyComparison": "gearbow.results.frequency_comparison",
     "FrequencyResponse": "gearbow.results.frequency_response",
     "MassProperties": "gearbow.results.mass",
@@ -112,6 +113,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.continuation import Continuation as Continuation
     from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
     from gearbow.results.discretisation import Discretisation as Discretisation
+    from gearbow.results.efficiency import Efficiency as Efficiency
     from gearbow.results.frequency_comparison import (
         FrequencyComparison as FrequencyComparison,
     )

@@ -1,5 +1,6 @@
 """Static equilibrium."""
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -278,7 +279,9 @@ class Static(Result, ReadOnly):
         if i is None:
             driver, driven = place(at)
             raise ChannelError(f"no mesh of {driver!r} with {driven!r}; there are {known}")
-        found = {name: float(values[i]) for name, values in self._data["mesh"].items()}
+        # The equilibrium contains no friction.
+        own = [field.name for field in dataclasses.fields(MeshState)]
+        found = {name: float(self._data["mesh"][name][i]) for name in own}
         # The core counts the pairs at one instant, but its stiffness is the mean of a tooth cycle.
         if found["pairs_in_contact"] > 0.0:
             found["pairs_in_contact"] = found["contact_ratio"]

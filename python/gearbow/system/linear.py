@@ -16,6 +16,7 @@ from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
 from gearbow.description.speed_table import SpeedTable
+from gearbow.errors import SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
 from gearbow.results.matrices import Matrices
@@ -26,10 +27,20 @@ from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
     from gearbow.description.thermal_bow import ThermalBow
+    from gearbow.results.efficiency import Efficiency
     from gearbow.results.mass import MassProperties
     from gearbow.results.thermal import ThermalStability
 
-__all__ = ["campbell", "critical_speed_map", "matrices", "modes", "static", "synchronous"]
+__all__ = [
+    "campbell",
+    "critical_speed_map",
+    "efficiency",
+    "mass_properties",
+    "matrices",
+    "modes",
+    "static",
+    "synchronous",
+]
 
 
 def matrices(
@@ -186,6 +197,72 @@ def static(
         speed=speed,
         speed_unit=unit,
         geometry=geometry,
+    )
+
+
+def efficiency(
+    self: System,
+    speeds: "ArrayLike",
+    *,
+    geometry: Geometry = "live",
+    progress: bool | None = None,
+) -> "Efficiency":
+    """Find the losses by friction of the teeth, and the efficiency of the train.
+
+    Parameters
+    ----------
+    speeds : float or array_like, shape (k,)
+        Speeds of the reference shaft [rad/s], not zero.
+    geometry : {"live", "frozen"}
+        Whether the path of contact is that of the displaced centres or that at rest.
+    progress : bool, optional
+        Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
+
+    Returns
+    -------
+    Efficiency
+        Power, coefficient of friction and loss of each mesh, and the efficiency of the train.
+
+    Raises
+    ------
+    SceneError
+        If no mesh has friction, or a speed is zero; and the errors of `static`.
+    ContactError
+        If the base circles of a pair overlap in live geometry.
+    ConvergenceError
+        If the static equilibrium does not converge.
+
+    Notes
+    -----
+    The force of each mesh is that of the static equilibrium without friction. Its tooth pairs share
+    it as the stiffness model says, equally without tooth pairs, and the loss is the mean over the
+    mesh cycle. For pairs of equal stiffness that is μ P H_v with the tooth loss factor of Ohlendorf
+    (1958). Churning of oil, seals and the friction of bearings are not modelled. Bow, unbalance and
+    tooth errors are left out; `MeshResponse.friction_power` of a run contains them.
+    """
+    from gearbow.results.efficiency import Efficiency  # noqa: PLC0415
+
+    wanted = array(speeds, "speeds")
+    one_of(geometry, get_args(Geometry), "geometry")
+    if np.any(wanted == 0.0):
+        raise SceneError(
+            f"speeds[{int(np.argmin(np.abs(wanted)))}]: must not be zero: teeth at rest transmit "
+            "no power"
+        )
+    with working(progress, f"efficiency at {wanted.size} speeds"):
+        if not any("friction" in mesh for mesh in self.description.get("meshes", ())):
+            raise SceneError("meshes: no mesh has friction; give one gb.Mesh(..., friction=0.05)")
+        found = self._model.losses(wanted.tolist(), geometry)
+    power, force, coefficient, loss = np.array([rows for _, rows in found]).transpose(2, 0, 1)
+    return Efficiency(
+        meshes=tuple((mesh.driver, mesh.driven) for mesh in self.meshes),
+        speeds=wanted,
+        input_power=np.array([power for power, _ in found]),
+        power=power,
+        force=force,
+        coefficient=coefficient,
+        loss=loss,
+        speed_unit=given_unit(speeds) or self._speed_unit,
     )
 
 

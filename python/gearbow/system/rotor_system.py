@@ -40,6 +40,7 @@ from gearbow.system.frequency import frequency_response, mesh_response
 from gearbow.system.linear import (
     campbell,
     critical_speed_map,
+    efficiency,
     mass_properties,
     matrices,
     modes,
@@ -670,6 +671,7 @@ class RotorSystem(CheckedKeywords, Shown):
     matrices = matrices
     modes = modes
     static = static
+    efficiency = efficiency
     campbell = campbell
     critical_speed_map = critical_speed_map
     synchronous = synchronous

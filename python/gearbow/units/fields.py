@@ -57,6 +57,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "centre_distance": "m",
     "backlash": "m",
     "amount": "m",
+    "roughness": "m",
     "tooth": ("m", "rad"),
     "driver": ("m", "rad"),
     "driven": ("m", "rad"),

@@ -155,6 +155,7 @@ pub fn has_constant_coefficients(model: &Model, geometry: Geometry) -> bool {
             && !mesh.teeth.is_relieved()
             && mesh.backlash.is_none()
             && !mesh.has_runout()
+            && mesh.friction.is_none()
             // Without bending, the line of action does not move.
             && (geometry == Geometry::Frozen || mesh.coordinates.translation.is_none())
     };

@@ -18,7 +18,7 @@ use crate::numerics::gauss;
 use crate::scene::Engagement;
 
 /// The five-point Gauss rule, exact up to degree nine: a ramp has the degree five and a parabolic pair two.
-static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(5));
+pub(super) static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(5));
 
 /// Pairs of helical teeth.
 #[derive(Clone, Debug)]
@@ -31,7 +31,7 @@ pub struct ContactLines {
 
 impl ContactLines {
     /// Half of the width of the ramps of the engagement, m.
-    fn half_ramp(&self, path: &ContactPath) -> f64 {
+    pub(super) fn half_ramp(&self, path: &ContactPath) -> f64 {
         match self.engagement {
             Engagement::Sharp => 0.0,
             Engagement::Smooth(width) => width * path.pitch / 2.0,

@@ -15,6 +15,7 @@ mod curve;
 mod engagement;
 mod iso6336;
 mod lines;
+mod loads;
 mod model;
 mod pair;
 mod potential_energy;

@@ -26,7 +26,8 @@ pub use shaft::{
 pub use sources::{GroundQuantity, Source};
 pub use speed_table::{BearingCoefficient, Coefficient, Outside, SpeedTable, TableValue};
 pub use teeth::{
-    Engagement, Foundation, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief, TransmissionError,
+    Engagement, Foundation, FrictionTable, MeshFriction, Phase, Stiffness, StiffnessKind, StiffnessModel, TipRelief,
+    TransmissionError,
 };
 
 use reading::whole;
@@ -264,6 +265,9 @@ pub struct Mesh {
     /// Unloaded transmission error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<TransmissionError>,
+    /// Friction between the flanks: a coefficient, or a table; none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<MeshFriction>,
 }
 
 /// A gear or disk by name, or a position on a shaft.

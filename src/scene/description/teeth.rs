@@ -186,3 +186,37 @@ pub struct TransmissionError {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<Vec<f64>>,
 }
+
+/// Friction between the flanks of a mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a coefficient of friction, or a table with coefficient, or viscosity and roughness"
+)]
+pub enum MeshFriction {
+    /// Coefficient of friction.
+    Coefficient(f64),
+    /// The complete description.
+    Table(FrictionTable),
+}
+
+/// Friction between the flanks of a mesh: either a coefficient, or viscosity and roughness.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionTable {
+    /// Coefficient of friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coefficient: Option<f64>,
+    /// Dynamic viscosity of the oil, Pa s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub viscosity: Option<f64>,
+    /// Arithmetic mean roughness of the flanks, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roughness: Option<f64>,
+    /// Factor of the lubricant; 1 by default, for mineral oil.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lubricant_factor: Option<f64>,
+    /// Fraction of the base pitch about the pitch point on which the friction changes its sign.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transition: Option<f64>,
+}

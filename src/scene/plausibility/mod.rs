@@ -19,10 +19,11 @@ use super::{
 use findings::Findings;
 use ranges::{
     ASK_MILLIMETRES, BEARING_STIFFNESS, BODY_ECCENTRICITY, BODY_GYRATION, BODY_MASS, CENTRE_DISTANCE, FACE_WIDTH,
-    GEAR_ADDENDUM, GEAR_DENSITY, GEAR_GYRATION, GEAR_MODULE, GEAR_RUNOUT, GRAVITY, JOURNAL_CLEARANCE, LOSS_FACTOR,
-    MESH_BACKLASH, MESH_DAMPING, MESH_STIFFNESS, MODAL_DAMPING, OIL_VISCOSITY, PRESSURE_ANGLE, PROFILE_SHIFT,
-    RELIEF_LENGTH, ROLLING_CLEARANCE, SHAFT_BOW, SHAFT_DIAMETER, SHAFT_LENGTH, SHAFT_SAG, SHAFT_SLENDERNESS,
-    SHAFT_TORSION, SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH, TIP_RELIEF, TRANSMISSION_ERROR, YOUNGS_MODULUS,
+    FLANK_ROUGHNESS, GEAR_ADDENDUM, GEAR_DENSITY, GEAR_GYRATION, GEAR_MODULE, GEAR_RUNOUT, GRAVITY, JOURNAL_CLEARANCE,
+    LOSS_FACTOR, MESH_BACKLASH, MESH_DAMPING, MESH_FRICTION, MESH_STIFFNESS, MODAL_DAMPING, OIL_VISCOSITY,
+    PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF_LENGTH, ROLLING_CLEARANCE, SHAFT_BOW, SHAFT_DIAMETER, SHAFT_LENGTH,
+    SHAFT_SAG, SHAFT_SLENDERNESS, SHAFT_TORSION, SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH, TIP_RELIEF,
+    TRANSMISSION_ERROR, YOUNGS_MODULUS,
 };
 
 /// Largest plausible pitch-line speed, m/s. Turbo gears reach 200 m/s; AGMA 6011 covers speeds above 35 m/s.
@@ -246,6 +247,20 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
     }
     if let Damping::Ratio(ratio) = mesh.damping {
         found.check(&at.field("damping_ratio"), ratio, &MESH_DAMPING);
+    }
+    if let Some(description::MeshFriction::Coefficient(coefficient)) = given.friction {
+        found.check(&at.field("friction"), coefficient, &MESH_FRICTION);
+    }
+    if let Some(description::MeshFriction::Table(friction)) = &given.friction {
+        let at = at.field("friction");
+        let given = [
+            ("coefficient", friction.coefficient, &MESH_FRICTION),
+            ("viscosity", friction.viscosity, &OIL_VISCOSITY),
+            ("roughness", friction.roughness, &FLANK_ROUGHNESS),
+        ];
+        for (name, value, usual) in given {
+            value.iter().for_each(|value| found.check(&at.field(name), *value, usual));
+        }
     }
     found.check(&at.field("backlash"), mesh.teeth.backlash.unwrap_or(0.0) / module, &MESH_BACKLASH);
     if let Some(relief) = &mesh.teeth.relief {

@@ -112,6 +112,10 @@ pub(super) const MESH_STIFFNESS: Usual = Usual {
     below: "is it in N/mm?",
     ..usual("mesh stiffness over face width (ten modules where none is given)", "N/m2", 5e7, 3e11, ASK_UNIT)
 };
+/// Lubricated steel: 0.02 to 0.1; dry polymers: up to 0.3.
+pub(super) const MESH_FRICTION: Usual = usual("the coefficient of friction of a mesh", "", 0.0, 0.3, ASK_PERCENT);
+/// Polished flanks: 0.05 µm; cast teeth: 25 µm.
+pub(super) const FLANK_ROUGHNESS: Usual = usual("the roughness of flanks", "m", 1e-8, 1e-4, "is it in micrometres?");
 /// Measured values: 0.03 to 0.17.
 pub(super) const MESH_DAMPING: Usual = usual("the damping ratio of a mesh", "", 0.0, 1.0, ASK_PERCENT);
 /// Steel rotors: 0.001 to 0.02; squeeze-film dampers: up to 0.3.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from dataclasses import replace
 from math import pi
 
 import matplotlib as mpl
@@ -51,6 +52,9 @@ def results() -> dict:
         "bow limits": system.bow_limits("input", [10.0, 20.0]),
         "thermal stability": (thermal := system.thermal_bow(HOT, [10.0, 20.0])),
         "thermal spiral": thermal.spiral(10.0, 5.0),
+        "efficiency": system.replace(
+            meshes=[replace(mesh, friction=0.05) for mesh in system.meshes]
+        ).efficiency([10.0, 20.0]),
         "response": system.frequency_response(
             [10.0, 20.0], source=gb.Force("g1", 1.0), speed=[5.0, 9.0]
         ),
@@ -85,6 +89,7 @@ FIGURES = {
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
     "measurement": (2, lambda r, ax: r["measurement"].plot(ax=ax)),
     "identification": (5, lambda r, ax: r["identification"].plot(ax=ax)),
+    "efficiency": (1, lambda r, ax: r["efficiency"].plot(ax=ax)),
     "bow limits": (1, lambda r, ax: r["bow limits"].plot(ax=ax)),
     "thermal stability": (2, lambda r, ax: r["thermal stability"].plot(ax=ax)),
     "thermal spiral": (2, lambda r, ax: r["thermal spiral"].plot(ax=ax)),

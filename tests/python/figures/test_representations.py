@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 import re
+from dataclasses import replace
 from enum import Enum
 from functools import cache
 
@@ -108,6 +109,7 @@ def objects() -> dict[str, object]:
         gb.SpeedProfile.table(MANY, MANY),
         gb.Stiffness.table(1e8 + MANY),
         gb.TipRelief(1e-5, 1e-3),
+        gb.MeshFriction(0.05),
         gb.TransmissionError(table=MANY),
         journal,
         rolling,
@@ -123,6 +125,9 @@ def objects() -> dict[str, object]:
         gb.ThermalBow("g1", 1e4, time_constant=9.0, shape=gb.Bow.points(MANY, MANY)),
         thermal := gb.results.ThermalStability("g1", MANY, 9.0, MANY + 0j, MANY + 0j, MANY + 0j),
         thermal.spiral(float(MANY[1]), 5.0),
+        pair.replace(meshes=[replace(mesh, friction=0.05) for mesh in pair.meshes]).efficiency(
+            MANY[1:]
+        ),
         system.discretisation,
         pair.modes(20.0),
         campbell,

@@ -59,6 +59,9 @@ def everything() -> dict[str, Any]:
         "response sensitivity": bowed.sensitivity(
             "bearings[0].damping", bowed.synchronous([100.0, 200.0]), at=("rotor", 0.5)
         ),
+        "efficiency": system.replace(
+            meshes=[dataclasses.replace(mesh, friction=0.05) for mesh in system.meshes]
+        ).efficiency(100.0),
         "mass properties": system.mass_properties(),
         "thermal stability": bowed.thermal_bow(HOT, [100.0]),
         "thermal spiral": bowed.thermal_bow(HOT, [100.0]).spiral(100.0, 5.0),

@@ -20,6 +20,8 @@ MESH_UNITS = {
     "contact_ratio": "1",
     "pairs_in_contact": "1",
     "thrust": "N",
+    "friction_force": "N",
+    "friction_power": "W",
 }
 ENERGIES = ("kinetic", "shafts", "bearings", "meshes")
 WORKS = ("torque", "gravity", "drive", "unbalance", "teeth", "damping")

@@ -223,6 +223,7 @@ class Toothed:
             "stiffness": gb.Stiffness,
             "tip_relief": gb.TipRelief,
             "error": gb.TransmissionError,
+            "friction": gb.MeshFriction,
         }
         for key, kind in kinds.items():
             if isinstance(given.get(key), Mapping):
@@ -370,8 +371,12 @@ def integrate(
     times: Array,
     *,
     rtol: float = 1e-10,
+    keep_rotation: bool = False,
 ) -> tuple[Array, Array]:
-    """Give coordinates and tooth force at `times`, from rest, by SciPy's DOP853."""
+    """Give coordinates and tooth force at `times`, from rest, by SciPy's DOP853.
+
+    With `keep_rotation`, a torque on all inertias holds the rigid-body rotation against the teeth.
+    """
     system = Equations(scene, teeth.law)
     n = len(system.keep)
     linear = np.hstack(
@@ -384,6 +389,13 @@ def integrate(
     turning = [(w, system.inverse @ a, system.inverse @ b) for w, a, b in system.turning(speed)]
     spins = np.array([speed, -speed * scene.teeth[0] / scene.teeth[1]])
     push = system.inverse @ system.select.T
+    if keep_rotation:
+        ratios = np.repeat([1.0, spins[1] / spins[0]], system.train.size // 10)
+        rotation = np.zeros(system.train.size)
+        rotation[4::5] = ratios
+        rotation = rotation[system.keep]
+        inertia = rotation @ np.linalg.solve(system.inverse, rotation)
+        push = push - np.outer(rotation, system.select @ rotation) / inertia
 
     def rate(t: float, y: Array) -> Array:
         a = linear @ y + steady

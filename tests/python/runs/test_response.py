@@ -24,6 +24,8 @@ FIELDS = (
     "contact_ratio",
     "pairs_in_contact",
     "thrust",
+    "friction_force",
+    "friction_power",
 )
 TERMS = (
     "kinetic",

@@ -86,6 +86,7 @@ def test_a_field_without_a_number_is_an_error(path: tuple[str | int, ...], value
 def test_every_numeric_field_is_in_that_scene():
     """Check that the test above covers every field of each part."""
     beside = {"shear_modulus", "runout", "backlash", "bow", "error", "tip_relief", "segments"}
+    beside.add("friction")  # of a mesh, a test of its own below
     beside.add("speed_ratio")  # of shafts that no mesh connects
     parts = (gb.Material, gb.Segment, gb.Shaft, gb.Disk, gb.Gear, gb.Mesh, gb.Bearing)
     known = {key for path in numbers(SCENE) for key in path}
@@ -145,6 +146,8 @@ def pair(**mesh: Any) -> gb.RotorSystem:
         lambda x: {"error": gb.TransmissionError(tooth=[(1e-6, x)])},
         lambda x: {"error": gb.TransmissionError(table=[0.0, 1e-6, x])},
         lambda x: {"backlash": x},
+        lambda x: {"friction": x},
+        lambda x: {"friction": gb.MeshFriction(viscosity=0.02, roughness=x)},
     ],
 )
 def test_teeth_with_an_invalid_number(make, value):

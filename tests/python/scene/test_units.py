@@ -124,6 +124,7 @@ INNER = {
     gb.Stiffness: "meshes[0].stiffness",
     gb.TipRelief: "meshes[0].tip_relief",
     gb.TransmissionError: "meshes[0].error",
+    gb.MeshFriction: "meshes[0].friction",
     gb.SpeedTable: "bearings[0].stiffness",
 }
 

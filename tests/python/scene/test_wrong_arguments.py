@@ -6,6 +6,7 @@ import inspect
 import re
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -47,6 +48,11 @@ WRONG: dict[str, Any] = {
 @cache
 def system() -> gb.RotorSystem:
     return bowed_pair()
+
+
+def lossy() -> gb.RotorSystem:
+    meshes = [replace(mesh, friction=0.05) for mesh in system().meshes]
+    return system().replace(meshes=meshes)
 
 
 @cache
@@ -347,6 +353,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         in_mesh("tip_relief", gb.TipRelief, stiffness=gb.Stiffness.square(2e8)),
         {"amount": 1e-5, "length": 0.3},
     ),
+    "MeshFriction": (in_mesh("friction", gb.MeshFriction), {"coefficient": 0.05}),
     "TransmissionError": (in_mesh("error", gb.TransmissionError), {"tooth": [(1e-6, 0.0)]}),
     "Stiffness.constant": (in_mesh("stiffness", gb.Stiffness.constant), {"mean": 2e8}),
     "Stiffness.fourier": (
@@ -409,6 +416,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             },
             "critical_speed_map": {"stiffnesses": [1e7, 1e8]},
             "default_output_step": {"duration": 1e-3, "speed": 100.0},
+            "efficiency": {"speeds": [100.0]},
             "frequency_response": {"frequencies": [100.0], "source": gb.Force("g1", 1.0)},
             "matrices": {},
             "mesh_response": {"at": "g1/g2", "speeds": [100.0]},
@@ -632,6 +640,10 @@ METHODS["ThermalStability"] = (
 )
 METHODS["ThermalSpiral"] = (
     lambda: system().thermal_bow(gb.ThermalBow(**THERMAL), [100.0]).spiral(100.0, 5.0),
+    {"plot": {}},
+)
+METHODS["Efficiency"] = (
+    lambda: lossy().efficiency(100.0),
     {"plot": {}},
 )
 METHODS["MassProperties"] = (lambda: system().mass_properties(), {})
