@@ -202,7 +202,7 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
     >>> print(response.peaks("disk", operating=300.0))
     peaks of disk, excited by rotor; operating speed 300 rad/s
     speed [rad/s]  amplitude [µm]  amplification factor  margin [%]  required margin [%]  verdict
-           227.90        2.87e+04                 286.5       24.03                16.94  acceptable
+           227.90           28700                 286.5       24.03                16.94  acceptable
     """
 
     peaks: tuple[Peak, ...]
