@@ -261,7 +261,9 @@ def _with_limits(
     used = influences & known
     covariance = found.covariance[np.ix_(used, used)]
     sizes, vectors = np.linalg.eigh(covariance / np.outer(*[_deviations(covariance)] * 2))
-    root = _deviations(covariance)[:, None] * vectors * np.sqrt(np.maximum(sizes, 0.0))
+    # The symmetric square root does not depend on the choice of eigenvectors of equal eigenvalues.
+    symmetric = (vectors * np.sqrt(np.maximum(sizes, 0.0))) @ vectors.T
+    root = _deviations(covariance)[:, None] * symmetric
     numbers = np.random.default_rng(0).standard_normal((root.shape[1], _SAMPLES))
     shape = correction.residual.shape
     changes = ((columns[:, used] @ root) @ numbers).T.reshape(-1, *shape)

@@ -52,7 +52,7 @@ def displaced(data):
         (
             "synchronous",
             "synchronous",
-            lambda data: {**data, "amplitudes": 1.001 * data["amplitudes"]},
+            lambda data: {**data, "phasors": 1.001 * data["phasors"]},
             "is not the motion 'synchronous'",
         ),
         (

@@ -201,7 +201,7 @@ def test_arrays_adopt_what_the_core_computed():
     bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     model = gb.RotorSystem([shaft], bearings=bearings)._model
     response, modes = model.synchronous(np.array([100.0]), "both", 1), model.modes(0.0)
-    arrays = [response["amplitudes"], response["bearing_force"], modes["shapes"]]
+    arrays = [response["phasors"], response["bearing_force"], modes["shapes"]]
     arrays += [modes["kinetic_shares"], model.matrices(0.0)["mass"]]
     assert {type(array.base).__name__ for array in arrays} == {"PySliceContainer"}
 
