@@ -91,8 +91,8 @@ def element(plain: dict, kind: str, i: int = 0) -> dict:
     ("change", "message"),
     [
         (
-            lambda p: element(p, "ShaftElement", 3).update(n=2),
-            "must begin at node 3; gearbow reads one shaft without gaps",
+            lambda p: p.pop("ShaftElement_Shaft Element 3"),
+            'no bearing between shafts and no mesh connects "rotor 1"',
         ),
         (
             lambda p: element(p, "ShaftElement", 2).update(axial_force=10.0),
@@ -111,8 +111,8 @@ def element(plain: dict, kind: str, i: int = 0) -> dict:
             "impeller 1: node 12 is not on the shaft",
         ),
         (
-            lambda p: p.update({"GearElement_pinion": {"n": 2, "m": 1.0}}),
-            "pinion: gearbow cannot represent a GearElement",
+            lambda p: p.update({"CouplingElement_flange": {"n": 2, "m_l": 1.0}}),
+            "flange: gearbow cannot represent a CouplingElement",
         ),
         (
             lambda p: p.pop("PointMass_pedestal mass"),
