@@ -113,6 +113,7 @@ def _description(file: _File, meshes: Sequence[Mapping[str, Plain]]) -> dict[str
     for n, (name, _) in {**grounded, **masses}.items():
         if n not in places and n not in linked:
             raise file.error(name, f"node {n} is not on the shaft, and no bearing links it")
+    supports: dict[int, dict[str, Plain]] = {}
     for name, bearing in bearings:
         if bearing["n"] in places:
             found = {**places[bearing["n"]], **_coefficients(file, name, bearing)}
@@ -120,8 +121,10 @@ def _description(file: _File, meshes: Sequence[Mapping[str, Plain]]) -> dict[str
             if link in places:
                 found["support"] = _other_shaft(file, name, places[link], found)
             elif link is not None:
-                found["support"] = _support(file, name, link, masses, grounded)
+                support = _support(file, name, link, masses, grounded)
+                found["support"] = supports.setdefault(link, support)["name"]
             description["bearings"].append(found)
+    description["supports"] = list(supports.values())
     _check_connections(file, description)
     return {key: value for key, value in description.items() if value}
 

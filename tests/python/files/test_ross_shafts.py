@@ -156,6 +156,15 @@ def test_a_coaxial_rotor_has_the_modes_of_ross(tmp_path: Path):
     check_modes(system, COAXIAL)
 
 
+def test_two_shafts_share_a_pedestal(tmp_path: Path):
+    elements = coaxial_rotor()
+    elements["BearingElement_5"]["n_link"] = 8
+    system = read(tmp_path, elements)
+    (support,) = system.supports
+    on_support = [one.shaft for one in system.bearings if one.support == support.name]
+    assert on_support == ["rotor 1", "rotor 2"]
+
+
 def test_geared_rotors_have_the_modes_of_ross(tmp_path: Path):
     system = read(tmp_path, geared_rotors(), MESH)
     np.testing.assert_allclose(system.speed_ratios, [1.0, -2.0])
