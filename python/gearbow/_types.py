@@ -89,6 +89,8 @@ SignalQuantity: TypeAlias = Literal[
     "contact_ratio",
     "pairs_in_contact",
     "thrust",
+    "friction_force",
+    "friction_power",
     "energy",
 ]
 #: Quantity of a place that is differentiated.
