@@ -2,14 +2,19 @@
 
 The axes x, y and z of ROSS, with z along the shaft, are y, z and x here. A shaft element becomes a
 segment with one element, and an element around another one a sleeve with its stiffness. Tables of
-bearings are over speed, frequency or both in ROSS 3; what ROSS 2 calls frequency is the speed. https://ross.readthedocs.io
+bearings are over speed, frequency or both in ROSS 3; what ROSS 2 calls frequency is the speed.
+
+A ``CoAxialRotor`` and a ``MultiRotor`` have several shafts: the next one begins where a node has no
+element. The file contains the gears of a ``MultiRotor``, but not which of them mesh, the stiffness
+of the mesh and the angle of the line of centres. https://ross.readthedocs.io
 """
 
 import json
+import math
 import os
 import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -28,7 +33,7 @@ else:
 
 __all__ = ["read_ross"]
 
-#: Name of the shaft.
+#: Name of the shaft; several shafts have a number behind it.
 SHAFT = "rotor"
 #: Values of a shaft element that the elements of gearbow have.
 _FIXED = {
@@ -37,10 +42,14 @@ _FIXED = {
     "gyroscopic": True,
     "shear_method_calc": "cowper",
 }
-#: Properties that all elements of a shaft must share.
-_SHARED = ("shear_effects", "alpha", "beta")
-_KINDS = ("ShaftElement", "DiskElement", "PointMass")
-
+#: Properties that all elements of a shaft must share, and those of all shafts.
+_OF_SHAFT, _OF_ALL = ("shear_effects",), ("alpha", "beta")
+_KINDS = ("ShaftElement", "DiskElement", "GearElement", "PointMass")
+#: What ROSS 2 needs to save a gear.
+_SAVE_GEARS = (
+    "ROSS 2 cannot save gears in TOML, nor without their base_diameter: set "
+    "gear.base_diameter = 2 * gear.base_radius for each GearElement, and save the rotor as .json"
+)
 
 #: Young's modulus of a layer, relative to that of the shaft, up to which it stands for mass only.
 _MASS_ONLY = 1e-6
@@ -64,11 +73,13 @@ class _File:
         return SceneError(f"{self.path}: {name}: {text}")
 
 
-def read_ross(path: str | os.PathLike[str]) -> dict[str, Plain]:
-    """Read a rotor that ROSS saved."""
+def read_ross(
+    path: str | os.PathLike[str], meshes: Sequence[Mapping[str, Plain]] = ()
+) -> dict[str, Plain]:
+    """Read a rotor that ROSS saved; the meshes of its gears are not in the file."""
     file = _read(path)
     try:
-        return _description(file)
+        return _description(file, meshes)
     except SceneError:
         raise
     except KeyError as error:
@@ -77,49 +88,153 @@ def read_ross(path: str | os.PathLike[str]) -> dict[str, Plain]:
         raise SceneError(f"{path}: an element has a wrong value: {error}") from None
 
 
-def _description(file: _File) -> dict[str, Plain]:
-    shaft, sleeves, positions = _shaft(file)
+def _description(file: _File, meshes: Sequence[Mapping[str, Plain]]) -> dict[str, Plain]:
+    shafts, sleeves, places = _shafts(file)
     masses = {mass["n"]: (name, mass) for name, mass in file.all("PointMass")}
-    description: dict[str, Plain] = {"shafts": [shaft], "sleeves": sleeves, "disks": []}
-    description["bearings"] = []
+    description: dict[str, Any] = {"shafts": shafts, "sleeves": sleeves, "disks": []}
+    description["gears"] = _gears(file, places, meshes)
+    description["bearings"], description["meshes"] = [], list(meshes)
     _, first = file.all("ShaftElement")[0]
     if first.get("alpha") or first.get("beta"):
         description["rayleigh"] = [first.get("alpha", 0.0), first.get("beta", 0.0)]
     for name, disk in file.all("DiskElement"):
         inertias = {"diametral_inertia": disk["Id"], "polar_inertia": disk["Ip"]}
-        at = _position(file, name, disk["n"], positions)
+        at = _place(file, name, disk["n"], places)
         description["disks"].append({**_named(name, disk), **at, "mass": disk["m"], **inertias})
     for n, (name, mass) in masses.items():
-        if n < len(positions):
+        if n in places:
             inertias = {"diametral_inertia": 0.0, "polar_inertia": 0.0}
-            at = _position(file, name, n, positions)
+            at = _place(file, name, n, places)
             body = {**_named(name, mass), **at, "mass": _mass(file, name, mass), **inertias}
             description["disks"].append(body)
     bearings = file.all("bearing")
-    grounded = {one["n"]: (name, one) for name, one in bearings if one["n"] >= len(positions)}
+    grounded = {one["n"]: (name, one) for name, one in bearings if one["n"] not in places}
     linked = {one.get("n_link") for _, one in bearings}
     for n, (name, _) in {**grounded, **masses}.items():
-        if n >= len(positions) and n not in linked:
+        if n not in places and n not in linked:
             raise file.error(name, f"node {n} is not on the shaft, and no bearing links it")
+    supports: dict[int, dict[str, Plain]] = {}
     for name, bearing in bearings:
-        if bearing["n"] < len(positions):
-            at = _position(file, name, bearing["n"], positions)
-            found = {**at, **_coefficients(file, name, bearing)}
+        if bearing["n"] in places:
+            found = {**places[bearing["n"]], **_coefficients(file, name, bearing)}
             link = bearing.get("n_link")
-            if link is not None:
-                found["support"] = _support(file, name, link, masses, grounded)
+            if link in places:
+                found["support"] = _other_shaft(file, name, places[link], found)
+            elif link is not None:
+                support = _support(file, name, link, masses, grounded)
+                found["support"] = supports.setdefault(link, support)["name"]
             description["bearings"].append(found)
+    description["supports"] = list(supports.values())
+    _check_connections(file, description)
     return {key: value for key, value in description.items() if value}
 
 
+def _gears(
+    file: _File, places: Mapping[int, dict[str, Plain]], meshes: Sequence[Mapping[str, Plain]]
+) -> list[dict[str, Plain]]:
+    """Give the gears; the driver of a mesh has the helix angle of the mesh, as in ROSS."""
+    given = file.all("GearElement")
+    found = {_named(name, gear)["name"]: _gear(file, name, gear, places) for name, gear in given}
+    for i, mesh in enumerate(meshes):
+        for key in ("driver", "driven"):
+            if mesh[key] not in found:
+                names = ", ".join(f'"{name}"' for name in found) or "none"
+                text = f'{file.path} has no gear "{mesh[key]}"; its gears: {names}'
+                raise SceneError(f"meshes[{i}].{key}: {text}")
+        if "helix_angle" in found[mesh["driver"]]:
+            found[mesh["driven"]]["helix_angle"] = -found[mesh["driver"]]["helix_angle"]
+    return list(found.values())
+
+
+def _gear(
+    file: _File, name: str, gear: Mapping[str, Any], places: Mapping[int, dict[str, Plain]]
+) -> dict[str, Any]:
+    """Give a gear; a ``GearElementTVMS`` has sizes in place of mass and moments of inertia."""
+    place = _place(file, name, gear["n"], places)
+    angle, helix = gear["pr_angle"], gear.get("helix_angle") or 0.0
+    pitch = gear.get("pitch_diameter")
+    if pitch is None:
+        pitch = gear["module"] * gear["n_teeth"]
+    # The pressure angle is that of the normal section.
+    transverse = math.atan(math.tan(angle) / math.cos(helix))
+    found = {**_named(name, gear), **place, "teeth": gear["n_teeth"], "pressure_angle": angle}
+    found["base_radius"] = 0.5 * pitch * math.cos(transverse)
+    if helix:
+        found["helix_angle"] = helix
+    if "m" in gear:
+        inertias = {"diametral_inertia": gear["Id"], "polar_inertia": gear["Ip"]}
+        return {**found, "mass": gear["m"], **inertias}
+    width, bore, density = gear["width"], gear["bore_diameter"], _density(file, name, gear)
+    mass = density * math.pi * width * (pitch**2 - bore**2) / 4.0
+    polar = mass * (pitch**2 + bore**2) / 8.0
+    inertias = {"diametral_inertia": polar / 2.0 + mass * width**2 / 12.0, "polar_inertia": polar}
+    return {**found, "face_width": width, "mass": mass, **inertias}
+
+
+def _density(file: _File, name: str, gear: Mapping[str, Any]) -> float:
+    """Give the density of a gear [kg/m³]: that of the shaft below it, as ROSS writes none."""
+    if isinstance(gear.get("material"), dict):
+        return float(gear["material"]["rho"])
+    before = [one for _, one in file.all("ShaftElement") if one["n"] <= gear["n"]]
+    density = max(before, key=lambda one: int(one["n"]))["material"]["rho"]
+    warnings.warn(
+        f"{file.path}: {name}: the file does not contain the material of the gear; its mass is "
+        f"that with the density of its shaft, {density:g} kg/m³",
+        SceneWarning,
+        stacklevel=outside(),
+    )
+    return float(density)
+
+
+def _other_shaft(
+    file: _File, name: str, place: Mapping[str, Plain], bearing: Mapping[str, Any]
+) -> list[Plain]:
+    """Give the place on the other shaft of a bearing between two shafts."""
+    tables = [bearing[key] for key in ("stiffness", "damping") if isinstance(bearing[key], dict)]
+    if any("speeds" in table for table in tables):
+        text = "a bearing between shafts must not depend on the speed; its table is over"
+        raise file.error(
+            name, f"{text} the speed of the rotor in ROSS, the relative one in gearbow"
+        )
+    return [place["shaft"], place["position"]]
+
+
+def _check_connections(file: _File, description: Mapping[str, Any]) -> None:
+    """Require a connection of each shaft if there are several; without meshes, all turn alike."""
+    shafts, gears = description["shafts"], description["gears"]
+    if len(shafts) == 1:
+        return
+    if not description["bearings"]:
+        raise SceneError(f"{file.path}: has {len(shafts)} shafts and no bearing. {_SAVE_GEARS}")
+    if gears and not description["meshes"]:
+        names = ", ".join(f'"{gear["name"]}" on "{gear["shaft"]}"' for gear in gears)
+        raise SceneError(
+            f"{file.path}: ROSS does not save which of its gears mesh ({names}); give them: "
+            f"meshes=[gb.Mesh(driver, driven, stiffness=..., centre_line_angle=...)], with the "
+            "gear_mesh_stiffness and orientation_angle of the MultiRotor"
+        )
+    between = [one for one in description["bearings"] if isinstance(one.get("support"), list)]
+    meshing = {mesh[key] for mesh in description["meshes"] for key in ("driver", "driven")}
+    connected = {one["shaft"] for one in between} | {one["support"][0] for one in between}
+    connected |= {gear["shaft"] for gear in gears if gear["name"] in meshing}
+    for shaft in shafts:
+        if shaft["name"] not in connected:
+            raise SceneError(
+                f'{file.path}: no bearing between shafts and no mesh connects "{shaft["name"]}"; '
+                "a shaft ends at a node without a ShaftElement"
+            )
+    if not description["meshes"]:
+        for shaft in shafts[1:]:
+            shaft["speed_ratio"] = 1.0
+
+
 def _read(path: str | os.PathLike[str]) -> _File:
-    try:
-        with reading(path) as text:
+    with reading(path) as text:
+        try:
             plain = json.loads(text) if Path(path).suffix == ".json" else tomllib.loads(text)
-    except SceneError:
-        raise
-    except ValueError as error:  # of both formats
-        raise SceneError(f"{path}: not a rotor of ROSS: {error}") from None
+        except ValueError as error:  # of both formats
+            cause = f". {_SAVE_GEARS}" if '["GearElement' in text else ""
+            raise SceneError(f"{path}: not a rotor of ROSS: {error}{cause}") from None
     if not isinstance(plain, dict) or "ross_version" not in plain:
         raise SceneError(f"{path}: not a rotor of ROSS: it has no ross_version")
     major = str(plain["ross_version"]).partition(".")[0]
@@ -139,20 +254,51 @@ def _read(path: str | os.PathLike[str]) -> _File:
     return file
 
 
-def _shaft(file: _File) -> tuple[dict[str, Plain], list[dict[str, Plain]], list[float]]:
-    """Give the shaft, its sleeves, and the position of each node [m]."""
+def _shafts(
+    file: _File,
+) -> tuple[list[dict[str, Any]], list[dict[str, Plain]], dict[int, dict[str, Plain]]]:
+    """Give the shafts, their sleeves, and the place of each node on them."""
     layers: dict[int, list[tuple[str, dict[str, Any]]]] = {}
     for name, element in file.all("ShaftElement"):
         layers.setdefault(int(element["n"]), []).append((name, element))
-    _, first = layers[min(layers)][0]
+    # A shaft ends at a node at which no element begins.
+    begins = [n for n in sorted(layers) if n - 1 not in layers]
+    _, first = layers[begins[0]][0]
+    shafts, sleeves = [], []
+    places: dict[int, dict[str, Plain]] = {}
+    for number, begin in enumerate(begins, start=1):
+        name = SHAFT if len(begins) == 1 else f"{SHAFT} {number}"
+        shaft, around, positions = _shaft(file, name, begin, layers, first)
+        shafts.append(shaft)
+        sleeves += around
+        for n, position in enumerate(positions, start=begin):
+            places[n] = {"shaft": name, "position": position}
+    if any(not one.get("rotary_inertia", True) for _, one in file.all("ShaftElement")):
+        warnings.warn(
+            f"{file.path}: rotary_inertia is false for some elements of the shaft; gearbow "
+            "includes the rotary inertia of all, which lowers frequencies of short shafts",
+            SceneWarning,
+            stacklevel=outside(),
+        )
+    return shafts, sleeves, places
+
+
+def _shaft(
+    file: _File,
+    shaft: str,
+    begin_node: int,
+    layers: Mapping[int, list[tuple[str, dict[str, Any]]]],
+    first_of_all: Mapping[str, Any],
+) -> tuple[dict[str, Any], list[dict[str, Plain]], list[float]]:
+    """Give the shaft that begins at a node, its sleeves, and the position of each node [m]."""
+    _, first = layers[begin_node][0]
     positions, segments, sleeves = [0.0], [], []
-    for i, (n, found) in enumerate(sorted(layers.items())):
+    n = begin_node
+    while n in layers:
         # The layers from the inside to the outside: the shaft, and what is around it.
-        (name, element), *around = sorted(found, key=lambda one: float(one[1]["odl"]))
-        if n != i:
-            raise file.error(name, f"must begin at node {i}; gearbow reads one shaft without gaps")
-        for each, values in found:
-            _check_element(file, each, values, first)
+        (_, element), *around = sorted(layers[n], key=lambda one: float(one[1]["odl"]))
+        for each, values in layers[n]:
+            _check_element(file, each, values, first, first_of_all)
         begin, end = positions[-1], positions[-1] + element["L"]
         segment = {"length": element["L"], "outer_diameter": element["odl"], "elements": 1}
         segment |= {"inner_diameter": element["idl"]}
@@ -170,30 +316,31 @@ def _shaft(file: _File) -> tuple[dict[str, Plain], list[dict[str, Plain]], list[
             sleeve = {"outer_diameter": values["odl"], "inner_diameter": values["idl"]}
             sleeve |= {"begin": begin, "end": end, "material": _material(values)}
             carries = values["material"]["E"] > _MASS_ONLY * element["material"]["E"]
-            sleeves.append({"shaft": SHAFT, **sleeve, "stiffness": "full" if carries else "none"})
+            sleeves.append({"shaft": shaft, **sleeve, "stiffness": "full" if carries else "none"})
         positions.append(end)
-    if any(not one.get("rotary_inertia", True) for _, one in file.all("ShaftElement")):
-        warnings.warn(
-            f"{file.path}: rotary_inertia is false for some elements of the shaft; gearbow "
-            "includes the rotary inertia of all, which lowers frequencies of short shafts",
-            SceneWarning,
-            stacklevel=outside(),
-        )
+        n += 1
     shear = bool(first.get("shear_effects", True))
-    shaft = {"name": SHAFT, "segments": segments, "material": _material(first), "shear": shear}
-    return shaft, sleeves, positions
+    described = {"name": shaft, "segments": segments, "material": _material(first), "shear": shear}
+    return described, sleeves, positions
 
 
 def _check_element(
-    file: _File, name: str, element: Mapping[str, Any], first: Mapping[str, Any]
+    file: _File,
+    name: str,
+    element: Mapping[str, Any],
+    first: Mapping[str, Any],
+    first_of_all: Mapping[str, Any],
 ) -> None:
     """Refuse what elements of gearbow do not have."""
     for key, value in _FIXED.items():
         if element.get(key, value) != value:
             raise file.error(name, f"{key} must be {value}, got {element[key]}")
-    for key in _SHARED:
+    for key in _OF_SHAFT:
         if element.get(key) != first.get(key):
             raise file.error(name, f"{key} must be that of the other elements of the shaft")
+    for key in _OF_ALL:
+        if element.get(key) != first_of_all.get(key):
+            raise file.error(name, f"{key} must be that of all other elements")
 
 
 def _material(element: Mapping[str, Any]) -> dict[str, Plain]:
@@ -205,10 +352,12 @@ def _material(element: Mapping[str, Any]) -> dict[str, Plain]:
     }
 
 
-def _position(file: _File, name: str, n: int, positions: list[float]) -> dict[str, Plain]:
-    if n >= len(positions):
+def _place(
+    file: _File, name: str, n: int, places: Mapping[int, dict[str, Plain]]
+) -> dict[str, Plain]:
+    if n not in places:
         raise file.error(name, f"node {n} is not on the shaft")
-    return {"shaft": SHAFT, "position": positions[n]}
+    return places[n]
 
 
 def _named(name: str, element: Mapping[str, Any]) -> dict[str, Plain]:

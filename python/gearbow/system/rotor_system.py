@@ -376,26 +376,34 @@ class RotorSystem(CheckedKeywords, Shown):
         return system
 
     @classmethod
-    def from_ross(cls, path: str | os.PathLike[str]) -> "Self":
+    def from_ross(cls, path: str | os.PathLike[str], *, meshes: Sequence[Mesh] = ()) -> "Self":
         """Read a rotor that ROSS saved.
 
         Parameters
         ----------
         path : str or path-like
-            A file of ``rotor.save`` of ROSS 2 or 3, ``.toml`` or ``.json``.
+            A file of ``rotor.save`` of ROSS 2 or 3, ``.toml`` or ``.json``. That of a
+            ``MultiRotor`` is ``.json``.
+        meshes : sequence of Mesh
+            The meshes of the gears of a ``MultiRotor``, which ROSS does not save. A gear has its
+            tag as its name; `stiffness` is the ``gear_mesh_stiffness`` of ROSS, and
+            `centre_line_angle` its ``orientation_angle``.
 
         Returns
         -------
         RotorSystem
             The rotor, with one element of degree 1 for each element of ROSS. The shaft has the name
-            "rotor". An element around another one is a `Sleeve` with all of its stiffness. A
-            speed-dependent bearing has a `SpeedTable`, which ends at its speeds.
+            "rotor"; several shafts have the names "rotor 1", "rotor 2" and so on. Those of a
+            ``CoAxialRotor`` turn with one speed. An element around another one is a `Sleeve` with
+            all of its stiffness. A speed-dependent bearing has a `SpeedTable`, which ends at its
+            speeds.
 
         Raises
         ------
         SceneError
             If the file is not one of ROSS, or has an element that gearbow cannot represent, for
-            example a bearing with added mass; the message names it.
+            example a bearing with added mass; the message names it. If the file has several shafts
+            and gears, and no mesh is given.
         OSError
             If the file cannot be opened.
 
@@ -403,7 +411,8 @@ class RotorSystem(CheckedKeywords, Shown):
         -----
         SceneWarning
             If a table of ROSS 3 over speed and frequency is read at the frequency of the speed, an
-            element excludes its rotary inertia, or the rotor is implausible.
+            element excludes its rotary inertia, the file does not contain the material of a gear,
+            or the rotor is implausible.
 
         Notes
         -----
@@ -411,7 +420,9 @@ class RotorSystem(CheckedKeywords, Shown):
         """
         from gearbow.exchange.ross import read_ross  # noqa: PLC0415  # with a TOML parser
 
-        return cls.from_dict(read_ross(path))
+        given = enumerate(parts(meshes, Mesh, "meshes"))
+        described = [mesh._in_si(f"meshes[{i}]")._describe(f"meshes[{i}]") for i, mesh in given]
+        return cls.from_dict(read_ross(path, described))
 
     @classmethod
     def read_rexs(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 import re
 import warnings
 from collections.abc import Callable
@@ -370,7 +371,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         {"shafts": [gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)]},
     ),
     "RotorSystem.from_dict": (gb.RotorSystem.from_dict, {"description": {}}),
-    "RotorSystem.from_ross": (gb.RotorSystem.from_ross, {"path": "x.toml"}),
+    "RotorSystem.from_ross": (gb.RotorSystem.from_ross, {"path": "x.json"}),
     "RotorSystem.read_rexs": (
         gb.RotorSystem.read_rexs,
         {"path": "x.rexs", "load_case": 1, "bearings": {"other": 1e8}},
@@ -395,6 +396,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Response.from_record": (gb.Response.from_record, {"record": None}),
 }
 REXS = Path(__file__).parents[1] / "files" / "gearbox.rexs"
+#: A free shaft of ROSS.
+SIZES = {"L": 1.0, "idl": 0.0, "idr": 0.0, "odl": 0.05, "odr": 0.05}
+STEEL = {"rho": 7810.0, "E": 211e9, "G_s": 81.2e9}
+ROSS = {"ross_version": "2.3.0", "ShaftElement_0": {"n": 0, **SIZES, "material": STEEL}}
 BEARING = {"at": ("input", 0.0)}
 MESH = {"at": ("g1", "g2")}
 PARAMETERS = ["bearings[0].stiffness"]
@@ -728,6 +733,7 @@ def test_an_error_names_the_argument(name: str, tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     Path("x.csv").write_text("speed,k\n0,1e8\n1,2e8\n", encoding="utf-8")
     Path("x.rexs").write_bytes(REXS.read_bytes())
+    Path("x.json").write_text(json.dumps(ROSS), encoding="utf-8")
     call, arguments = ALL[name]
 
     @each_case(("argument", "wrong"), product(parameters(name), WRONG), ids=str)
