@@ -113,12 +113,13 @@ class Machine:
             matrices = self._undamped(plain).matrices(speed, sparse=True)
             mass, stiffness = csc_matrix(matrices.mass), csc_matrix(matrices.stiffness)
             damping = csc_matrix(matrices.damping + speed * matrices.gyroscopic)
-            modal: tuple[Array, Array] | tuple[()] = ()
+            momenta, rates = None, None
             if ratio > 0.0:
                 # Oil films have no symmetric stiffness.
                 symmetric = 0.5 * (stiffness + stiffness.T)
-                modal = modal_damping(symmetric, mass, ratio, min(DAMPED, mass.shape[0] - 2))
-            self._pencils[speed] = Pencil(mass, damping, stiffness, *modal)
+                count = min(DAMPED, mass.shape[0] - 2)
+                momenta, rates = modal_damping(symmetric, mass, ratio, count)
+            self._pencils[speed] = Pencil(mass, damping, stiffness, momenta, rates, ratio)
         return self._pencils[speed]
 
     def _undamped(self, plain: dict[str, Any]) -> gb.RotorSystem:

@@ -17,7 +17,8 @@ from scipy.sparse.linalg import LinearOperator, eigs, splu
 from programs.scenes import Array
 
 SHIFT = 100.0  # real shift of the eigenvalues, near the lowest frequencies, rad/s
-DIRECT = 20  # lowest undamped modes whose modal damping is not left to iterative refinement
+DIRECT = 20  # least number of undamped modes whose modal damping is not left to refinement
+ABOVE = 1.5  # modes up to this multiple of |λ| are among them: beyond, refinement converges
 CONVERGED = 1e-8  # relative change at which iterative refinement ends
 SECANT = 1e-6  # part of the interval at which the secant method ends
 MAX_SECANTS = 20  # it needs about three steps
@@ -39,6 +40,8 @@ class Pencil:
         there is no modal damping.
     rates : ndarray, shape (m,), optional
         Diagonal of R: 2 ζ ω of each mode, positive [1/s].
+    ratio : float, optional
+        ζ of all modes.
     """
 
     mass: Any
@@ -46,6 +49,7 @@ class Pencil:
     stiffness: Any
     momenta: Array | None = None
     rates: Array | None = None
+    ratio: float = 0.0
 
     def damped(self, x: Any) -> Any:
         """Return the damping forces of velocities x."""
@@ -66,9 +70,11 @@ class Pencil:
         if self.momenta is None or self.rates is None:
             return solve
         momenta, rates = self.momenta, self.rates
-        low = momenta[:, :DIRECT]
+        frequencies = rates / (2.0 * self.ratio)
+        direct = max(DIRECT, int(np.searchsorted(frequencies, ABOVE * abs(value))))
+        low = momenta[:, :direct]
         motions = solve(low.astype(polynomial.dtype))
-        small = lu_factor(np.diag(1.0 / (value * rates[:DIRECT])) + low.T @ motions)
+        small = lu_factor(np.diag(1.0 / (value * rates[:direct])) + low.T @ motions)
 
         def corrected(force: Any) -> Any:
             x = solve(force)
@@ -121,7 +127,7 @@ class Pencil:
                 (self.stiffness, other.stiffness),
             )
         )
-        return Pencil(mass, damping, stiffness, self.momenta, self.rates)
+        return Pencil(mass, damping, stiffness, self.momenta, self.rates, self.ratio)
 
 
 def crossings(

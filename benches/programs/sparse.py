@@ -111,7 +111,7 @@ class Sparse:
         found = np.zeros((len(speeds), len(self.ratios), self.n), dtype=complex)
         for i, speed in enumerate(speeds):
             damping = self.damping + speed * self.gyroscopic
-            pencil = Pencil(self.mass, damping, self.stiffness, *modal)
+            pencil = Pencil(self.mass, damping, self.stiffness, *modal, ratio=ratio)
             for j, omega, force in self.forces(speed):
                 found[i, j] = pencil.inverse(1j * omega)(force)
         return found
