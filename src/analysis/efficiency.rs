@@ -18,7 +18,7 @@ pub struct Losses {
 /// equilibrium without friction.
 ///
 /// # Errors
-/// As [`equilibrium`].
+/// As [`equilibrium()`].
 pub fn losses(cached: &CachedModel, geometry: Geometry, speed: f64) -> Result<Losses, AnalysisError> {
     let q = equilibrium(cached, geometry, speed)?;
     let at_speed = cached.at_speed(speed)?;

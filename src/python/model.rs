@@ -485,7 +485,7 @@ impl PyModel {
         Ok(dict)
     }
 
-    /// The power that torques and drives supply at each speed [W], and (power, force, coefficient, loss) of each mesh.
+    /// The power that torques and drives supply at each speed, W, and (power, force, coefficient, loss) of each mesh.
     fn losses(&self, py: Python<'_>, speeds: Vec<f64>, geometry: &str) -> PyResult<Vec<(f64, Vec<[f64; 4]>)>> {
         let geometry = mesh_geometry(geometry)?;
         for (index, speed) in speeds.iter().enumerate() {
