@@ -21,7 +21,7 @@ const STALLED: f64 = 1e-9;
 /// Largest number of frequencies in the search of one mode.
 const MAX_ITERATIONS: usize = 40;
 /// Relative distance below which two eigenvalues count as equal.
-const EQUAL: f64 = 1e-8;
+const EQUAL_EIGENVALUES: f64 = 1e-8;
 
 /// What happens with modes whose frequency lies outside the tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ impl LinearModes {
     /// Whether another mode has the same eigenvalue.
     fn is_multiple(&self, index: usize) -> bool {
         let value = self.modes[index].eigenvalue;
-        let equals = |other: usize| (self.modes[other].eigenvalue - value).norm() <= EQUAL * value.norm();
+        let equals = |other: usize| (self.modes[other].eigenvalue - value).norm() <= EQUAL_EIGENVALUES * value.norm();
         (0..self.modes.len()).any(|other| other != index && equals(other))
     }
 }
@@ -188,7 +188,7 @@ impl Search<'_> {
             let start = ModeAtSpeed { speed: self.speed, eigenvalue, shape };
             let is_new = |met: &ModeAtSpeed| {
                 let distance = |mode: &Mode| (mode.eigenvalue - met.eigenvalue).norm();
-                known.iter().all(|mode| distance(mode) > EQUAL * met.eigenvalue.norm())
+                known.iter().all(|mode| distance(mode) > EQUAL_EIGENVALUES * met.eigenvalue.norm())
             };
             let is_between = |met: &ModeAtSpeed| (low.frequency..=high.frequency).contains(&met.eigenvalue.im);
             let met = mode_near(self.cached, self.highest(), &start)?;
@@ -213,7 +213,7 @@ impl Search<'_> {
             );
             return Err(AnalysisError::Convergence(message));
         }
-        let equals = |mode: &&Mode| (mode.eigenvalue - value).norm() <= EQUAL * value.norm();
+        let equals = |mode: &&Mode| (mode.eigenvalue - value).norm() <= EQUAL_EIGENVALUES * value.norm();
         Ok(found.modes[index..].iter().take_while(equals).cloned().collect())
     }
 

@@ -16,7 +16,7 @@ use crate::modal::undamped::{ModalDamping, RealModes};
 use crate::model::{Model, SAME_ROTATION, StructuralDamping};
 
 /// Relative distance of eigenvalues of one mode.
-const SAME: f64 = 1e-9;
+const EQUAL_EIGENVALUES: f64 = 1e-9;
 /// Largest relative distance of a frequency from those with its signs: the residual of the mode then stays below its limit.
 const MAX_OUTSIDE: f64 = 1e-5;
 /// Smallest |φᴴMφ'|² of two shapes of one mode.
@@ -154,7 +154,7 @@ fn between(
 
 /// Whether two eigenpairs are one mode.
 fn is_same(model: &Model, first: &Eigenpair, second: &Eigenpair) -> bool {
-    (first.value - second.value).norm() <= SAME * second.value.norm() && {
+    (first.value - second.value).norm() <= EQUAL_EIGENVALUES * second.value.norm() && {
         let momentum = model.product(&second.shape, |x, out| model.multiply_mass(x, out));
         first.shape.dotc(&momentum).norm_sqr() > MIN_CORRELATION
     }
@@ -171,7 +171,7 @@ fn starts(
         return Ok(vec![ModeAtSpeed { speed, eigenvalue: pair.value, shape: pair.shape.clone() }]);
     }
     let middle: Complex64 = group.iter().map(|pair| pair.value).sum::<Complex64>() / group.len() as f64;
-    let step = middle * SAME.sqrt();
+    let step = middle * EQUAL_EIGENVALUES.sqrt();
     let force = |eigenvalue: Complex64, shape: &DVector<Complex64>| {
         let mut force = dynamic_force(model, [speed; 2], eigenvalue, shape, EquationForces::All(modal));
         model.add_structural_force(middle, speed, shape, &mut force);
