@@ -54,11 +54,11 @@ class SpeedTable(Part):
     changing speed, stiffness and damping change with the speed. The work of the stiffness change is
     counted as work of the drive.
 
-    A frequency is that of the vibration, |ω|: a frequency response has the coefficients at each of
-    its frequencies, and each mode those at its own. Intersections of a Campbell diagram and
-    critical speeds follow from that; a static equilibrium has the frequency 0. Runs and steady
-    motions contain many frequencies at once and refuse the table; `at_frequency` gives them the
-    coefficients at one.
+    The frequency is the magnitude of that of the vibration: a frequency response has the
+    coefficients at each of its frequencies, and each mode those at its own. Intersections of a
+    Campbell diagram and critical speeds follow from that; a static equilibrium has the frequency 0.
+    Runs and steady motions contain many frequencies at once and refuse the table; `at_frequency`
+    gives them the coefficients at one.
 
     The axis of the shaft is x. ROSS, and bearing programs after API standards, call the directions
     across the shaft x and y: their kxx, kxy, kyx, kyy are yy, yz, zy, zz here. The first index is
