@@ -95,7 +95,7 @@ def summary(run: RunRecord) -> list[Column]:
         add(f"bearing {place_label(bearing)} force", force, "N")
     if data["energy"] is not None:
         add("energy", data["energy"], "J")
-    known = np.array(values).reshape(len(values), -1)
+    known = np.array(values).reshape(len(values), data["time"].size)
     if not known.size:
         known = np.full((len(values), 1), np.nan)
     low, high = known.min(axis=1), known.max(axis=1)

@@ -135,7 +135,10 @@ def _chosen(run: RunRecord, given: Any) -> list[At]:
     named: list[At] = [names[0] for _, _, names in points if names]
     chosen = named or [(shaft, position) for shaft, position, _ in points]
     if not chosen:
-        raise GearbowError("no motion was recorded; give record=['gears'] to simulate")
+        raise GearbowError(
+            "no motion was recorded; name gears, disks or other places in record=, for example "
+            "record=['gears', 'disks']"
+        )
     return chosen
 
 

@@ -344,3 +344,10 @@ def test_a_table_of_a_grid_has_the_parameters_of_each_point():
     sweep = gb.sweep(dict, grid, lambda system, a, b: 10.0 * a + b)  # noqa: ARG005
     found = [[float(word) for word in line] for line in rows(sweep.table())]
     assert found == [[a, b, 10.0 * a + b] for a in grid["a"] for b in grid["b"]]
+
+
+def test_a_run_without_recorded_signals_is_printed():
+    # By default a run records gears and meshes; this rotor has neither.
+    run = gb.examples()["turbine_rotor"].load().simulate(1e-3, 300.0)
+    assert "signal" in str(run)
+    assert len(run.to_dataframe()) == run.time.size
