@@ -68,6 +68,8 @@ def nyquist(
         panel.axhline(0.0, color="0.6", linewidth=0.8)
         panel.axvline(0.0, color="0.6", linewidth=0.8)
         panel.set_aspect("equal", adjustable="datalim")
+        # Labels such as −0.0025 are longer than Matplotlib expects.
+        panel.locator_params(axis="x", nbins=5)
         panel.set(xlabel=f"real part [{shown}]", ylabel=f"imaginary part [{shown}]")
         legend(figure, panel, ax=ax)
     return figure
