@@ -19,7 +19,7 @@ use std::sync::Arc;
 use nalgebra::{Complex, DVector};
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
-use super::modes::{lowest_modes, lowest_oscillating_modes, require, uses_bands};
+use super::modes::{highest_damped, lowest_modes, lowest_oscillating_modes, require, uses_bands};
 use super::own_frequency;
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
@@ -397,7 +397,7 @@ impl<'a> Tracker<'a> {
 
     /// Which undamped modes have modal damping.
     fn highest(&self) -> Highest {
-        if self.is_partial() { Highest::Mode(self.wanted) } else { Highest::Frequency(f64::INFINITY) }
+        highest_damped(&self.cached.model, self.wanted)
     }
 
     /// Tracks the modes to the states at `speed`.

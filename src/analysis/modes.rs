@@ -20,6 +20,11 @@ pub(super) fn uses_bands(model: &Model, count: usize) -> bool {
     is_banded(model) && count as f64 <= MAX_BAND_MODE_FRACTION * model.len() as f64
 }
 
+/// The undamped modes that have modal damping if the `count` lowest modes are computed.
+pub(super) fn highest_damped(model: &Model, count: usize) -> Highest {
+    if uses_bands(model, count) { Highest::Mode(count) } else { Highest::Frequency(f64::INFINITY) }
+}
+
 /// Memory that [`lowest_modes`] needs at first.
 pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
     if uses_bands(model, count) { Dense::Bands } else { Dense::Damped }

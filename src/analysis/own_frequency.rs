@@ -7,7 +7,7 @@
 //! the mode, with the coefficients at the frequency found before, or by the method of Illinois on μ_k.
 
 use super::AnalysisError;
-use super::modes::{linear_modes, lowest_modes, uses_bands};
+use super::modes::{highest_damped, linear_modes, lowest_modes};
 use crate::modal::{self, CachedModel, Eigenpair, Highest, Mode, ModeAtSpeed};
 use crate::numerics::{Sample, root};
 use crate::scene::SceneError;
@@ -103,7 +103,8 @@ pub(super) fn modes(
     Ok(found)
 }
 
-/// A mode near `start` at its speed, with the coefficients of bearings at its own frequency; `None` if the iteration does not converge.
+/// A mode near `start` at its speed, with the coefficients of bearings at its own frequency; `None` if the iteration does not
+/// converge.
 ///
 /// # Errors
 /// [`AnalysisError`] if a bearing has no coefficients at speed or frequency, or modal damping has no modes.
@@ -219,8 +220,7 @@ impl Search<'_> {
 
     /// Which undamped modes have modal damping.
     fn highest(&self) -> Highest {
-        let is_partial = uses_bands(&self.cached.model, self.count);
-        if is_partial { Highest::Mode(self.count) } else { Highest::Frequency(f64::INFINITY) }
+        highest_damped(&self.cached.model, self.count)
     }
 
     /// An error of the mode with a number.
