@@ -2,8 +2,8 @@
 //!
 //! The force of a mesh depends on six coordinates, but only through the relative displacement of the gear centres and the
 //! rolling displacement of the gears: three scalars. In frozen geometry the deflection alone is enough. Both twists are
-//! needed if the tooth engagement depends on the twist, if a gear has run-out, and with friction. Helical teeth add the tilts and, with both
-//! twists, the axial displacement. The linear motion may contain the
+//! needed if the tooth engagement depends on the twist, if a gear has run-out, or if the mesh has friction. Helical teeth add the
+//! tilts and, with both twists, the axial displacement. The linear motion may contain the
 //! mean stiffness and the damping of the mesh at rest; the load is the remainder.
 
 use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
@@ -239,7 +239,7 @@ impl MeshInterface {
     #[inline(always)]
     fn forces(&self, contact: &Contact) -> [f64; MAX_SCALARS] {
         let mut forces = self.motion_forces(contact);
-        if self.gear_mesh.friction.is_some() && !self.rotation().is_empty() {
+        if !self.rotation().is_empty() {
             forces[self.motion_scalars()] = -contact.resistance;
         }
         forces

@@ -127,11 +127,14 @@ impl GearMesh {
         let Some(friction) = &self.friction else { return [0.0; 2] };
         let mut sum = [0.0; 2];
         for back in [false, true] {
-            if if back { contact_mode.flank.holds_back() } else { contact_mode.flank.drives() } {
+            let is_loaded = if back { contact_mode.flank.holds_back() } else { contact_mode.flank.drives() };
+            if is_loaded {
                 let flank = self.flank_kinematics(gears, back);
-                let contact = self.flank_contact(gears, &flank, contact_mode);
+                let path = || self.path_of(gears.pose, &flank);
                 let engaged = contact_mode.engaged[usize::from(back)];
-                let sums = friction.sums(&self.teeth, || self.path_of(gears.pose, &flank), engaged, flank.deflection);
+                let state = self.teeth.elastic_state(path, engaged, flank.deflection);
+                let sums = friction.sums(&self.teeth, path, engaged, flank.deflection);
+                let contact = self.flank_force(gears, &flank, state, Some(sums));
                 let own = friction.force(flank.sigma, &flank.line, gears.pose.phases, contact.force, &sums);
                 sum[0] += own.force;
                 sum[1] += contact.damping_power - self.damping * contact.rate * contact.rate;

@@ -19,7 +19,7 @@
 use super::contact::ShaftPhase;
 use super::contact_path::ContactPath;
 use super::involute::{Involute, LineOfAction};
-use super::stiffness::Stiffness;
+use super::stiffness::{Stiffness, smooth_step};
 use crate::numerics::gauss;
 use crate::scene::{self, FrictionLaw, Gear};
 
@@ -174,10 +174,9 @@ impl Friction {
 /// the mean is then below 1e-6.
 const MEAN_PIECES: usize = 16;
 
-/// The sign of x, with the ramp (15x − 10x³ + 3x⁵)/8 between −1 and 1.
+/// The sign of x, with the ramp of the tooth engagement between −1 and 1.
 fn sign(x: f64) -> f64 {
-    let x = x.clamp(-1.0, 1.0);
-    x * (15.0 - x * x * (10.0 - 3.0 * x * x)) / 8.0
+    2.0 * smooth_step((x.clamp(-1.0, 1.0) + 1.0) / 2.0) - 1.0
 }
 
 /// Smallest line load of the formula of ISO/TR 14179-2, N/m, and its largest pitch line velocity, m/s.

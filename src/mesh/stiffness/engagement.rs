@@ -3,6 +3,12 @@
 use crate::mesh::ContactPath;
 use crate::scene::{Engagement, Relief};
 
+/// The twice differentiable ramp 6x⁵ − 15x⁴ + 10x³ from 0 to 1 for x in the same range.
+#[inline(always)]
+pub(in crate::mesh) fn smooth_step(x: f64) -> f64 {
+    x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
+}
+
 impl Engagement {
     /// First and last tooth pair that can carry load.
     pub(super) fn range(&self, path: &ContactPath, engaged: (i64, i64)) -> (i64, i64) {
@@ -18,8 +24,7 @@ impl Engagement {
     /// Engagement weight of a pair, and its derivatives with respect to `entered` and `left`: the distances from the
     /// beginning and to the end of the path of contact, m.
     ///
-    /// The ramp 6x⁵ − 15x⁴ + 10x³ is twice differentiable. It is symmetric, so the mean number of pairs equals the
-    /// contact ratio.
+    /// The ramp [`smooth_step`] is symmetric, so the mean number of pairs equals the contact ratio.
     #[inline]
     pub(super) fn weight(&self, entered: f64, left: f64, pitch: f64) -> [f64; 3] {
         match self {
@@ -33,7 +38,7 @@ impl Engagement {
                     }
                     let x = (distance / over + 0.5).clamp(0.0, 1.0);
                     let rest = x * (1.0 - x);
-                    (x * x * x * (10.0 - 15.0 * x + 6.0 * x * x), 30.0 * rest * rest / over)
+                    (smooth_step(x), 30.0 * rest * rest / over)
                 };
                 let ((a, slope_a), (b, slope_b)) = (ramp(entered), ramp(left));
                 [a * b, slope_a * b, a * slope_b]

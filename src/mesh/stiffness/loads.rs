@@ -67,7 +67,7 @@ impl Stiffness {
                 let mut marks =
                     [ends[0], path.low + half_ramp, path.high - half_ramp, ends[1], borders[0], borders[1]].map(inside);
                 marks.sort_by(f64::total_cmp);
-                for s in positions(ContactPath { low: ends[0], high: ends[1], ..*path }.engaged()) {
+                for s in positions(lines.engagement.range(path, path.engaged())) {
                     let place = |position: f64| ((position - s) / path.overlap).clamp(-0.5, 0.5);
                     for piece in marks.windows(2) {
                         let (begin, length) = (place(piece[0]), place(piece[1]) - place(piece[0]));

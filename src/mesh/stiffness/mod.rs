@@ -22,6 +22,7 @@ mod potential_energy;
 mod shared;
 
 pub use curve::{PeriodicCurve, UniformCurve};
+pub(super) use engagement::smooth_step;
 pub use iso6336::{Iso6336, iso6336};
 pub use lines::ContactLines;
 pub use model::build;

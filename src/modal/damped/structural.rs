@@ -1,9 +1,11 @@
 //! Modes with structural damping: S(λ) φ = 0 with the signs of the frequencies relative to each shaft ([`StructuralDamping`]).
 //!
-//! All modes of a small model are eigenvalues of the first-order form in undamped modes, one for each range of frequencies in
-//! which no sign changes. Of a large model, Newton's method begins at the modes without structural damping. Of close modes, those of the small problem of their shapes
-//! come first, because structural damping may exchange their parts: two equal frequencies of a rotor on a support that has a loss factor in
-//! one direction become two modes with different damping.
+//! For a small model, eigenvalues of the first-order form in undamped modes give all modes. Each range of frequencies in which no
+//! sign changes has an eigenproblem of its own.
+//!
+//! For a large model, Newton's method starts at the modes without structural damping. Structural damping can mix modes of close
+//! frequencies. If a support has a loss factor in one direction only, two modes of equal frequency become two modes with different
+//! damping. For such a group, the small eigenproblem of its mode shapes therefore gives the start.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -19,6 +21,8 @@ use crate::model::{Model, SAME_ROTATION, StructuralDamping};
 const EQUAL_EIGENVALUES: f64 = 1e-9;
 /// Largest relative distance of a frequency from those with its signs: the residual of the mode then stays below its limit.
 const MAX_OUTSIDE: f64 = 1e-5;
+/// Relative step of λ in the central difference of S, which is quadratic in λ: only round-off depends on the step.
+const DIFFERENCE_STEP: f64 = 3e-5;
 /// Smallest |φᴴMφ'|² of two shapes of one mode.
 const MIN_CORRELATION: f64 = 0.9;
 
@@ -61,7 +65,7 @@ pub(super) fn with_structural_damping(
 /// oscillation; `order` is the first-order form without structural damping.
 ///
 /// # Errors
-/// [`DecompositionError`] if an eigenvalue iteration does not converge, or there are not as many vibrations as without structural damping.
+/// [`DecompositionError`] if an eigenvalue iteration does not converge, or fewer modes vibrate than without structural damping.
 pub(super) fn with_all_structural_damping(
     model: &Model,
     speed: f64,
@@ -160,7 +164,8 @@ fn is_same(model: &Model, first: &Eigenpair, second: &Eigenpair) -> bool {
     }
 }
 
-/// Approximations of the modes of close ones without structural damping: S(λ) on their shapes X, XᴴS(λ₀)X + (λ − λ₀)XᴴS'(λ₀)X.
+/// Approximate modes with structural damping, from a group of close modes without it. With their shapes X, they solve the small
+/// eigenproblem XᴴS(λ₀)X + (λ − λ₀)XᴴS'(λ₀)X.
 fn starts(
     model: &Model,
     speed: f64,
@@ -171,7 +176,7 @@ fn starts(
         return Ok(vec![ModeAtSpeed { speed, eigenvalue: pair.value, shape: pair.shape.clone() }]);
     }
     let middle: Complex64 = group.iter().map(|pair| pair.value).sum::<Complex64>() / group.len() as f64;
-    let step = middle * EQUAL_EIGENVALUES.sqrt();
+    let step = middle * DIFFERENCE_STEP;
     let force = |eigenvalue: Complex64, shape: &DVector<Complex64>| {
         let mut force = dynamic_force(model, [speed; 2], eigenvalue, shape, EquationForces::All(modal));
         model.add_structural_force(middle, speed, shape, &mut force);

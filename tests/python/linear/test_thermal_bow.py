@@ -1,6 +1,7 @@
 """Thermal bow: stability against a closed form and a slow integration."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -21,6 +22,20 @@ pytestmark = pytest.mark.filterwarnings("ignore:natural frequencies range:gearbo
 BOW, TAU, GAIN = 1e-6, 250.0, 2.5e5 * np.exp(0.7j)
 
 
+def bent(curve: Callable[[float], complex]) -> gb.Shaft:
+    """Give a massless shaft with a bow."""
+    return gb.Shaft(
+        "s",
+        length=LENGTH,
+        outer_diameter=DIAMETER,
+        elements=8,
+        degree=3,
+        shear=False,
+        material=LIGHT,
+        bow=gb.Bow.function(curve),
+    )
+
+
 def jeffcott(unbalance: complex = 2e-4 + 1e-4j) -> gb.RotorSystem:
     """Give a damped disk in the middle of a massless shaft on rigid bearings."""
     half = LENGTH / 2.0
@@ -29,16 +44,7 @@ def jeffcott(unbalance: complex = 2e-4 + 1e-4j) -> gb.RotorSystem:
         near = min(x, LENGTH - x) / LENGTH
         return 2e-5j * (3.0 * near - 4.0 * near**3)
 
-    shaft = gb.Shaft(
-        "s",
-        length=LENGTH,
-        outer_diameter=DIAMETER,
-        elements=8,
-        degree=3,
-        shear=False,
-        material=LIGHT,
-        bow=gb.Bow.function(cubic),
-    )
+    shaft = bent(cubic)
     bearings = [gb.Bearing("s", x, stiffness=RIGID) for x in (0.0, LENGTH)]
     bearings.append(gb.Bearing("s", half, stiffness=0.0, damping=DAMPING))
     return gb.RotorSystem(
@@ -90,17 +96,7 @@ def test_a_slow_integration_with_synchronous_responses_has_the_same_growth():
         def curve(x: float) -> complex:
             return system.shafts[0].bow.curve(x) + temperature * bow.shape.curve(x)
 
-        bent = gb.Shaft(
-            "s",
-            length=LENGTH,
-            outer_diameter=DIAMETER,
-            elements=8,
-            degree=3,
-            shear=False,
-            material=LIGHT,
-            bow=gb.Bow.function(curve),
-        )
-        v, w = system.replace(shafts=[bent]).synchronous(speed).displacement("d")[0, 0]
+        v, w = system.replace(shafts=[bent(curve)]).synchronous(speed).displacement("d")[0, 0]
         return (v + 1j * w) / 2.0
 
     def rate(_: float, state: np.ndarray) -> np.ndarray:
