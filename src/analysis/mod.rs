@@ -3,9 +3,9 @@
 //! - Before a model: `discretisation` chooses number and degree of the shaft elements.
 //! - Linear analyses: `modes`, `campbell` with `assignment` (which modes continue which), `critical`, `equilibrium`,
 //!   `frequency_response` to the harmonic `sources`, of which `synchronous` has those of rotating shafts, with
-//!   `harmonic_terms` for its derivatives, `own_frequency` (modes where bearings depend on the frequency), `peaks`, `instability` (speeds at which the motion is unstable), `stability`
-//!   (step limits of explicit methods); `mass` (mass properties), `efficiency` (losses of the meshes), `thrust` (axial forces of the
-//!   equilibrium).
+//!   `harmonic_terms` for its derivatives, `own_frequency` (modes where bearings depend on the frequency), `peaks`,
+//!   `instability` (speeds at which the motion is unstable), `stability` (step limits of explicit methods); `mass` (mass
+//!   properties), `efficiency` (losses of the meshes), `thrust` (axial forces of the equilibrium).
 //! - Nonlinear analyses: [`simulate`] integrates in time, [`steady`] finds motions that repeat.
 //! - For all of them: `error`, `diagnostics` (warnings about accuracy), `interrupt` (the request to stop), `memory`
 //!   (refuses matrices and results that do not fit), `threads` (independent speeds and frequencies on several threads).

@@ -148,8 +148,9 @@ pub(super) fn synchronous_of(
     found.ok_or_else(|| unsolved(speed))?.checked(speed, name)
 }
 
-/// Solves S x = f, or Sᵀ x = f for [`Side::Left`]. From band matrices without modal damping, the solution has at most the
-/// backward error `tolerance`; zero asks for round-off. `None` at an undamped natural frequency of a model that is too large for dense matrices.
+/// Solves S x = f, or Sᵀ x = f for [`Side::Left`]. Band matrices without modal damping give a solution with at most the backward
+/// error `tolerance`; zero asks for round-off. `None` at an undamped natural frequency of a model that is too large for dense
+/// matrices.
 ///
 /// # Errors
 /// [`AnalysisError`] if the undamped modes cannot be found.

@@ -177,7 +177,8 @@ class _Converter:
         axis: Any = getattr(panel, f"{name}axis")
         scale = str(axis.get_scale())
         ends = np.array(axis.get_view_interval(), dtype=np.float64)
-        # A number below an axis takes about an inch, one beside it half an inch.
+        # Space for one tick label: about an inch along a horizontal axis, half an inch along a
+        # vertical axis.
         ticks = int(np.clip((2.0 if name == "y" else 1.0) * self._length(panel, name), 3, 8))
         # A title of plotly does not keep clear of powers of ten: the label is a text.
         self._text(axis.label)

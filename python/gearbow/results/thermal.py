@@ -228,7 +228,7 @@ class ThermalSpiral(Result, ReadOnly):
         Returns
         -------
         matplotlib.figure.Figure
-            The spiral of the phasor, and its amplitude.
+            Path of the vibration in the complex plane, and its amplitude over time.
         """
         with extra("plot"):
             from gearbow.plotting import thermal as figures  # noqa: PLC0415

@@ -194,8 +194,8 @@ fn excitations(phases: &[CachedModel], largest: usize) -> Result<Vec<Excitation>
     phases.iter().map(|phase| excitation(phase, largest)).collect()
 }
 
-/// The model with the bearing coefficients of the lowest speed and frequency that all tables contain. Nonlinear bearings have a stiffness
-/// that follows from the weight of their shafts, because the loads and speeds of the analyses are not known.
+/// The model with the bearing coefficients of the lowest speed and frequency that all tables contain. Nonlinear bearings have a
+/// stiffness that follows from the weight of their shafts, because the loads and speeds of the analyses are not known.
 fn at_lowest_speed(model: Model) -> Result<Model, SceneError> {
     let model = if model.nonlinear_bearings.is_empty() { model } else { model.with_initial_operating_points() };
     if model.bearings.is_empty() && !model.has_internal_damping() {

@@ -60,7 +60,7 @@ def test_modes_of_a_jeffcott_rotor_have_the_eigenvalues_of_the_closed_form(
     found = sorted(modes.eigenvalues, key=lambda value: value.real)
     # The mass of the shaft is 3e-8 of that of the disk.
     np.testing.assert_allclose(found, sorted(expected, key=lambda value: value.real), rtol=1e-7)
-    # Round-off of bearings that are 1e4 times as stiff as the shaft.
+    # The bearings are 1e4 times as stiff as the shaft, which amplifies round-off.
     assert modes.residuals.max() < 1e-6
 
 
