@@ -153,7 +153,7 @@ impl Ring {
         if force == 0.0 {
             return 0.0;
         }
-        let sense = if self.direction[1] * force < 0.0 || force < 0.0 { -1.0 } else { 1.0 };
+        let sense = if self.direction[1] < 0.0 || force < 0.0 { -1.0 } else { 1.0 };
         let force = force.abs();
         let carried = |u: f64| sense * self.at([0.0, 0.0, sense * u, 0.0, 0.0], 0.0).force[2];
         // The force rises with the displacement, without bound for a contact that is not radial.
