@@ -209,9 +209,10 @@ def _check_connections(file: _File, description: Mapping[str, Any]) -> None:
     if gears and not description["meshes"]:
         names = ", ".join(f'"{gear["name"]}" on "{gear["shaft"]}"' for gear in gears)
         raise SceneError(
-            f"{file.path}: ROSS does not save which of its gears mesh ({names}); give them: "
-            f"meshes=[gb.Mesh(driver, driven, stiffness=..., centre_line_angle=...)], with the "
-            "gear_mesh_stiffness and orientation_angle of the MultiRotor"
+            f"{file.path}: ROSS does not save which of its gears mesh ({names}); give them with "
+            "the gear_mesh_stiffness and orientation_angle of the MultiRotor: "
+            "meshes=[gb.Mesh(driver, driven, stiffness=..., centre_line_angle=...)], and gearbow "
+            "import the options --mesh and --centre-line-angle"
         )
     between = [one for one in description["bearings"] if isinstance(one.get("support"), list)]
     meshing = {mesh[key] for mesh in description["meshes"] for key in ("driver", "driven")}

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.cli.main import main
 
 #: Eigenvalues of `CoAxialRotor` and `MultiRotor` by the speed [rad/s], from K, M, C and G of ROSS, by size.
 COAXIAL = {
@@ -238,6 +239,20 @@ def test_what_is_missing_is_an_error_that_names_it(tmp_path: Path):
     for elements, meshes, message in cases:
         with pytest.raises(gb.SceneError, match=message):
             read(tmp_path, elements, *meshes)
+
+
+def test_the_command_takes_the_meshes(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    expected = read(tmp_path, geared_rotors(), MESH)
+    scene = tmp_path / "scene.toml"
+    options = ["--mesh", "wheel/pinion=200 N/um", "--centre-line-angle", "wheel/pinion=0.6"]
+    with pytest.raises(SystemExit) as ended:
+        main(["import", str(tmp_path / "rotor.json"), *options, "--out", str(scene)])
+    assert ended.value.code == 0, capsys.readouterr().err
+    assert gb.RotorSystem.load(scene).description == expected.description
+    with pytest.raises(SystemExit) as ended:
+        main(["import", str(tmp_path / "rotor.json")])
+    assert ended.value.code == 2
+    assert "the options --mesh and --centre-line-angle" in capsys.readouterr().err
 
 
 def test_a_toml_file_with_gears_says_how_to_save_them(tmp_path: Path):
