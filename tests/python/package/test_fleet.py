@@ -516,6 +516,25 @@ def test_files_keep_everything(machine, file, tmp_path):
         np.testing.assert_equal(found[name], values)
 
 
+def test_a_run_records_something_by_default(machine, capsys):
+    system = machine.system
+    run = system.simulate(1e-3, machine.speed, initial="rest")
+    if system.gears:
+        pairs = [(mesh.driver, mesh.driven) for mesh in system.meshes]
+        assert run.recorded == [*(gear.name for gear in system.gears), *pairs]
+        return
+    disks = {disk.name for disk in system.disks}
+    forces = {("bearing", each.shaft, each.position) for each in system.bearings}
+    # Oil films add the motion of their journals.
+    assert set(run.recorded) >= disks | forces
+    given = ["run", str(machine.path), "--duration", "1 ms", "--speed", str(machine.speed)]
+    with pytest.raises(SystemExit):
+        main([*given, "--json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert set(answer["points"]) >= disks
+    assert len(answer["bearings"]) == len(forces)
+
+
 @pytest.mark.parametrize("figure", ["history"])
 def test_a_run_becomes_an_animation(machine, figure, tmp_path):
     pytest.importorskip("matplotlib")
