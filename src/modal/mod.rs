@@ -25,6 +25,6 @@ pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, eq
 pub use lowest::{Eigenpair, Highest, MAX_DENSE, ModeAtSpeed, intersection, lowest_critical, mode_near};
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};
 pub use undamped::{
-    ComponentModes, CoupledMotion, Extent, ModalDamping, Pins, RealModes, SpectralRange, SpeedCoupling, SubspaceKey,
-    null_motions, speed_couplings,
+    ComponentModes, CoupledMotion, CouplingChoice, Extent, ModalDamping, Pins, RealModes, SpectralRange, SpeedCoupling,
+    SubspaceKey, null_motions, speed_couplings,
 };

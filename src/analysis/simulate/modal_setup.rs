@@ -89,7 +89,7 @@ impl<'m> ModalSetup<'m> {
         })?;
         if changes {
             let modes = subspace.map_or_else(|| model.real_modes(speed), |subspace| Ok(&subspace.modes))?;
-            let change = ramp::speed_change(&cached.model, options, modes)?;
+            let change = ramp::speed_change(&cached.model, options, modes, selection.powers.is_some())?;
             loads.add_changing_speed(&linear, &change, &mut maps);
         }
         Ok(Self::recording(linear, loads, maps, selection))

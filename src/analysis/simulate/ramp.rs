@@ -8,7 +8,7 @@ use super::super::AnalysisError;
 use super::Options;
 use super::longest_step::rotation_of_longest_step;
 use crate::exponential::SpeedChange;
-use crate::modal::{AtSpeed, CachedModel, EquilibriumError, RealModes, speed_couplings};
+use crate::modal::{AtSpeed, CachedModel, CouplingChoice, EquilibriumError, RealModes, speed_couplings};
 use crate::model::Model;
 use crate::motion::Speed;
 
@@ -38,7 +38,13 @@ pub(super) fn linear_model<'a>(cached: &'a CachedModel, options: &Options) -> Re
 }
 
 /// The loads of a changing speed on the linear motion in the undamped modes `real`, of the complete model or of a subspace.
-pub(super) fn speed_change(model: &Model, options: &Options, real: &RealModes) -> Result<SpeedChange, AnalysisError> {
+/// A run that records energies has `all_circulatory` couplings.
+pub(super) fn speed_change(
+    model: &Model,
+    options: &Options,
+    real: &RealModes,
+    all_circulatory: bool,
+) -> Result<SpeedChange, AnalysisError> {
     let fastest = options.fastest();
     let [slowest, largest] = options.speed.magnitudes();
     let corner = corner_frequency(model, real, fastest);
@@ -48,8 +54,11 @@ pub(super) fn speed_change(model: &Model, options: &Options, real: &RealModes) -
         (None, None) => NEGLECTED_COUPLING * options.tolerance(),
     };
     let difference = (largest - slowest) / 2.0;
-    let couplings =
-        if difference > 0.0 { speed_couplings(model, real, corner, neglected / difference)? } else { Vec::new() };
+    let couplings = if difference > 0.0 {
+        speed_couplings(model, real, CouplingChoice { corner, smallest: neglected / difference, all_circulatory })?
+    } else {
+        Vec::new()
+    };
     Ok(SpeedChange {
         reference_speed: reference_speed(options),
         couplings,

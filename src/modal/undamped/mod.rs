@@ -22,4 +22,4 @@ pub use modal_damping::ModalDamping;
 pub use pins::Pins;
 pub use real::{RealModes, null_motions, times};
 pub use spectral_range::{ShiftInverse, SpectralRange, mass_times};
-pub use speed_couplings::{CoupledMotion, SpeedCoupling, speed_couplings};
+pub use speed_couplings::{CoupledMotion, CouplingChoice, SpeedCoupling, speed_couplings};

@@ -13,7 +13,9 @@
 //! largest ones represent Γ where it matters. p is 1 for velocities. It is 2 for displacements: N couples modes in
 //! proportion to their frequencies, and the response of a mode to a slow load is that load over ω_k².
 //!
-//! Every gyroscopic coupling is skew, so that the sum of any number of them does no work.
+//! Every gyroscopic coupling is skew, so that the sum of any number of them does no work. Circulatory couplings do work, also
+//! on modes that hardly move: an energy balance needs all of them. With p = 1 they have similar singular values, because the
+//! damping βK_s acts on the energy norm of every mode alike.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -23,6 +25,8 @@ use crate::model::Model;
 
 /// An eigenvector that lies in the chosen pairs up to this remainder belongs to them.
 const CHOSEN: f64 = 0.1;
+/// Singular values below this part of the largest entry are round-off, because those of ΓᵀΓ are their squares.
+const RESOLVED: f64 = 1e-8;
 
 /// What a coupling acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,25 +47,39 @@ pub struct SpeedCoupling {
     pub motion: CoupledMotion,
 }
 
-/// The couplings of G and N whose acceleration at the frequency ω_c is above the part `smallest` (s) of that of the motion per
-/// unit of the speed; `corner` is the angular frequency ω_c up to which all modes have the weight one, rad/s.
+/// Which couplings are chosen.
+#[derive(Clone, Copy, Debug)]
+pub struct CouplingChoice {
+    /// Angular frequency ω_c up to which all modes have the weight one, rad/s.
+    pub corner: f64,
+    /// Smallest acceleration of a coupling at the frequency ω_c, relative to that of the motion and per unit of the speed, s.
+    pub smallest: f64,
+    /// Whether all circulatory couplings are chosen.
+    pub all_circulatory: bool,
+}
+
+/// The chosen couplings of G and N.
 ///
 /// # Errors
 /// [`DecompositionError`] if the eigensolver fails.
 pub fn speed_couplings(
     model: &Model,
     real: &RealModes,
-    corner: f64,
-    smallest: f64,
+    choice: CouplingChoice,
 ) -> Result<Vec<SpeedCoupling>, DecompositionError> {
+    let CouplingChoice { corner, smallest, all_circulatory } = choice;
     let weights = real.frequencies.map(|frequency| if frequency > corner { corner / frequency } else { 1.0 });
     let gyroscopic = Skew { matrix: real.project(&model.gyroscopic_matrix()), motion: CoupledMotion::Velocities };
     let mut couplings = gyroscopic.couplings(model, real, &weights, smallest * corner)?;
     if model.has_internal_damping() {
         let matrix = real.project_sparse(&model.sparse_circulation());
         let circulatory = Skew { matrix, motion: CoupledMotion::Displacements };
-        let squares = weights.component_mul(&weights);
-        couplings.extend(circulatory.couplings(model, real, &squares, smallest * corner * corner)?);
+        couplings.extend(if all_circulatory {
+            circulatory.couplings(model, real, &weights, 0.0)?
+        } else {
+            let squares = weights.component_mul(&weights);
+            circulatory.couplings(model, real, &squares, smallest * corner * corner)?
+        });
     }
     Ok(couplings)
 }
@@ -73,7 +91,7 @@ struct Skew {
 }
 
 impl Skew {
-    /// The couplings with a weighted singular value above `smallest`.
+    /// The couplings with a weighted singular value above `smallest`; all of them if it is zero.
     fn couplings(
         self,
         model: &Model,
@@ -85,6 +103,7 @@ impl Skew {
         for ((row, column), entry) in (0..n * n).map(|at| (at % n, at / n)).zip(skew.iter_mut()) {
             *entry *= weights[row] * weights[column];
         }
+        let smallest = if smallest == 0.0 { RESOLVED * skew.amax() } else { smallest };
         // The eigenvalues of −Γ² = ΓᵀΓ are σ², each of them twice.
         let square = skew.tr_mul(&skew);
         let eigen = symmetric_pencil(&square, &DMatrix::identity(n, n), &DMatrix::zeros(n, 0))?;
