@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 
 import gearbow as gb
-from reference.machines import pair
+from reference.machines import OIL, pair
 from test_shaft_forces import rotor_of_ansys
 
 #: Through the threshold of instability at 5000 rpm, 524 rad/s, and back.
@@ -178,3 +178,18 @@ def test_tables_of_bearings_and_a_continued_run():
     whole = system.simulate(5e-3, profile)
     part = system.simulate(5e-3 - 1.23e-3, profile, initial=system.simulate(1.23e-3, profile))
     assert part.final["state"].tobytes() == whole.final["state"].tobytes()
+
+
+def test_oil_films():
+    shaft = gb.Shaft(
+        "r", length=0.5, outer_diameter=0.03, elements=2, degree=2, internal_damping=5e-5
+    )
+    films = [gb.JournalBearing("r", x, **{**OIL, "diameter": 0.03}) for x in (0.0, 0.5)]
+    disk = gb.Disk("d", "r", 0.25, 5.0, 0.01, 0.02, unbalance=1e-4)
+    system = gb.RotorSystem([shaft], disks=[disk], bearings=films, gravity=9.81, motion="lateral")
+    profile = gb.SpeedProfile.ramp(100.0, 400.0, 0.01)
+    options = {"initial": "static", "times": np.linspace(0.0, 0.01, 101), "record": ["d"]}
+    exact = system.simulate(0.01, profile, method="rk45", rtol=1e-9, **options)
+    for rtol in (1e-4, 1e-6):
+        found = system.simulate(0.01, profile, rtol=rtol, **options)
+        assert error(found.displacement("d"), exact.displacement("d")) < 100 * rtol
