@@ -15,9 +15,12 @@
 //! s = |(A cos α + δ_r, A sin α + δ_a)|    δ = s − A    Q = K max(δ, 0)^p along that line
 //! ```
 //!
-//! R = D/2 + (f_i − ½) d cos α is the radius of the centres of the inner groove. A roller touches along its fixed contact angle
-//! α, δ = δ_r cos α + δ_a sin α, with R = D/2; its own tilt between the races is neglected. Forces of inertia and friction are
-//! neglected. A ring with an axial preload is mounted with the axial displacement that needs this force.
+//! R = D/2 + (f_i − ½) d cos α is the radius of the centres of the inner groove. An angular contact bearing has a shoulder on one
+//! side: beyond the contact angle 0, its groove is a cylinder, along which a ball moves without an axial force.
+//!
+//! A roller touches along its fixed contact angle α, δ = δ_r cos α + δ_a sin α, with R = D/2; its own tilt between the races is
+//! neglected. Forces of inertia and friction are neglected. A ring with an axial preload is mounted with the axial displacement that
+//! needs this force.
 
 use std::convert::Infallible;
 
@@ -174,6 +177,13 @@ impl Ring {
         match self.groove_distance {
             Some(distance) => {
                 let line = [distance * cosine + radial, distance * sine + axial];
+                if line[1] * sine < 0.0 {
+                    return Touch {
+                        approach: line[0].abs() - distance,
+                        direction: [line[0].signum(), 0.0],
+                        turning: 0.0,
+                    };
+                }
                 let length = line[0].hypot(line[1]);
                 // s − A without cancellation.
                 let moved = 2.0 * distance * (cosine * radial + sine * axial) + radial * radial + axial * axial;
