@@ -1,20 +1,28 @@
 //! Force of a shaft on a bearing as a nonlinear function of its motion, with the derivatives, and the displacement at which it
 //! carries a static load.
 
+use nalgebra::{DMatrix, DVector};
+
 /// A vector over (y, z).
 pub type Vector = [f64; 2];
 /// A 2×2 matrix over (y, z), by rows.
 pub type Matrix = [[f64; 2]; 2];
 
-/// Force, stiffness and damping of a bearing.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BearingForce {
-    /// Force of the shaft on the bearing over (y, z), N.
-    pub force: Vector,
+/// Force, stiffness and damping of a bearing over `N` scalars of the displacements, by default those along (y, z).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BearingForce<const N: usize = 2> {
+    /// Force of the shaft on the bearing, N.
+    pub force: [f64; N],
     /// Stiffness ∂F/∂u, N/m.
-    pub stiffness: Matrix,
+    pub stiffness: [[f64; N]; N],
     /// Damping ∂F/∂u̇, N s/m.
-    pub damping: Matrix,
+    pub damping: [[f64; N]; N],
+}
+
+impl<const N: usize> Default for BearingForce<N> {
+    fn default() -> Self {
+        Self { force: [0.0; N], stiffness: [[0.0; N]; N], damping: [[0.0; N]; N] }
+    }
 }
 
 /// The reason why a bearing carries no static load.
@@ -33,46 +41,24 @@ const FORCE_TOLERANCE: f64 = 1e-13;
 /// Smallest fraction of a Newton step. With a smaller one, the residual changes by round-off only.
 const MIN_FRACTION: f64 = 1e-10;
 
-/// Force of the shaft on a bearing over the `N` displacements of a [`BalanceSearch`].
-pub trait LoadedForce<const N: usize> {
-    /// Force, N.
-    fn force(&self) -> [f64; N];
-    /// Newton step, m, for the `missing` force, N, with the stiffness `added` to the diagonal of the tangent, N/m; none if the
-    /// tangent is singular.
-    fn step(&self, missing: [f64; N], added: f64) -> Option<[f64; N]>;
-}
-
-impl LoadedForce<2> for BearingForce {
-    fn force(&self) -> Vector {
-        self.force
-    }
-
-    fn step(&self, [y, z]: Vector, added: f64) -> Option<Vector> {
-        let [[a, b], [c, d]] = self.stiffness;
-        let (a, d) = (a + added, d + added);
-        let determinant = a * d - b * c;
-        Some([(d * y - b * z) / determinant, (a * z - c * y) / determinant])
-    }
-}
-
 /// A displacement of a bearing, and how well the force there balances a load.
-#[derive(Clone, Debug)]
-pub struct Balance<F, const N: usize> {
+#[derive(Clone, Copy, Debug)]
+pub struct Balance<const N: usize> {
     /// Displacement, m.
     pub displacement: [f64; N],
     /// Force and its derivatives there.
-    pub bearing: F,
+    pub bearing: BearingForce<N>,
     /// Norm of the unbalanced force over that of the load.
     pub residual: f64,
 }
 
 /// The search for the displacement at which a bearing carries a static load: Newton's method, with shorter steps where a step does
 /// not reduce the residual.
-pub struct BalanceSearch<'a, F, const N: usize> {
+pub struct BalanceSearch<'a, const N: usize> {
     /// The load, N, not zero.
     pub load: [f64; N],
     /// Force of the bearing at a displacement, m.
-    pub force: &'a dyn Fn([f64; N]) -> F,
+    pub force: &'a dyn Fn([f64; N]) -> BearingForce<N>,
     /// Stiffness that is added to the diagonal of the tangent at a residual relative to the load, N/m.
     pub added_stiffness: &'a dyn Fn(f64) -> f64,
     /// Whether a step may lead from the first displacement, m, to the second.
@@ -84,17 +70,16 @@ fn norm<const N: usize>(force: [f64; N]) -> f64 {
     force.into_iter().fold(0.0, f64::hypot)
 }
 
-impl<F: LoadedForce<N>, const N: usize> BalanceSearch<'_, F, N> {
+impl<const N: usize> BalanceSearch<'_, N> {
     /// The best displacement found from the displacement `start`, m.
-    pub fn from(&self, start: [f64; N]) -> Balance<F, N> {
+    pub fn from(&self, start: [f64; N]) -> Balance<N> {
         let mut best = self.at(start);
         for _ in 0..MAX_ITERATIONS {
             if best.residual <= FORCE_TOLERANCE {
                 break;
             }
             // Round-off limits the residual, or no load of this size is carried.
-            let step = best.bearing.step(self.missing(&best.bearing), (self.added_stiffness)(best.residual));
-            let Some(next) = step.and_then(|step| self.shortened(&best, step)) else {
+            let Some(next) = self.step(&best).and_then(|step| self.shortened(&best, step)) else {
                 break;
             };
             best = next;
@@ -102,20 +87,27 @@ impl<F: LoadedForce<N>, const N: usize> BalanceSearch<'_, F, N> {
         best
     }
 
-    fn at(&self, displacement: [f64; N]) -> Balance<F, N> {
+    fn at(&self, displacement: [f64; N]) -> Balance<N> {
         let bearing = (self.force)(displacement);
         let residual = norm(self.missing(&bearing)) / norm(self.load);
         Balance { displacement, bearing, residual }
     }
 
     /// Part of the load that the force of the bearing leaves, N.
-    fn missing(&self, bearing: &F) -> [f64; N] {
-        let force = bearing.force();
-        std::array::from_fn(|axis| self.load[axis] - force[axis])
+    fn missing(&self, bearing: &BearingForce<N>) -> [f64; N] {
+        std::array::from_fn(|axis| self.load[axis] - bearing.force[axis])
+    }
+
+    /// Newton's step; none if the tangent is singular.
+    fn step(&self, from: &Balance<N>) -> Option<[f64; N]> {
+        let added = (self.added_stiffness)(from.residual) * DMatrix::<f64>::identity(N, N);
+        let tangent = DMatrix::from_fn(N, N, |row, column| from.bearing.stiffness[row][column]) + added;
+        let step = tangent.lu().solve(&DVector::from_column_slice(&self.missing(&from.bearing)))?;
+        Some(std::array::from_fn(|axis| step[axis]))
     }
 
     /// The longest of the halved steps that is permitted and reduces the residual.
-    fn shortened(&self, from: &Balance<F, N>, step: [f64; N]) -> Option<Balance<F, N>> {
+    fn shortened(&self, from: &Balance<N>, step: [f64; N]) -> Option<Balance<N>> {
         let mut fraction = 1.0;
         while fraction >= MIN_FRACTION {
             let next = std::array::from_fn(|axis| from.displacement[axis] + fraction * step[axis]);

@@ -10,7 +10,7 @@ use num_complex::Complex64;
 use super::ExcitationPart;
 use super::synchronous::rotating_force;
 use crate::connection::Row;
-use crate::model::{Link, Model, PlaceRows, Support};
+use crate::model::{Link, Model, PlaceRows, Support, coefficient};
 use crate::scene::description::{self, GroundQuantity, Place};
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
@@ -249,12 +249,22 @@ impl HarmonicForces<'_> {
 
     /// Rows of the force over (y, z) of the shaft on its bearings at a node over the phasors, N/m.
     pub(super) fn bearing_rows(&self, node: Node) -> [Vec<(usize, Complex64)>; 2] {
-        self.bearings_at(node).fold([Vec::new(), Vec::new()], |[mut y, mut z], element| {
-            let [own_y, own_z] = element.force_rows(self.at);
-            y.extend(own_y);
-            z.extend(own_z);
-            [y, z]
+        let axes = self.axes(node);
+        self.bearings_at(node).fold([Vec::new(), Vec::new()], |mut sum, element| {
+            for (scalar, row) in element.rows.iter().zip(element.force_rows(self.at)) {
+                for (sum, axis) in sum.iter_mut().zip(axes) {
+                    let share = coefficient(scalar, axis);
+                    sum.extend(row.iter().filter(|_| share != 0.0).map(|(index, value)| (*index, share * value)));
+                }
+            }
+            sum
         })
+    }
+
+    /// Indices of v and w at a node with a bearing.
+    fn axes(&self, node: Node) -> [usize; 2] {
+        let index = self.model.numbering.translation(node).unwrap_or(usize::MAX - 1);
+        [index, index + 1]
     }
 
     /// The bearings at a node.
@@ -267,9 +277,14 @@ impl HarmonicForces<'_> {
 
     /// Phasors of the force over (y, z) of the shaft on its bearings at a node, N.
     pub fn bearing(&self, node: Node) -> [Complex64; 2] {
-        self.bearings_at(node).fold([Complex64::ZERO; 2], |sum, element| {
-            let force = self.element(&element);
-            [sum[0] + force[0], sum[1] + force[1]]
+        let axes = self.axes(node);
+        self.bearings_at(node).fold([Complex64::ZERO; 2], |mut sum, element| {
+            for (row, force) in element.rows.iter().zip(self.element(&element)) {
+                for (sum, axis) in sum.iter_mut().zip(axes) {
+                    *sum += force * coefficient(row, axis);
+                }
+            }
+            sum
         })
     }
 

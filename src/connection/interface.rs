@@ -73,7 +73,8 @@ impl Interface {
     pub fn scalars(&self) -> usize {
         match self {
             Self::Mesh(interface) => interface.scalars(),
-            Self::Bearing(_) | Self::Nonlinear(_) => 2,
+            Self::Bearing(_) => 2,
+            Self::Nonlinear(interface) => interface.bearing.rows.len(),
             Self::Load(interface) => interface.load.rows.len(),
             Self::Bow(interface) => interface.bow.rows.len(),
         }
@@ -104,7 +105,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.rows(),
             Self::Bearing(interface) => interface.bearing.rows.to_vec(),
-            Self::Nonlinear(interface) => interface.bearing.rows.to_vec(),
+            Self::Nonlinear(interface) => interface.bearing.rows.clone(),
             Self::Load(interface) => interface.load.rows.clone(),
             Self::Bow(interface) => interface.bow.rows.to_vec(),
         }

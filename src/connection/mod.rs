@@ -37,7 +37,7 @@ pub use instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Tan
 pub use interface::Interface;
 pub use load::{AppliedLoad, LoadInterface};
 pub use mesh::MeshInterface;
-pub use nonlinear_bearing::{BearingLaw, NonlinearBearing, NonlinearInterface, OperatingPoint};
+pub use nonlinear_bearing::{BearingLaw, BearingTangent, NonlinearBearing, NonlinearInterface, OperatingPoint};
 
 use crate::mesh::GearMesh;
 
@@ -117,7 +117,7 @@ impl Connection<'_> {
                 vec![row]
             }
             Self::Bearing(bearing) => bearing.rows.to_vec(),
-            Self::Nonlinear(bearing) => bearing.rows.to_vec(),
+            Self::Nonlinear(bearing) => bearing.rows.clone(),
             Self::Load(load) => load.rows.clone(),
             Self::Bow(bow) => bow.rows.to_vec(),
         }

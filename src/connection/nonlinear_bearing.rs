@@ -1,6 +1,6 @@
 //! A bearing whose force is a nonlinear function of displacement, velocity, speed and angle of the shaft: the oil film of a
-//! journal bearing (`src/film/`) or rolling elements (`src/rolling/`), over the displacements u = (v, w) of the shaft relative
-//! to what the bearing stands on.
+//! journal bearing (`src/film/`) or rolling elements (`src/rolling/`), over scalars u of the displacements of the shaft relative
+//! to what the bearing stands on: (v, w), and for a ring of five degrees of freedom the axial displacement and the slopes too.
 //!
 //! Analyses need a linear system, which depends on the equilibrium and so on speed and load. The bearing therefore has two
 //! parts:
@@ -18,24 +18,26 @@ use nalgebra::{DMatrix, DVector};
 
 use super::instant::{Instant, InterfaceOptions, OutOfRange, Tangent, Touch};
 use super::{Bounds, Coefficients, Row};
-use crate::bearing_force::{BearingForce, Uncarried, Vector};
+use crate::bearing_force::{BearingForce, Matrix, Uncarried, Vector};
 use crate::film::Film;
 use crate::mesh::ShaftPhase;
-use crate::rolling::RollingElements;
-use crate::scene::Matrix2;
+use crate::rolling::{Ring, RollingElements};
 
 /// Spins below this are standstill, rad/s.
 const STANDSTILL_SPIN: f64 = 1e-12;
+
+/// Largest number of scalars of a nonlinear bearing: those of a [`Ring`].
+pub const MAX_SCALARS: usize = 5;
 
 /// Linear coefficients that stand for a nonlinear bearing in the matrices.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OperatingPoint {
     /// Speed of the reference shaft, rad/s; none for the stiffness from which the search of the equilibrium starts.
     pub speed: Option<f64>,
-    /// Stiffness K₀ over (v, w), N/m.
-    pub stiffness: Matrix2,
+    /// Stiffness K₀ over the scalars, N/m; entries beyond their number are zero.
+    pub stiffness: [[f64; MAX_SCALARS]; MAX_SCALARS],
     /// Damping C₀ over (v, w), N s/m.
-    pub damping: Matrix2,
+    pub damping: Matrix,
 }
 
 /// The law of a nonlinear bearing.
@@ -43,43 +45,106 @@ pub struct OperatingPoint {
 pub enum BearingLaw {
     /// The oil film of a journal bearing.
     Film(Film),
-    /// Rolling elements.
+    /// Rolling elements between rings that move along (v, w).
     Rolling(RollingElements),
+    /// Rolling elements between rings of five degrees of freedom.
+    Ring(Ring),
+}
+
+/// A law over `N` scalars.
+trait Law<const N: usize> {
+    /// Force, stiffness and damping at a displacement, m, a velocity, m/s, and the angle and spin of what turns the bearing:
+    /// the shaft of a film, the cage of rolling elements.
+    fn at(&self, u: [f64; N], rates: [f64; N], phase: &ShaftPhase) -> BearingForce<N>;
+
+    /// Force, stiffness and damping at rest, averaged over the angle, at a spin of what turns the bearing, rad/s.
+    fn mean(&self, u: [f64; N], spin: f64) -> BearingForce<N>;
+
+    /// Elastic energy, J, and elastic force, N, at an angle of the cage, rad.
+    fn elastic(&self, u: [f64; N], angle: f64) -> (f64, [f64; N]);
+
+    /// Displacement, m, at which it carries a static force, N, at a spin, and force and stiffness there.
+    fn carrying(&self, force: [f64; N], spin: f64) -> Result<([f64; N], BearingForce<N>), Uncarried>;
+}
+
+impl Law<2> for Film {
+    #[inline]
+    fn at(&self, u: Vector, rates: Vector, phase: &ShaftPhase) -> BearingForce {
+        self.at(u, rates, phase.spin)
+    }
+
+    fn mean(&self, u: Vector, spin: f64) -> BearingForce {
+        self.at(u, [0.0; 2], spin)
+    }
+
+    /// A film stores no energy.
+    fn elastic(&self, _: Vector, _: f64) -> (f64, Vector) {
+        (0.0, [0.0; 2])
+    }
+
+    fn carrying(&self, force: Vector, spin: f64) -> Result<(Vector, BearingForce), Uncarried> {
+        self.carrying(force, spin)
+    }
+}
+
+impl Law<2> for RollingElements {
+    #[inline]
+    fn at(&self, u: Vector, rates: Vector, phase: &ShaftPhase) -> BearingForce {
+        self.at(u, rates, phase.angle)
+    }
+
+    fn mean(&self, u: Vector, _: f64) -> BearingForce {
+        self.mean(u)
+    }
+
+    fn elastic(&self, u: Vector, angle: f64) -> (f64, Vector) {
+        (self.energy(u, angle), self.at(u, [0.0; 2], angle).force)
+    }
+
+    fn carrying(&self, force: Vector, _: f64) -> Result<(Vector, BearingForce), Uncarried> {
+        self.carrying(force, None)
+    }
+}
+
+impl Law<5> for Ring {
+    #[inline]
+    fn at(&self, u: [f64; 5], _: [f64; 5], phase: &ShaftPhase) -> BearingForce<5> {
+        self.at(u, phase.angle)
+    }
+
+    fn mean(&self, u: [f64; 5], _: f64) -> BearingForce<5> {
+        self.mean(u)
+    }
+
+    fn elastic(&self, u: [f64; 5], angle: f64) -> (f64, [f64; 5]) {
+        (self.energy(u, angle), self.at(u, angle).force)
+    }
+
+    fn carrying(&self, force: [f64; 5], _: f64) -> Result<([f64; 5], BearingForce<5>), Uncarried> {
+        self.carrying(force)
+    }
+}
+
+/// Evaluates an expression with the law of a bearing, whose type gives the number of scalars.
+macro_rules! with_law {
+    ($bearing:expr, $law:ident => $value:expr) => {
+        match &$bearing.law {
+            BearingLaw::Film($law) => $value,
+            BearingLaw::Rolling($law) => $value,
+            BearingLaw::Ring($law) => $value,
+        }
+    };
 }
 
 impl BearingLaw {
-    /// Force, stiffness and damping at a displacement, m, a velocity, m/s, and the angle and spin of what turns the bearing:
-    /// the shaft of a film, the cage of rolling elements.
-    #[inline]
-    fn at(&self, u: Vector, rates: Vector, phase: &ShaftPhase) -> BearingForce {
-        match self {
-            Self::Film(film) => film.at(u, rates, phase.spin),
-            Self::Rolling(elements) => elements.at(u, rates, phase.angle),
-        }
-    }
-
-    /// Force, stiffness and damping at rest, averaged over the angle, at a spin of what turns the bearing, rad/s.
-    fn mean(&self, u: Vector, spin: f64) -> BearingForce {
-        match self {
-            Self::Film(film) => film.at(u, [0.0; 2], spin),
-            Self::Rolling(elements) => elements.mean(u),
-        }
-    }
-
-    /// Elastic energy, J, and elastic force, N, at an angle of the cage, rad: a film stores no energy.
-    fn elastic(&self, u: Vector, angle: f64) -> (f64, Vector) {
-        match self {
-            Self::Film(_) => (0.0, [0.0; 2]),
-            Self::Rolling(elements) => (elements.energy(u, angle), elements.at(u, [0.0; 2], angle).force),
-        }
-    }
-
     /// Mean speed of the bearing, from the speeds of its shaft and of what it stands on: the sum of both, with which a film
     /// draws in oil (Reynolds' equation), or the speed of the cage.
     fn mean_speed(&self, [shaft, base]: [f64; 2]) -> f64 {
+        let of_cage = |ratio: f64| ratio * shaft + (1.0 - ratio) * base;
         match self {
             Self::Film(_) => shaft + base,
-            Self::Rolling(elements) => elements.cage_ratio * shaft + (1.0 - elements.cage_ratio) * base,
+            Self::Rolling(elements) => of_cage(elements.cage_ratio),
+            Self::Ring(ring) => of_cage(ring.cage_ratio),
         }
     }
 }
@@ -89,8 +154,9 @@ impl BearingLaw {
 pub struct NonlinearBearing {
     /// Index of the bearing in the scene.
     pub number: usize,
-    /// The scalars v and w: displacements of the shaft relative to what the bearing stands on.
-    pub rows: [Row; 2],
+    /// The scalars: displacements v and w of the shaft relative to what the bearing stands on; for a [`Ring`] then its other
+    /// coordinates.
+    pub rows: Vec<Row>,
     /// Ratio of the speed of what turns the bearing, the shafts of a film or the cage of rolling elements, to the speed of the
     /// reference shaft.
     pub ratio: f64,
@@ -107,7 +173,7 @@ pub struct NonlinearBearing {
 impl NonlinearBearing {
     /// A bearing with these scalars, without coefficients in the matrices, from the speed ratios of its shaft and of what it
     /// stands on.
-    pub fn new(number: usize, rows: [Row; 2], turning: usize, ratios: [f64; 2], law: BearingLaw) -> Self {
+    pub fn new(number: usize, rows: Vec<Row>, turning: usize, ratios: [f64; 2], law: BearingLaw) -> Self {
         Self { number, rows, ratio: law.mean_speed(ratios), turning, law, initial_stiffness: 0.0, point: None }
     }
 
@@ -115,15 +181,25 @@ impl NonlinearBearing {
     pub fn film(&self) -> Option<&Film> {
         match &self.law {
             BearingLaw::Film(film) => Some(film),
-            BearingLaw::Rolling(_) => None,
+            BearingLaw::Rolling(_) | BearingLaw::Ring(_) => None,
         }
     }
 
-    /// Its rolling elements, if it has some.
-    pub fn rolling(&self) -> Option<&RollingElements> {
+    /// Number of its rolling elements, if it has some.
+    pub fn elements(&self) -> Option<usize> {
         match &self.law {
             BearingLaw::Film(_) => None,
-            BearingLaw::Rolling(elements) => Some(elements),
+            BearingLaw::Rolling(elements) => Some(elements.count()),
+            BearingLaw::Ring(ring) => Some(ring.count()),
+        }
+    }
+
+    /// Calls `visit` with the contact force of each rolling element at displacements q and an angle of the cage, N.
+    pub fn contact_forces(&self, q: &[f64], cage: f64, visit: impl FnMut(f64)) {
+        match &self.law {
+            BearingLaw::Film(_) => {}
+            BearingLaw::Rolling(elements) => elements.contact_forces(self.scalars(q), cage).for_each(visit),
+            BearingLaw::Ring(ring) => ring.contacts(self.scalars(q), cage).map(|[force, _]| force).for_each(visit),
         }
     }
 
@@ -138,31 +214,55 @@ impl NonlinearBearing {
         self.initial_stiffness = match &self.law {
             BearingLaw::Film(film) => 3.0 * weight / film.clearance(),
             BearingLaw::Rolling(elements) => elements.secant_stiffness(weight),
+            BearingLaw::Ring(ring) => ring.secant_stiffness(weight),
         };
     }
 
-    /// The two scalars for displacements, or their rates for velocities.
+    /// The scalars for displacements, or their rates for velocities.
     #[inline]
-    pub fn scalars(&self, q: &[f64]) -> Vector {
-        self.rows.each_ref().map(|row| row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum())
+    pub fn scalars<const N: usize>(&self, q: &[f64]) -> [f64; N] {
+        std::array::from_fn(|i| self.rows[i].iter().map(|(index, coefficient)| coefficient * q[*index]).sum())
+    }
+
+    /// The scalars for displacements as a vector.
+    pub fn scalar_vector(&self, q: &[f64]) -> DVector<f64> {
+        let scalar = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum();
+        DVector::from_iterator(self.rows.len(), self.rows.iter().map(scalar))
+    }
+
+    /// The coefficients of a search that starts: its initial stiffness along every scalar.
+    pub fn initial_point(&self) -> OperatingPoint {
+        let mut point = OperatingPoint::default();
+        (0..self.rows.len()).for_each(|i| point.stiffness[i][i] = self.initial_stiffness);
+        point
     }
 
     /// Coefficients at displacements q of an equilibrium at a speed of the reference shaft, rad/s.
     pub fn point_at(&self, speed: f64, q: &[f64]) -> OperatingPoint {
-        let BearingForce { stiffness, damping, .. } = self.law.mean(self.scalars(q), self.ratio * speed);
-        OperatingPoint { speed: Some(speed), stiffness, damping }
+        with_law!(self, law => Self::point_of(speed, &Law::mean(law, self.scalars(q), self.ratio * speed)))
     }
 
-    /// Displacement, m, at which it carries a static force over (y, z), N, at a speed of the reference shaft, rad/s, and force and
-    /// stiffness there.
+    fn point_of<const N: usize>(speed: f64, found: &BearingForce<N>) -> OperatingPoint {
+        let mut point = OperatingPoint { speed: Some(speed), ..OperatingPoint::default() };
+        for i in 0..N {
+            point.stiffness[i][..N].copy_from_slice(&found.stiffness[i]);
+        }
+        for (row, found) in point.damping.iter_mut().zip(&found.damping) {
+            row.copy_from_slice(&found[..2]);
+        }
+        point
+    }
+
+    /// Displacement, m, at which it carries a static force over the scalars, N, at a speed of the reference shaft, rad/s, and
+    /// force and stiffness there.
     ///
     /// # Errors
     /// [`Uncarried`] if it cannot carry the force.
-    pub fn carrying(&self, force: Vector, speed: f64) -> Result<(Vector, BearingForce), Uncarried> {
-        match &self.law {
-            BearingLaw::Film(film) => film.carrying(force, self.ratio * speed),
-            BearingLaw::Rolling(elements) => elements.carrying(force, None),
-        }
+    pub fn carrying(&self, force: &DVector<f64>, speed: f64) -> Result<BearingTangent, Uncarried> {
+        with_law!(self, law => {
+            let (displacement, found) = Law::carrying(law, std::array::from_fn(|i| force[i]), self.ratio * speed)?;
+            Ok(BearingTangent::new(&displacement, &found))
+        })
     }
 
     /// Eccentricity ratio ε of a journal at displacements q; none for rolling elements.
@@ -173,12 +273,22 @@ impl NonlinearBearing {
 
     /// Force and derivatives beyond those of the matrices.
     #[inline]
-    fn beyond_matrices(&self, mut all: BearingForce, u: Vector, rates: Vector) -> BearingForce {
+    fn beyond_matrices<const N: usize>(
+        &self,
+        mut all: BearingForce<N>,
+        u: [f64; N],
+        rates: [f64; N],
+    ) -> BearingForce<N> {
         if let Some(OperatingPoint { stiffness, damping, .. }) = &self.point {
+            for i in 0..N {
+                for j in 0..N {
+                    all.force[i] -= stiffness[i][j] * u[j];
+                    all.stiffness[i][j] -= stiffness[i][j];
+                }
+            }
             for i in 0..2 {
                 for j in 0..2 {
-                    all.force[i] -= stiffness[i][j] * u[j] + damping[i][j] * rates[j];
-                    all.stiffness[i][j] -= stiffness[i][j];
+                    all.force[i] -= damping[i][j] * rates[j];
                     all.damping[i][j] -= damping[i][j];
                 }
             }
@@ -187,79 +297,145 @@ impl NonlinearBearing {
     }
 
     #[inline]
-    fn remainder(&self, phase: &ShaftPhase, u: Vector, rates: Vector) -> BearingForce {
-        self.beyond_matrices(self.law.at(u, rates, phase), u, rates)
+    fn remainder<const N: usize>(
+        &self,
+        law: &impl Law<N>,
+        phase: &ShaftPhase,
+        u: [f64; N],
+        rates: [f64; N],
+    ) -> BearingForce<N> {
+        self.beyond_matrices(law.at(u, rates, phase), u, rates)
     }
 
     /// Mean force at rest and its derivatives, beyond those of the matrices.
-    fn mean_remainder(&self, speed: f64, u: Vector) -> BearingForce {
-        self.beyond_matrices(self.law.mean(u, self.ratio * speed), u, [0.0; 2])
+    fn mean_remainder<const N: usize>(&self, law: &impl Law<N>, speed: f64, u: [f64; N]) -> BearingForce<N> {
+        self.beyond_matrices(law.mean(u, self.ratio * speed), u, [0.0; N])
     }
 
-    /// Force of the shaft on the bearing beyond that of the matrices, components (y, z), N, at the angle and spin of what
-    /// turns the bearing.
+    /// Force of the shaft on the bearing beyond that of the matrices, along (y, z) and the axis, N, at the angle and spin of
+    /// what turns the bearing.
     ///
     /// # Errors
     /// [`Touch`] where the journal touches the bearing.
     #[inline]
-    pub fn force(&self, phase: &ShaftPhase, q: &[f64], v: &[f64]) -> Result<Vector, Touch> {
-        let (u, rates) = (self.scalars(q), self.scalars(v));
-        self.check(u)?;
-        Ok(self.remainder(phase, u, rates).force)
+    pub fn force(&self, phase: &ShaftPhase, q: &[f64], v: &[f64]) -> Result<[f64; 3], Touch> {
+        with_law!(self, law => {
+            let u = self.scalars(q);
+            self.check(&u)?;
+            Ok(along_axes(&self.remainder(law, phase, u, self.scalars(v)).force))
+        })
+    }
+
+    /// Subtracts the force beyond that of the matrices from generalised forces, at the angle and spin of what turns the bearing.
+    ///
+    /// # Errors
+    /// As [`Self::force`].
+    #[inline]
+    pub fn apply(&self, phase: &ShaftPhase, q: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), Touch> {
+        with_law!(self, law => {
+            let u = self.scalars(q);
+            self.check(&u)?;
+            let force = self.remainder(law, phase, u, self.scalars(v)).force;
+            for (row, force) in self.rows.iter().zip(force) {
+                row.iter().for_each(|(index, coefficient)| out[*index] -= coefficient * force);
+            }
+            Ok(())
+        })
+    }
+
+    /// Mean force at rest beyond that of the matrices, along (y, z) and the axis, N.
+    pub fn static_force(&self, speed: f64, q: &[f64]) -> [f64; 3] {
+        with_law!(self, law => along_axes(&self.mean_remainder(law, speed, self.scalars(q)).force))
     }
 
     /// Refuses a displacement at which a journal touches the bearing.
     #[inline]
-    fn check(&self, u: Vector) -> Result<(), Touch> {
+    fn check(&self, u: &[f64]) -> Result<(), Touch> {
         let Some(film) = self.film() else {
             return Ok(());
         };
-        let eccentricity_ratio = film.eccentricity_ratio(u);
+        let eccentricity_ratio = film.eccentricity_ratio([u[0], u[1]]);
         if eccentricity_ratio < 1.0 { Ok(()) } else { Err(Touch { bearing: self.number, eccentricity_ratio }) }
     }
 
     /// Mean force over the scalars beyond that of the matrices, N, and its derivative, N/m, at the displacements q of a
     /// system at rest.
     pub fn static_tangent(&self, speed: f64, q: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
-        let found = self.mean_remainder(speed, self.scalars(q));
-        (DVector::from_column_slice(&found.force), DMatrix::from_fn(2, 2, |i, j| found.stiffness[i][j]))
+        with_law!(self, law => {
+            let BearingForce { force, stiffness, .. } = self.mean_remainder(law, speed, self.scalars(q));
+            let n = force.len();
+            (DVector::from_column_slice(&force), DMatrix::from_fn(n, n, |i, j| stiffness[i][j]))
+        })
     }
 
     /// The connection has no linear part.
     pub fn linear(&self) -> Coefficients {
-        Coefficients::isotropic(2, 0.0, 0.0)
+        Coefficients::isotropic(self.rows.len(), 0.0, 0.0)
     }
 
     /// Bounds for the step limit of Runge–Kutta methods. The stiffness of rolling elements varies about that of the matrices,
     /// of which it may be twice as large; a film has no bound. Use a method with error control where the load varies much.
     pub fn bounds(&self) -> Bounds {
-        let stiffness = self.point.filter(|_| self.rolling().is_some()).map(|point| point.stiffness);
+        let stiffness = self.point.filter(|_| self.elements().is_some()).map(|point| point.stiffness);
         let excess = stiffness.unwrap_or_default().as_flattened().iter().map(|k| k.abs()).fold(0.0, f64::max);
         Bounds { excess_stiffness: excess, damping: 0.0 }
     }
 
     /// Elastic energy beyond that which the matrices count, J, at the angle of what turns the bearing.
     pub fn energy(&self, phase: &ShaftPhase, q: &[f64]) -> f64 {
-        let u = self.scalars(q);
-        self.law.elastic(u, phase.angle).0 - self.counted(u, u) / 2.0
+        with_law!(self, law => {
+            let u = self.scalars(q);
+            Law::elastic(law, u, phase.angle).0 - self.counted(u, u) / 2.0
+        })
     }
 
     /// Powers, W: that of the drive, which moves the cage with its elements against the elastic force, and that which the
     /// bearing takes from the shaft beyond what the matrices count as damping.
     pub fn powers(&self, phase: &ShaftPhase, q: &[f64], v: &[f64]) -> [f64; 2] {
-        let (u, rates) = (self.scalars(q), self.scalars(v));
-        let (force, (_, elastic)) = (self.remainder(phase, u, rates).force, self.law.elastic(u, phase.angle));
-        let power = |force: Vector| force[0] * rates[0] + force[1] * rates[1];
-        // ∂U/∂ψ = Σ Q_j u·∂e_j/∂ψ.
-        let drive = phase.spin * (elastic[0] * u[1] - elastic[1] * u[0]);
-        [drive, power(force) + self.counted(u, rates) - power(elastic)]
+        with_law!(self, law => {
+            let (u, rates) = (self.scalars(q), self.scalars(v));
+            let (force, (_, elastic)) = (self.remainder(law, phase, u, rates).force, Law::elastic(law, u, phase.angle));
+            let power: f64 = force.iter().zip(&elastic).zip(&rates).map(|((all, own), rate)| (all - own) * rate).sum();
+            // ∂U/∂ψ: with the cage, the load turns backwards about the axis, both the displacement (v, w) and the slopes.
+            let turned = |at: usize| elastic[at] * u[at + 1] - elastic[at + 1] * u[at];
+            let drive = turned(0) + if u.len() == MAX_SCALARS { turned(3) } else { 0.0 };
+            [phase.spin * drive, power + self.counted(u, rates)]
+        })
     }
 
     /// aᵀKb with the symmetric part K of the stiffness in the matrices.
-    fn counted(&self, a: Vector, b: Vector) -> f64 {
-        let k = self.point.map_or([[0.0; 2]; 2], |point| point.stiffness);
-        let cross = (k[0][1] + k[1][0]) / 2.0;
-        k[0][0] * a[0] * b[0] + cross * (a[0] * b[1] + a[1] * b[0]) + k[1][1] * a[1] * b[1]
+    fn counted<const N: usize>(&self, a: [f64; N], b: [f64; N]) -> f64 {
+        let Some(OperatingPoint { stiffness: k, .. }) = &self.point else { return 0.0 };
+        let entry = |i: usize, j: usize| (k[i][j] + k[j][i]) / 2.0 * a[i] * b[j];
+        (0..N).map(|i| (0..N).map(|j| entry(i, j)).sum::<f64>()).sum()
+    }
+}
+
+/// Components along (y, z) and the axis of a force over the scalars of a bearing; films and rings of two degrees of freedom have
+/// none along the axis.
+#[inline]
+fn along_axes(force: &[f64]) -> [f64; 3] {
+    [force[0], force[1], force.get(2).copied().unwrap_or(0.0)]
+}
+
+/// Tangent F + K (u − u₀) of the law of a nonlinear bearing over its scalars.
+#[derive(Clone, Debug)]
+pub struct BearingTangent {
+    /// Scalars u₀, m.
+    pub displacement: DVector<f64>,
+    /// Force F there, N.
+    pub force: DVector<f64>,
+    /// Stiffness K there, N/m.
+    pub stiffness: DMatrix<f64>,
+}
+
+impl BearingTangent {
+    fn new<const N: usize>(displacement: &[f64; N], found: &BearingForce<N>) -> Self {
+        Self {
+            displacement: DVector::from_column_slice(displacement),
+            force: DVector::from_column_slice(&found.force),
+            stiffness: DMatrix::from_fn(N, N, |i, j| found.stiffness[i][j]),
+        }
     }
 }
 
@@ -267,38 +443,47 @@ impl NonlinearBearing {
 #[derive(Clone, Debug)]
 pub struct NonlinearInterface {
     pub(super) bearing: NonlinearBearing,
-    /// Displacement (v, w) at the reference, m.
-    reference: Vector,
-    /// Generalised forces at the reference, without the part in the matrices, N.
-    pub(super) reference_force: Vector,
+    /// Scalars at the reference, m; zero beyond their number.
+    reference: [f64; MAX_SCALARS],
+    /// Generalised forces at the reference, without the part in the matrices, N, one for each scalar.
+    pub(super) reference_force: Vec<f64>,
 }
 
 impl NonlinearInterface {
     pub(super) fn new(bearing: &NonlinearBearing, options: InterfaceOptions<'_>) -> Self {
-        let reference = bearing.scalars(options.reference);
-        let force = bearing.mean_remainder(options.speed, reference).force;
-        Self { bearing: bearing.clone(), reference, reference_force: force.map(|force| -force) }
+        let (force, _) = bearing.static_tangent(options.speed, options.reference);
+        let mut reference = [0.0; MAX_SCALARS];
+        reference[..bearing.rows.len()].copy_from_slice(bearing.scalar_vector(options.reference).as_slice());
+        Self { bearing: bearing.clone(), reference, reference_force: (-force).as_slice().to_vec() }
     }
 
-    fn displacement(&self, u: &[f64]) -> Vector {
-        [self.reference[0] + u[0], self.reference[1] + u[1]]
+    /// Scalars of the deviations `u` from the reference.
+    #[inline]
+    fn displacement<const N: usize>(&self, u: &[f64]) -> [f64; N] {
+        std::array::from_fn(|i| self.reference[i] + u[i])
     }
 
     #[inline]
     pub(super) fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<(), OutOfRange> {
-        let at = self.displacement(u);
-        self.bearing.check(at)?;
-        let force = self.bearing.remainder(&instant.phases[0], at, [rates[0], rates[1]]).force;
-        for (i, load) in load.iter_mut().enumerate() {
-            *load = -force[i] - self.reference_force[i];
-        }
-        Ok(())
+        with_law!(self.bearing, law => {
+            let at = self.displacement(u);
+            self.bearing.check(&at)?;
+            let rates = std::array::from_fn(|i| rates[i]);
+            let force = self.bearing.remainder(law, &instant.phases[0], at, rates).force;
+            for ((load, force), reference) in load.iter_mut().zip(force).zip(&self.reference_force) {
+                *load = -force - reference;
+            }
+            Ok(())
+        })
     }
 
     #[inline]
     pub(super) fn residual_tangent(&self, instant: &Instant, u: &[f64], rates: &[f64], tangent: Tangent<'_>) {
-        let found = self.bearing.remainder(&instant.phases[0], self.displacement(u), [rates[0], rates[1]]);
-        tangent.stiffness.copy_from_slice(found.stiffness.as_flattened());
-        tangent.damping.copy_from_slice(found.damping.as_flattened());
+        with_law!(self.bearing, law => {
+            let rates = std::array::from_fn(|i| rates[i]);
+            let found = self.bearing.remainder(law, &instant.phases[0], self.displacement(u), rates);
+            tangent.stiffness.copy_from_slice(found.stiffness.as_flattened());
+            tangent.damping.copy_from_slice(found.damping.as_flattened());
+        })
     }
 }

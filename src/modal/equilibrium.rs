@@ -13,7 +13,8 @@ mod clearance;
 mod forces;
 
 use self::clearance::{Entry, check_journals, regularisation, within_clearances};
-use self::forces::{AtRest, BearingTangent, Contacts, Forces, Laws};
+use self::forces::{AtRest, Contacts, Forces, Laws, elastic_tangent, tangent_towards};
+use crate::connection::BearingTangent;
 use crate::film::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
 use crate::mesh::{Flank, Geometry, Overlap};
@@ -266,8 +267,7 @@ impl<'m> Search<'m> {
         if bearings.is_empty() && model.meshes.iter().all(|mesh| mesh.backlash.is_none()) {
             return Ok((zero, flanks));
         }
-        let mut tangents: Vec<BearingTangent> =
-            bearings.iter().map(|bearing| BearingTangent::elastic(bearing.initial_stiffness)).collect();
+        let mut tangents: Vec<BearingTangent> = bearings.iter().map(elastic_tangent).collect();
         let mut q = zero.clone();
         for _ in 0..MAX_START_ITERATIONS {
             let point = match self.at(q.clone(), &flanks, Laws::Tangents(&tangents)) {
@@ -277,13 +277,13 @@ impl<'m> Search<'m> {
             q += self.step(&self.tangent_factors(&point.tangent, 0.0)?, &point.residual)?;
             let mut distance = 0.0;
             for (tangent, bearing) in tangents.iter_mut().zip(bearings) {
-                let u = bearing.scalars(q.as_slice());
-                let Some(found) = tangent.towards(u, bearing, self.at_rest.speeds.film) else {
+                let u = bearing.scalar_vector(q.as_slice());
+                let Some(found) = tangent_towards(tangent, &u, bearing, self.at_rest.speeds.film) else {
                     return Ok((zero, flanks));
                 };
                 *tangent = found;
-                let [y, z] = found.displacement;
-                distance = f64::max(distance, (u[0] - y).hypot(u[1] - z) / y.hypot(z).max(f64::MIN_POSITIVE));
+                let carrying = &tangent.displacement;
+                distance = f64::max(distance, (u - carrying).norm() / carrying.norm().max(f64::MIN_POSITIVE));
             }
             let pressed = match pressed_flanks(&self.at_rest, &flanks, &q) {
                 Err(EquilibriumError::Overlap { .. }) => return Ok((zero, flanks)),

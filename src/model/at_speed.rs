@@ -1,23 +1,30 @@
 //! Connections of the model, and the coefficients of bearings at a speed and a frequency.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::link::Link;
-use super::link::links;
+use super::link::{Link, axial_bearing_row, links, slope_rows};
 use super::{Model, Numbering, Support, bearing_rows};
-use crate::connection::{AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, SpeedDependentBearing};
-use crate::film::Film;
-use crate::rolling::RollingElements;
-use crate::scene::{
-    Bearing, BearingCoefficient, EntryPath, LoadLaw, Node, Nonlinear, STANDARD_GRAVITY, Scene, SceneError,
+use crate::connection::{
+    AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing,
 };
+use crate::film::Film;
+use crate::numerics::ROUND_OFF;
+use crate::rolling::{Ring, RollingElements};
+use crate::scene::{
+    Bearing, BearingCoefficient, EntryPath, LoadLaw, Matrix2, Node, Nonlinear, STANDARD_GRAVITY, Scene, SceneError,
+};
+
+/// Whether stiffness and damping of a bearing stand in its own entries: a ring of five degrees of freedom has the damping.
+pub(super) fn has_constant_part(bearing: &Bearing) -> bool {
+    bearing.nonlinear.is_none() || bearing.ring().is_some()
+}
 
 /// Bearings with constant coefficients on the ground, and bearings that depend on the speed.
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
     let nonlinear = scene.bearings.iter().filter(|bearing| bearing.nonlinear.is_some()).count();
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        let rows = bearing_rows(scene, numbering, bearing).filter(|_| bearing.nonlinear.is_none());
+        let rows = bearing_rows(scene, numbering, bearing).filter(|_| has_constant_part(bearing));
         let (Some(index), Some(rows)) = (numbering.translation(bearing.node), rows) else {
             continue;
         };
@@ -41,6 +48,7 @@ pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, V
 pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<NonlinearBearing> {
     let law = |bearing: &Bearing| match bearing.nonlinear.as_ref()? {
         Nonlinear::Journal(journal) => Some(BearingLaw::Film(Film::new(journal))),
+        Nonlinear::Rolling(rolling) if bearing.ring().is_some() => Some(BearingLaw::Ring(Ring::new(rolling))),
         Nonlinear::Rolling(rolling) => {
             let damping = bearing.damping.constant().unwrap_or_default();
             Some(BearingLaw::Rolling(RollingElements::new(rolling, damping)))
@@ -49,11 +57,46 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
     let mut found = Vec::new();
     for (number, bearing) in scene.bearings.iter().enumerate() {
         if let Some((law, rows)) = law(bearing).zip(bearing_rows(scene, numbering, bearing)) {
+            let mut rows = Vec::from(rows);
+            if let BearingLaw::Ring(ring) = &law {
+                rows.push(axial_bearing_row(scene, numbering, bearing));
+                let slopes = slope_rows(scene, numbering, bearing).unwrap_or_default();
+                rows.extend(slopes.map(|row| row.into_iter().map(|(index, c)| (index, ring.radius * c)).collect()));
+            }
             let (turning, ratios) = (scene.shafts.len() + found.len(), scene.bearing_speed_ratios(bearing));
             found.push(NonlinearBearing::new(number, rows, turning, ratios, law));
         }
     }
     found
+}
+
+/// A spring over one scalar.
+struct Spring {
+    /// The scalar.
+    row: Row,
+    /// Stiffness, N/m.
+    stiffness: f64,
+}
+
+/// The symmetric stiffness of a bearing over its scalars as springs along its eigenvectors. Elements in compression give no
+/// negative eigenvalues but round-off.
+fn principal_springs(bearing: &NonlinearBearing, point: &OperatingPoint) -> impl Iterator<Item = Spring> {
+    let n = bearing.rows.len();
+    let SymmetricEigen { eigenvectors, eigenvalues } =
+        DMatrix::from_fn(n, n, |i, j| point.stiffness[i][j]).symmetric_eigen();
+    let least = ROUND_OFF * eigenvalues.amax();
+    let springs: Vec<Spring> = (0..n)
+        .filter(|spring| eigenvalues[*spring] > least)
+        .map(|spring| {
+            let scaled = |(row, factor): (&Row, &f64)| row.iter().map(|(i, c)| (*i, factor * c)).collect::<Vec<_>>();
+            let column = eigenvectors.column(spring);
+            Spring {
+                row: bearing.rows.iter().zip(column.iter()).flat_map(scaled).collect(),
+                stiffness: eigenvalues[spring],
+            }
+        })
+        .collect();
+    springs.into_iter()
 }
 
 impl Model {
@@ -94,25 +137,32 @@ impl Model {
         self
     }
 
-    /// Adds the coefficients of the nonlinear bearings to the matrices: to the supports for a bearing on the ground, to the
-    /// links for another one.
+    /// Adds the coefficients of the nonlinear bearings to the matrices: to the supports for a bearing on the ground with two
+    /// scalars, to the links for another one.
     fn add_operating_points(&mut self) {
         for bearing in &self.nonlinear_bearings {
-            let Some(OperatingPoint { stiffness, damping, .. }) = bearing.point else {
+            let Some(point) = &bearing.point else {
                 continue;
             };
             let given = &self.scene.bearings[bearing.number];
+            let link = |rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2| {
+                let link = Link::new(format!("bearings[{}]", bearing.number), rows, stiffness, damping);
+                let local = Support { is_operating_point: true, ..link.local };
+                Link { bearing: Some(given.node), local, ..link }
+            };
+            if bearing.rows.len() > 2 {
+                self.links.extend(principal_springs(bearing, point).map(|Spring { row, stiffness }| {
+                    link(vec![row], [[stiffness, 0.0], [0.0, 0.0]], Matrix2::default())
+                }));
+                continue;
+            }
+            let stiffness = [0, 1].map(|i| [0, 1].map(|j| point.stiffness[i][j]));
             match given.attachment {
                 None => {
-                    let support = Support::new(bearing.rows[0][0].0, stiffness, damping);
+                    let support = Support::new(bearing.rows[0][0].0, stiffness, point.damping);
                     self.supports.push(Support { is_operating_point: true, ..support });
                 }
-                Some(_) => {
-                    let name = format!("bearings[{}]", bearing.number);
-                    let link = Link::new(name, bearing.rows.to_vec(), stiffness, damping);
-                    let local = Support { is_operating_point: true, ..link.local };
-                    self.links.push(Link { bearing: Some(given.node), local, ..link });
-                }
+                Some(_) => self.links.push(link(bearing.rows.clone(), stiffness, point.damping)),
             }
         }
     }
@@ -130,10 +180,7 @@ impl Model {
 
     /// The model with the stiffness of its nonlinear bearings with which the search of the equilibrium starts.
     pub fn with_initial_operating_points(self) -> Self {
-        self.with_operating_points(|bearing| {
-            let stiffness = [[bearing.initial_stiffness, 0.0], [0.0, bearing.initial_stiffness]];
-            OperatingPoint { speed: None, stiffness, damping: [[0.0; 2]; 2] }
-        })
+        self.with_operating_points(NonlinearBearing::initial_point)
     }
 
     /// Mass of a shaft with the bodies on it, kg.
@@ -152,13 +199,13 @@ impl Model {
         self.with_operating_points(|bearing| bearing.point_at(speed, q))
     }
 
-    /// Force of the shaft on the bearings at a node in the directions (y, z), N, for displacements q of a system at rest and
-    /// a speed of the reference shaft, rad/s; bearings with tables are those of the model.
-    pub fn static_bearing_force(&self, node: Node, speed: f64, q: &[f64]) -> [f64; 2] {
+    /// Force of the shaft on the bearings at a node along (y, z) and the axis, N, for displacements q of a system at rest and a
+    /// speed of the reference shaft, rad/s; bearings with tables are those of the model.
+    pub fn static_bearing_force(&self, node: Node, speed: f64, q: &[f64]) -> [f64; 3] {
         let rest = vec![0.0; q.len()];
         self.nonlinear_bearings_at(node).fold(self.bearing_force(node, q, &rest), |sum, bearing| {
-            let own = bearing.static_tangent(speed, q).0;
-            [sum[0] + own[0], sum[1] + own[1]]
+            let own = bearing.static_force(speed, q);
+            [0, 1, 2].map(|axis| sum[axis] + own[axis])
         })
     }
 
@@ -185,7 +232,7 @@ impl Model {
 
     /// Whether a bearing at a node has rolling elements.
     pub fn rolls_at(&self, node: Node) -> bool {
-        self.nonlinear_bearings_at(node).any(|bearing| bearing.rolling().is_some())
+        self.nonlinear_bearings_at(node).any(|bearing| bearing.elements().is_some())
     }
 
     /// All connections, meshes first, with the flanks that carry at a speed of the reference shaft, rad/s.

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
+use super::at_speed::has_constant_part;
 use super::housing::{axial_row, point_rows};
 use super::{Model, Numbering, Support};
 use crate::connection::Row;
@@ -18,16 +19,20 @@ use crate::scene::{Attachment, Bearing, Coupling, Housing, Matrix2, Node, Scene}
 pub struct Link {
     /// Path of its entry in the scene.
     pub name: String,
-    /// Node of the bearing whose forces along y and z it represents; `None` for another element.
+    /// Node of the bearing of which it is a part; `None` for another element.
     pub bearing: Option<Node>,
-    /// Node of the bearing whose axial force it represents; `None` for another element.
-    pub thrust: Option<Node>,
     /// The scalars as entries (index of a coordinate, coefficient).
     pub rows: Vec<Row>,
     /// Coefficients over the scalars, with the index 0; entries beyond the number of scalars are zero.
     pub local: Support,
     /// Scalars at which it has no force; `None` if they are zero.
     pub rest: Option<Rest>,
+}
+
+/// Coefficient of a coordinate in a row.
+#[inline]
+pub fn coefficient(row: &Row, index: usize) -> f64 {
+    row.iter().filter(|(other, _)| *other == index).map(|(_, coefficient)| coefficient).sum()
 }
 
 /// Scalars of a misaligned coupling at which it has no force: fixed + turning·e^{iϑ}, as v + iw.
@@ -44,7 +49,7 @@ pub struct Rest {
 impl Link {
     /// An element over the scalars of `rows` that is no bearing.
     pub fn new(name: String, rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2) -> Self {
-        Self { name, bearing: None, thrust: None, rows, local: Support::new(0, stiffness, damping), rest: None }
+        Self { name, bearing: None, rows, local: Support::new(0, stiffness, damping), rest: None }
     }
 
     /// The same element with a loss factor of its stiffness.
@@ -146,8 +151,7 @@ impl Model {
 
     /// Coordinates on which the bearings at a node act.
     pub fn bearing_coordinates(&self, node: Node) -> Vec<usize> {
-        let is_at = |link: &&Link| link.bearing == Some(node) || link.thrust == Some(node);
-        let links = self.links.iter().filter(is_at).flat_map(|link| &link.rows);
+        let links = self.links.iter().filter(|link| link.bearing == Some(node)).flat_map(|link| &link.rows);
         let rows = links.chain(self.bearings_at(node).flat_map(|bearing| &bearing.rows));
         let rows = rows.chain(self.nonlinear_bearings_at(node).flat_map(|bearing| &bearing.rows));
         rows.flatten().map(|(index, _)| *index).collect()
@@ -188,7 +192,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
             continue;
         };
         if let Some(rows) = bearing_rows(scene, numbering, bearing)
-            .filter(|_| bearing.attachment.is_some() && bearing.nonlinear.is_none())
+            .filter(|_| bearing.attachment.is_some() && has_constant_part(bearing))
         {
             let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
             let link = link.with_loss_factor(bearing.loss_factor);
@@ -204,36 +208,51 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
 fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, links: &mut Vec<Link>) {
     let name = format!("bearings[{number}]");
     let isotropic = |value: f64| [[value, 0.0], [0.0, value]];
-    if let Some(index) = numbering.displacement_along(bearing.node).filter(|_| bearing.axial != [0.0; 2]) {
-        let mut row = vec![(index, 1.0)];
-        let under = match bearing.attachment {
-            None => Row::new(),
-            Some(Attachment::Shaft(node)) => numbering.displacement_along(node).map(|u| (u, 1.0)).into_iter().collect(),
-            Some(Attachment::Housing { housing, arm }) => {
-                axial_row(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, arm)
-            }
-        };
-        row.extend(under.into_iter().map(|(index, coefficient)| (index, -coefficient)));
+    let mut push = |rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2| {
+        let link = Link::new(name.clone(), rows, stiffness, damping).with_loss_factor(bearing.loss_factor);
+        links.push(Link { bearing: Some(bearing.node), ..link });
+    };
+    if numbering.displacement_along(bearing.node).is_some() && bearing.axial != [0.0; 2] {
         let [stiffness, damping] = bearing.axial.map(|value| [[value, 0.0], [0.0, 0.0]]);
-        let link = Link::new(name.clone(), vec![row], stiffness, damping).with_loss_factor(bearing.loss_factor);
-        links.push(Link { thrust: Some(bearing.node), ..link });
+        push(vec![axial_bearing_row(scene, numbering, bearing)], stiffness, damping);
     }
-    if let Some(v) = numbering.translation(bearing.node).filter(|_| bearing.tilting != [0.0; 2]) {
-        let tilting = match bearing.attachment {
-            Some(Attachment::Shaft(node)) => Some(node),
-            Some(Attachment::Housing { housing, .. }) if scene.housings[housing].inertia.is_some() => {
-                Some(Node { shaft: scene.shafts.len() + housing, node: 0 })
-            }
-            Some(Attachment::Housing { .. }) | None => None,
-        };
-        let tilting = tilting.and_then(|node| numbering.translation(node));
-        let row = |lane: usize| {
-            let tilted = tilting.map(|first| (first + 2 + lane, -1.0));
-            std::iter::once((v + 2 + lane, 1.0)).chain(tilted).collect()
-        };
+    if let Some(rows) = slope_rows(scene, numbering, bearing).filter(|_| bearing.tilting != [0.0; 2]) {
         let [stiffness, damping] = bearing.tilting.map(isotropic);
-        links.push(Link::new(name, vec![row(0), row(1)], stiffness, damping).with_loss_factor(bearing.loss_factor));
+        push(rows.into(), stiffness, damping);
     }
+}
+
+/// Axial displacement of the shaft relative to what its bearing stands on; empty without axial motion of the shaft.
+pub(super) fn axial_bearing_row(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> Row {
+    let Some(index) = numbering.displacement_along(bearing.node) else {
+        return Row::new();
+    };
+    let under = match bearing.attachment {
+        None => Row::new(),
+        Some(Attachment::Shaft(node)) => numbering.displacement_along(node).map(|u| (u, 1.0)).into_iter().collect(),
+        Some(Attachment::Housing { housing, arm }) => {
+            axial_row(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, arm)
+        }
+    };
+    std::iter::once((index, 1.0)).chain(under.into_iter().map(|(index, coefficient)| (index, -coefficient))).collect()
+}
+
+/// Slopes dv/dx and dw/dx of the shaft relative to what its bearing stands on; `None` without bending.
+pub(super) fn slope_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> Option<[Row; 2]> {
+    let v = numbering.translation(bearing.node)?;
+    let tilting = match bearing.attachment {
+        Some(Attachment::Shaft(node)) => Some(node),
+        Some(Attachment::Housing { housing, .. }) if scene.housings[housing].inertia.is_some() => {
+            Some(Node { shaft: scene.shafts.len() + housing, node: 0 })
+        }
+        Some(Attachment::Housing { .. }) | None => None,
+    };
+    let tilting = tilting.and_then(|node| numbering.translation(node));
+    // The coordinates after v and w are Γ = dv/dx and −B = dw/dx.
+    Some([2, 3].map(|lane| {
+        let tilted = tilting.map(|first| (first + lane, -1.0));
+        std::iter::once((v + lane, 1.0)).chain(tilted).collect()
+    }))
 }
 
 /// Displacements (v, w) of the shaft relative to what its bearing stands on; `None` without bending.

@@ -39,7 +39,7 @@ use num_complex::Complex64;
 pub use dynamic_stiffness::{SAME_ROTATION, StructuralDamping, Weights};
 pub use flanks::Rotation;
 pub use housing::{HousingInertia, point_rows};
-pub use link::{Link, Rest, bearing_rows};
+pub use link::{Link, Rest, bearing_rows, coefficient};
 pub use numbering::{Dof, DofKind, Numbering};
 pub use place::PlaceRows;
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
@@ -265,27 +265,24 @@ impl Model {
         loads::has_same_coordinates(&self.scene, &other.scene) && self.sigma_standing == other.sigma_standing
     }
 
-    /// Force of the shaft on the bearings with constant coefficients at a node in the directions (y, z), N, for
-    /// displacements q and velocities v.
-    pub fn bearing_force(&self, node: Node, q: &[f64], v: &[f64]) -> [f64; 2] {
-        let mut force = [0.0; 2];
+    /// Force of the shaft on the bearings with constant coefficients at a node along (y, z) and the axis, N, for displacements q
+    /// and velocities v.
+    pub fn bearing_force(&self, node: Node, q: &[f64], v: &[f64]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
         let index = self.numbering.translation(node);
         for support in self.supports.iter().filter(|support| Some(support.index) == index) {
-            for (sum, value) in force.iter_mut().zip(support.force(q, v)) {
-                *sum += value;
-            }
+            let [y, z] = support.force(q, v);
+            sum = [sum[0] + y, sum[1] + z, sum[2]];
         }
+        let axes = [index, index.map(|v| v + 1), self.numbering.displacement_along(node)];
         for link in self.links.iter().filter(|link| link.bearing == Some(node)) {
-            for (sum, value) in force.iter_mut().zip(link.force(q, v)) {
-                *sum += value;
+            for (row, force) in link.rows.iter().zip(link.force(q, v)) {
+                for (sum, axis) in sum.iter_mut().zip(axes) {
+                    *sum += axis.map_or(0.0, |axis| coefficient(row, axis)) * force;
+                }
             }
         }
-        force
-    }
-
-    /// Force of the shaft on the bearings at a node along its axis, N, for displacements q and velocities v.
-    pub fn axial_bearing_force(&self, node: Node, q: &[f64], v: &[f64]) -> f64 {
-        self.links.iter().filter(|link| link.thrust == Some(node)).map(|link| link.force(q, v)[0]).sum()
+        sum
     }
 
     /// Indices, in the order of the core, of v and w of all nodes.

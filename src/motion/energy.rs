@@ -129,28 +129,29 @@ impl<'m> EquationOfMotion<'m> {
         }
     }
 
-    /// Force of the shaft on the bearings of a node, components (y, z), N.
-    pub fn bearing_force(&self, node: Node, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
+    /// Force of the shaft on the bearings of a node along (y, z) and the axis, N.
+    pub fn bearing_force(&self, node: Node, elapsed: f64, q: &[f64], v: &[f64]) -> [f64; 3] {
         let speed = self.reference_speed(elapsed).0;
-        let over_speed = self.model.bearings_at(node).map(|bearing| bearing.force(speed, q, v));
+        let over_speed = self.model.bearings_at(node).map(|bearing| {
+            let [y, z] = bearing.force(speed, q, v);
+            [y, z, 0.0]
+        });
         // The integrator reports a journal that touches its bearing.
         let nonlinear = self
             .model
             .nonlinear_bearings_at(node)
-            .map(|bearing| bearing.force(&self.phase(bearing.turning, elapsed), q, v).unwrap_or([f64::NAN; 2]));
+            .map(|bearing| bearing.force(&self.phase(bearing.turning, elapsed), q, v).unwrap_or([f64::NAN; 3]));
         let constant = self.model.bearing_force(node, q, v);
-        over_speed.chain(nonlinear).fold(constant, |sum, own| [sum[0] + own[0], sum[1] + own[1]])
+        over_speed.chain(nonlinear).fold(constant, |sum, own| [0, 1, 2].map(|axis| sum[axis] + own[axis]))
     }
 
     /// Number of loaded rolling elements of the bearings at a node, and their largest contact force, N.
     pub fn rolling_contact(&self, node: Node, elapsed: f64, q: &[f64]) -> [f64; 2] {
         let mut contact = [0.0, 0.0_f64];
         for bearing in self.model.nonlinear_bearings_at(node) {
-            let angle = self.phase(bearing.turning, elapsed).angle;
-            let elements = bearing.rolling().into_iter();
-            for force in elements.flat_map(|elements| elements.contact_forces(bearing.scalars(q), angle)) {
+            bearing.contact_forces(q, self.phase(bearing.turning, elapsed).angle, |force| {
                 contact = [contact[0] + f64::from(force > 0.0), contact[1].max(force)];
-            }
+            });
         }
         contact
     }

@@ -41,10 +41,7 @@ impl EquationOfMotion<'_> {
                     }
                 }
                 Connection::Nonlinear(bearing) => {
-                    let values = bearing.force(&self.phase(bearing.turning, elapsed), q, v).map_err(Halt::Touch)?;
-                    for (row, value) in bearing.rows.iter().zip(values) {
-                        row.iter().for_each(|(index, coefficient)| force[*index] -= coefficient * value);
-                    }
+                    bearing.apply(&self.phase(bearing.turning, elapsed), q, v, force).map_err(Halt::Touch)?;
                 }
                 Connection::Load(load) => load.apply(&self.instant(None, Some(load.shaft), elapsed), v, force),
                 Connection::Bow(bow) => bow.apply(self.phase(bow.shaft, elapsed).angle, q, force),

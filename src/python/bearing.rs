@@ -110,14 +110,21 @@ pub fn ring_coefficients<'py>(
             EntryPath::root(name).finite(*value)?;
         }
     }
-    let [thrust, y, z] = load;
-    let carried = Ring::new(&rolling).carrying(load.into(), tilt.into());
-    let (displacement, found) = carried.map_err(|cause| uncarried(cause, [thrust, y.hypot(z)], None))?;
+    let ([thrust, y, z], ring) = (load, Ring::new(&rolling));
+    let radius = ring.radius;
+    // The ring has the slopes dv/dx = Γ and dw/dx = −B times its radius.
+    let carried = ring.carrying_tilted([y, z, thrust], [radius * tilt[1], -radius * tilt[0]]);
+    let x = carried.map_err(|cause| uncarried(cause, [thrust, y.hypot(z)], None))?;
+    let found = ring.at(x, 0.0);
+    // Index and factor of (u, v, w, B, Γ) in the coordinates of the ring.
+    let places = [(2, 1.0), (0, 1.0), (1, 1.0), (4, -radius), (3, radius)];
+    let stiffness = |(i, a): (usize, f64)| places.map(|(j, b)| a * b * found.stiffness[i][j]);
     let dict = PyDict::new(py);
-    dict.set_item("displacement", displacement.as_slice().to_vec())?;
-    dict.set_item("force", found.force.as_slice().to_vec())?;
-    dict.set_item("stiffness", table(py, found.stiffness.transpose().as_slice().to_vec(), 5, 5)?)?;
-    let column = |at: usize| found.contacts.iter().map(|contact| contact[at]).collect::<Vec<_>>();
+    dict.set_item("displacement", places.map(|(at, factor)| x[at] / factor).to_vec())?;
+    dict.set_item("force", places.map(|(at, factor)| factor * found.force[at]).to_vec())?;
+    dict.set_item("stiffness", table(py, places.map(stiffness).as_flattened().to_vec(), 5, 5)?)?;
+    let contacts: Vec<[f64; 2]> = ring.contacts(x, 0.0).collect();
+    let column = |at: usize| contacts.iter().map(|contact| contact[at]).collect::<Vec<_>>();
     dict.set_item("contact_forces", column(0))?;
     dict.set_item("contact_angles", column(1))?;
     Ok(dict)

@@ -464,7 +464,7 @@ impl PyModel {
             }
         }
         let bearings = model.scene.bearing_nodes();
-        let forces: Vec<f64> = bearings.iter().flat_map(|node| model.static_bearing_force(*node, speed, q)).collect();
+        let forces: Vec<_> = bearings.iter().map(|node| model.static_bearing_force(*node, speed, q)).collect();
         dict.set_item("state", outside_vector(py, &model.numbering, &found))?;
         let names = model.scene.shafts.iter().map(|shaft| &shaft.name);
         let names = names.chain(model.scene.housings.iter().map(|housing| &housing.name));
@@ -472,16 +472,16 @@ impl PyModel {
         dict.set_item("meshes", mesh_names(model, 0..model.meshes.len()))?;
         dict.set_item("mesh", mesh_fields(py, series, 1, model.meshes.len(), true)?)?;
         dict.set_item("bearings", bearings.iter().map(|node| self.place(*node)).collect::<Vec<_>>())?;
-        dict.set_item("bearing_force", table(py, forces, bearings.len(), 2)?)?;
+        let lateral: Vec<f64> = forces.iter().flat_map(|force| force[..2].iter().copied()).collect();
+        dict.set_item("bearing_force", table(py, lateral, bearings.len(), 2)?)?;
         let relative = |node: &Node| {
             let rows = model.bearing_displacement(*node).unwrap_or_default();
             rows.map(|row| row.iter().map(|(index, factor)| factor * q[*index]).sum::<f64>())
         };
         let displacements: Vec<f64> = bearings.iter().flat_map(relative).collect();
         dict.set_item("bearing_displacement", table(py, displacements, bearings.len(), 2)?)?;
-        let rest = vec![0.0; q.len()];
-        let along = bearings.iter().map(|node| model.axial_bearing_force(*node, q, &rest));
-        dict.set_item("axial_bearing_force", PyArray1::from_vec(py, along.collect()))?;
+        let along = forces.iter().map(|force| force[2]).collect();
+        dict.set_item("axial_bearing_force", PyArray1::from_vec(py, along))?;
         Ok(dict)
     }
 

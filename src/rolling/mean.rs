@@ -11,16 +11,9 @@
 //! accurate at u = 0 as well.
 
 use std::f64::consts::PI;
-use std::sync::LazyLock;
 
-use super::RollingElements;
+use super::{GAUSS, RollingElements};
 use crate::bearing_force::{BearingForce, Vector};
-use crate::numerics::gauss;
-
-/// Points of the Gauss rule. The substitution makes the integrands smooth, so that the error is round-off.
-const GAUSS_POINTS: usize = 48;
-/// Abscissae and weights of the rule.
-static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(GAUSS_POINTS));
 
 impl RollingElements {
     /// Force, stiffness and damping of a shaft at rest, averaged over the angles of the cage, at a displacement, m.
@@ -41,10 +34,9 @@ impl RollingElements {
         if r <= self.gap {
             return [0.0; 2];
         }
-        let (exponent, is_partial) = (self.exponent - 1.0, self.gap >= -r);
+        let (exponent, is_partial) = (self.contact.exponent, self.gap >= -r);
         let end = if is_partial { (self.gap / r).acos() } else { PI };
-        // 1 − ψ/ψ_l = (1 − x)^m turns h^{p−1} ∝ (1 − ψ/ψ_l)^{p−1} into 1 − x.
-        let power = if is_partial { 1.0 / exponent } else { 1.0 };
+        let power = if is_partial { self.contact.grading() } else { 1.0 };
         let (mut along, mut across) = (0.0, 0.0);
         for &(x, weight) in GAUSS.iter() {
             let left = end * (1.0 - x).powf(power);
@@ -52,11 +44,11 @@ impl RollingElements {
             // r (cos ψ − cos ψ_l), without cancellation at the end of the loaded zone.
             let partial = 2.0 * r * (end - left / 2.0).sin() * (left / 2.0).sin();
             let approach = if is_partial { partial } else { r * angle.cos() - self.gap };
-            let density = weight * end * power * (1.0 - x).powf(power - 1.0) * approach.powf(exponent);
+            let density = weight * end * power * (1.0 - x).powf(power - 1.0) * approach.powf(exponent - 1.0);
             along += density * angle.cos().powi(2);
             across += density * angle.sin().powi(2);
         }
-        let scale = self.count() as f64 * self.stiffness * self.exponent / PI;
+        let scale = self.count() as f64 * self.contact.stiffness * exponent / PI;
         [scale * along, scale * across]
     }
 }

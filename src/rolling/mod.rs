@@ -14,28 +14,88 @@
 //! γ = (d/D) cos α (Harris, Rolling Bearing Analysis, 4th ed., 2001, chapters 7 and 8). Centrifugal forces and slip are neglected.
 //!
 //! `mean.rs` is the force averaged over the angles of the cage, `equilibrium.rs` the displacement under a load, and `ring.rs` a
-//! ring that also moves along the axis and tilts. K is given, or that of `src/scene/hertz.rs`.
+//! ring that also moves along the axis and tilts, with `ring_mean.rs` and `ring_equilibrium.rs`. K is given, or that of
+//! `src/scene/hertz.rs`.
 
 mod equilibrium;
 mod mean;
 mod ring;
+mod ring_equilibrium;
+mod ring_mean;
 
 use std::f64::consts::TAU;
+use std::sync::LazyLock;
 
+pub use self::ring::{Ring, RingVector};
 use crate::bearing_force::{BearingForce, Matrix, Vector};
-pub use ring::{Ring, RingForce};
-
+use crate::numerics::gauss;
 use crate::scene::{LINE_CONTACT, POINT_CONTACT, Rolling};
+
+/// Points of the Gauss rule over a loaded zone. The substitution that [`Contact::grading`] describes makes the integrands smooth,
+/// so that the error is round-off.
+const GAUSS_POINTS: usize = 48;
+/// Abscissae and weights of the rule.
+static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(GAUSS_POINTS));
+
+/// The contact of an element with both races, Q = K δ^p.
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    /// Stiffness K, N/m^p.
+    stiffness: f64,
+    /// Exponent p.
+    exponent: f64,
+}
+
+impl Contact {
+    /// The contact of a stiffness K.
+    fn new(rolling: &Rolling, stiffness: f64) -> Self {
+        Self { stiffness, exponent: if rolling.line_contact { LINE_CONTACT } else { POINT_CONTACT } }
+    }
+
+    /// Contact force K δ^p over K and its derivative p δ^{p − 1} for δ > 0.
+    #[inline]
+    fn force(&self, approach: f64) -> [f64; 2] {
+        let root = if self.exponent == POINT_CONTACT { approach.sqrt() } else { approach.powf(self.exponent - 1.0) };
+        [approach * root, self.exponent * root]
+    }
+
+    /// Power m of the substitution 1 − ψ/ψ_l = (1 − x)^m, which turns δ^{p − 1} ∝ (1 − ψ/ψ_l)^{p − 1} next to the end ψ_l of a loaded
+    /// zone into 1 − x.
+    fn grading(&self) -> f64 {
+        1.0 / (self.exponent - 1.0)
+    }
+
+    /// Approximate stiffness of n elements with a radial gap, m, under a load, N, in N/m: the load over gap and deflection.
+    fn secant_stiffness(&self, count: usize, gap: f64, load: f64) -> f64 {
+        // Stribeck: the most loaded of n balls carries about 4.37/n of the load; 4 is accurate enough here.
+        let deflection = (4.0 * load / (count as f64 * self.stiffness)).powf(1.0 / self.exponent);
+        load / (gap.max(0.0) + deflection)
+    }
+}
+
+/// Unit vectors of the elements at the cage angle zero.
+fn places(rolling: &Rolling) -> Box<[Vector]> {
+    let place = |j: u32| {
+        let (sine, cosine) = (rolling.phase + TAU * f64::from(j) / f64::from(rolling.elements)).sin_cos();
+        [cosine, sine]
+    };
+    (0..rolling.elements).map(place).collect()
+}
+
+/// Unit vectors of the elements at an angle of the cage.
+#[inline]
+fn turned(places: &[Vector], cage: f64) -> impl Iterator<Item = Vector> + '_ {
+    let (sine, cosine) = cage.sin_cos();
+    places.iter().map(move |place| [cosine * place[0] - sine * place[1], sine * place[0] + cosine * place[1]])
+}
 
 /// The rolling elements of a bearing.
 #[derive(Clone, Debug)]
 pub struct RollingElements {
     /// Unit vectors of the elements at the cage angle zero.
     places: Box<[Vector]>,
-    /// Radial stiffness K of one element, N/m^p.
-    stiffness: f64,
-    /// Exponent p.
-    exponent: f64,
+    /// Radial contact of one element.
+    contact: Contact,
     /// Radial gap g, m; negative for a preload.
     gap: f64,
     /// Radial part of a contact force, cos α.
@@ -49,20 +109,15 @@ pub struct RollingElements {
 impl RollingElements {
     /// The elements of a checked bearing with the damping over (y, z), N s/m.
     pub fn new(rolling: &Rolling, damping: Matrix) -> Self {
-        let place = |j: u32| {
-            let (sine, cosine) = (rolling.phase + TAU * f64::from(j) / f64::from(rolling.elements)).sin_cos();
-            [cosine, sine]
-        };
-        let exponent = if rolling.line_contact { LINE_CONTACT } else { POINT_CONTACT };
-        let cosine = rolling.contact_angle.cos();
+        let (contact, cosine) = (Contact::new(rolling, rolling.hertz_stiffness), rolling.contact_angle.cos());
+        let stiffness = contact.stiffness * cosine.powf(contact.exponent + 1.0);
         Self {
-            places: (0..rolling.elements).map(place).collect(),
-            stiffness: rolling.hertz_stiffness * cosine.powf(exponent + 1.0),
-            exponent,
+            places: places(rolling),
+            contact: Contact { stiffness, ..contact },
             gap: rolling.clearance / 2.0,
             radial: cosine,
             damping,
-            cage_ratio: (1.0 - rolling.diameter_ratio * cosine) / 2.0,
+            cage_ratio: rolling.cage_ratio(),
         }
     }
 
@@ -75,18 +130,7 @@ impl RollingElements {
     /// the cage.
     #[inline]
     fn approaches(&self, u: Vector, cage: f64) -> impl Iterator<Item = (f64, Vector)> + '_ {
-        let (sine, cosine) = cage.sin_cos();
-        self.places.iter().map(move |place| {
-            let e = [cosine * place[0] - sine * place[1], sine * place[0] + cosine * place[1]];
-            (u[0] * e[0] + u[1] * e[1] - self.gap, e)
-        })
-    }
-
-    /// Contact force K δ^p over K and its derivative p δ^{p − 1} for δ > 0.
-    #[inline]
-    fn contact(&self, approach: f64) -> [f64; 2] {
-        let root = if self.exponent == POINT_CONTACT { approach.sqrt() } else { approach.powf(self.exponent - 1.0) };
-        [approach * root, self.exponent * root]
+        turned(&self.places, cage).map(move |e| (u[0] * e[0] + u[1] * e[1] - self.gap, e))
     }
 
     /// Force, stiffness and damping at a displacement, m, a velocity, m/s, and an angle of the cage, rad.
@@ -94,14 +138,14 @@ impl RollingElements {
     pub fn at(&self, u: Vector, velocity: Vector, cage: f64) -> BearingForce {
         let (mut force, [mut yy, mut yz, mut zz]) = ([0.0; 2], [0.0; 3]);
         for (approach, [y, z]) in self.approaches(u, cage).filter(|(approach, _)| *approach > 0.0) {
-            let [pressed, slope] = self.contact(approach);
+            let [pressed, slope] = self.contact.force(approach);
             force[0] += pressed * y;
             force[1] += pressed * z;
             yy += slope * y * y;
             yz += slope * y * z;
             zz += slope * z * z;
         }
-        let (k, c) = (self.stiffness, &self.damping);
+        let (k, c) = (self.contact.stiffness, &self.damping);
         BearingForce {
             force: [0, 1].map(|i| k * force[i] + c[i][0] * velocity[0] + c[i][1] * velocity[1]),
             stiffness: [[k * yy, k * yz], [k * yz, k * zz]],
@@ -112,22 +156,20 @@ impl RollingElements {
     /// Elastic energy U, J.
     pub fn energy(&self, u: Vector, cage: f64) -> f64 {
         let loaded = self.approaches(u, cage).filter(|(approach, _)| *approach > 0.0);
-        let sum: f64 = loaded.map(|(approach, _)| approach * self.contact(approach)[0]).sum();
-        self.stiffness * sum / (self.exponent + 1.0)
+        let sum: f64 = loaded.map(|(approach, _)| approach * self.contact.force(approach)[0]).sum();
+        self.contact.stiffness * sum / (self.contact.exponent + 1.0)
     }
 
     /// Contact force Q of every element, normal to the races, at a displacement and an angle of the cage, N.
     pub fn contact_forces(&self, u: Vector, cage: f64) -> impl Iterator<Item = f64> + '_ {
         self.approaches(u, cage).map(|(approach, _)| {
-            if approach > 0.0 { self.stiffness * self.contact(approach)[0] / self.radial } else { 0.0 }
+            if approach > 0.0 { self.contact.stiffness * self.contact.force(approach)[0] / self.radial } else { 0.0 }
         })
     }
 
     /// Approximate stiffness under a load, N/m, N: the load over gap and deflection.
     pub fn secant_stiffness(&self, load: f64) -> f64 {
-        // Stribeck: the most loaded of n balls carries about 4.37/n of the load; 4 is accurate enough here.
-        let deflection = (4.0 * load / (self.count() as f64 * self.stiffness)).powf(1.0 / self.exponent);
-        load / (self.gap.max(0.0) + deflection)
+        self.contact.secant_stiffness(self.count(), self.gap, load)
     }
 }
 
@@ -146,6 +188,7 @@ mod tests {
             line_contact,
             contact_angle: 0.0,
             phase: 0.3,
+            axial_preload: None,
         };
         RollingElements::new(&rolling, [[200.0, 10.0], [-5.0, 300.0]])
     }
@@ -185,7 +228,7 @@ mod tests {
                 let elements = rolling_elements(7, clearance, line);
                 let mean = elements.mean(u);
                 let count = 20000;
-                let mut sum = BearingForce::default();
+                let mut sum = BearingForce::<2>::default();
                 for i in 0..count {
                     let found = elements.at(u, [0.0; 2], TAU / 7.0 * f64::from(i) / f64::from(count));
                     for a in 0..2 {

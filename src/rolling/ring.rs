@@ -1,86 +1,67 @@
-//! Quasi-static ring of five degrees of freedom: the inner ring moves radially, along the axis and tilts against the outer ring.
+//! Ring of five degrees of freedom: the inner ring moves radially and along the axis and tilts against the outer ring.
 //!
-//! At the element j with the angle φ_j the displacements (u, v, w) and the rotations (B, Γ) about y and z move the inner race by
+//! The coordinates x = (v, w, u, Rσ_y, Rσ_z) are the displacements along y, z and the axis, and the slopes dv/dx and dw/dx of
+//! the shaft times the radius R below, all in m. At the element with the unit vector e over (y, z), the inner race moves by
 //!
 //! ```text
-//! δ_a = u + R (B sin φ − Γ cos φ)         δ_r = v cos φ + w sin φ − g
+//! δ_r = (v, w)·e − g         δ_a = u − (Rσ_y, Rσ_z)·e
 //! ```
 //!
-//! along the axis and radially, with the radial gap g. A ball touches both races along the line through the centres of the
+//! radially, with the radial gap g, and along the axis. A ball touches both races along the line through the centres of the
 //! grooves, whose distance is A = (f_i + f_o − 1) d; the contact angle changes with the load (Jones 1946; Harris, Rolling Bearing
-//! Analysis, 4th ed., 2001, chapter 7):
+//! Analysis, 4th ed., 2001, chapter 7; de Mul, Vree and Maas, J. Tribology 111, 1989):
 //!
 //! ```text
-//! s = |(A sin α + δ_a, A cos α + δ_r)|    δ = s − A    Q = K max(δ, 0)^p along that line
+//! s = |(A cos α + δ_r, A sin α + δ_a)|    δ = s − A    Q = K max(δ, 0)^p along that line
 //! ```
 //!
 //! R = D/2 + (f_i − ½) d cos α is the radius of the centres of the inner groove. A roller touches along its fixed contact angle
-//! α, δ = δ_a sin α + δ_r cos α, with R = D/2; its own tilt between the races is neglected. Forces of inertia and friction are
-//! neglected.
+//! α, δ = δ_r cos α + δ_a sin α, with R = D/2; its own tilt between the races is neglected. Forces of inertia and friction are
+//! neglected. A ring with an axial preload is mounted with the axial displacement that needs this force.
 
-use std::f64::consts::TAU;
+use std::convert::Infallible;
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
+use super::{Contact, places, turned};
+use crate::bearing_force::{BearingForce, Vector};
+use crate::numerics::bisect;
+use crate::scene::Rolling;
 
-use crate::bearing_force::{BalanceSearch, LoadedForce, Uncarried};
-use crate::scene::{LINE_CONTACT, POINT_CONTACT, Rolling};
+/// Coordinates x of a ring, m, or the forces on them, N.
+pub type RingVector = [f64; 5];
 
-/// Displacements (u, v, w, B, Γ) in m and rad, or the forces and moments on them, N and N m.
-pub type RingVector = SVector<f64, 5>;
-/// Derivatives of the forces of a ring over its displacements.
-pub type RingMatrix = SMatrix<f64, 5, 5>;
-
-/// Largest residual force of an equilibrium, relative to the load.
-const MAX_RESIDUAL: f64 = 1e-9;
-/// Stiffness that is added to the diagonal of the tangent, relative to the secant stiffness, at a residual of the whole load.
-const ADDED_FRACTION: f64 = 1e-2;
-/// Smallest residual, relative to the load, for which the addition falls with it.
-const MIN_ADDED_RESIDUAL: f64 = 1e-6;
-
-/// A ring with its elements at the cage angle zero.
+/// A ring with its elements.
 #[derive(Clone, Debug)]
 pub struct Ring {
-    /// Angles of the elements, rad.
-    angles: Vec<f64>,
-    /// Stiffness K of one element, N/m^p, and its exponent p.
-    stiffness: f64,
-    exponent: f64,
+    /// Unit vectors of the elements at the cage angle zero.
+    pub(super) places: Box<[Vector]>,
+    pub(super) contact: Contact,
     /// Distance A of the groove centres of a ball, m; none for a roller.
     groove_distance: Option<f64>,
-    /// Contact angle α without load: sine and cosine.
-    contact: [f64; 2],
-    /// Radius R, m, over which a tilt moves the race along the axis.
-    radius: f64,
-    /// Radial gap g, m.
-    gap: f64,
+    /// Direction of the contact α without load: radial and axial part.
+    direction: Vector,
+    /// Radius R, m, over which a slope moves the race along the axis.
+    pub radius: f64,
+    /// Radial gap g, m; negative for a radial preload.
+    pub(super) gap: f64,
+    /// Axial displacement with which the ring is mounted, m.
+    mounted: f64,
+    /// Speed of the cage over the speed of the shaft where the outer ring stands.
+    pub cage_ratio: f64,
 }
 
-/// Force and stiffness of a ring, with contact force, N, and contact angle, rad, of each element.
-#[derive(Clone, Debug)]
-pub struct RingForce {
-    /// Force on the ring over (u, v, w, B, Γ), N and N m.
-    pub force: RingVector,
-    /// Its derivative.
-    pub stiffness: RingMatrix,
-    /// Contact force and contact angle of each element.
-    pub contacts: Vec<[f64; 2]>,
-}
-
-impl LoadedForce<3> for RingForce {
-    fn force(&self) -> [f64; 3] {
-        self.force.fixed_rows::<3>(0).into()
-    }
-
-    fn step(&self, missing: [f64; 3], added: f64) -> Option<[f64; 3]> {
-        let tangent: Matrix3<f64> = self.stiffness.fixed_view::<3, 3>(0, 0) + Matrix3::identity() * added;
-        tangent.lu().solve(&Vector3::from(missing)).map(Into::into)
-    }
+/// Contact of an element.
+struct Touch {
+    /// Approach δ of the races, m; negative without contact.
+    approach: f64,
+    /// Direction of the contact force: radial and axial part.
+    direction: Vector,
+    /// 1/s, by which the direction turns with a motion across it, 1/m; zero for a roller.
+    turning: f64,
 }
 
 impl Ring {
     /// The ring of a checked bearing.
     pub fn new(rolling: &Rolling) -> Self {
-        let count = f64::from(rolling.elements);
         let (sine, cosine) = rolling.contact_angle.sin_cos();
         let [inner, outer] = rolling.groove;
         let diameter = rolling.diameter_ratio * rolling.pitch_diameter;
@@ -90,137 +71,175 @@ impl Ring {
         } else {
             (Some((inner + outer - 1.0) * diameter), half + (inner - 0.5) * diameter * cosine)
         };
-        Self {
-            angles: (0..rolling.elements).map(|j| rolling.phase + TAU * f64::from(j) / count).collect(),
-            stiffness: rolling.hertz_stiffness,
-            exponent: if rolling.line_contact { LINE_CONTACT } else { POINT_CONTACT },
+        let ring = Self {
+            places: places(rolling),
+            contact: Contact::new(rolling, rolling.hertz_stiffness),
             groove_distance,
-            contact: [sine, cosine],
+            direction: [cosine, sine],
             radius,
             gap: rolling.clearance / 2.0,
+            mounted: 0.0,
+            cage_ratio: rolling.cage_ratio(),
+        };
+        let mounted = ring.displacement_along(rolling.axial_preload.unwrap_or(0.0));
+        Self { mounted, ..ring }
+    }
+
+    /// Number n of elements.
+    pub fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Axial displacement, m, of a ring that moves along the axis only, under a force in the direction in which it carries, N;
+    /// zero without a force.
+    fn displacement_along(&self, force: f64) -> f64 {
+        if force == 0.0 {
+            return 0.0;
+        }
+        let sense = if self.direction[1] < 0.0 { -1.0 } else { 1.0 };
+        let carried = |u: f64| sense * self.at([0.0, 0.0, sense * u, 0.0, 0.0], 0.0).force[2];
+        // The force rises with the displacement, without bound for a contact that is not radial.
+        let mut end = self.radius * f64::EPSILON;
+        while (carried(end) < force || carried(-end) >= force) && end < self.radius {
+            end *= 2.0;
+        }
+        match bisect(-end, end, 0.0, |u| Ok::<_, Infallible>(carried(u) >= force)) {
+            Ok(ends) => sense * ends[1],
         }
     }
 
-    /// Force and stiffness at displacements.
-    pub fn at(&self, displacement: &RingVector) -> RingForce {
-        let mut found = RingForce {
-            force: RingVector::zeros(),
-            stiffness: RingMatrix::zeros(),
-            contacts: Vec::with_capacity(self.angles.len()),
-        };
-        let [sine, cosine] = self.contact;
-        for angle in &self.angles {
-            let (sin, cos) = angle.sin_cos();
-            // Displacement of the race along the axis and radially over the coordinates of the ring.
-            let rows = SMatrix::<f64, 2, 5>::from_row_slice(&[
-                1.0,
-                0.0,
-                0.0,
-                self.radius * sin,
-                -self.radius * cos,
-                0.0,
-                cos,
-                sin,
-                0.0,
-                0.0,
-            ]);
-            let moved = rows * displacement - Vector2::new(0.0, self.gap);
-            let (normal, approach, turning) = match self.groove_distance {
-                Some(distance) => {
-                    let line = Vector2::new(distance * sine, distance * cosine) + moved;
-                    let length = line.norm();
-                    (line / length, length - distance, length)
-                }
-                None => {
-                    let normal = Vector2::new(sine, cosine);
-                    (normal, normal.dot(&moved), f64::INFINITY)
-                }
-            };
-            let contact_angle = normal[0].atan2(normal[1]);
-            if approach <= 0.0 {
-                found.contacts.push([0.0, contact_angle]);
-                continue;
+    /// The contact of an element with the unit vector e.
+    #[inline]
+    fn touch(&self, x: &RingVector, e: Vector) -> Touch {
+        let radial = x[0] * e[0] + x[1] * e[1] - self.gap;
+        let axial = x[2] + self.mounted - x[3] * e[0] - x[4] * e[1];
+        let [cosine, sine] = self.direction;
+        match self.groove_distance {
+            Some(distance) => {
+                let line = [distance * cosine + radial, distance * sine + axial];
+                let length = line[0].hypot(line[1]);
+                // s − A without cancellation.
+                let moved = 2.0 * distance * (cosine * radial + sine * axial) + radial * radial + axial * axial;
+                let approach = moved / (length + distance);
+                Touch { approach, direction: line.map(|part| part / length), turning: 1.0 / length }
             }
-            let force = self.stiffness * approach.powf(self.exponent);
-            let slope = self.exponent * force / approach;
-            found.contacts.push([force, contact_angle]);
-            found.force += rows.transpose() * normal * force;
-            // A force that turns with the line of contact is stiff across the line.
-            let across = Vector2::new(-normal[1], normal[0]);
-            let local = normal * normal.transpose() * slope + across * across.transpose() * (force / turning);
-            found.stiffness += rows.transpose() * local * rows;
+            None => Touch { approach: cosine * radial + sine * axial, direction: self.direction, turning: 0.0 },
         }
-        found
     }
 
-    /// Displacements (u, v, w) under the forces (axial, y, z), N, with given rotations (B, Γ), rad, and the forces there.
-    ///
-    /// # Errors
-    /// [`Uncarried`] if the bearing does not carry the load.
-    pub fn carrying(&self, load: Vector3<f64>, tilt: Vector2<f64>) -> Result<(RingVector, RingForce), Uncarried> {
-        let whole = load.norm();
-        let state = |[u, v, w]: [f64; 3]| RingVector::from([[u, v, w, tilt[0], tilt[1]]]);
-        if whole == 0.0 {
-            let rest = state([0.0; 3]);
-            return Ok((rest, self.at(&rest)));
+    /// Approach δ of the races at an element with the unit vector e, m.
+    pub(super) fn approach(&self, x: &RingVector, e: Vector) -> f64 {
+        self.touch(x, e).approach
+    }
+
+    /// Adds force and stiffness of a number of elements with the unit vector e.
+    #[inline]
+    pub(super) fn add(&self, sum: &mut BearingForce<5>, x: &RingVector, e: Vector, number: f64) {
+        let Touch { approach, direction: [radial, axial], turning } = self.touch(x, e);
+        if approach <= 0.0 {
+            return;
         }
-        // Deflection of all elements under the load, as a measure of the stiffness.
-        let deflection = (whole / (self.angles.len() as f64 * self.stiffness)).powf(1.0 / self.exponent);
-        let secant = whole / (deflection + self.gap.max(0.0));
-        let search = BalanceSearch {
-            load: load.into(),
-            force: &|x| self.at(&state(x)),
-            added_stiffness: &|residual| secant * ADDED_FRACTION * residual.clamp(MIN_ADDED_RESIDUAL, 1.0),
-            is_permitted: &|_, _| true,
-        };
-        let found = search.from([0.0; 3]);
-        if found.residual <= MAX_RESIDUAL {
-            Ok((state(found.displacement), found.bearing))
-        } else {
-            Err(Uncarried::Unbalanced(found.residual))
+        let [force, slope] = self.contact.force(approach).map(|value| number * self.contact.stiffness * value);
+        // Derivatives of δ_r and δ_a.
+        let rows = [[e[0], e[1], 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, -e[0], -e[1]]];
+        // A force that turns with the line of contact is stiff across the line.
+        let across = force * turning;
+        let both = (slope - across) * radial * axial;
+        let local = [
+            [slope * radial * radial + across * axial * axial, both],
+            [both, slope * axial * axial + across * radial * radial],
+        ];
+        for i in 0..5 {
+            sum.force[i] += force * (radial * rows[0][i] + axial * rows[1][i]);
+            let along = [0, 1].map(|part| local[0][part] * rows[0][i] + local[1][part] * rows[1][i]);
+            for (j, entry) in sum.stiffness[i].iter_mut().enumerate() {
+                *entry += along[0] * rows[0][j] + along[1] * rows[1][j];
+            }
         }
+    }
+
+    /// Force and stiffness at an angle of the cage, rad.
+    #[inline]
+    pub fn at(&self, x: RingVector, cage: f64) -> BearingForce<5> {
+        let mut sum = BearingForce::default();
+        turned(&self.places, cage).for_each(|e| self.add(&mut sum, &x, e, 1.0));
+        sum
+    }
+
+    /// Elastic energy, J.
+    pub fn energy(&self, x: RingVector, cage: f64) -> f64 {
+        let approaches = turned(&self.places, cage).map(|e| self.approach(&x, e)).filter(|approach| *approach > 0.0);
+        let sum: f64 = approaches.map(|approach| approach * self.contact.force(approach)[0]).sum();
+        self.contact.stiffness * sum / (self.contact.exponent + 1.0)
+    }
+
+    /// Contact force, N, and contact angle, rad, of every element.
+    pub fn contacts(&self, x: RingVector, cage: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
+        turned(&self.places, cage).map(move |e| {
+            let Touch { approach, direction, .. } = self.touch(&x, e);
+            let force = if approach > 0.0 { self.contact.stiffness * self.contact.force(approach)[0] } else { 0.0 };
+            [force, direction[1].atan2(direction[0])]
+        })
+    }
+
+    /// Approximate stiffness under a load, N, in every direction, N/m.
+    pub fn secant_stiffness(&self, load: f64) -> f64 {
+        self.contact.secant_stiffness(self.count(), self.gap, load)
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn ring(line_contact: bool) -> Ring {
+    pub fn ring(line_contact: bool, clearance: f64, axial_preload: f64) -> Ring {
         Ring::new(&Rolling {
             elements: 16,
             diameter_ratio: 22.23 / 125.0,
             pitch_diameter: 0.125,
             groove: [0.5232, 0.5232],
-            clearance: 0.0,
+            clearance,
             hertz_stiffness: 1.3e10,
             line_contact,
             contact_angle: 0.7,
             phase: 0.1,
+            axial_preload: Some(axial_preload),
         })
     }
 
     #[test]
-    fn stiffness_is_the_derivative_of_the_force() {
+    fn force_is_the_derivative_of_the_energy_and_stiffness_that_of_the_force() {
         for line in [false, true] {
-            let ring = ring(line);
-            let at = RingVector::from_column_slice(&[3e-5, 1e-5, -2e-5, 1e-4, -2e-4]);
-            let found = ring.at(&at);
-            let steps = [1e-10, 1e-10, 1e-10, 1e-9, 1e-9];
-            for (j, h) in steps.into_iter().enumerate() {
-                let moved = |sign: f64| {
-                    let mut next = at;
-                    next[j] += sign * h;
-                    ring.at(&next).force
-                };
-                let difference = (moved(1.0) - moved(-1.0)) / (2.0 * h);
+            let (ring, x, cage, h) = (ring(line, 1e-6, 0.0), [1e-5, -2e-5, 3e-5, 1e-5, -1e-5], 0.4, 1e-10);
+            let found = ring.at(x, cage);
+            let moved = |j: usize, h: f64| {
+                let mut x = x;
+                x[j] += h;
+                x
+            };
+            for j in 0..5 {
+                let slope = (ring.energy(moved(j, h), cage) - ring.energy(moved(j, -h), cage)) / (2.0 * h);
+                // Central differences with round-off of 1e-16 U/h, and of 1e-16 F/h below.
+                assert!((slope - found.force[j]).abs() < 1e-5 * found.force[2], "{j}: {slope} {}", found.force[j]);
+                let [after, before] = [h, -h].map(|h| ring.at(moved(j, h), cage).force);
                 for i in 0..5 {
-                    let size = (found.stiffness[(i, i)] * found.stiffness[(j, j)]).sqrt();
-                    // Central differences with round-off of 1e-16 F/h.
-                    assert!((difference[i] - found.stiffness[(i, j)]).abs() < 1e-4 * size, "{i} {j}");
+                    let slope = (after[i] - before[i]) / (2.0 * h);
+                    let size = found.stiffness[2][2];
+                    assert!((slope - found.stiffness[i][j]).abs() < 1e-4 * size, "{i} {j}");
+                    assert!((found.stiffness[i][j] - found.stiffness[j][i]).abs() < 1e-12 * size);
                 }
             }
-            assert!((found.stiffness - found.stiffness.transpose()).norm() < 1e-12 * found.stiffness.norm());
+        }
+    }
+
+    #[test]
+    fn the_axial_force_without_displacement_is_the_preload() {
+        for line in [false, true] {
+            for clearance in [0.0, 2e-5, -1e-6] {
+                let found = ring(line, clearance, 800.0).at([0.0; 5], 0.3).force[2];
+                // The stiffness times the round-off of the displacement.
+                assert!((found - 800.0).abs() < 1e-6 * 800.0, "{line} {clearance} {found}");
+            }
         }
     }
 }

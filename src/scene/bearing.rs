@@ -2,8 +2,8 @@
 
 use super::place::Names;
 use super::{
-    Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, SceneDescription, SceneError, Shaft, description,
-    nonlinear,
+    Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, Rolling, SceneDescription, SceneError, Shaft,
+    description, nonlinear,
 };
 
 /// A bearing.
@@ -28,6 +28,14 @@ pub struct Bearing {
 }
 
 impl Bearing {
+    /// The rolling elements of a bearing with five degrees of freedom.
+    pub fn ring(&self) -> Option<&Rolling> {
+        match &self.nonlinear {
+            Some(Nonlinear::Rolling(rolling)) => Some(rolling).filter(|rolling| rolling.axial_preload.is_some()),
+            Some(Nonlinear::Journal(_)) | None => None,
+        }
+    }
+
     /// Its nodes: that of its shaft and, for a bearing between two shafts, that of the other one.
     pub fn nodes(&self) -> impl Iterator<Item = Node> + use<> {
         let other = match self.attachment {

@@ -349,7 +349,8 @@ impl Scene {
             || self.gravity != [0.0; 2]
             || !self.forces.is_empty()
             || varying(false);
-        let thrust = self.forces.iter().any(|force| force.axial != 0.0);
+        let thrust = self.forces.iter().any(|force| force.axial != 0.0)
+            || self.bearings.iter().any(|bearing| bearing.ring().is_some());
         let coupled = !self.couplings.is_empty();
         let supported = !self.bearings.is_empty();
         let motion = EntryPath::root("motion");
@@ -358,7 +359,7 @@ impl Scene {
                 Err(motion.error("\"lateral\" has no twist, on which meshes, torques and drives act; use \"coupled\""))
             }
             Some(MotionKind::Lateral) if thrust => {
-                Err(motion.error("\"lateral\" has no axial motion, on which axial forces act; use \"coupled\""))
+                Err(motion.error("\"lateral\" has no axial motion, on which axial forces and bearings with five degrees of freedom act; use \"coupled\""))
             }
             Some(MotionKind::Torsion) if bent => Err(motion
                 .error("\"torsion\" has no bending, on which bow, unbalance, gravity and forces act; use \"coupled\"")),
@@ -375,7 +376,7 @@ impl Scene {
     fn has_axial_motion(&self, requested: Option<MotionKind>) -> bool {
         let helical = self.meshes.iter().any(|mesh| self.gears[mesh.driver].helix_angle != 0.0);
         let loaded = self.forces.iter().any(|force| force.axial != 0.0);
-        let held = self.bearings.iter().any(|bearing| bearing.axial != [0.0; 2]);
+        let held = self.bearings.iter().any(|bearing| bearing.axial != [0.0; 2] || bearing.ring().is_some());
         self.lateral && requested != Some(MotionKind::Lateral) && (helical || loaded || held)
     }
 }

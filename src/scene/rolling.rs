@@ -30,13 +30,20 @@ pub struct Rolling {
     pub hertz_stiffness: f64,
     /// Whether the contact is a line (rollers) instead of a point (balls).
     pub line_contact: bool,
-    /// Contact angle, rad.
+    /// Contact angle, rad; negative for a bearing that carries a load along −x.
     pub contact_angle: f64,
     /// Angle of the first element from y towards z at the shaft angle 0, rad.
     pub phase: f64,
+    /// Axial force with which it is mounted, N, for a bearing with five degrees of freedom; none for one that moves along y and z.
+    pub axial_preload: Option<f64>,
 }
 
 impl Rolling {
+    /// Speed of the cage over the speed of the inner ring where the outer ring stands.
+    pub fn cage_ratio(&self) -> f64 {
+        (1.0 - self.diameter_ratio * self.contact_angle.cos()) / 2.0
+    }
+
     /// Checks the entries of a bearing at the entry `at`; none for a bearing of another kind.
     ///
     /// # Errors
@@ -69,8 +76,8 @@ impl Rolling {
             return Err(at.field("clearance").error(message));
         }
         let contact_angle = at.field("contact_angle").finite(given.contact_angle.unwrap_or(0.0))?;
-        if !(0.0..FRAC_PI_2).contains(&contact_angle) {
-            let message = format!("must be at least 0 and below pi/2 rad, got {contact_angle}; is it in degrees?");
+        if contact_angle.abs() >= FRAC_PI_2 {
+            let message = format!("must be between -pi/2 and pi/2 rad, got {contact_angle}; is it in degrees?");
             return Err(at.field("contact_angle").error(message));
         }
         let line_contact = given.contact == Some(ContactKind::Roller);
@@ -81,6 +88,7 @@ impl Rolling {
             point_contact(given, diameter, ratio, contact_angle, at)?
         };
         let phase = at.field("phase").finite(given.phase.unwrap_or(0.0))?;
+        let axial_preload = axial_preload(given, line_contact && contact_angle == 0.0, at)?;
         Ok(Some(Self {
             elements,
             diameter_ratio: ratio,
@@ -91,7 +99,41 @@ impl Rolling {
             line_contact,
             contact_angle,
             phase,
+            axial_preload,
         }))
+    }
+}
+
+/// Axial force with which a bearing with five degrees of freedom is mounted; none for a bearing with two.
+fn axial_preload(given: &description::Bearing, is_radial: bool, at: &EntryPath) -> Result<Option<f64>, SceneError> {
+    match given.degrees_of_freedom {
+        None | Some(2) => match given.axial_preload {
+            Some(_) => Err(at.field("axial_preload").error("needs degrees_of_freedom = 5; give it, or leave this out")),
+            None => Ok(None),
+        },
+        Some(5) => {
+            for (name, value) in
+                [("axial_stiffness", given.axial_stiffness), ("tilting_stiffness", given.tilting_stiffness)]
+            {
+                if value.is_some_and(|value| value != 0.0) {
+                    let message =
+                        "follows from the rolling elements of a bearing with degrees_of_freedom = 5; leave it out";
+                    return Err(at.field(name).error(message));
+                }
+            }
+            let place = at.field("axial_preload");
+            let force = place.non_negative(given.axial_preload.unwrap_or(0.0))?;
+            if force > 0.0 && is_radial {
+                return Err(
+                    place.error("cannot press rollers with the contact angle 0; leave it out, or give contact_angle")
+                );
+            }
+            Ok(Some(force))
+        }
+        Some(other) => {
+            let message = format!("must be 2 (along y and z) or 5 (with the axis and the tilts), got {other}");
+            Err(at.field("degrees_of_freedom").error(message))
+        }
     }
 }
 

@@ -171,6 +171,16 @@ class RollingBearing(Part):
         Point contact, or line contact; None is that of the kind, or balls.
     contact_angle : float, optional
         Angle of the line of contact to the radial plane [rad]; None is that of the estimate, or 0.
+        With five degrees of freedom, a positive angle carries a load of the shaft along +x, and a
+        negative one a load along −x.
+    degrees_of_freedom : {2, 5}
+        Directions in which the rings move against each other: 2 are y and z; 5 are also the axis
+        and the tilts about y and z, with forces and moments that depend on all five. The contact
+        angle of a ball then follows from the load.
+    axial_preload : float
+        Axial force without displacement [N] of a bearing with five degrees of freedom, in the
+        direction in which it carries. Two bearings with opposite contact angles and the same
+        preload balance each other.
     damping : float, pair or 2×2 array
         Damping between shaft and bearing [N s/m], constant.
     phase : float
@@ -180,7 +190,8 @@ class RollingBearing(Part):
     roller_length : float, optional
         Effective length of a roller [m]; a roller bearing needs it or `hertz_stiffness`.
     axial_stiffness : float
-        Stiffness along the axis of the shaft [N/m]; it has no influence on the radial force.
+        Stiffness along the axis of the shaft [N/m]; it has no influence on the radial force. With
+        five degrees of freedom, it and `tilting_stiffness` follow from the rolling elements.
     axial_damping : float
         Damping along the axis of the shaft [N s/m].
     tilting_stiffness : float
@@ -196,8 +207,8 @@ class RollingBearing(Part):
     The cage turns at (1 − γ)/2 times the speed of the shaft (`cage_order`), γ = (d/D) cos α, where
     the outer ring stands; n times this is the ball-pass order of the outer ring
     (`ball_pass_order`). Between two shafts, `shaft` carries the inner ring and the shaft of
-    `support` the outer one, whose speed adds (1 + γ)/2 of itself to that of the cage. Slip,
-    centrifugal forces and the axial motion of the shaft are not modelled.
+    `support` the outer one, whose speed adds (1 + γ)/2 of itself to that of the cage. Slip and
+    centrifugal forces are not modelled.
 
     References
     ----------
@@ -228,6 +239,8 @@ class RollingBearing(Part):
     hertz_stiffness: float | None = None
     contact: RollingContact | None = None
     contact_angle: float | None = None
+    degrees_of_freedom: int = 2
+    axial_preload: float = 0.0
     damping: ArrayLike = 0.0
     phase: float = 0.0
     inner_groove: float | None = None

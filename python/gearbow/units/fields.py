@@ -25,6 +25,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "end_outer_diameter": "m",
     "end_inner_diameter": "m",
     "axial_force": "N",
+    "axial_preload": "N",
+    "degrees_of_freedom": DIMENSIONLESS,
     "internal_damping": "s",
     "sleeves.begin": "m",
     "sleeves.end": "m",

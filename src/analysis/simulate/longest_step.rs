@@ -31,9 +31,10 @@ pub(super) fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f
         }
         LoadLaw::SpeedTorque { .. } => 0.0,
     });
-    let passing = model.nonlinear_bearings.iter().filter_map(|bearing| {
-        bearing.rolling().map(|elements| (elements.count() as f64 * bearing.ratio * speed).abs())
-    });
+    let passing = model
+        .nonlinear_bearings
+        .iter()
+        .filter_map(|bearing| bearing.elements().map(|count| (count as f64 * bearing.ratio * speed).abs()));
     loads.chain(passing).fold(turning.max(travelling).max(engaging), f64::max)
 }
 

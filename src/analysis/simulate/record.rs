@@ -239,7 +239,10 @@ impl<'a, 'm> Recorder<'a, 'm> {
         }
         for (node, rows) in self.plan.bearings.iter().zip(&self.bearing_rows) {
             let force = self.motion.bearing_force(*node, elapsed, q, v);
-            self.record.bearing_force.extend(force);
+            self.record.bearing_force.extend(&force[..2]);
+            if model.scene.axial {
+                self.record.axial.bearing_force.push(force[2]);
+            }
             self.record.bearing_displacement.extend(rows.as_ref().map_or([0.0; 2], |rows| along_rows(rows, q)));
             if model.rolls_at(*node) {
                 self.record.rolling.extend(self.motion.rolling_contact(*node, elapsed, q));
@@ -258,8 +261,6 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 let a = &self.scratch.acceleration[own];
                 self.record.axial.acceleration.extend(axial(a));
             }
-            let forces = self.plan.bearings.iter().map(|node| model.axial_bearing_force(*node, q, v));
-            self.record.axial.bearing_force.extend(forces);
         }
         Ok(())
     }

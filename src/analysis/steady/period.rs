@@ -266,7 +266,7 @@ fn sources(model: &Model) -> Vec<Source> {
     }
     sources.extend(loads(model, &ratios));
     sources.extend(model.nonlinear_bearings.iter().filter_map(|bearing| {
-        let order = bearing.rolling()?.count() as f64 * bearing.ratio.abs();
+        let order = bearing.elements()? as f64 * bearing.ratio.abs();
         let name = format!("rolling elements of bearings[{}]", bearing.number);
         Some(Source::exact(name, Content::Sharp, Ratio::of(order), order))
     }));

@@ -20,7 +20,7 @@ const CLEARANCE_SHARE: f64 = 0.8;
 /// (Levenberg and Marquardt; Yamashita and Fukushima, Computing Suppl. 15, 2001).
 pub(in crate::modal) fn regularisation(model: &Model, part: f64) -> Vec<Entry> {
     let mut entries = Vec::new();
-    for bearing in model.nonlinear_bearings.iter().filter(|bearing| bearing.rolling().is_some()) {
+    for bearing in model.nonlinear_bearings.iter().filter(|bearing| bearing.elements().is_some()) {
         let stiffness = bearing.initial_stiffness * part.clamp(FREE, 1.0);
         for row in &bearing.rows {
             for (i, left) in row {

@@ -5,8 +5,7 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector};
 
 use super::{EquilibriumError, EquilibriumSpeeds};
-use crate::bearing_force::{BearingForce, Matrix, Vector};
-use crate::connection::{Connection, NonlinearBearing, Row};
+use crate::connection::{BearingTangent, Connection, NonlinearBearing, Row};
 use crate::linalg::ChainMatrix;
 use crate::mesh::{Flank, Geometry};
 use crate::modal::equilibrium::Entry;
@@ -39,47 +38,38 @@ pub(super) enum Laws<'a> {
     Tangents(&'a [BearingTangent]),
 }
 
-/// Tangent F + K (u − u₀) of the law of a nonlinear bearing.
-#[derive(Clone, Copy)]
-pub(super) struct BearingTangent {
-    /// Displacement u₀ over (v, w), m.
-    pub displacement: Vector,
-    /// Force F there, N.
-    force: Vector,
-    /// Stiffness K there, N/m.
-    stiffness: Matrix,
+/// The tangent of a bearing that is a spring with its initial stiffness in every direction.
+pub(super) fn elastic_tangent(bearing: &NonlinearBearing) -> BearingTangent {
+    let n = bearing.rows.len();
+    BearingTangent {
+        displacement: DVector::zeros(n),
+        force: DVector::zeros(n),
+        stiffness: bearing.initial_stiffness * DMatrix::identity(n, n),
+    }
 }
 
-impl BearingTangent {
-    /// A spring with the same stiffness, N/m, in every direction.
-    pub(super) fn elastic(stiffness: f64) -> Self {
-        Self { displacement: [0.0; 2], force: [0.0; 2], stiffness: [[stiffness, 0.0], [0.0, stiffness]] }
-    }
-
-    /// The tangent where the bearing carries the force that this one has at a displacement u, or as large a part of the change as it
-    /// can carry; none below [`LEAST_PART`].
-    pub(super) fn towards(&self, u: Vector, bearing: &NonlinearBearing, speed: f64) -> Option<Self> {
-        let (aim, mut part) = (self.force_at(u), 1.0);
-        while part >= LEAST_PART {
-            let force = [0, 1].map(|i| self.force[i] + part * (aim[i] - self.force[i]));
-            if let Ok((displacement, BearingForce { force, stiffness, .. })) = bearing.carrying(force, speed) {
-                return Some(Self { displacement, force, stiffness });
-            }
-            part /= 2.0;
+/// The tangent where a bearing carries the force that the tangent `from` has at scalars u, or as large a part of the change as it
+/// can carry; none below [`LEAST_PART`].
+pub(super) fn tangent_towards(
+    from: &BearingTangent,
+    u: &DVector<f64>,
+    bearing: &NonlinearBearing,
+    speed: f64,
+) -> Option<BearingTangent> {
+    let (aim, mut part) = (force_at(from, u), 1.0);
+    while part >= LEAST_PART {
+        let force = &from.force + part * (&aim - &from.force);
+        if let Ok(found) = bearing.carrying(&force, speed) {
+            return Some(found);
         }
-        None
+        part /= 2.0;
     }
+    None
+}
 
-    /// Force and stiffness at a displacement.
-    fn at(&self, u: Vector) -> (DVector<f64>, DMatrix<f64>) {
-        (DVector::from_column_slice(&self.force_at(u)), DMatrix::from_fn(2, 2, |i, j| self.stiffness[i][j]))
-    }
-
-    /// Force at a displacement, N.
-    fn force_at(&self, u: Vector) -> Vector {
-        let moved = [u[0] - self.displacement[0], u[1] - self.displacement[1]];
-        [0, 1].map(|i| self.force[i] + self.stiffness[i][0] * moved[0] + self.stiffness[i][1] * moved[1])
-    }
+/// Force of a tangent at scalars u, N.
+fn force_at(tangent: &BearingTangent, u: &DVector<f64>) -> DVector<f64> {
+    &tangent.force + &tangent.stiffness * (u - &tangent.displacement)
 }
 
 /// What a coordinate belongs to.
@@ -342,7 +332,10 @@ impl Forces {
                 Connection::Nonlinear(bearing) => {
                     let known = match laws {
                         Laws::Exact => bearing.static_tangent(speeds.film, q),
-                        Laws::Tangents(tangents) => tangents[bearings].at(bearing.scalars(q)),
+                        Laws::Tangents(tangents) => {
+                            let tangent: &BearingTangent = &tangents[bearings];
+                            (force_at(tangent, &bearing.scalar_vector(q)), tangent.stiffness.clone())
+                        }
                     };
                     bearings += 1;
                     (&bearing.rows[..], known)

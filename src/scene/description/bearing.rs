@@ -76,9 +76,15 @@ pub struct Bearing {
     /// Kind of the rolling elements; balls by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact: Option<ContactKind>,
-    /// Contact angle, rad; 0 by default.
+    /// Contact angle, rad, negative for a bearing that carries a load along −x; 0 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact_angle: Option<f64>,
+    /// Number of directions in which the rings move against each other: 2 (default) along y and z, 5 with the axis and the tilts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub degrees_of_freedom: Option<u32>,
+    /// Axial force with which a bearing with five degrees of freedom is mounted, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axial_preload: Option<f64>,
     /// Angle of the first rolling element from y towards z at the shaft angle 0, rad; 0 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<f64>,
@@ -115,9 +121,10 @@ impl Bearing {
     pub fn is_rolling(&self) -> bool {
         let lengths =
             [self.element_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];
-        let others = [self.inner_groove, self.outer_groove, self.roller_length];
+        let others = [self.inner_groove, self.outer_groove, self.roller_length, self.axial_preload];
         let catalogue = self.designation.is_some() || self.kind.is_some() || self.boundary.is_some();
         catalogue
+            || self.degrees_of_freedom.is_some()
             || self.elements.is_some()
             || self.contact.is_some()
             || lengths.iter().chain(&others).any(Option::is_some)

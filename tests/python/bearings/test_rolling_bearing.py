@@ -440,7 +440,7 @@ def test_files_keep_rolling_bearings(tmp_path: Any):
         ({"clearance": math.nan}, "bearings[0].clearance: must be finite"),
         ({"clearance": 0.02}, "bearings[0].clearance: must be below element_diameter"),
         ({"hertz_stiffness": 0.0}, "bearings[0].hertz_stiffness: must be positive"),
-        ({"contact_angle": 40.0}, "bearings[0].contact_angle: must be at least 0 and below pi/2"),
+        ({"contact_angle": 40.0}, "bearings[0].contact_angle: must be between -pi/2 and pi/2"),
         ({"phase": math.inf}, "bearings[0].phase: must be finite"),
         ({"contact": "cone"}, "bearings[0].contact: "),
         ({"inner_groove": 0.5}, "bearings[0].inner_groove: radius of the groove"),
