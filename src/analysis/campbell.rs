@@ -219,6 +219,7 @@ impl<'a> Tracker<'a> {
         if let Some(first) = speeds.first() {
             // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
             let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
+            let mut is_extended = false;
             loop {
                 let states = tracker.at(start)?;
                 tracker.modes = states.iter().filter(|state| oscillates(state)).take(count).cloned().collect();
@@ -233,8 +234,10 @@ impl<'a> Tracker<'a> {
                         break;
                     }
                 }
-                // Rigid-body modes and overdamped modes are not tracked.
-                tracker.wanted += count.saturating_sub(tracker.modes.len());
+                // Rigid-body modes and overdamped modes are not tracked. Where these are many, the number of modes doubles.
+                let missing = count.saturating_sub(tracker.modes.len());
+                tracker.wanted += if is_extended { tracker.wanted.max(missing) } else { missing };
+                is_extended = true;
             }
         }
         Ok(tracker)

@@ -340,11 +340,15 @@ class Modes(Result, ReadOnly):
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:
         return [f"modes at {speed_text(self.speed, speed_unit)}"]
 
-    def _order(self) -> NDArray[np.intp]:
-        """Give the numbers of the modes from 0, the overdamped ones last."""
+    def _oscillating(self) -> NDArray[np.bool_]:
+        """Tell which modes oscillate: neither rigid-body nor overdamped ones."""
         # Overdamped motions turn slowly with the gyroscopic moments.
         turning = np.abs(self.eigenvalues.imag) > _MIN_OSCILLATION * np.abs(self.eigenvalues)
-        overdamped = ~turning & (self.eigenvalues.real < 0.0)
+        return turning & np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
+
+    def _order(self) -> NDArray[np.intp]:
+        """Give the numbers of the modes from 0, the overdamped ones last."""
+        overdamped = ~self._oscillating() & (self.eigenvalues.real < 0.0)
         overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
         return np.argsort(overdamped, kind="stable")
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -452,7 +452,67 @@ def test_results_know_their_residual(machine, analysis):
     given = np.concatenate(
         [np.ravel(part) for part in RESIDUALS[analysis](obtain(machine, analysis))]
     )
-    assert np.all((given >= 0.0) & (given < 1e-6))
+    # without a common period, a per cent of the motion may be transient
+    is_periodic = analysis != "steady" or obtain(machine, analysis).method != "quasi-periodic"
+    assert np.all((given >= 0.0) & (given < (1e-6 if is_periodic else 1e-2)))
+
+
+@pytest.mark.parametrize("analysis", ["modes"])
+def test_linear_analyses_have_loss_factors_and_runs_refuse_them(machine, analysis):
+    loss, system, speed = 0.01, machine.system, machine.speed
+    bearings = [
+        replace(each, loss_factor=loss) if isinstance(each, gb.Bearing) else each
+        for each in system.bearings
+    ]
+    lossy = system.replace(
+        shafts=[replace(shaft, loss_factor=loss) for shaft in system.shafts], bearings=bearings
+    )
+    before, after = (
+        np.array([[v.imag, v.real] for v in found.eigenvalues if v.imag > 1.0])
+        for found in (obtain(machine, analysis), lossy.modes(speed, count=COUNT))
+    )
+    for frequency, decay in after:
+        if not len(before):
+            break
+        # a mode has at most the loss of all elastic energy, with either sign
+        change = np.abs((decay - before[:, 1]) / frequency) + np.abs(frequency / before[:, 0] - 1.0)
+        assert change.min() < 0.55 * loss
+    static = lossy.static(speed=speed)
+    np.testing.assert_array_equal(static.state, obtain(machine, "static").state)
+    if lateral(system):
+        lossy.synchronous(speed)
+    for refused in (
+        lambda: lossy.simulate(0.01, speed),
+        lambda: lossy.steady_state(speed),
+        lambda: lossy.simulate(0.01, gb.SpeedProfile.ramp(0.9 * speed, speed, 0.01)),
+    ):
+        with pytest.raises(gb.SceneError, match=r"shafts\[0\].loss_factor: has a meaning in the"):
+            refused()
+
+
+def test_rolling_bearings_carry_their_loads(machine):
+    """A static safety above 2 against the static load rating of ISO 76."""
+    static = machine.system.static(speed=machine.speed)
+    for bearing in machine.system.bearings:
+        if isinstance(bearing, gb.RollingBearing):
+            load = np.linalg.norm(static.bearing_force((bearing.shaft, bearing.position)))
+            assert static_load_rating(bearing) > 2.0 * load, (bearing.shaft, bearing.position)
+
+
+def static_load_rating(bearing: gb.RollingBearing) -> float:
+    """Give the static load rating of ISO 76 from the sizes of the elements [N]."""
+    estimate = bearing.estimate
+
+    def size(name: str) -> Any:
+        given = getattr(bearing, name)
+        return getattr(estimate, name, None) if given is None else given
+
+    count, diameter, angle = size("elements"), size("element_diameter"), size("contact_angle") or 0.0
+    ratio, length = diameter / size("pitch_diameter") * np.cos(angle), size("roller_length")
+    if length is not None:
+        return 44e6 * (1.0 - ratio) * count * length * diameter * np.cos(angle)
+    # f₀ is 12.3 to 16.5 from the smallest to the largest balls; the smallest value is safe
+    return 12.3e6 * count * diameter**2 * np.cos(angle)
 
 
 @pytest.mark.parametrize("figure", FIGURES)

@@ -355,7 +355,7 @@ class Balance:
             force = self._taken(self.motion.bearing_force(place))
             axial = (
                 self._taken(self.motion.axial_bearing_force(place))
-                if bearing.axial_stiffness
+                if bearing.axial_stiffness or getattr(bearing, "degrees_of_freedom", 2) == 5
                 else 0.0
             )
             self._add(bearing.shaft, *-force, x=-axial)
