@@ -442,6 +442,14 @@ class RollingBearing(Part):
         return found["elements"]
 
     @property
+    def _angle(self) -> float:
+        """Contact angle, given or estimated [rad]."""
+        if self.contact_angle is not None:
+            return self.contact_angle
+        estimate = self.estimate
+        return 0.0 if estimate is None else estimate.contact_angle
+
+    @property
     def _rolls(self) -> bool:
         """Whether the elements are rollers."""
         estimate = self.estimate if self.contact is None else None

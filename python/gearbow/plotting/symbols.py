@@ -19,6 +19,8 @@ __all__ = ["arrow", "bearing", "bearing_kind", "coupling", "ground", "handles", 
 
 #: Sizes of the symbols [pt].
 BEARING, GROUND = 11.0, 6.0
+#: End of the name of a rolling bearing by the sign of the contact angle.
+_SIDES = {0: "", 1: " for thrust to the right", -1: " for thrust to the left"}
 _ARROW: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 1.8}
 
 
@@ -27,7 +29,8 @@ def bearing_kind(part: object) -> str:
     if isinstance(part, JournalBearing):
         return "journal bearing"
     if isinstance(part, RollingBearing):
-        return "roller bearing" if part._rolls else "ball bearing"
+        kind = "roller bearing" if part._rolls else "ball bearing"
+        return kind + _SIDES[int(np.sign(part._angle))] if part.degrees_of_freedom == 5 else kind
     return "bearing"
 
 
@@ -45,7 +48,7 @@ def bearing(panel: Axes, kind: str, x: float, y: float, point: float) -> Box:
         panel.add_patch(Rectangle((x - 0.3 * size, y - size), 0.6 * size, half, **style))
     else:
         panel.add_patch(Rectangle((x - half, y - size), size, size, **style))
-        if kind == "ball bearing":
+        if kind.startswith("ball"):
             angle = np.linspace(0.0, 2.0 * np.pi, 41)
             ring = half * (0.7 * np.exp(1j * angle)) + complex(x, y - half)
             panel.plot(ring.real, ring.imag, color="black", linewidth=1.3, zorder=6.0)
@@ -53,6 +56,11 @@ def bearing(panel: Axes, kind: str, x: float, y: float, point: float) -> Box:
             for sign in (-1.0, 1.0):
                 ends = y - half + sign * half * np.array([-1.0, 1.0])
                 panel.plot([x - half, x + half], ends, color="black", linewidth=1.3, zorder=6.0)
+        sides = [side for side, name in _SIDES.items() if name and kind.endswith(name)]
+        for side in sides:
+            # The line of contact, through which the shaft presses on the outer ring.
+            ends = x + side * half * np.array([-0.6, 0.6])
+            panel.plot(ends, [y, y - size], color="black", linewidth=2.2, zorder=6.5)
     reach = size if kind == "journal bearing" else 0.6 * size
     return x - reach, y - size, x + reach, y
 
@@ -120,8 +128,14 @@ def handles(kinds: list[str]) -> list[Any]:
     fills = {"bearing": "0.8", "journal bearing": "black"}
     found: list[Any] = []
     for kind in kinds:
-        if kind in marks:
-            style: dict[str, Any] = {"marker": marks[kind], "mfc": fills.get(kind, "white")}
+        if kind.endswith(_SIDES[1]):
+            mark = r"$\backslash$"
+        elif kind.endswith(_SIDES[-1]):
+            mark = "$/$"
+        else:
+            mark = marks.get(kind, "")
+        if mark:
+            style: dict[str, Any] = {"marker": mark, "mfc": fills.get(kind, "white")}
             found.append(Line2D([], [], color="black", linestyle="none", markersize=9.0, **style))
         else:
             shade = {"coupling": "0.35", "support": "0.6"}.get(kind, "0.9")
