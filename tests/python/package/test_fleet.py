@@ -391,8 +391,8 @@ COMMANDS = {
     ),
 }
 
-#: Largest system whose report `make test` writes.
-_LARGEST_REPORT = 60
+#: Largest system whose report `make test` writes, and largest one that it gives loss factors.
+_LARGEST_REPORT, _LARGEST_WITH_LOSS = 60, 350
 
 CELLS = [(name, sense) for name, analysis in ANALYSES.items() for sense in analysis.senses]
 
@@ -404,6 +404,8 @@ def is_slow(parameters: dict[str, Any]) -> bool:
         return True
     if "report" in parameters:
         return SIZES[machine] > _LARGEST_REPORT
+    if "loss" in parameters:
+        return SIZES[machine] > _LARGEST_WITH_LOSS
     for table, kind in (
         (FIGURES, "figure"),
         (TABLES, "table"),
@@ -457,34 +459,32 @@ def test_results_know_their_residual(machine, analysis):
     assert np.all((given >= 0.0) & (given < (1e-6 if is_periodic else 1e-2)))
 
 
-@pytest.mark.parametrize("analysis", ["modes"])
-def test_linear_analyses_have_loss_factors_and_runs_refuse_them(machine, analysis):
-    loss, system, speed = 0.01, machine.system, machine.speed
+@pytest.mark.parametrize("loss", [0.01])
+def test_linear_analyses_have_loss_factors_and_runs_refuse_them(machine, loss):
+    system, speed = machine.system, machine.speed
     bearings = [
         replace(each, loss_factor=loss) if isinstance(each, gb.Bearing) else each
         for each in system.bearings
     ]
-    lossy = system.replace(
-        shafts=[replace(shaft, loss_factor=loss) for shaft in system.shafts], bearings=bearings
+    shafts = [replace(shaft, loss_factor=loss) for shaft in system.shafts]
+    lossy = system.replace(shafts=shafts, bearings=bearings)
+    before = obtain(machine, "modes").eigenvalues
+    for value in lossy.modes(speed, count=COUNT).eigenvalues:
+        # to first order, the loss of all elastic energy changes an eigenvalue by half the loss factor
+        assert np.abs(before - value).min() <= loss * abs(value) + 1e-6
+    # the equilibrium does not depend on the loss factors
+    np.testing.assert_array_equal(
+        lossy.static(speed=speed).state, obtain(machine, "static").state
     )
-    before, after = (
-        np.array([[v.imag, v.real] for v in found.eigenvalues if v.imag > 1.0])
-        for found in (obtain(machine, analysis), lossy.modes(speed, count=COUNT))
-    )
-    for frequency, decay in after:
-        if not len(before):
-            break
-        # a mode has at most the loss of all elastic energy, with either sign
-        change = np.abs((decay - before[:, 1]) / frequency) + np.abs(frequency / before[:, 0] - 1.0)
-        assert change.min() < 0.55 * loss
-    static = lossy.static(speed=speed)
-    np.testing.assert_array_equal(static.state, obtain(machine, "static").state)
     if lateral(system):
-        lossy.synchronous(speed)
+        with warnings.catch_warnings():
+            # a loss factor makes rotors unstable that are faster than a mode with little damping
+            warnings.filterwarnings("ignore", "speeds: the motion is unstable", gb.AccuracyWarning)
+            assert np.isfinite(lossy.synchronous(speed).amplitudes).all()
     for refused in (
         lambda: lossy.simulate(0.01, speed),
-        lambda: lossy.steady_state(speed),
         lambda: lossy.simulate(0.01, gb.SpeedProfile.ramp(0.9 * speed, speed, 0.01)),
+        lambda: lossy.steady_state(speed),
     ):
         with pytest.raises(gb.SceneError, match=r"shafts\[0\].loss_factor: has a meaning in the"):
             refused()
@@ -495,24 +495,29 @@ def test_rolling_bearings_carry_their_loads(machine):
     static = machine.system.static(speed=machine.speed)
     for bearing in machine.system.bearings:
         if isinstance(bearing, gb.RollingBearing):
-            load = np.linalg.norm(static.bearing_force((bearing.shaft, bearing.position)))
-            assert static_load_rating(bearing) > 2.0 * load, (bearing.shaft, bearing.position)
+            at = (bearing.shaft, bearing.position)
+            load = np.linalg.norm(static.bearing_force(at))
+            if bearing.degrees_of_freedom == 5:
+                thrust = abs(static.axial_bearing_force(at))
+                angle = abs(size_of(bearing, "contact_angle"))
+                load = max(load, 0.5 * load + 0.22 / np.tan(angle) * thrust)
+            assert static_load_rating(bearing) > 2.0 * load, at
+
+
+def size_of(bearing: gb.RollingBearing, name: str) -> Any:
+    given = getattr(bearing, name)
+    return getattr(bearing.estimate, name, None) if given is None else given
 
 
 def static_load_rating(bearing: gb.RollingBearing) -> float:
     """Give the static load rating of ISO 76 from the sizes of the elements [N]."""
-    estimate = bearing.estimate
-
-    def size(name: str) -> Any:
-        given = getattr(bearing, name)
-        return getattr(estimate, name, None) if given is None else given
-
-    count, diameter, angle = size("elements"), size("element_diameter"), size("contact_angle") or 0.0
-    ratio, length = diameter / size("pitch_diameter") * np.cos(angle), size("roller_length")
+    names = ("elements", "element_diameter", "pitch_diameter", "contact_angle", "roller_length")
+    count, diameter, pitch, angle, length = (size_of(bearing, name) for name in names)
+    radial = np.cos(angle or 0.0)
     if length is not None:
-        return 44e6 * (1.0 - ratio) * count * length * diameter * np.cos(angle)
-    # f₀ is 12.3 to 16.5 from the smallest to the largest balls; the smallest value is safe
-    return 12.3e6 * count * diameter**2 * np.cos(angle)
+        return 44e6 * (1.0 - diameter / pitch * radial) * count * length * diameter * radial
+    # the factor f₀ of balls is 12.3 to 16.5
+    return 12.3e6 * count * diameter**2 * radial
 
 
 @pytest.mark.parametrize("figure", FIGURES)
