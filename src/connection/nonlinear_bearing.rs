@@ -280,16 +280,16 @@ impl NonlinearBearing {
         rates: [f64; N],
     ) -> BearingForce<N> {
         if let Some(OperatingPoint { stiffness, damping, .. }) = &self.point {
-            for i in 0..N {
-                for j in 0..N {
-                    all.force[i] -= stiffness[i][j] * u[j];
-                    all.stiffness[i][j] -= stiffness[i][j];
+            for (i, row) in stiffness.iter().take(N).enumerate() {
+                for (j, entry) in row.iter().take(N).enumerate() {
+                    all.force[i] -= entry * u[j];
+                    all.stiffness[i][j] -= entry;
                 }
             }
-            for i in 0..2 {
-                for j in 0..2 {
-                    all.force[i] -= damping[i][j] * rates[j];
-                    all.damping[i][j] -= damping[i][j];
+            for (i, row) in damping.iter().enumerate() {
+                for (j, entry) in row.iter().enumerate() {
+                    all.force[i] -= entry * rates[j];
+                    all.damping[i][j] -= entry;
                 }
             }
         }

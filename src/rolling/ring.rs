@@ -59,6 +59,63 @@ struct Touch {
     turning: f64,
 }
 
+/// Sum of a quantity times products of the components of e.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moments<const K: usize>([f64; K]);
+
+impl<const K: usize> Default for Moments<K> {
+    fn default() -> Self {
+        Self([0.0; K])
+    }
+}
+
+impl<const K: usize> Moments<K> {
+    #[inline(always)]
+    fn add(&mut self, quantity: f64, products: &[f64; K]) {
+        for (sum, product) in self.0.iter_mut().zip(products) {
+            *sum += quantity * product;
+        }
+    }
+}
+
+/// Sums over the elements, from which force and stiffness of the ring follow: its coordinates are v, w, u and Rσ with the
+/// derivatives e of δ_r and (1, −e) of δ_a.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sums {
+    /// Radial part of the contact forces times e.
+    radial_force: Moments<2>,
+    /// Axial part of the contact forces times 1 and e.
+    axial_force: Moments<3>,
+    /// Derivative of the radial part over δ_r, times e_y², e_y e_z and e_z².
+    radial: Moments<3>,
+    /// Derivative of the radial part over δ_a, times e and its products.
+    coupling: Moments<5>,
+    /// Derivative of the axial part over δ_a, times 1, e and its products.
+    axial: Moments<6>,
+}
+
+impl Sums {
+    /// Force and stiffness of the ring.
+    #[inline(always)]
+    pub(super) fn result(&self) -> BearingForce<5> {
+        let (Moments([fy, fz]), Moments([fa, my, mz])) = (self.radial_force, self.axial_force);
+        let Moments([r_yy, r_yz, r_zz]) = self.radial;
+        let Moments([c_y, c_z, c_yy, c_yz, c_zz]) = self.coupling;
+        let Moments([a, a_y, a_z, a_yy, a_yz, a_zz]) = self.axial;
+        BearingForce {
+            force: [fy, fz, fa, -my, -mz],
+            stiffness: [
+                [r_yy, r_yz, c_y, -c_yy, -c_yz],
+                [r_yz, r_zz, c_z, -c_yz, -c_zz],
+                [c_y, c_z, a, -a_y, -a_z],
+                [-c_yy, -c_yz, -a_y, a_yy, a_yz],
+                [-c_yz, -c_zz, -a_z, a_yz, a_zz],
+            ],
+            damping: [[0.0; 5]; 5],
+        }
+    }
+}
+
 impl Ring {
     /// The ring of a checked bearing.
     pub fn new(rolling: &Rolling) -> Self {
@@ -103,9 +160,8 @@ impl Ring {
         while (carried(end) < force || carried(-end) >= force) && end < self.radius {
             end *= 2.0;
         }
-        match bisect(-end, end, 0.0, |u| Ok::<_, Infallible>(carried(u) >= force)) {
-            Ok(ends) => sense * ends[1],
-        }
+        let Ok([_, found]) = bisect(-end, end, 0.0, |u| Ok::<_, Infallible>(carried(u) >= force));
+        sense * found
     }
 
     /// The contact of an element with the unit vector e.
@@ -133,37 +189,29 @@ impl Ring {
     }
 
     /// Adds force and stiffness of a number of elements with the unit vector e.
-    #[inline]
-    pub(super) fn add(&self, sum: &mut BearingForce<5>, x: &RingVector, e: Vector, number: f64) {
+    #[inline(always)]
+    pub(super) fn add(&self, sums: &mut Sums, x: &RingVector, e: Vector, number: f64) {
         let Touch { approach, direction: [radial, axial], turning } = self.touch(x, e);
         if approach <= 0.0 {
             return;
         }
         let [force, slope] = self.contact.force(approach).map(|value| number * self.contact.stiffness * value);
-        // Derivatives of δ_r and δ_a.
-        let rows = [[e[0], e[1], 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, -e[0], -e[1]]];
         // A force that turns with the line of contact is stiff across the line.
         let across = force * turning;
-        let both = (slope - across) * radial * axial;
-        let local = [
-            [slope * radial * radial + across * axial * axial, both],
-            [both, slope * axial * axial + across * radial * radial],
-        ];
-        for i in 0..5 {
-            sum.force[i] += force * (radial * rows[0][i] + axial * rows[1][i]);
-            let along = [0, 1].map(|part| local[0][part] * rows[0][i] + local[1][part] * rows[1][i]);
-            for (j, entry) in sum.stiffness[i].iter_mut().enumerate() {
-                *entry += along[0] * rows[0][j] + along[1] * rows[1][j];
-            }
-        }
+        let (square, both, other) = (e[0] * e[0], e[0] * e[1], e[1] * e[1]);
+        sums.radial_force.add(force * radial, &[e[0], e[1]]);
+        sums.axial_force.add(force * axial, &[1.0, e[0], e[1]]);
+        sums.radial.add(slope * radial * radial + across * axial * axial, &[square, both, other]);
+        sums.coupling.add((slope - across) * radial * axial, &[e[0], e[1], square, both, other]);
+        sums.axial.add(slope * axial * axial + across * radial * radial, &[1.0, e[0], e[1], square, both, other]);
     }
 
     /// Force and stiffness at an angle of the cage, rad.
     #[inline]
     pub fn at(&self, x: RingVector, cage: f64) -> BearingForce<5> {
-        let mut sum = BearingForce::default();
-        turned(&self.places, cage).for_each(|e| self.add(&mut sum, &x, e, 1.0));
-        sum
+        let mut sums = Sums::default();
+        turned(&self.places, cage).for_each(|e| self.add(&mut sums, &x, e, 1.0));
+        sums.result()
     }
 
     /// Elastic energy, J.

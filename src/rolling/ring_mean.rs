@@ -7,7 +7,7 @@ use std::convert::Infallible;
 use std::f64::consts::TAU;
 
 use super::GAUSS;
-use super::ring::{Ring, RingVector};
+use super::ring::{Ring, RingVector, Sums};
 use crate::bearing_force::{BearingForce, Vector};
 use crate::numerics::{Sample, maximum, root};
 
@@ -20,8 +20,8 @@ impl Ring {
     /// Force and stiffness averaged over the angles of the cage.
     pub fn mean(&self, x: RingVector) -> BearingForce<5> {
         let density = self.count() as f64 / TAU;
-        let mut sum = BearingForce::default();
-        let mut add = |angle: f64, length: f64| self.add(&mut sum, &x, unit(angle), density * length);
+        let mut sums = Sums::default();
+        let mut add = |angle: f64, length: f64| self.add(&mut sums, &x, unit(angle), density * length);
         match self.loaded_zones(&x) {
             None => {
                 // The trapezoidal rule is accurate to round-off for a smooth periodic function.
@@ -42,7 +42,7 @@ impl Ring {
                 }
             }
         }
-        sum
+        sums.result()
     }
 
     /// Begin and end of the zones in which elements are loaded, rad; `None` if all are.
@@ -55,18 +55,13 @@ impl Ring {
             // Approaches over the largest one, so that the tolerance of the root does not depend on the unit.
             let size = highest.value.abs().max(f64::MIN_POSITIVE);
             let ends = [a, b].map(|end| Sample { value: end.value / size, ..end });
-            match root(ends, |at| Ok::<_, Infallible>(sample(at).value / size)) {
-                Ok(at) => at,
-            }
+            let Ok(at) = root(ends, |at| Ok::<_, Infallible>(sample(at).value / size));
+            at
         };
         if highest.value <= 0.0 {
             // A zone that lies between two of the angles.
-            let top = maximum(highest.at - step, highest.at + step, MAXIMUM_TOLERANCE, |at| {
-                Ok::<_, Infallible>(sample(at).value)
-            });
-            let top = match top {
-                Ok(top) => top,
-            };
+            let approach = |at: f64| Ok::<_, Infallible>(sample(at).value);
+            let Ok(top) = maximum(highest.at - step, highest.at + step, MAXIMUM_TOLERANCE, approach);
             let around = [highest.at - step, highest.at + step].map(sample);
             return Some(if top.value > 0.0 {
                 vec![around.map(|outside| end_between(outside, top))]

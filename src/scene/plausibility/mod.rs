@@ -18,11 +18,11 @@ use super::{
 };
 use findings::Findings;
 use ranges::{
-    ASK_MILLIMETRES, BEARING_STIFFNESS, BODY_ECCENTRICITY, BODY_GYRATION, BODY_MASS, CENTRE_DISTANCE, FACE_WIDTH,
-    FLANK_ROUGHNESS, GEAR_ADDENDUM, GEAR_DENSITY, GEAR_GYRATION, GEAR_MODULE, GEAR_RUNOUT, GRAVITY, JOURNAL_CLEARANCE,
-    LOSS_FACTOR, MESH_BACKLASH, MESH_DAMPING, MESH_FRICTION, MESH_STIFFNESS, MODAL_DAMPING, OIL_VISCOSITY,
-    PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF_LENGTH, ROLLING_CLEARANCE, SHAFT_BOW, SHAFT_DIAMETER, SHAFT_LENGTH,
-    SHAFT_SAG, SHAFT_SLENDERNESS, SHAFT_TORSION, SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH, TIP_RELIEF,
+    ASK_MILLIMETRES, AXIAL_PRELOAD, BEARING_STIFFNESS, BODY_ECCENTRICITY, BODY_GYRATION, BODY_MASS, CENTRE_DISTANCE,
+    FACE_WIDTH, FLANK_ROUGHNESS, GEAR_ADDENDUM, GEAR_DENSITY, GEAR_GYRATION, GEAR_MODULE, GEAR_RUNOUT, GRAVITY,
+    JOURNAL_CLEARANCE, LOSS_FACTOR, MESH_BACKLASH, MESH_DAMPING, MESH_FRICTION, MESH_STIFFNESS, MODAL_DAMPING,
+    OIL_VISCOSITY, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF_LENGTH, ROLLING_CLEARANCE, SHAFT_BOW, SHAFT_DIAMETER,
+    SHAFT_LENGTH, SHAFT_SAG, SHAFT_SLENDERNESS, SHAFT_TORSION, SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH, TIP_RELIEF,
     TRANSMISSION_ERROR, YOUNGS_MODULUS,
 };
 
@@ -81,6 +81,9 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
             Some(Nonlinear::Rolling(rolling)) => {
                 let diameter = system.bearings[index].element_diameter.unwrap_or(f64::INFINITY);
                 found.check(&at.field("clearance"), rolling.clearance.abs() / diameter, &ROLLING_CLEARANCE);
+                let area = f64::from(rolling.elements) * (rolling.diameter_ratio * rolling.pitch_diameter).powi(2);
+                let preload = rolling.axial_preload.unwrap_or(0.0);
+                found.check(&at.field("axial_preload"), preload / area, &AXIAL_PRELOAD);
             }
         }
     }

@@ -135,6 +135,9 @@ pub(super) const JOURNAL_CLEARANCE: Usual =
 /// Clearance or preload of a rolling bearing, ISO 5753: up to 1e-2; worn and idealised bearings have more.
 pub(super) const ROLLING_CLEARANCE: Usual =
     usual("clearance of a rolling bearing over the diameter of its balls", "", 0.0, 5e-2, ASK_MILLIMETRES);
+/// Static load ratings of thrust bearings, ISO 76: up to 1e8 Pa.
+pub(super) const AXIAL_PRELOAD: Usual =
+    usual("axial preload over the number and the squared diameter of the rolling elements", "Pa", 0.0, 1e8, ASK_UNIT);
 /// Gases: 1e-5 Pa s; cold gear oil: a few Pa s.
 pub(super) const OIL_VISCOSITY: Usual =
     usual("the viscosity of an oil", "Pa s", 1e-6, 50.0, "is it in mPa s (centipoise)?");

@@ -375,3 +375,8 @@ def test_a_scene_file_keeps_the_ring(tmp_path):
     assert again.bearings[0].degrees_of_freedom == 5
     assert again.bearings[0].axial_preload == 200.0
     assert again == system or again.bearings == system.bearings
+
+
+def test_a_preload_in_another_unit_is_implausible():
+    with pytest.warns(gb.SceneWarning, match=r"bearings\[0\].axial_preload: axial preload over"):
+        rotor(replace(B218, axial_preload=2e6), opposite(B218, 0.45))
