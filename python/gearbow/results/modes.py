@@ -344,7 +344,8 @@ class Modes(Result, ReadOnly):
         """Tell which modes oscillate: neither rigid-body nor overdamped ones."""
         # Overdamped motions turn slowly with the gyroscopic moments.
         turning = np.abs(self.eigenvalues.imag) > _MIN_OSCILLATION * np.abs(self.eigenvalues)
-        return turning & np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
+        elastic = np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
+        return np.logical_and(turning, elastic)
 
     def _order(self) -> NDArray[np.intp]:
         """Give the numbers of the modes from 0, the overdamped ones last."""

@@ -470,12 +470,12 @@ def test_linear_analyses_have_loss_factors_and_runs_refuse_them(machine, loss):
     lossy = system.replace(shafts=shafts, bearings=bearings)
     before = obtain(machine, "modes").eigenvalues
     for value in lossy.modes(speed, count=COUNT).eigenvalues:
+        if value.imag < 0.05 * abs(value):
+            continue  # a motion without oscillation has no loss, and others may be among the lowest ones
         # to first order, the loss of all elastic energy changes an eigenvalue by half the loss factor
         assert np.abs(before - value).min() <= loss * abs(value) + 1e-6
     # the equilibrium does not depend on the loss factors
-    np.testing.assert_array_equal(
-        lossy.static(speed=speed).state, obtain(machine, "static").state
-    )
+    np.testing.assert_array_equal(lossy.static(speed=speed).state, obtain(machine, "static").state)
     if lateral(system):
         with warnings.catch_warnings():
             # a loss factor makes rotors unstable that are faster than a mode with little damping

@@ -345,9 +345,9 @@ class Balance:
         # nothing holds the rotation: the loss comes to all inertias in proportion
         found = self.system.mass_properties()
         inertia = dict(zip(found.names, found.polar_inertia, strict=True))
-        whole = sum(inertia[name] * self.ratio[name] ** 2 for name in inertia)
-        for name in inertia:
-            self._add(name, torque=power / speed * inertia[name] * self.ratio[name] / whole)
+        whole = sum(value * self.ratio[name] ** 2 for name, value in inertia.items())
+        for name, value in inertia.items():
+            self._add(name, torque=power / speed * value * self.ratio[name] / whole)
 
     def _bearings(self) -> None:
         for bearing in self.system.bearings:
@@ -355,7 +355,7 @@ class Balance:
             force = self._taken(self.motion.bearing_force(place))
             axial = (
                 self._taken(self.motion.axial_bearing_force(place))
-                if bearing.axial_stiffness or getattr(bearing, "degrees_of_freedom", 2) == 5
+                if bearing.axial_stiffness or is_ring(bearing)
                 else 0.0
             )
             self._add(bearing.shaft, *-force, x=-axial)
@@ -382,6 +382,11 @@ class Balance:
         )
         self._add(coupling.a[0], *pull)
         self._add(coupling.b[0], *(-value for value in pull))
+
+
+def is_ring(bearing: gb.Bearing | gb.JournalBearing | gb.RollingBearing) -> bool:
+    """Tell whether the rings of a bearing have five degrees of freedom."""
+    return isinstance(bearing, gb.RollingBearing) and bearing.degrees_of_freedom == 5
 
 
 def frustum(length: float, begin: float, end: float | None = None) -> float:
