@@ -343,9 +343,11 @@ class Modes(Result, ReadOnly):
     def _oscillating(self) -> NDArray[np.bool_]:
         """Tell which modes oscillate: neither rigid-body nor overdamped ones."""
         # Overdamped motions turn slowly with the gyroscopic moments.
-        turning = np.abs(self.eigenvalues.imag) > _MIN_OSCILLATION * np.abs(self.eigenvalues)
-        elastic = np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
-        return np.logical_and(turning, elastic)
+        found: NDArray[np.bool_] = np.abs(self.eigenvalues.imag) > _MIN_OSCILLATION * np.abs(
+            self.eigenvalues
+        )
+        found &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
+        return found
 
     def _order(self) -> NDArray[np.intp]:
         """Give the numbers of the modes from 0, the overdamped ones last."""
