@@ -2,9 +2,9 @@
 
 The Python blocks of a document run in order and share their names. A `text` block contains the
 expected output of the Python block before it. A `toml` block becomes the file `scene.toml`, an
-`xml` block the file `gearbox.rexs`, for the blocks after it. Each document runs in a folder
-that has `examples/machines/` only. The cells of a notebook run in order; its outputs are not
-stored.
+`xml` block the file `gearbox.rexs`, a `json` block the file `rotor.json`, for the blocks after it.
+Each document runs in a folder that has `examples/machines/` only. The cells of a notebook run in
+order; its outputs are not stored.
 """
 
 import contextlib
@@ -25,7 +25,7 @@ MACHINES = Path(__file__).parent / "python" / "gearbow" / "machines"
 # They need the packages of the extra docs, and have no examples.
 collect_ignore_glob = ["docs/site/*.py"]
 #: File that a block becomes, by its language.
-FILES = {"toml": "scene.toml", "xml": "gearbox.rexs"}
+FILES = {"toml": "scene.toml", "xml": "gearbox.rexs", "json": "rotor.json"}
 ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 

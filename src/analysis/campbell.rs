@@ -38,8 +38,6 @@ const MAX_FOLLOWED_HALVINGS: i32 = 4;
 const START_OFFSET: f64 = 1e-3;
 /// Smallest |yᴴy'|² between a mode and its intersection with a line.
 const MIN_CORRELATION_ON_LINE: f64 = 0.7;
-/// Smallest |Im λ|/|λ| of a mode that a diagram follows.
-const MIN_OSCILLATION: f64 = 0.05;
 /// Number of modes that are computed beyond those that are tracked.
 const FURTHER_MODES: usize = 5;
 /// Number of speeds before the current one from which modes are extrapolated: by parabolas.
@@ -222,7 +220,8 @@ impl<'a> Tracker<'a> {
             let mut is_extended = false;
             loop {
                 let states = tracker.at(start)?;
-                tracker.modes = states.iter().filter(|state| oscillates(state)).take(count).cloned().collect();
+                tracker.modes =
+                    states.iter().filter(|state| modal::oscillates(state.eigenvalue)).take(count).cloned().collect();
                 let is_bounded = !cached.model.depends_on_frequency() && states.len() < tracker.wanted;
                 if tracker.modes.len() == count || is_bounded {
                     break;
@@ -551,9 +550,4 @@ fn most_like<'s>(ends: [(f64, &State); 2], states: &'s [State]) -> Option<&'s St
 /// Whether a mode between two speeds is that of the `ends`: its shape is close to one of them.
 fn is_like(ends: [(f64, &State); 2], found: &State) -> bool {
     ends.iter().any(|(_, state)| found.correlation(state) > MIN_CORRELATION_ON_LINE)
-}
-
-/// Whether a mode is a vibration. Overdamped motions turn slowly with the gyroscopic moments.
-fn oscillates(state: &State) -> bool {
-    state.eigenvalue.im > MIN_OSCILLATION * state.eigenvalue.norm()
 }

@@ -63,7 +63,28 @@ pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Ve
     accurate(modal::modes(&cached, speed, count)?, speed)
 }
 
-/// The same, where modal damping may act only on the undamped modes of low frequency also in overdamped modes. Modes whose
+/// The `count` lowest vibrations at `speed` of the reference shaft, rad/s, in ascending order: modes without those of
+/// rigid bodies, of overdamped motions and of growth without oscillation. Fewer if the model has fewer.
+///
+/// # Errors
+/// As [`lowest_modes`].
+pub fn lowest_vibrations(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
+    let mut wanted = count;
+    loop {
+        memory_of_modes(&cached.model, wanted).require(&cached.model)?;
+        let mut modes = lowest_modes(cached, speed, wanted)?;
+        let is_all = modes.len() < wanted || wanted > 2 * cached.model.len();
+        modes.retain(|mode| modal::oscillates(mode.eigenvalue));
+        modes.truncate(count);
+        if modes.len() == count || is_all {
+            return Ok(modes);
+        }
+        // Half as many again where the model has far more overdamped motions than vibrations.
+        wanted += (count - modes.len()).max(wanted / 2);
+    }
+}
+
+/// The same as [`lowest_modes`], where modal damping may act only on the undamped modes of low frequency also in overdamped modes. Modes whose
 /// frequency lies outside the tables of bearings are left out.
 ///
 /// # Errors

@@ -39,6 +39,8 @@ const TANGENT_REUSE_RATIO: f64 = 1e-2;
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Part of a step by which the distance from the equilibrium must decrease (Deuflhard, algorithm NLEQ-ERR).
 const SUFFICIENT_APPROACH: f64 = 0.25;
+/// Part of the power of the unbalanced forces that is left after a step which a step of twice the length replaces.
+const UNFINISHED_DRIVE: f64 = 0.5;
 /// Smallest fraction of a Newton step.
 const LEAST_FRACTION: f64 = 1e-6;
 /// Largest number of iterations for the displacements with which Newton's method starts.
@@ -401,12 +403,13 @@ impl<'m> Search<'m> {
         Ok(step)
     }
 
-    /// The point after the largest fraction of a step that reduces the unbalanced forces or the distance from the equilibrium; none
-    /// if no fraction does.
+    /// The point after the largest fraction of a step that reduces the unbalanced forces, the distance from the equilibrium or the
+    /// energy; none if no fraction does.
     ///
     /// The distance is the next step with the same factors (natural monotonicity test; Deuflhard, Newton Methods for Nonlinear
     /// Problems, 2004, section 3.3.1). Where a large motion has small curvature along stiff coordinates, forces grow on steps
-    /// that come closer to the equilibrium.
+    /// that come closer to the equilibrium. Forces that have a convex energy, as those of rolling elements, reduce it as long as they
+    /// drive the motion along the step; such a step may be longer than that of the tangent with its regularisation.
     ///
     /// # Errors
     /// [`EquilibriumError::Overlap`] if no fraction does, and base circles overlap after the larger ones.
@@ -418,6 +421,9 @@ impl<'m> Search<'m> {
         step: &DVector<f64>,
     ) -> Result<Option<Advance>, EquilibriumError> {
         let mut fraction = within_clearances(&self.at_rest.model, &point.q, step);
+        let has_energy = self.at_rest.model.nonlinear_bearings.iter().all(|bearing| bearing.elements().is_some());
+        // Power of the unbalanced forces on the step, over that at its begin.
+        let drive = |next: &Point| next.residual.dot(step) / point.residual.dot(step);
         let mut overlap = None;
         while fraction >= LEAST_FRACTION {
             match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
@@ -430,7 +436,20 @@ impl<'m> Search<'m> {
                             [step, &self.step(factors, &next.residual)?].map(|q| self.at_rest.bodies.size(q));
                         Ok(left <= step * (1.0 - fraction * SUFFICIENT_APPROACH))
                     };
-                    if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) || approaches()? {
+                    let descends = has_energy && drive(&next) >= 0.0;
+                    if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) || descends || approaches()? {
+                        if !descends {
+                            return Ok(Some(Advance { next, ratio: after / before, overlap }));
+                        }
+                        let mut next = next;
+                        while drive(&next) >= UNFINISHED_DRIVE {
+                            fraction *= 2.0;
+                            match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
+                                Ok(further) if drive(&further) >= 0.0 => next = further,
+                                _ => break,
+                            }
+                        }
+                        let [before, after] = self.norms([point, &next]);
                         return Ok(Some(Advance { next, ratio: after / before, overlap }));
                     }
                 }

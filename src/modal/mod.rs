@@ -18,7 +18,7 @@ mod undamped;
 
 pub use cache::{AtSpeed, CachedModel, DynamicKey, DynamicStiffnessSolver, EquationForces, Recent, Solved};
 pub use damped::{
-    Mode, Quadratic, Residual, Residuals, Whirl, modes, modes_of, residual, structured_modes, whirl,
+    Mode, Quadratic, Residual, Residuals, Whirl, modes, modes_of, oscillates, residual, structured_modes, whirl,
     with_all_modal_damping,
 };
 pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};

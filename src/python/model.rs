@@ -264,15 +264,22 @@ impl PyModel {
         Ok(dict)
     }
 
-    #[pyo3(signature = (speed, count=None))]
-    fn modes<'py>(&self, py: Python<'py>, speed: f64, count: Option<usize>) -> PyResult<Bound<'py, PyDict>> {
+    #[pyo3(signature = (speed, count=None, vibrating=false))]
+    fn modes<'py>(
+        &self,
+        py: Python<'py>,
+        speed: f64,
+        count: Option<usize>,
+        vibrating: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
         EntryPath::root("speed").finite(speed)?;
         let count = count.unwrap_or(usize::MAX);
         require_modes(self.model(), count)?;
         let memory = analysis::memory_of_modes(self.model(), count);
         self.warn_of_ill_conditioning(py, speed, memory)?;
         let (modes, shapes, shares) = self.run(py, memory, move |cached, _| -> Result<_, AnalysisError> {
-            let modes = analysis::lowest_modes(cached, speed, count)?;
+            let lowest = if vibrating { analysis::lowest_vibrations } else { analysis::lowest_modes };
+            let modes = lowest(cached, speed, count)?;
             let (model, numbering) = (&cached.model, &cached.model.numbering);
             let shapes: Vec<Complex<f64>> =
                 modes.iter().flat_map(|mode| numbering.to_user_order(mode.shape.as_slice())).collect();

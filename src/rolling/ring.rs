@@ -147,13 +147,14 @@ impl Ring {
         self.places.len()
     }
 
-    /// Axial displacement, m, of a ring that moves along the axis only, under a force in the direction in which it carries, N;
-    /// zero without a force.
+    /// Axial displacement, m, of a ring that moves along the axis only, under a force in the direction in which it carries, N, or
+    /// along the axis for a radial contact; zero without a force.
     fn displacement_along(&self, force: f64) -> f64 {
         if force == 0.0 {
             return 0.0;
         }
-        let sense = if self.direction[1] < 0.0 { -1.0 } else { 1.0 };
+        let sense = if self.direction[1] < 0.0 || force < 0.0 { -1.0 } else { 1.0 };
+        let force = force.abs();
         let carried = |u: f64| sense * self.at([0.0, 0.0, sense * u, 0.0, 0.0], 0.0).force[2];
         // The force rises with the displacement, without bound for a contact that is not radial.
         let mut end = self.radius * f64::EPSILON;

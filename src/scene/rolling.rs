@@ -34,7 +34,7 @@ pub struct Rolling {
     pub contact_angle: f64,
     /// Angle of the first element from y towards z at the shaft angle 0, rad.
     pub phase: f64,
-    /// Axial force with which it is mounted, N, for a bearing with five degrees of freedom; none for one that moves along y and z.
+    /// Axial force with which it is mounted, N, in the direction of the contact angle, or along the axis if that is 0, for a bearing with five degrees of freedom; none for one that moves along y and z.
     pub axial_preload: Option<f64>,
 }
 
@@ -88,7 +88,7 @@ impl Rolling {
             point_contact(given, diameter, ratio, contact_angle, at)?
         };
         let phase = at.field("phase").finite(given.phase.unwrap_or(0.0))?;
-        let axial_preload = axial_preload(given, line_contact && contact_angle == 0.0, at)?;
+        let axial_preload = axial_preload(given, line_contact, contact_angle, at)?;
         Ok(Some(Self {
             elements,
             diameter_ratio: ratio,
@@ -105,7 +105,12 @@ impl Rolling {
 }
 
 /// Axial force with which a bearing with five degrees of freedom is mounted; none for a bearing with two.
-fn axial_preload(given: &description::Bearing, is_radial: bool, at: &EntryPath) -> Result<Option<f64>, SceneError> {
+fn axial_preload(
+    given: &description::Bearing,
+    line_contact: bool,
+    contact_angle: f64,
+    at: &EntryPath,
+) -> Result<Option<f64>, SceneError> {
     match given.degrees_of_freedom {
         None | Some(2) => match given.axial_preload {
             Some(_) => Err(at.field("axial_preload").error("needs degrees_of_freedom = 5; give it, or leave this out")),
@@ -122,8 +127,13 @@ fn axial_preload(given: &description::Bearing, is_radial: bool, at: &EntryPath) 
                 }
             }
             let place = at.field("axial_preload");
-            let force = place.non_negative(given.axial_preload.unwrap_or(0.0))?;
-            if force > 0.0 && is_radial {
+            let force = place.finite(given.axial_preload.unwrap_or(0.0))?;
+            if force < 0.0 && contact_angle != 0.0 {
+                let message =
+                    format!("must not be negative, got {force}: it acts in the direction of the contact angle");
+                return Err(place.error(message));
+            }
+            if force != 0.0 && line_contact && contact_angle == 0.0 {
                 return Err(
                     place.error("cannot press rollers with the contact angle 0; leave it out, or give contact_angle")
                 );

@@ -37,6 +37,11 @@ def meshed(system: gb.RotorSystem) -> bool:
     return bool(system.meshes)
 
 
+def internally_damped(system: gb.RotorSystem) -> bool:
+    """Tell whether overdamped motions of the shafts are the lowest modes."""
+    return any(shaft.internal_damping for shaft in system.shafts)
+
+
 def balanced_shaft(system: gb.RotorSystem) -> gb.Shaft | None:
     """Return the first shaft with a bow; up to two of its bodies are the planes."""
     return next((s for s in system.shafts if s.bow is not None), None)
@@ -558,7 +563,11 @@ class Analysis:
 
 ANALYSES = {
     "static": Analysis(lambda s, speed: s.static(speed=speed), check_static),
-    "modes": Analysis(lambda s, speed: s.modes(speed, count=COUNT), check_modes, largest=1000),
+    "modes": Analysis(
+        lambda s, speed: s.modes(speed, count=COUNT, vibrating=internally_damped(s)),
+        check_modes,
+        largest=1000,
+    ),
     # the speeds of a diagram are not negative
     "campbell": Analysis(
         lambda s, speed: s.campbell(SHARES * speed, count=COUNT), check_campbell, (1,), 400

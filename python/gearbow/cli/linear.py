@@ -74,6 +74,11 @@ def add(commands: Commands) -> None:
         "--speed", type=speed, default=0.0, help='for example "1500 rpm"; default: 0'
     )
     parser.add_argument("--count", type=int, default=10, help="number of modes; default: 10")
+    parser.add_argument(
+        "--vibrating",
+        action="store_true",
+        help="leave out rigid-body and overdamped motions, which have the lowest frequencies",
+    )
 
     parser = add_command(
         commands,
@@ -176,7 +181,8 @@ def plot(given: argparse.Namespace) -> Answer:
 
 def modes(given: argparse.Namespace) -> Answer:
     """Find modes."""
-    found = RotorSystem.load(given.scene).modes(given.speed, count=given.count)
+    system = RotorSystem.load(given.scene)
+    found = system.modes(given.speed, count=given.count, vibrating=given.vibrating)
     rows = zip(found.frequencies_hz, found.damping_ratios, found.whirl, found.names(), strict=True)
     keys = ("frequency_hz", "damping_ratio", "whirl", "name")
     data = {"speed": given.speed, "modes": [dict(zip(keys, row, strict=True)) for row in rows]}

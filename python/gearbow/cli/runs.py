@@ -84,7 +84,8 @@ def add(commands: Commands) -> None:
         "--signals",
         nargs="+",
         metavar="ITEM",
-        help="a gear, disk, shaft@position or driver/driven; default: the first gear",
+        help="a gear, disk, shaft@position or driver/driven; default: the first gear, or the first "
+        "disk without gears",
     )
     parser.add_argument(
         "--budget", type=quantity("budget"), default=60.0, help="limit of the time; default: 60 s"
@@ -99,9 +100,9 @@ def add_signals(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record",
         nargs="+",
-        default=["gears", "meshes"],
         metavar="ITEM",
-        help="names and groups, shaft@position, driver/driven, bearing:shaft@position",
+        help="names and groups, shaft@position, driver/driven, bearing:shaft@position; default: "
+        "gears and meshes, or disks and bearings without gears",
     )
     parser.add_argument(
         "--out", type=output, help="save the signals, also after Ctrl-C; .npz or .nc"
@@ -117,6 +118,10 @@ def _loaded(given: argparse.Namespace) -> RotorSystem:
     return variant(system, accuracy=given.accuracy)
 
 
+def _items(system: RotorSystem, given: argparse.Namespace) -> list[Any] | None:
+    return None if given.record is None else [item(system, text) for text in given.record]
+
+
 def run(given: argparse.Namespace) -> Answer:
     """Simulate."""
     system = _loaded(given)
@@ -127,7 +132,7 @@ def run(given: argparse.Namespace) -> Answer:
         response = system.simulate(
             given.duration,
             wanted,
-            record=[item(system, text) for text in given.record],
+            record=_items(system, given),
             checkpoint=given.checkpoint,
             progress=given.progress,
         )
@@ -168,7 +173,7 @@ def steady(given: argparse.Namespace) -> Answer:
     system = _loaded(given)
     found = system.steady_state(
         given.speed,
-        record=[item(system, text) for text in given.record],
+        record=_items(system, given),
         progress=given.progress,
     )
     multipliers = found.multipliers()

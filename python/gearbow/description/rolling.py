@@ -179,8 +179,9 @@ class RollingBearing(Part):
         angle of a ball then follows from the load.
     axial_preload : float
         Axial force without displacement [N] of a bearing with five degrees of freedom, in the
-        direction in which it carries. Two bearings with opposite contact angles and the same
-        preload balance each other.
+        direction in which it carries; with the contact angle 0, along x, or along −x if it is
+        negative. Two bearings with opposite contact angles and the same preload balance each
+        other.
     damping : float, pair or 2×2 array
         Damping between shaft and bearing [N s/m], constant.
     phase : float

@@ -1,8 +1,9 @@
 """Rotors of ROSS: the plain description of a rotor that ``rotor.save`` wrote.
 
 The axes x, y and z of ROSS, with z along the shaft, are y, z and x here. A shaft element becomes a
-segment with one element, and an element around another one a sleeve with its stiffness. Tables of
-bearings are over speed, frequency or both in ROSS 3; what ROSS 2 calls frequency is the speed.
+segment with one element, and an element around another one a sleeve with its stiffness. An axial
+force is positive for tension in both programs, and the sum over the layers. Tables of bearings are
+over speed, frequency or both in ROSS 3; what ROSS 2 calls frequency is the speed.
 
 A ``CoAxialRotor`` and a ``MultiRotor`` have several shafts: the next one begins where a node has no
 element. The file contains the gears of a ``MultiRotor``, but not which of them mesh, the stiffness
@@ -37,7 +38,6 @@ __all__ = ["read_ross"]
 SHAFT = "rotor"
 #: Values of a shaft element that the elements of gearbow have.
 _FIXED = {
-    "axial_force": 0,
     "torque": 0,
     "gyroscopic": True,
     "shear_method_calc": "cowper",
@@ -209,19 +209,27 @@ def _check_connections(file: _File, description: Mapping[str, Any]) -> None:
     if gears and not description["meshes"]:
         names = ", ".join(f'"{gear["name"]}" on "{gear["shaft"]}"' for gear in gears)
         raise SceneError(
-            f"{file.path}: ROSS does not save which of its gears mesh ({names}); give them: "
-            f"meshes=[gb.Mesh(driver, driven, stiffness=..., centre_line_angle=...)], with the "
-            "gear_mesh_stiffness and orientation_angle of the MultiRotor"
+            f"{file.path}: ROSS does not save which of its gears mesh ({names}); give them with "
+            "the gear_mesh_stiffness and orientation_angle of the MultiRotor: "
+            "meshes=[gb.Mesh(driver, driven, stiffness=..., centre_line_angle=...)], and gearbow "
+            "import the options --mesh and --centre-line-angle"
         )
     between = [one for one in description["bearings"] if isinstance(one.get("support"), list)]
     meshing = {mesh[key] for mesh in description["meshes"] for key in ("driver", "driven")}
     connected = {one["shaft"] for one in between} | {one["support"][0] for one in between}
-    connected |= {gear["shaft"] for gear in gears if gear["name"] in meshing}
+    geared = {gear["shaft"] for gear in gears if gear["name"] in meshing}
+    connected |= geared
     for shaft in shafts:
         if shaft["name"] not in connected:
             raise SceneError(
                 f'{file.path}: no bearing between shafts and no mesh connects "{shaft["name"]}"; '
                 "a shaft ends at a node without a ShaftElement"
+            )
+        if meshing and shaft["name"] not in geared:
+            raise SceneError(
+                f'{file.path}: no mesh gives the speed of "{shaft["name"]}", which a bearing '
+                "connects to another shaft; gearbow reads coaxial shafts or geared ones, not both "
+                "in one file"
             )
     if not description["meshes"]:
         for shaft in shafts[1:]:
@@ -293,12 +301,20 @@ def _shaft(
     """Give the shaft that begins at a node, its sleeves, and the position of each node [m]."""
     _, first = layers[begin_node][0]
     positions, segments, sleeves = [0.0], [], []
-    n = begin_node
+    n, axial_force = begin_node, _axial_force(layers[begin_node])
     while n in layers:
         # The layers from the inside to the outside: the shaft, and what is around it.
         (_, element), *around = sorted(layers[n], key=lambda one: float(one[1]["odl"]))
         for each, values in layers[n]:
             _check_element(file, each, values, first, first_of_all)
+        if _axial_force(layers[n]) != axial_force:
+            text = (
+                f"axial_force must be that of the other elements of the shaft, {axial_force:g} N, "
+                f"got {_axial_force(layers[n]):g} N. Set it to 0 in all elements, and then use "
+                "system.replace(geometric_stiffness=True) with gb.Force(axial=) where the force "
+                "changes and axial_stiffness of a bearing"
+            )
+            raise file.error(layers[n][0][0], text)
         begin, end = positions[-1], positions[-1] + element["L"]
         segment = {"length": element["L"], "outer_diameter": element["odl"], "elements": 1}
         segment |= {"inner_diameter": element["idl"]}
@@ -321,7 +337,21 @@ def _shaft(
         n += 1
     shear = bool(first.get("shear_effects", True))
     described = {"name": shaft, "segments": segments, "material": _material(first), "shear": shear}
+    if axial_force:
+        described["axial_force"] = axial_force
+        if first.get("beta"):
+            warnings.warn(
+                f"{file.path}: beta of ROSS includes the stiffness of the axial force, that of "
+                "gearbow does not; tension damps modes more in ROSS, and compression less",
+                SceneWarning,
+                stacklevel=outside(),
+            )
     return described, sleeves, positions
+
+
+def _axial_force(layers: Sequence[tuple[str, Mapping[str, Any]]]) -> float:
+    """Give the tension [N] of a shaft between two nodes, the sum over its layers."""
+    return math.fsum(float(values.get("axial_force") or 0.0) for _, values in layers)
 
 
 def _check_element(

@@ -206,9 +206,8 @@ def level_1(contents: "Contents") -> Iterator[Block]:
         added = Bearing(shaft.name, body.position, stiffness=[[0.0, cross], [-cross, 0.0]])
         made = variant(system, bearings=[*system.bearings, added])
         found = made.modes(speed, count=len(modes.whirl))
-        oscillates = found._oscillating()
         nearest = min(
-            (i for i, whirl in enumerate(found.whirl) if whirl == "forward" and oscillates[i]),
+            (i for i in found._vibrations() if found.whirl[i] == "forward"),
             key=lambda i: abs(found.frequencies_hz[i] - modes.frequencies_hz[mode]),
             default=mode,
         )

@@ -123,7 +123,7 @@ class Contents:
         wanted, count = self.options.modes, self.options.modes
         while True:
             found: Modes = self.system.modes(self.speed, count=count)
-            oscillating = int(np.sum(found._oscillating()))
+            oscillating = len(found._vibrations())
             if oscillating >= wanted or len(found.whirl) < count:
                 return found
             # Overdamped modes may be most of the modes.
@@ -285,7 +285,7 @@ def modes(contents: Contents) -> Iterator[Block]:
     found = contents.modes
     yield Table.of_result(found)
     yield picture(found.plot(count=_OVERVIEW), "Shapes along the shafts.")
-    elastic = np.flatnonzero(found._oscillating()).tolist()
+    elastic = found._vibrations()
     for number in elastic[:_IN_SPACE]:
         yield _in_space(found, number + 1)
 
@@ -434,7 +434,7 @@ def stability(contents: Contents) -> Iterator[Block]:
     """Give damping at the operating speed, thresholds and ranges of instability."""
     found = contents.modes
     ratio = np.clip(found.damping_ratios, -1.0, 1.0)
-    order = np.flatnonzero(found._oscillating()).tolist()
+    order = found._vibrations()
     with np.errstate(divide="ignore"):
         decrement = 2.0 * math.pi * ratio / np.sqrt(1.0 - ratio**2)
     names = found.names()

@@ -338,22 +338,32 @@ class Modes(Result, ReadOnly):
         return names
 
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        return [f"modes at {speed_text(self.speed, speed_unit)}"]
+        lines = [f"modes at {speed_text(self.speed, speed_unit)}"]
+        overdamped, count = int(np.sum(self._overdamped())), len(self.whirl)
+        if overdamped:
+            lines.append(
+                f"{overdamped} of {count} modes are overdamped, in the last rows; "
+                "modes(count=, vibrating=True) leaves such modes out"
+            )
+        return lines
 
-    def _oscillating(self) -> NDArray[np.bool_]:
-        """Tell which modes oscillate: neither rigid-body nor overdamped ones."""
+    def _overdamped(self) -> NDArray[np.bool_]:
+        """Tell which modes are overdamped."""
         # Overdamped motions turn slowly with the gyroscopic moments.
-        found: NDArray[np.bool_] = np.abs(self.eigenvalues.imag) > _MIN_OSCILLATION * np.abs(
-            self.eigenvalues
-        )
-        found &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
-        return found
+        turning = np.abs(self.eigenvalues.imag) > _MIN_OSCILLATION * np.abs(self.eigenvalues)
+        overdamped = ~turning & (self.eigenvalues.real < 0.0)
+        overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
+        return overdamped
+
+    def _vibrations(self) -> list[int]:
+        """Give the numbers of the vibrations from 0: no rigid-body and no overdamped motion."""
+        limit = _MIN_OSCILLATION * np.abs(self.eigenvalues)
+        found = zip(self.eigenvalues.imag > limit, self.whirl, strict=True)
+        return [mode for mode, (turns, whirl) in enumerate(found) if turns and whirl != "rigid"]
 
     def _order(self) -> NDArray[np.intp]:
         """Give the numbers of the modes from 0, the overdamped ones last."""
-        overdamped = ~self._oscillating() & (self.eigenvalues.real < 0.0)
-        overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
-        return np.argsort(overdamped, kind="stable")
+        return np.argsort(self._overdamped(), kind="stable")
 
     def _columns(self) -> list[Column]:
         """Give a row for each mode, the overdamped ones last."""
@@ -399,7 +409,8 @@ class Modes(Result, ReadOnly):
         number : int, optional
             Number of the mode to draw in three dimensions, from 1; None is the overview.
         count : int
-            Number of modes in the overview, in which overdamped ones come last.
+            Number of modes in the overview, in which overdamped ones come last;
+            ``modes(count=6, vibrating=True)`` has none.
         ax : Axes or sequence of Axes, optional
             Panel in three dimensions for one mode, or one panel for each mode of the overview; None
             makes a new figure.

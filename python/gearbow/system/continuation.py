@@ -71,7 +71,7 @@ def continuation(
     first_step: float = 0.02,
     max_points: int = 400,
     initial: InitialState | SteadyState = "static",
-    record: Iterable[Record] = ("gears", "meshes"),
+    record: Iterable[Record] | None = None,
     geometry: Geometry = "live",
     progress: bool | Progress | None = None,
 ) -> Continuation:
@@ -103,7 +103,7 @@ def continuation(
     initial : {"synchronous", "static", "rest"} or SteadyState
         Motion from which the search of the first steady state starts; a steady state that
         started at the time 0.
-    record : sequence of str or tuple
+    record : sequence of str or tuple, optional
         Recorded items, as for `simulate`.
     geometry : {"live", "frozen"}
         As for `simulate`.
@@ -145,7 +145,7 @@ def continuation(
     first = family.system(begin)
     longest = number(max_period, "max_period")
     common = periods * common_period(first._model, at, None, longest)
-    wanted = requests(record)
+    wanted = requests(record, self)
     found = steady_state(
         first,
         at,

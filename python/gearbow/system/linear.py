@@ -81,7 +81,12 @@ def matrices(
 
 
 def modes(
-    self: System, speed: float = 0.0, *, count: int | None = None, progress: bool | None = None
+    self: System,
+    speed: float = 0.0,
+    *,
+    count: int | None = None,
+    vibrating: bool = False,
+    progress: bool | None = None,
 ) -> Modes:
     """Find natural frequencies, damping, whirl and shapes at one speed.
 
@@ -91,13 +96,17 @@ def modes(
         Speed of the reference shaft [rad/s].
     count : int, optional
         Number of modes; None is all.
+    vibrating : bool
+        Whether to leave out modes that are no vibrations, as Campbell diagrams do: the rotation of
+        the train, growth without oscillation, and overdamped motions, with abs(Im λ) of at most
+        0.05 abs(λ). These have the lowest frequencies, and oil films and strong damping cause many.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
     Modes
-        The modes in ascending order of frequency.
+        The modes in ascending order of frequency. A text says how many of them are overdamped.
 
     Raises
     ------
@@ -116,7 +125,7 @@ def modes(
     speed = number(speed, "speed")
     most = None if count is None else whole(count, "count")
     with working(progress, "modes"):
-        data = self._model.modes(speed, most)
+        data = self._model.modes(speed, most, truth(vibrating, "vibrating"))
     return Modes.from_data(data, speed, self.coordinates, _layout(self), speed_unit=unit)
 
 

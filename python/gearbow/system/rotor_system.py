@@ -411,8 +411,8 @@ class RotorSystem(CheckedKeywords, Shown):
         -----
         SceneWarning
             If a table of ROSS 3 over speed and frequency is read at the frequency of the speed, an
-            element excludes its rotary inertia, the file does not contain the material of a gear,
-            or the rotor is implausible.
+            element excludes its rotary inertia, a shaft has an axial force and ``beta``, the file
+            does not contain the material of a gear, or the rotor is implausible.
 
         Notes
         -----

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import BYTES, number, real, shown
 from gearbow._types import RunData
+from gearbow.analysis.protocol import System
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import SceneError, SceneWarning, outside
@@ -79,8 +80,13 @@ def in_order(data: RunData, rows: NDArray[np.intp] | None) -> RunData:
     return with_signals(data, data["time"][rows], found)
 
 
-def requests(record: object) -> list[Any]:
+def requests(record: object, system: System) -> list[Any]:
     """Convert the argument `record` to names and tuples of names and positions."""
+    if record is None:
+        # What a user of this system looks at first.
+        if system.gears:
+            return ["gears", "meshes"]
+        return ["disks" if system.disks else "nodes", "bearings"]
     if isinstance(record, str):
         return [record]
     if not isinstance(record, Iterable) or isinstance(record, (Mapping, *BYTES)):

@@ -62,7 +62,7 @@ def simulate(
     initial: InitialState | Response | SteadyState | Mapping[str, Any] = "synchronous",
     output_step: float | None = None,
     times: "ArrayLike | None" = None,
-    record: Iterable[Record] = ("gears", "meshes"),
+    record: Iterable[Record] | None = None,
     geometry: Geometry = "live",
     start: float | None = None,
     progress: bool | Progress | None = None,
@@ -120,11 +120,13 @@ def simulate(
         Time between recorded instants [s]. None resolves shaft rotation and tooth passing.
     times : array_like, shape (k,), optional
         Recorded times [s] instead, absolute and in any order.
-    record : sequence of str or tuple
+    record : sequence of str or tuple, optional
         Recorded items: names of gears, disks or shafts (all their nodes), of supports, housings
         and points of housings, (shaft, position), (driver, driven), ("bearing", shaft,
         position), and the groups "gears", "disks", "meshes", "bearings", "housings", "nodes",
-        "energy". "velocity" and "acceleration" add those of all recorded places.
+        "energy". "velocity" and "acceleration" add those of all recorded places. None is "gears"
+        and "meshes"; for a system without gears "disks" and "bearings", for one without disks as
+        well "nodes" and "bearings".
     geometry : {"live", "frozen"}
         "live": line of action and tooth engagement follow the moving centres. "frozen": they
         are those of the centres at rest.
@@ -209,7 +211,7 @@ def simulate(
         "stages": None if stages is None else whole(stages, "stages"),
         "modes": None if modes is None else whole(modes, "modes"),
         "initial": state,
-        "record": requests(record),
+        "record": requests(record, system),
         "geometry": text(geometry, "geometry"),
         "start": begin,
         "accuracy": None if level is None else level.name,
@@ -315,7 +317,7 @@ def require_memory_of_runs(
             size = min(number(duration, "duration") / number(step, "output_step"), 1e18)
         else:
             size = np.size(times)
-        record = requests(options.get("record", ("gears", "meshes")))
+        record = requests(options.get("record"), system)
         needed = system._model.record_bytes(record, int(size) + 1)
     except (GearbowError, ArithmeticError, TypeError, ValueError):
         return

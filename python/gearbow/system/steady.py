@@ -42,7 +42,7 @@ def steady_state(
     modes: int | None = None,
     initial: "InitialState | Response | SteadyState | Mapping[str, Any]" = "synchronous",
     output_step: float | None = None,
-    record: Iterable[Record] = ("gears", "meshes"),
+    record: Iterable[Record] | None = None,
     geometry: Geometry = "live",
     start: float | None = None,
     progress: bool | Progress | None = None,
@@ -83,7 +83,7 @@ def steady_state(
     output_step : float, optional
         Longest time between recorded instants [s], which divide the period evenly. None
         resolves shaft rotation and tooth passing.
-    record : sequence of str or tuple
+    record : sequence of str or tuple, optional
         Recorded items, as for `simulate`.
     geometry : {"live", "frozen"}
         As for `simulate`.
@@ -141,7 +141,7 @@ def steady_state(
         "stages": None if stages is None else whole(stages, "stages"),
         "modes": None if modes is None else whole(modes, "modes"),
         "initial": state,
-        "record": requests(record),
+        "record": requests(record, system),
         "geometry": geometry,
         "start": begin,
         "accuracy": None if level is None else level.name,

@@ -50,7 +50,7 @@ def tradeoff(  # numpydoc ignore=PR01
     signals : str, tuple or list of them, optional
         Signals to compare: the displacement of a gear, disk or (shaft, position), or the force of
         a mesh (driver, driven). With several signals the worst error counts. None is the first
-        gear.
+        gear, or the first disk of a system without gears.
     methods : str or list of str, optional
         Methods to run, names of `gearbow.tradeoff.METHODS`; None is all. Simplified models use
         the first one.

@@ -36,6 +36,14 @@ pub struct Mode {
     pub residual: Residual,
 }
 
+/// Smallest |Im λ|/|λ| of a vibration: the damping ratio is below 0.9987. `python/gearbow/results/modes.py` has the same limit.
+const MIN_OSCILLATION: f64 = 0.05;
+
+/// Whether a mode with this eigenvalue is a vibration. Overdamped motions turn slowly with the gyroscopic moments.
+pub fn oscillates(eigenvalue: Complex<f64>) -> bool {
+    eigenvalue.im > MIN_OSCILLATION * eigenvalue.norm()
+}
+
 impl Mode {
     /// Damped frequency |Im λ|/2π, Hz.
     pub fn frequency_hz(&self) -> f64 {

@@ -83,7 +83,7 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
                 found.check(&at.field("clearance"), rolling.clearance.abs() / diameter, &ROLLING_CLEARANCE);
                 let area = f64::from(rolling.elements) * (rolling.diameter_ratio * rolling.pitch_diameter).powi(2);
                 let preload = rolling.axial_preload.unwrap_or(0.0);
-                found.check(&at.field("axial_preload"), preload / area, &AXIAL_PRELOAD);
+                found.check(&at.field("axial_preload"), preload.abs() / area, &AXIAL_PRELOAD);
             }
         }
     }

@@ -352,6 +352,29 @@ def test_an_impossible_ring_is_refused(given, message):
         rotor(replace(B218, **given))
 
 
+def test_deep_groove_bearings_are_preloaded_against_each_other():
+    """With the contact angle 0, the sign of the preload gives its direction."""
+    pair = [
+        replace(DEEP_GROOVE, position=x, axial_preload=preload)
+        for x, preload in ((0.05, 600.0), (0.45, -600.0))
+    ]
+    static = rotor(*pair).static(speed=10.0)
+    forces = [static.axial_bearing_force(("rotor", one.position)) for one in pair]
+    assert sum(forces) == pytest.approx(0.0, abs=1e-6)
+    assert forces[0] > 500.0
+
+
+def test_a_lifted_bearing_is_found_again():
+    """A tapered bearing whose preload nothing opposes lifts, until the thrust of the radial load presses it again."""
+    groove = replace(DEEP_GROOVE, position=0.45, clearance=0.0)
+    system = rotor(replace(TAPERED, axial_preload=100.0), groove)
+    static = system.static(speed=100.0)
+    assert static.residual < 1e-9
+    thrust = [static.axial_bearing_force(("rotor", x)) for x in (0.05, 0.45)]
+    assert sum(thrust) == pytest.approx(0.0, abs=1e-6)
+    assert thrust[0] > 0.0
+
+
 def test_radial_rollers_take_no_preload():
     with pytest.raises(gb.SceneError, match=r"bearings\[0\].axial_preload: cannot press rollers"):
         rotor(replace(TAPERED, contact_angle=0.0, axial_preload=10.0))

@@ -96,10 +96,6 @@ def element(plain: dict, kind: str, i: int = 0) -> dict:
             'no bearing between shafts and no mesh connects "rotor 1"',
         ),
         (
-            lambda p: element(p, "ShaftElement", 2).update(axial_force=10.0),
-            "Shaft Element 2: axial_force must be 0, got 10.0",
-        ),
-        (
             lambda p: element(p, "ShaftElement", 2).update(gyroscopic=False),
             "Shaft Element 2: gyroscopic must be True, got False",
         ),

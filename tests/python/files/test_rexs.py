@@ -697,7 +697,18 @@ CASE = ("--load-case", "1", "--bearing", "other=1e8")
         ([str(FILE)], "see --list, and the options --load-case, --bearing and --coupling"),
         ([str(FILE), "--bearing", "1e8", "--load-case", "1"], 'must be NAME=STIFFNESS, got "1e8"'),
         ([str(FILE), *CASE, "--out", "a.json"], "--out: must end with .toml"),
-        (["rotor.toml", "--list"], "rotor.toml: only REXS files have options"),
+        (["rotor.toml", "--list"], "rotor.toml: only REXS files have --list, --load-case"),
+        ([str(FILE), "--mesh", "a/b=1e8"], "only rotors of ROSS have --mesh and --centre-line"),
+        (["a.json", "--mesh", "a/b"], '--mesh: must be DRIVER/DRIVEN=STIFFNESS, got "a/b"'),
+        (["a.json", "--mesh", "a=1e8"], '--mesh: must be DRIVER/DRIVEN=STIFFNESS, got "a=1e8"'),
+        (
+            ["a.json", "--mesh", "a/b=1 m"],
+            "meshes.stiffness: must have a unit that converts to N/m",
+        ),
+        (
+            ["a.json", "--mesh", "a/b=1e8", "--centre-line-angle", "b/a=30 deg"],
+            '--centre-line-angle: no --mesh is given for "b/a"',
+        ),
     ],
 )
 def test_a_wrong_call_of_the_command_is_an_error(capsys, arguments, message: str):

@@ -133,6 +133,36 @@ def test_layers_are_sleeves_and_cones_are_cones(tmp_path: Path):
     assert sleeve.material == gb.Material(114e9, 4430.0, shear_modulus=42.5e9)
 
 
+#: Eigenfrequencies [rad/s] at 400 rad/s by the axial force [N], of a shaft of two elements in ROSS 2.3. Without force, the lowest
+#: is 4631 rad/s.
+TENSIONED = {
+    2e5: [5063.126506, 5063.915245, 11458.06667, 11463.16408, 21576.10718, 21597.14430],
+    -1e5: [4289.869371, 4291.528745, 9990.506816, 9995.677435, 18187.79645, 18208.51346],
+}
+
+
+@pytest.mark.parametrize("force", list(TENSIONED))
+def test_an_axial_force_has_the_modes_of_ross(tmp_path: Path, force: float):
+    system = read(tmp_path, *(element(n, 0.02, axial_force=force) for n in range(2)))
+    assert system.shafts[0].axial_force == force
+    found = system.modes(400.0).eigenvalues.imag[:6]
+    # The same elements: the printed digits.
+    np.testing.assert_allclose(found, TENSIONED[force], rtol=1e-9)
+
+
+def test_the_axial_force_of_a_shaft_is_the_sum_over_its_layers(tmp_path: Path):
+    layers = (element(1, 0.02, axial_force=7e3), element(1, 0.03, 0.02, axial_force=3e3))
+    system = read(tmp_path, element(0, 0.02, axial_force=1e4), *layers)
+    assert system.shafts[0].axial_force == 1e4
+
+
+def test_damping_of_ross_includes_the_axial_force_with_a_warning(tmp_path: Path):
+    elements = [element(n, 0.02, axial_force=1e4, beta=1e-5) for n in range(2)]
+    with pytest.warns(gb.SceneWarning, match="beta of ROSS includes the stiffness of the axial"):
+        system = read(tmp_path, *elements)
+    assert system.rayleigh == (0.0, 1e-5)
+
+
 def test_rotary_inertia_is_included_with_a_warning(tmp_path: Path):
     with pytest.warns(gb.SceneWarning, match="rotary_inertia is false"):
         system = read(tmp_path, element(0, 0.05, rotary_inertia=False), element(1, 0.05))
@@ -145,6 +175,11 @@ def test_errors_name_the_element(tmp_path: Path):
         ([element(0, 0.05), element(0, 0.08, 0.05, L=0.2)], "e1: must be as long as the other"),
         ([element(0, 0.05), element(0, 0.08, 0.05, odr=0.1)], "e1: a conical layer"),
         ([element(0, 0.05), element(1, 0.05, shear_effects=False)], "e1: shear_effects must be"),
+        (
+            [element(0, 0.05), element(1, 0.05, axial_force=10.0)],
+            r"e1: axial_force must be that of the other elements .* got 10 N\..*geometric_stiffness",
+        ),
+        ([element(0, 0.05), element(1, 0.05, torque=10.0)], "e1: torque must be 0, got 10.0"),
     ]
     for elements, message in cases:
         with pytest.raises(gb.SceneError, match=message):

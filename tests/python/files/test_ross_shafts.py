@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.cli.main import main
 
 #: Eigenvalues of `CoAxialRotor` and `MultiRotor` by the speed [rad/s], from K, M, C and G of ROSS, by size.
 COAXIAL = {
@@ -215,11 +216,19 @@ def test_what_is_missing_is_an_error_that_names_it(tmp_path: Path):
     table = {"frequency": [0.0, 100.0], "kxx": [1e7, 2e7], "n_link": 7}
     over_speed = coaxial_rotor()
     over_speed["BearingElement_3"] |= table
+    # ROSS 2.3 cannot make this rotor.
+    geared_and_coaxial = {**shaft(range(8, 10), 0.05, 0.04), **geared_rotors()}
+    geared_and_coaxial |= bearing(2, 6e7, 0.0, n_link=8) | bearing(10, 1e8, 0.0)
     bearings = [f"bearing {n}" for n in range(8)]
     cases = [
         (geared_rotors(), [], r'which of its gears mesh \("wheel" on "rotor 1", "pinion" on'),
         (without(geared_rotors(), *bearings, "pedestal 7"), [MESH], "2 shafts and no bearing"),
         (without(coaxial_rotor(), "bearing 3"), [], 'no mesh connects "rotor 1"'),
+        (
+            geared_and_coaxial,
+            [MESH],
+            'no mesh gives the speed of "rotor 3", which a bearing connects',
+        ),
         (over_speed, [], "3: a bearing between shafts must not depend on the speed"),
         (
             geared_rotors(),
@@ -230,6 +239,20 @@ def test_what_is_missing_is_an_error_that_names_it(tmp_path: Path):
     for elements, meshes, message in cases:
         with pytest.raises(gb.SceneError, match=message):
             read(tmp_path, elements, *meshes)
+
+
+def test_the_command_takes_the_meshes(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    expected = read(tmp_path, geared_rotors(), MESH)
+    scene = tmp_path / "scene.toml"
+    options = ["--mesh", "wheel/pinion=200 N/um", "--centre-line-angle", "wheel/pinion=0.6"]
+    with pytest.raises(SystemExit) as ended:
+        main(["import", str(tmp_path / "rotor.json"), *options, "--out", str(scene)])
+    assert ended.value.code == 0, capsys.readouterr().err
+    assert gb.RotorSystem.load(scene).description == expected.description
+    with pytest.raises(SystemExit) as ended:
+        main(["import", str(tmp_path / "rotor.json")])
+    assert ended.value.code == 2
+    assert "the options --mesh and --centre-line-angle" in capsys.readouterr().err
 
 
 def test_a_toml_file_with_gears_says_how_to_save_them(tmp_path: Path):

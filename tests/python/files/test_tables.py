@@ -175,6 +175,18 @@ def test_oscillating_modes_come_before_overdamped_ones():
         assert modes.frequencies_hz[number - 1] == frequency
 
 
+def test_a_table_tells_how_to_leave_overdamped_modes_out():
+    hint = r"(\d) of 6 modes are overdamped, in the last rows; modes\(count=, vibrating=True\)"
+    few = overdamped().modes(count=6)
+    count = int(re.search(hint, few.table())[1])
+    assert count == sum(few.frequencies_hz == 0.0) > 0
+    assert f"{count} of 6 modes are overdamped" in few._repr_html_()
+    vibrating = overdamped().modes(count=6, vibrating=True)
+    assert len(vibrating.whirl) == 6
+    assert "overdamped" not in vibrating.table()
+    np.testing.assert_allclose(vibrating.frequencies_hz[: 6 - count], few.frequencies_hz[count:])
+
+
 def test_no_table_has_a_negative_zero():
     from gearbow._result import plain_text
 
@@ -347,7 +359,6 @@ def test_a_table_of_a_grid_has_the_parameters_of_each_point():
 
 
 def test_a_run_without_recorded_signals_is_printed():
-    # By default a run records gears and meshes; this rotor has neither.
-    run = gb.examples()["turbine_rotor"].load().simulate(1e-3, 300.0)
+    run = gb.examples()["turbine_rotor"].load().simulate(1e-3, 300.0, record=[])
     assert "signal" in str(run)
     assert len(run.to_dataframe()) == run.time.size

@@ -8,14 +8,11 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import BENDING_STIFFNESS, DISK_MASS, RIGID, massless_rotor
 
-LENGTH, DIAMETER, MASS = 0.8, 0.03, 10.0
 STEEL_E = 2.06e11
-STIFFNESS = 48.0 * STEEL_E * math.pi * DIAMETER**4 / 64.0 / LENGTH**3
+MASS, STIFFNESS = DISK_MASS, BENDING_STIFFNESS
 FREQUENCY = math.sqrt(STIFFNESS / MASS)
-LIGHT = gb.Material(STEEL_E, 1e-3, poisson_ratio=0.3)
-#: Stiffness of the bearings [N/m].
-RIGID = 1e10
 pytestmark = pytest.mark.filterwarnings("ignore:natural frequencies range:gearbow.AccuracyWarning")
 
 
@@ -24,23 +21,9 @@ def stiffness(loss: float, side: np.ndarray | float) -> np.ndarray:
     return 1.0 / (1.0 / (STIFFNESS * (1.0 + 1j * loss * side)) + 0.5 / RIGID)
 
 
-def jeffcott(loss: float, external: float = 0.0, **options) -> gb.RotorSystem:
-    """Give a disk in the middle of a massless shaft with a damper [N s/m] at the disk."""
-    shaft = gb.Shaft(
-        "s",
-        length=LENGTH,
-        outer_diameter=DIAMETER,
-        elements=2,
-        degree=1,
-        shear=False,
-        material=LIGHT,
-        loss_factor=loss,
-    )
-    bearings = [gb.Bearing("s", x, stiffness=RIGID) for x in (0.0, LENGTH)]
-    bearings.append(gb.Bearing("s", LENGTH / 2.0, stiffness=0.0, damping=external))
-    disk = gb.Disk("d", "s", LENGTH / 2.0, MASS, 1e-3, 1e-3)
-    given = {"disks": [disk], "bearings": bearings, "motion": "lateral", **options}
-    return gb.RotorSystem([shaft], **given)
+def jeffcott(loss: float, external: float = 0.0) -> gb.RotorSystem:
+    """Give a disk amid a massless shaft with losses and a damper [N s/m] at the disk."""
+    return massless_rotor({"loss_factor": loss}, damping=external)
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.5, 1.5, -0.5, -1.5])

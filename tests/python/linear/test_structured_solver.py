@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.machines import long_shaft, rotor
+from reference.machines import double_stage, long_shaft, rotor
 from test_random_scenes import Drawn, scenes
 
 pytestmark = pytest.mark.implausible
@@ -387,6 +387,40 @@ def test_nine_thousand_elements_need_memory_in_proportion():
     for refused in (system.matrices, system.modes):
         with pytest.raises(gb.SceneError, match=r"36004 degrees of freedom need .* GB of memory"):
             refused()
+
+
+@pytest.mark.parametrize("machine", ["gearbox", "turbine_rotor"])
+def test_only_vibrations_are_counted(machine: str):
+    # Oil films: the lowest modes of both machines are overdamped.
+    example = gb.examples()[machine]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        system = example.load()
+    found = system.modes(example.speed, count=6, vibrating=True).eigenvalues
+    values = system.modes(example.speed).eigenvalues
+    expected = values[values.imag > 0.05 * np.abs(values)][:6]
+    assert np.sum(system.modes(example.speed, count=6).eigenvalues.imag > 0.0) < 3
+    # Both are accurate to the residual of a mode; the film modes of the gearbox are the most sensitive (3e-7).
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+def test_fewer_vibrations_than_asked_for_are_all():
+    # Two degrees of freedom along y have critical damping, two along z vibrate.
+    system = gb.RotorSystem(
+        [gb.Shaft("s", length=0.2, outer_diameter=0.1, elements=1, degree=1)],
+        bearings=[gb.Bearing("s", x, stiffness=1e6, damping=(1e8, 1e2)) for x in (0.0, 0.2)],
+        motion="lateral",
+    )
+    every = system.modes()
+    vibrating = every.eigenvalues[every.eigenvalues.imag > 0.05 * np.abs(every.eigenvalues)]
+    assert 0 < len(vibrating) < len(every.whirl)
+    for count in (None, len(vibrating), 100):
+        found = system.modes(count=count, vibrating=True).eigenvalues
+        np.testing.assert_allclose(found, vibrating, rtol=1e-9)
+    # Undamped: a train that turns freely has a rigid-body mode, which is no vibration.
+    train = double_stage()
+    assert train.modes(count=1).whirl == ("rigid",)
+    assert train.modes(count=1, vibrating=True).frequencies_hz[0] > 1.0
 
 
 def test_too_many_overdamped_modes_are_refused_before_dense_matrices():

@@ -9,50 +9,29 @@ from scipy.integrate import solve_ivp
 
 import gearbow as gb
 from reference.cases import each_case
+from reference.machines import BENDING_STIFFNESS, DISK_MASS, MASSLESS, RIGID, massless_rotor
 
-LENGTH, MASS, DAMPING = 0.8, 10.0, 400.0
-STEEL_E, DIAMETER = 2.06e11, 0.03
-#: Of the shaft, and of each bearing [N/m].
-SHAFT, RIGID = 48.0 * STEEL_E * math.pi * DIAMETER**4 / 64.0 / LENGTH**3, 1e10
-STIFFNESS = 1.0 / (1.0 / SHAFT + 0.5 / RIGID)
+LENGTH, MASS, DAMPING = MASSLESS["length"], DISK_MASS, 400.0
+STIFFNESS = 1.0 / (1.0 / BENDING_STIFFNESS + 0.5 / RIGID)
 FREQUENCY = math.sqrt(STIFFNESS / MASS)
-LIGHT = gb.Material(STEEL_E, 1e-3, poisson_ratio=0.3)
 pytestmark = pytest.mark.filterwarnings("ignore:natural frequencies range:gearbow.AccuracyWarning")
 #: Bow at 1 K [m], time constant [s] and gain [K/m].
 BOW, TAU, GAIN = 1e-6, 250.0, 2.5e5 * np.exp(0.7j)
 
 
-def bent(curve: Callable[[float], complex]) -> gb.Shaft:
-    """Give a massless shaft with a bow."""
-    return gb.Shaft(
-        "s",
-        length=LENGTH,
-        outer_diameter=DIAMETER,
-        elements=8,
-        degree=3,
-        shear=False,
-        material=LIGHT,
-        bow=gb.Bow.function(curve),
-    )
+def bent(curve: Callable[[float], complex]) -> dict:
+    """Give the fields of a massless shaft with a bow, with enough elements for its curve."""
+    return {"elements": 8, "degree": 3, "bow": gb.Bow.function(curve)}
 
 
 def jeffcott(unbalance: complex = 2e-4 + 1e-4j) -> gb.RotorSystem:
-    """Give a damped disk in the middle of a massless shaft on rigid bearings."""
-    half = LENGTH / 2.0
+    """Give a damped disk amid a bowed massless shaft on rigid bearings."""
 
     def cubic(x: float) -> complex:
         near = min(x, LENGTH - x) / LENGTH
         return 2e-5j * (3.0 * near - 4.0 * near**3)
 
-    shaft = bent(cubic)
-    bearings = [gb.Bearing("s", x, stiffness=RIGID) for x in (0.0, LENGTH)]
-    bearings.append(gb.Bearing("s", half, stiffness=0.0, damping=DAMPING))
-    return gb.RotorSystem(
-        [shaft],
-        disks=[gb.Disk("d", "s", half, MASS, 1e-3, 1e-3, unbalance=unbalance)],
-        bearings=bearings,
-        motion="lateral",
-    )
+    return massless_rotor(bent(cubic), damping=DAMPING, unbalance=unbalance)
 
 
 def hot(**changes) -> gb.ThermalBow:
@@ -96,7 +75,8 @@ def test_a_slow_integration_with_synchronous_responses_has_the_same_growth():
         def curve(x: float) -> complex:
             return system.shafts[0].bow.curve(x) + temperature * bow.shape.curve(x)
 
-        v, w = system.replace(shafts=[bent(curve)]).synchronous(speed).displacement("d")[0, 0]
+        bowed = system.replace(shafts=massless_rotor(bent(curve)).shafts)
+        v, w = bowed.synchronous(speed).displacement("d")[0, 0]
         return (v + 1j * w) / 2.0
 
     def rate(_: float, state: np.ndarray) -> np.ndarray:

@@ -174,6 +174,12 @@ def test_modes(scene: str, capsys):
     code, out, _ = called(capsys, "modes", scene, "--speed", "1500 rpm", "--count", 4)
     assert (code, out) == (0, f"1500 rpm = 157.08 rad/s\n{expected.table()}\n")
     assert "modes at 1500 rpm" in out
+    options = ["--speed", "1500 rpm", "--count", 3, "--vibrating"]
+    found = answer(capsys, "modes", scene, *options)
+    # The rigid-body mode is no vibration.
+    np.testing.assert_allclose(
+        [mode["frequency_hz"] for mode in found["modes"]], expected.frequencies_hz[1:], rtol=1e-9
+    )
 
 
 def test_bow_limits(scene: str, tmp_path: Path, capsys):

@@ -20,7 +20,17 @@ import pytest
 
 import gearbow as gb
 from fleet import FOLDER, MACHINES, SIZES, Machine, rows_of_list
-from fleet_analyses import ANALYSES, COUNT, SHARES, lateral, meshed, places, quantity, turn
+from fleet_analyses import (
+    ANALYSES,
+    COUNT,
+    SHARES,
+    internally_damped,
+    lateral,
+    meshed,
+    places,
+    quantity,
+    turn,
+)
 from gearbow.cli.main import main
 from reference.figure_texts import check_texts
 from test_report import SECTION_NAMES, read_sections
@@ -358,7 +368,12 @@ COMMANDS = {
     "check": Command(None, lambda _m, _p: [], check_checked),
     "plot": Command(None, lambda _, p: ["--out", p / "train.png"], check_drawn),
     "modes": Command(
-        "modes", lambda m, _: ["--speed", m.speed, "--count", COUNT], check_printed_modes
+        "modes",
+        lambda m, _: [
+            *("--speed", m.speed, "--count", COUNT),
+            *(["--vibrating"] if internally_damped(m.system) else []),
+        ],
+        check_printed_modes,
     ),
     "campbell": Command(
         "campbell",
@@ -469,9 +484,7 @@ def test_linear_analyses_have_loss_factors_and_runs_refuse_them(machine, loss):
     shafts = [replace(shaft, loss_factor=loss) for shaft in system.shafts]
     lossy = system.replace(shafts=shafts, bearings=bearings)
     before = obtain(machine, "modes").eigenvalues
-    for value in lossy.modes(speed, count=COUNT).eigenvalues:
-        if value.imag < 0.05 * abs(value):
-            continue  # a motion without oscillation has no loss, and others may be among the lowest ones
+    for value in lossy.modes(speed, count=COUNT, vibrating=internally_damped(system)).eigenvalues:
         # to first order, the loss of all elastic energy changes an eigenvalue by half the loss factor
         assert np.abs(before - value).min() <= loss * abs(value) + 1e-6
     # the equilibrium does not depend on the loss factors
@@ -582,6 +595,25 @@ def test_files_keep_everything(machine, file, tmp_path):
     assert set(found) == set(expected)
     for name, values in expected.items():
         np.testing.assert_equal(found[name], values)
+
+
+def test_a_run_records_something_by_default(machine, capsys):
+    system = machine.system
+    run = system.simulate(1e-3, machine.speed, initial="rest")
+    if system.gears:
+        pairs = [(mesh.driver, mesh.driven) for mesh in system.meshes]
+        assert run.recorded == [*(gear.name for gear in system.gears), *pairs]
+        return
+    disks = {disk.name for disk in system.disks}
+    forces = {("bearing", each.shaft, each.position) for each in system.bearings}
+    # Oil films add the motion of their journals.
+    assert set(run.recorded) >= disks | forces
+    given = ["run", str(machine.path), "--duration", "1 ms", "--speed", str(machine.speed)]
+    with pytest.raises(SystemExit):
+        main([*given, "--json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert set(answer["points"]) >= disks
+    assert len(answer["bearings"]) == len(forces)
 
 
 @pytest.mark.parametrize("figure", ["history"])

@@ -27,6 +27,19 @@ BEARING: Fields = {"stiffness": 1e8, "damping": 500.0}
 UNDAMPED: Fields = {"mesh": {"stiffness": 2e8}, "bearing": {"stiffness": 1e8}}
 #: A light material, whose shaft is a spring.
 LIGHT = gb.Material(207e9, 1.0, poisson_ratio=0.3)
+#: A shaft without mass, the disk in its middle [kg], its stiffness there and that of each bearing [N/m].
+MASSLESS: Fields = {
+    "name": "s",
+    "length": 0.8,
+    "outer_diameter": 0.03,
+    "elements": 2,
+    "degree": 1,
+    "shear": False,
+    "material": gb.Material(2.06e11, 1e-3, poisson_ratio=0.3),
+}
+DISK_MASS = 10.0
+BENDING_STIFFNESS = 48.0 * 2.06e11 * pi * 0.03**4 / 64.0 / 0.8**3
+RIGID = 1e10
 #: An oil film for shafts of 50 mm.
 OIL: Fields = {"diameter": 0.05, "length": 0.02, "clearance": 5e-5, "viscosity": 0.02}
 
@@ -411,6 +424,25 @@ def jeffcott(
             *(gb.Bearing("s", x, stiffness=1e10) for x in (0.0, 1.0)),
             gb.Bearing("s", 0.5, stiffness=0.0, damping=damping),
         ],
+    )
+
+
+def massless_rotor(
+    shaft: Fields = NOTHING, *, damping: float = 0.0, unbalance: complex = 0.0, **parts: Any
+) -> gb.RotorSystem:
+    """Build a disk "d" amid a shaft without mass on rigid bearings, with damping at the disk [N s/m].
+
+    The shaft has 6e-8 of the mass of the disk, and the bearings give way by 4e-5 of the deflection.
+    """
+    length = MASSLESS["length"]
+    return rotor(
+        {**MASSLESS, **shaft},
+        inertia(DISK_MASS, 1e-3, 1e-3, name="d", unbalance=unbalance),
+        bearings=[
+            *(gb.Bearing("s", x, stiffness=RIGID) for x in (0.0, length)),
+            gb.Bearing("s", length / 2, stiffness=0.0, damping=damping),
+        ],
+        **{"motion": "lateral", **parts},
     )
 
 

@@ -52,6 +52,27 @@ def test_impossible_duration_and_speed(duration: float, speed: float):
         DEMO.package().simulate(duration, speed)
 
 
+def test_a_run_records_what_its_system_has():
+    plain = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=500.0) for x in (0.0, 1.0)]
+    disk = gb.Disk("disk", "rotor", 0.5, 20.0, 0.1, 0.2)
+    nodes = [("rotor", x) for x in (0.0, 0.5, 1.0)]
+    forces = [("bearing", "rotor", x) for x in (0.0, 1.0)]
+    cases = [
+        (DEMO.package(), ["g1", "g2", "g3", "g4", ("g1", "g2"), ("g3", "g4")]),
+        (gb.RotorSystem([plain], bearings=bearings, disks=[disk]), ["disk", *forces]),
+        (gb.RotorSystem([plain], bearings=bearings), [*nodes, *forces]),
+        (gb.RotorSystem([plain], disks=[disk], motion="torsion"), ["disk"]),
+        (gb.RotorSystem([plain], motion="torsion"), nodes),
+    ]
+    for system, expected in cases:
+        assert system.simulate(1e-4, 100.0, initial="rest").recorded == expected
+        assert system.simulate(1e-4, 100.0, initial="rest", record=[]).recorded == []
+    _, (rotor, _), *_ = cases
+    rotor = rotor.replace(disks=[gb.Disk("disk", "rotor", 0.5, 20.0, 0.1, 0.2, unbalance=1e-4)])
+    assert rotor.steady_state(100.0).response.recorded == ["disk", *forces]
+
+
 def test_times_in_any_order_and_twice():
     system = DEMO.package()
     times = [5e-4, 1e-4, 1e-4, 3.3e-4, 0.0]
