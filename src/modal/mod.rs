@@ -25,6 +25,6 @@ pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, eq
 pub use lowest::{Eigenpair, Highest, MAX_DENSE, ModeAtSpeed, intersection, lowest_critical, mode_near};
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};
 pub use undamped::{
-    ComponentModes, Extent, GyroscopicPair, ModalDamping, Pins, RealModes, SpectralRange, SubspaceKey,
-    gyroscopic_pairs, null_motions,
+    ComponentModes, CoupledMotion, CouplingChoice, Extent, ModalDamping, Pins, RealModes, SpectralRange, SpeedCoupling,
+    SubspaceKey, null_motions, speed_couplings,
 };

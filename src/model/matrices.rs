@@ -78,6 +78,12 @@ impl Model {
         self.dense(|add| self.visit_gyroscopic(add))
     }
 
+    /// Matrix of the circulatory forces of internal damping per unit speed of the reference shaft: −iβK_s of each shaft s, for
+    /// the real and imaginary part of u.
+    pub fn sparse_circulation(&self) -> Sparse {
+        self.sparse(|add| self.visit_circulation_per_speed(add))
+    }
+
     /// Mass matrix M.
     pub fn sparse_mass(&self) -> Sparse {
         self.sparse(|add| self.visit_mass(add))
@@ -354,13 +360,19 @@ impl Model {
 
     /// −iΩ_s βK_s of each shaft with internal damping, at the speed that the model contains.
     pub fn visit_circulation(&self, add: Add<'_>) {
-        let Some(speed) = self.circulation else { return };
+        if let Some(speed) = self.circulation {
+            self.visit_circulation_per_speed(&mut |row, column, value| add(row, column, speed * value));
+        }
+    }
+
+    /// The same per unit speed of the reference shaft.
+    fn visit_circulation_per_speed(&self, add: Add<'_>) {
         for shaft in &self.shafts {
             if let (Some(chain), Some(circulatory)) = (&shaft.bending, &shaft.circulatory) {
                 circulatory.for_each(|row, column, value| {
                     let (row, column) = (chain.start + 2 * row, chain.start + 2 * column);
-                    add(row, column + 1, shaft.ratio * speed * value);
-                    add(row + 1, column, -shaft.ratio * speed * value);
+                    add(row, column + 1, shaft.ratio * value);
+                    add(row + 1, column, -shaft.ratio * value);
                 });
             }
         }

@@ -8,6 +8,7 @@ use super::Options;
 use super::initial::Start;
 use super::longest_step::{RESONANT_FACTOR, STEPS_PER_CYCLE, excitation_frequency};
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
+use super::ramp::linear_model;
 use super::run_cache::RunCache;
 use crate::exponential::{
     InterfaceMaps, LevelControl, Loads, PropagatorCache, PropagatorKey, QuadratureRule, Stepper, TimeGrid,
@@ -110,8 +111,7 @@ fn time_grid(
         Some(step) => step,
         None => {
             let model = &cached.model;
-            let at_fastest = cached.at_speed(options.fastest())?;
-            let slowest = at_fastest.spectral_range(options.fastest())?.slowest;
+            let slowest = linear_model(cached, options)?.spectral_range(options.fastest())?.slowest;
             let resonant = if loads.is_resonant() { RESONANT_FACTOR } else { 1.0 };
             let speed = options.fastest().abs();
             // At a changing speed, the longest step is that of the slowest speed; faster speeds use shorter ones.

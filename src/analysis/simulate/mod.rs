@@ -152,11 +152,6 @@ pub fn simulate(
 /// The model of a run. At a constant speed, bearings that depend on it belong to the matrices.
 fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, AnalysisError> {
     cached.model.scene.refuse_loss_factors()?;
-    let explicit = matches!(options.method, Method::Rk4 | Method::Rk45);
-    if cached.model.has_internal_damping() && matches!(options.speed, Speed::Changing(_)) && !explicit {
-        let message = "internal damping depends on the speed; at a changing speed use method=\"rk45\" or \"rk4\"";
-        return Err(SceneError::new("method", message).into());
-    }
     Ok(match options.speed {
         Speed::Constant(_) => cached.at_speed(options.fastest())?,
         Speed::Changing(_) => cached.with_operating_points_of(options.fastest())?,

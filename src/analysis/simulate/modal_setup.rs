@@ -39,20 +39,20 @@ impl<'m> ModalSetup<'m> {
         subspace: Option<&Projected>,
     ) -> Result<Self, AnalysisError> {
         let (speed, changes) = (ramp::reference_speed(options), matches!(options.speed, Speed::Changing(_)));
-        // The linear motion contains the bearings at the largest speed, and the slopes of torques at its own.
+        // The linear motion contains the bearings at the largest speed; slopes of torques, gyroscopic and circulatory forces at its own.
         motion.linearise_at(speed);
-        let at_fastest = cached.at_speed(options.fastest())?;
+        let model = ramp::linear_model(cached, options)?;
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
         // contains the shafts alone.
         let uncoupled = options.method == Method::Exponential
             && subspace.is_none()
             && options.modes.is_none()
             && motion.varying_flanks_can_separate();
-        let without_meshes = if uncoupled { at_fastest.linear_without_meshes(speed)? } else { None };
+        let without_meshes = if uncoupled { model.linear_without_meshes(speed)? } else { None };
         let linear = match (subspace, without_meshes) {
             (Some(subspace), _) => subspace.state_space()?,
             (None, Some(linear)) => linear,
-            (None, None) => at_fastest.linear(speed)?,
+            (None, None) => model.linear(speed)?,
         };
         // At a changing speed, bow and unbalance are loads, and no shaft is a source of synchronous motion.
         let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
@@ -88,8 +88,8 @@ impl<'m> ModalSetup<'m> {
             AnalysisError::overlap(driver, driven, "at the beginning", overlap)
         })?;
         if changes {
-            let modes = subspace.map_or_else(|| at_fastest.real_modes(speed), |subspace| Ok(&subspace.modes))?;
-            let change = ramp::speed_change(&cached.model, options, modes)?;
+            let modes = subspace.map_or_else(|| model.real_modes(speed), |subspace| Ok(&subspace.modes))?;
+            let change = ramp::speed_change(&cached.model, options, modes, selection.powers.is_some())?;
             loads.add_changing_speed(&linear, &change, &mut maps);
         }
         Ok(Self::recording(linear, loads, maps, selection))

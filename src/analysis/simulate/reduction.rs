@@ -13,7 +13,7 @@ use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::Pilot;
 use super::ports::{excited_frequency, interfaces, rotating_loads};
-use super::ramp::reference_speed;
+use super::ramp::{linear_model, reference_speed};
 use super::record::Record;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
@@ -256,15 +256,15 @@ impl<'m> Reducer<'_, 'm> {
         let (fastest, speed) = (options.fastest(), reference_speed(options));
         let excited = excited_frequency(model, fastest);
         // At a changing speed, the subspace contains the bearings at the largest speed, and carries their differences.
-        let at_fastest = run.cached.at_speed(fastest)?;
-        let projected = at_fastest.subspace(SubspaceKey {
+        let linear_model = linear_model(run.cached, options)?;
+        let projected = linear_model.subspace(SubspaceKey {
             speeds: if speed == fastest { vec![speed] } else { vec![speed, fastest] },
             excited,
             rotation: model.max_speed_ratio() * fastest.abs(),
             highest: is_large(model).then_some(limit * excited),
-            interfaces: interfaces(&at_fastest.model, fastest, &plan.selection(model)),
+            interfaces: interfaces(&linear_model.model, fastest, &plan.selection(model)),
             distributed: match options.speed {
-                Speed::Changing(_) => rotating_loads(&at_fastest.model),
+                Speed::Changing(_) => rotating_loads(&linear_model.model),
                 Speed::Constant(_) => Vec::new(),
             },
             extent,

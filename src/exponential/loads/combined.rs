@@ -92,7 +92,7 @@ impl<'m> Loads<'m> {
 
     /// Adds the loads of a changing speed, and their rows and columns to the maps.
     pub fn add_changing_speed(&mut self, linear: &ModalStateSpace, change: &SpeedChange, maps: &mut InterfaceMaps) {
-        let loads = ChangingSpeedLoads::new(&self.motion, linear, change, maps);
+        let loads = ChangingSpeedLoads::new(&self.motion, linear, change, &self.reference, maps);
         self.changing_counts = loads.counts();
         self.changing = Some(Box::new(loads));
     }

@@ -143,6 +143,8 @@ pub struct CachedModel {
     linear_part: OnceLock<Arc<LinearPart>>,
     /// Models at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<CachedModel>>,
+    /// The same model with circulatory forces of other speeds (rad/s).
+    circulations: Recent<f64, Arc<CachedModel>>,
     /// Models at the speeds and frequencies of the last analyses, if bearings depend on the frequency.
     at_frequencies: Recent<[f64; 2], Arc<CachedModel>>,
     /// What the models at all speeds share, if bearings depend on the speed.
@@ -194,6 +196,7 @@ impl CachedModel {
             model,
             linear_part: OnceLock::new(),
             at_speeds: Recent::default(),
+            circulations: Recent::default(),
             at_frequencies: Recent::default(),
             nominal: OnceLock::new(),
             equilibria: Recent::default(),
@@ -252,6 +255,27 @@ impl CachedModel {
         let model = Arc::new(model);
         self.at_speeds.insert(speed, Arc::clone(&model));
         Ok(AtSpeed::Specialised(model))
+    }
+
+    /// The model at a speed of the reference shaft with the circulatory forces of internal damping at another one, both rad/s: that
+    /// of the linear motion of a run at a changing speed.
+    ///
+    /// # Errors
+    /// As [`Self::at_speed`].
+    pub fn with_circulation_at(&self, speed: f64, circulation: f64) -> Result<AtSpeed<'_>, EquilibriumError> {
+        let at_speed = self.at_speed(speed)?;
+        if at_speed.model.circulation.is_none_or(|own| own == circulation) {
+            return Ok(at_speed);
+        }
+        let found = at_speed.circulations.get_or(circulation, || {
+            let mut model = at_speed.model.clone();
+            model.circulation = Some(circulation);
+            let made = Self::new(model);
+            // Variations of the system have the same modes.
+            made.linear_part.get_or_init(|| at_speed.linear_part().at_speed(circulation));
+            Arc::new(made)
+        });
+        Ok(AtSpeed::Specialised(found))
     }
 
     /// The model at a constant speed of the reference shaft and a frequency of the vibration, both rad/s. Only the coefficients of
