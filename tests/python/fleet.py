@@ -54,14 +54,6 @@ REFUSALS: dict[tuple[str, str], tuple[type[Exception], str]] = {
             *("spindle_drive", "tapered_reducer"),
         )
     },
-    # The matrices of internal damping depend on the speed, and the steps of the default method have constant ones.
-    **{
-        ("spindle_drive", analysis): (
-            gb.SceneError,
-            "method: internal damping depends on the speed",
-        )
-        for analysis in ("changing +", "changing -", "run up +")
-    },
 }
 
 
