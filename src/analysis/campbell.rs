@@ -19,7 +19,7 @@ use std::sync::Arc;
 use nalgebra::{Complex, DVector};
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
-use super::modes::{highest_damped, lowest_modes, lowest_oscillating_modes, require, uses_bands};
+use super::modes::{highest_damped, is_banded, lowest_modes, lowest_oscillating_modes, require, uses_bands};
 use super::own_frequency;
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
@@ -217,6 +217,7 @@ impl<'a> Tracker<'a> {
         if let Some(first) = speeds.first() {
             // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
             let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
+            let mut is_extended = false;
             loop {
                 let states = tracker.at(start)?;
                 tracker.modes =
@@ -232,8 +233,10 @@ impl<'a> Tracker<'a> {
                         break;
                     }
                 }
-                // Rigid-body modes and overdamped modes are not tracked.
-                tracker.wanted += count.saturating_sub(tracker.modes.len());
+                // Rigid-body modes and overdamped modes are not tracked. Where these are many, the number of modes doubles.
+                let missing = count.saturating_sub(tracker.modes.len());
+                tracker.wanted += if is_extended { tracker.wanted.max(missing) } else { missing };
+                is_extended = true;
             }
         }
         Ok(tracker)
@@ -258,7 +261,7 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         let [low, high] = ends;
         let part = ((speed - low.0) / (high.0 - low.0)).clamp(0.0, 1.0);
-        if self.is_partial() || self.cached.model.depends_on_frequency() {
+        if self.has_cheap_newton() {
             let nearest = if part < 0.5 { low.1 } else { high.1 };
             let eigenvalue = low.1.eigenvalue * (1.0 - part) + high.1.eigenvalue * part;
             let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
@@ -291,6 +294,12 @@ impl<'a> Tracker<'a> {
     /// Whether only the lowest modes are computed at each speed.
     fn is_partial(&self) -> bool {
         uses_bands(&self.cached.model, self.wanted)
+    }
+
+    /// Whether Newton's method finds one mode faster than dense matrices find all. Many overdamped modes, as internal damping of a
+    /// shaft causes them, make all modes necessary at the first speed only.
+    fn has_cheap_newton(&self) -> bool {
+        is_banded(&self.cached.model) && self.quadratic.is_none() || self.cached.model.depends_on_frequency()
     }
 
     /// Computes more modes from here on if a tracked mode may lie above the computed `states`; whether it may.
@@ -385,8 +394,7 @@ impl<'a> Tracker<'a> {
         let is_equal = |(index, mode): (usize, &State)| {
             self.modes[..index].iter().any(|other| equal(other.eigenvalue, mode.eigenvalue))
         };
-        let is_followed = self.is_partial() || self.cached.model.depends_on_frequency();
-        is_followed && !self.modes.iter().enumerate().any(is_equal)
+        self.has_cheap_newton() && !self.modes.iter().enumerate().any(is_equal)
     }
 
     /// Modal damping of a model at `speed`: that of the lowest modes, or of all modes if all are computed.

@@ -43,8 +43,17 @@ REFUSALS: dict[tuple[str, str], tuple[type[Exception], str]] = {
         )
         for sense in "+-"
     },
-    # A branch needs a common period.
-    ("idler_train", "branch +"): (gb.SceneError, "period: the common period of the excitation"),
+    # A branch needs a common period, which rolling elements do not have.
+    **{
+        (name, "branch +"): (
+            gb.SceneError,
+            "period: (the common period of the excitation|the frequencies have no common period)",
+        )
+        for name in (
+            *("coaxial_reducer", "dual_rotor", "gearbox", "helical_gear", "idler_train"),
+            *("spindle_drive", "tapered_reducer"),
+        )
+    },
 }
 
 

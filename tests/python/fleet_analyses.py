@@ -37,6 +37,11 @@ def meshed(system: gb.RotorSystem) -> bool:
     return bool(system.meshes)
 
 
+def internally_damped(system: gb.RotorSystem) -> bool:
+    """Tell whether overdamped motions of the shafts are the lowest modes."""
+    return any(shaft.internal_damping for shaft in system.shafts)
+
+
 def balanced_shaft(system: gb.RotorSystem) -> gb.Shaft | None:
     """Return the first shaft with a bow; up to two of its bodies are the planes."""
     return next((s for s in system.shafts if s.bow is not None), None)
@@ -139,9 +144,10 @@ def check_modes(system: gb.RotorSystem, speed: float, modes: gb.results.Modes) -
     highest = float(modes.eigenvalues.imag.max())
     if highest > 0.0:
         for value in equations.eigenvalues_below(highest):
-            # round-off splits the double eigenvalue 0 of the rotation of a train
+            # round-off splits the double eigenvalue 0 of the rotation of a train: 1.4e-3 is reached, and √ε times the highest
+            # frequency of a model is 3e-2
             near = np.abs(modes.eigenvalues - value).min() < 1e-6 * highest
-            assert near or abs(value) < 1e-3, f"{value} is missing"
+            assert near or abs(value) < 3e-2, f"{value} is missing"
 
 
 def check_campbell(system: gb.RotorSystem, _: float, campbell: gb.results.Campbell) -> None:
@@ -294,8 +300,9 @@ def check_run(system: gb.RotorSystem, speed: float, run: gb.Response) -> None:
     for mesh in system.meshes:
         pair = (mesh.driver, mesh.driven)
         mean = run.mesh(pair).force[turn].mean()
-        # equal torques, and radii that the bow does not change: 1e-4 is reached
-        assert mean == pytest.approx(static.mesh(pair).force, rel=1e-3)
+        # equal torques, and radii that the bow does not change: 1e-4 is reached; the moment of the friction is up to 1 % of the torque
+        limit = 1e-3 if mesh.friction is None else 2e-2
+        assert mean == pytest.approx(static.mesh(pair).force, rel=limit)
 
 
 def compute_changing(system: gb.RotorSystem, speed: float) -> tuple[gb.Response, gb.Response]:
@@ -556,7 +563,11 @@ class Analysis:
 
 ANALYSES = {
     "static": Analysis(lambda s, speed: s.static(speed=speed), check_static),
-    "modes": Analysis(lambda s, speed: s.modes(speed, count=COUNT), check_modes, largest=1000),
+    "modes": Analysis(
+        lambda s, speed: s.modes(speed, count=COUNT, vibrating=internally_damped(s)),
+        check_modes,
+        largest=1000,
+    ),
     # the speeds of a diagram are not negative
     "campbell": Analysis(
         lambda s, speed: s.campbell(SHARES * speed, count=COUNT), check_campbell, (1,), 400

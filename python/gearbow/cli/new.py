@@ -23,7 +23,7 @@ def add(commands: Commands) -> None:
         "new",
         new,
         "write a commented example of a scene file",
-        "  gearbow new\n  gearbow new pump.toml\n  gearbow new --example reducer reducer.toml",
+        "  gearbow new\n  gearbow new pump.toml\n  gearbow new --example coaxial reducer.toml",
     )
     parser.add_argument("path", nargs="?", default="scene.toml", help="default: %(default)s")
     known = ", ".join(scene_files())

@@ -207,11 +207,7 @@ def level_1(contents: "Contents") -> Iterator[Block]:
         made = variant(system, bearings=[*system.bearings, added])
         found = made.modes(speed, count=len(modes.whirl))
         nearest = min(
-            (
-                i
-                for i, whirl in enumerate(found.whirl)
-                if whirl == "forward" and found.frequencies_hz[i] > 0.0
-            ),
+            (i for i in found._vibrations() if found.whirl[i] == "forward"),
             key=lambda i: abs(found.frequencies_hz[i] - modes.frequencies_hz[mode]),
             default=mode,
         )

@@ -123,10 +123,11 @@ class Contents:
         wanted, count = self.options.modes, self.options.modes
         while True:
             found: Modes = self.system.modes(self.speed, count=count)
-            oscillating = int(np.sum(found.frequencies_hz > 0.0))
+            oscillating = len(found._vibrations())
             if oscillating >= wanted or len(found.whirl) < count:
                 return found
-            count += 2 * (wanted - oscillating)
+            # Overdamped modes may be most of the modes.
+            count *= 2
 
     @property
     def campbell(self) -> Campbell:
@@ -284,7 +285,7 @@ def modes(contents: Contents) -> Iterator[Block]:
     found = contents.modes
     yield Table.of_result(found)
     yield picture(found.plot(count=_OVERVIEW), "Shapes along the shafts.")
-    elastic = [i for i in found._order().tolist() if found.frequencies_hz[i] > 0.0]
+    elastic = found._vibrations()
     for number in elastic[:_IN_SPACE]:
         yield _in_space(found, number + 1)
 
@@ -433,7 +434,7 @@ def stability(contents: Contents) -> Iterator[Block]:
     """Give damping at the operating speed, thresholds and ranges of instability."""
     found = contents.modes
     ratio = np.clip(found.damping_ratios, -1.0, 1.0)
-    order = [i for i in found._order().tolist() if found.frequencies_hz[i] > 0.0]
+    order = found._vibrations()
     with np.errstate(divide="ignore"):
         decrement = 2.0 * math.pi * ratio / np.sqrt(1.0 - ratio**2)
     names = found.names()

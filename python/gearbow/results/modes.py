@@ -355,6 +355,12 @@ class Modes(Result, ReadOnly):
         overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
         return overdamped
 
+    def _vibrations(self) -> list[int]:
+        """Give the numbers of the vibrations from 0: no rigid-body and no overdamped motion."""
+        limit = _MIN_OSCILLATION * np.abs(self.eigenvalues)
+        found = zip(self.eigenvalues.imag > limit, self.whirl, strict=True)
+        return [mode for mode, (turns, whirl) in enumerate(found) if turns and whirl != "rigid"]
+
     def _order(self) -> NDArray[np.intp]:
         """Give the numbers of the modes from 0, the overdamped ones last."""
         return np.argsort(self._overdamped(), kind="stable")

@@ -315,3 +315,23 @@ def test_the_figure_has_a_style_for_every_whirl_of_the_core():
 
     assert list(MARKS) == whirl_classes()
     assert len({mark for _, _, mark in MARKS.values()}) == len(MARKS)
+
+
+def test_a_diagram_follows_the_oscillations_among_many_overdamped_modes():
+    # internal damping makes more than 50 modes of 110 degrees of freedom overdamped
+    shaft = gb.Shaft("s", length=0.8, outer_diameter=0.04, elements=20, internal_damping=1e-4)
+    rotor = gb.RotorSystem(
+        [shaft],
+        disks=[gb.Disk("d", "s", 0.6, 10.0, diametral_inertia=0.05, polar_inertia=0.1)],
+        bearings=[
+            gb.Bearing("s", x, stiffness=5e7, damping=2e3, axial_stiffness=1e8) for x in (0.0, 0.5)
+        ],
+    )
+    speeds = np.linspace(50.0, 500.0, 5)
+    found = rotor.campbell(speeds, count=5)
+    for speed, values in zip(speeds, found.eigenvalues, strict=True):
+        modes = rotor.modes(speed)
+        assert np.sum(modes.damping_ratios > 0.9) > 50
+        lightly = modes.eigenvalues[(modes.eigenvalues.imag > 0.0) & (modes.damping_ratios < 0.5)]
+        # the search ends at round-off
+        np.testing.assert_allclose(np.sort_complex(values), np.sort_complex(lightly[:5]), rtol=1e-9)

@@ -63,7 +63,7 @@ def test_new_writes_a_scene_with_comments(tmp_path: Path, capsys):
 
 def test_new_writes_a_machine_of_the_package(tmp_path: Path, capsys):
     path = tmp_path / "reducer.toml"
-    code, out, _ = called(capsys, "new", path, "--example", "reducer")
+    code, out, _ = called(capsys, "new", path, "--example", "coaxial")
     assert code == 0
     assert out.endswith('--speed "1234 rpm"\n')
     machine = gb.examples()["coaxial_reducer"]
@@ -111,7 +111,7 @@ def test_demo(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch):
         gb.RotorSystem, "report", lambda _, path, **__: Path(path).write_text("report")
     )
     out = tmp_path / "demo.html"
-    code, text, _ = called(capsys, "demo", "reducer", "--out", out)
+    code, text, _ = called(capsys, "demo", "coaxial", "--out", out)
     assert (code, text) == (0, f"report: {out}\n")
     assert opened == [out.resolve().as_uri()]
     assert called(capsys, "demo", "--out", out, "--no-open")[0] == 0

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.report.contents import Contents, Options
 from gearbow.report.data import parts_tables
 from reference.machines import bowed_pair, bowed_rotor_with_disk, rotor_with_two_disks
 
@@ -357,3 +358,17 @@ def test_figures_and_tables_fit_on_paper(opened, tmp_path):
         assert kind == "TABLE" or height < PAPER[1], name
     shown.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True)
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_report_shows_oscillations_among_overdamped_modes():
+    """Internal damping makes many motions overdamped, and gyroscopic moments let these turn slowly."""
+    shaft = gb.Shaft("s", length=0.8, outer_diameter=0.04, elements=12, internal_damping=1e-4)
+    rotor = gb.RotorSystem(
+        [shaft],
+        disks=[gb.Disk("d", "s", 0.6, 10.0, diametral_inertia=0.05, polar_inertia=0.1)],
+        bearings=[gb.Bearing("s", x, stiffness=5e7, damping=2e4) for x in (0.0, 0.5)],
+    )
+    modes = Contents(rotor, Options("", (300.0, 300.0), None, 4, (), "rad/s")).modes
+    slow = (modes.eigenvalues.imag > 0.0) & (modes.damping_ratios > 0.99)
+    assert slow.sum() > 4
+    assert np.sum(modes.damping_ratios < 0.9) >= 4

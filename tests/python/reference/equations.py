@@ -273,6 +273,10 @@ class Balance:
         for torque in self.system.torques:
             if torque.value == "balance":
                 self._add(shaft(torque), torque=-power / self.ratio[shaft(torque)])
+        for drive in self.system.drives:
+            # the mean of its damping is zero
+            twist = self._taken(self.motion.twist(drive.at))
+            self._add(shaft(drive), torque=-drive.stiffness * twist)
 
     def _tilt(self, gear: gb.Gear) -> Array:
         """Slopes of a gear along y and z; they are neglected in a run, which does not record them."""
@@ -317,6 +321,33 @@ class Balance:
         thrust = side * force * lead
         self._add(a.shaft, -force * y, -force * z, thrust, -side * force * radii[0])
         self._add(b.shaft, force * y, force * z, -thrust, -side * force * radii[1])
+        if mesh.friction is not None and isinstance(self.motion, gb.Response):
+            self._friction(state, [a.shaft, b.shaft], speed, side)
+
+    def _friction(self, state, shafts: list[str], speed: float, side) -> None:
+        """Friction of a mesh on both shafts, and the torque by which the drive of the train supplies its loss.
+
+        The moments about both centres follow from their sum, the friction times the length between the tangent points, and from
+        the power. Vibrations contribute little to its mean.
+        """
+        names = ("friction_force", "pressure_angle", "centre_line_angle", "centre_distance")
+        force, alpha, gamma, distance = (self._taken(getattr(state, name)) for name in names)
+        y = np.cos(alpha) * np.cos(gamma) + side * np.sin(alpha) * np.sin(gamma)
+        z = np.cos(alpha) * np.sin(gamma) - side * np.sin(alpha) * np.cos(gamma)
+        spins = [self.ratio[shaft] * speed for shaft in shafts]
+        both = np.mean(side * force * distance * np.sin(alpha))
+        power = np.mean(self._taken(state.friction_power))
+        first = -(power + spins[1] * both) / (spins[0] - spins[1])
+        self._add(shafts[0], -force * y, -force * z, torque=first)
+        self._add(shafts[1], force * y, force * z, torque=both - first)
+        if self.system.drives:
+            return
+        # nothing holds the rotation: the loss comes to all inertias in proportion
+        found = self.system.mass_properties()
+        inertia = dict(zip(found.names, found.polar_inertia, strict=True))
+        whole = sum(value * self.ratio[name] ** 2 for name, value in inertia.items())
+        for name, value in inertia.items():
+            self._add(name, torque=power / speed * value * self.ratio[name] / whole)
 
     def _bearings(self) -> None:
         for bearing in self.system.bearings:
@@ -324,7 +355,7 @@ class Balance:
             force = self._taken(self.motion.bearing_force(place))
             axial = (
                 self._taken(self.motion.axial_bearing_force(place))
-                if bearing.axial_stiffness
+                if bearing.axial_stiffness or is_ring(bearing)
                 else 0.0
             )
             self._add(bearing.shaft, *-force, x=-axial)
@@ -351,6 +382,11 @@ class Balance:
         )
         self._add(coupling.a[0], *pull)
         self._add(coupling.b[0], *(-value for value in pull))
+
+
+def is_ring(bearing: gb.Bearing | gb.JournalBearing | gb.RollingBearing) -> bool:
+    """Tell whether the rings of a bearing have five degrees of freedom."""
+    return isinstance(bearing, gb.RollingBearing) and bearing.degrees_of_freedom == 5
 
 
 def frustum(length: float, begin: float, end: float | None = None) -> float:
