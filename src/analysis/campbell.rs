@@ -19,7 +19,9 @@ use std::sync::Arc;
 use nalgebra::{Complex, DVector};
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
-use super::modes::{highest_damped, is_banded, lowest_modes, lowest_oscillating_modes, require, uses_bands};
+use super::modes::{
+    few_vibrations, highest_damped, is_banded, lowest_modes, lowest_oscillating_modes, require, uses_bands,
+};
 use super::own_frequency;
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
@@ -217,6 +219,12 @@ impl<'a> Tracker<'a> {
         if let Some(first) = speeds.first() {
             // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
             let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
+            if let Some(modes) =
+                few_vibrations(cached, beyond_standstill(start), count)?.filter(|modes| modes.len() == count)
+            {
+                tracker.modes = modes.into_iter().map(|mode| State::new(&tracker.basis.model, start, mode)).collect();
+                return Ok(tracker);
+            }
             let mut is_extended = false;
             loop {
                 let states = tracker.at(start)?;
@@ -244,8 +252,7 @@ impl<'a> Tracker<'a> {
 
     fn at(&self, speed: f64) -> Result<Arc<Vec<State>>, AnalysisError> {
         self.interrupt.check()?;
-        // At speed zero too, the flanks in contact are those of a positive speed.
-        let speed = if speed == 0.0 { f64::MIN_POSITIVE } else { speed };
+        let speed = beyond_standstill(speed);
         let count = if self.is_partial() { self.wanted } else { usize::MAX };
         let mut modes = lowest_oscillating_modes(self.cached, speed, count)?;
         if self.cached.model.depends_on_frequency() && modes.len() < self.modes.len() {
@@ -545,6 +552,11 @@ impl<'a> Tracker<'a> {
 fn most_like<'s>(ends: [(f64, &State); 2], states: &'s [State]) -> Option<&'s State> {
     let like = |state: &State| ends[0].1.correlation(state) + ends[1].1.correlation(state);
     states.iter().max_by(|a, b| like(a).total_cmp(&like(b)))
+}
+
+/// A speed at which the flanks in contact are those of a positive speed.
+fn beyond_standstill(speed: f64) -> f64 {
+    if speed == 0.0 { f64::MIN_POSITIVE } else { speed }
 }
 
 /// Whether a mode between two speeds is that of the `ends`: its shape is close to one of them.

@@ -69,6 +69,13 @@ pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Ve
 /// # Errors
 /// As [`lowest_modes`].
 pub fn lowest_vibrations(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
+    if let Some(modes) = few_vibrations(cached, speed, count)? {
+        let at_speed = cached.at_speed(speed)?;
+        let reach = at_speed.modal_damping(speed, Highest::Mode(count))?.map_or(f64::INFINITY, |modal| modal.reach);
+        if cached.model.len() > MAX_DENSE || modes.iter().all(|mode| mode.eigenvalue.norm() <= reach) {
+            return Ok(modes);
+        }
+    }
     let mut wanted = count;
     loop {
         memory_of_modes(&cached.model, wanted).require(&cached.model)?;
@@ -82,6 +89,22 @@ pub fn lowest_vibrations(cached: &CachedModel, speed: f64, count: usize) -> Resu
         // Half as many again where the model has far more overdamped motions than vibrations.
         wanted += (count - modes.len()).max(wanted / 2);
     }
+}
+
+/// The same from band matrices; `None` if dense matrices are faster, or the vibrations cannot be told apart from other motions.
+///
+/// # Errors
+/// As [`lowest_modes`].
+pub(super) fn few_vibrations(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+) -> Result<Option<Vec<Mode>>, AnalysisError> {
+    if cached.model.depends_on_frequency() || !uses_bands(&cached.model, count) {
+        return Ok(None);
+    }
+    let found = modal::structured_vibrations(&*cached.at_speed(speed)?, speed, count)?;
+    found.map(|modes| accurate(modes, speed)).transpose()
 }
 
 /// The same as [`lowest_modes`], where modal damping may act only on the undamped modes of low frequency also in overdamped modes. Modes whose

@@ -11,7 +11,9 @@ use super::structural::{with_all_structural_damping, with_structural_damping};
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::DecompositionError;
 use crate::modal::cache::{CachedModel, EquationForces};
-use crate::modal::lowest::{Eigenpair, Highest, ModeAtSpeed, Problem, lowest, lowest_damped, mode_near};
+use crate::modal::lowest::{
+    Eigenpair, Highest, ModeAtSpeed, Problem, lowest, lowest_damped, lowest_vibrations, mode_near,
+};
 use crate::modal::state_space::{damped, physical, undamped};
 use crate::modal::undamped::ModalDamping;
 use crate::model::Model;
@@ -34,14 +36,6 @@ pub struct Mode {
     pub whirl: Whirl,
     /// Residual of the equations of motion.
     pub residual: Residual,
-}
-
-/// Smallest |Im λ|/|λ| of a vibration: the damping ratio is below 0.9987. `python/gearbow/results/modes.py` has the same limit.
-const MIN_OSCILLATION: f64 = 0.05;
-
-/// Whether a mode with this eigenvalue is a vibration. Overdamped motions turn slowly with the gyroscopic moments.
-pub fn oscillates(eigenvalue: Complex<f64>) -> bool {
-    eigenvalue.im > MIN_OSCILLATION * eigenvalue.norm()
 }
 
 impl Mode {
@@ -115,11 +109,35 @@ pub fn structured_modes(
         Some(found) => Some(found),
         None => searches[1](&problem, count)?,
     };
-    let Some(mut pairs) = found else { return Ok(None) };
+    found.map(|pairs| structured(cached, speed, modal.as_deref(), pairs)).transpose()
+}
+
+/// The `count` vibrations of lowest frequency, as [`structured_modes`], without the modes that do not oscillate.
+///
+/// # Errors
+/// As [`structured_modes`].
+pub fn structured_vibrations(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+) -> Result<Option<Vec<Mode>>, DecompositionError> {
+    let modal = cached.modal_damping(speed, Highest::Mode(count))?;
+    let problem = Problem::new(&cached.model, speed, cached.spectral_range(speed)?, modal.as_deref())?;
+    let found = if problem.undamped { None } else { lowest_vibrations(&problem, count)? };
+    found.map(|pairs| structured(cached, speed, modal.as_deref(), pairs)).transpose()
+}
+
+/// The modes of eigenpairs of a model without its loss factors.
+fn structured(
+    cached: &CachedModel,
+    speed: f64,
+    modal: Option<&ModalDamping>,
+    mut pairs: Vec<Eigenpair>,
+) -> Result<Vec<Mode>, DecompositionError> {
     if cached.model.has_structural_damping() {
-        pairs = with_structural_damping(&cached.model, speed, modal.as_deref(), pairs)?;
+        pairs = with_structural_damping(&cached.model, speed, modal, pairs)?;
     }
-    modes_of(cached, speed, modal.as_deref(), pairs.into_iter()).map(Some)
+    modes_of(cached, speed, modal, pairs.into_iter())
 }
 
 /// The `modes` at `speed` of the reference shaft, rad/s, of which those with |λ| above `reach`, rad/s, have the modal damping of

@@ -5,6 +5,9 @@
 //! have a low frequency; they are found at further shifts on the real axis, or by [`super::lowest_damped()`] with
 //! cross-coupled stiffness.
 //!
+//! A search for vibrations leaves out overdamped motions, of which internal damping and oil films cause many: outside of a disk
+//! with the radius R, a vibration has a frequency above the part [`MIN_OSCILLATION`] of R, so that a count of the disk is enough.
+//!
 //! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] counts the eigenvalues with |λ| below a
 //! radius R and those with a damping ratio above one half, unless [`super::bound`] excludes these. As long as one is
 //! missing, the spaces are extended. Every other eigenvalue has |Im λ| > R sin 60°, so that all eigenvalues of lower
@@ -14,7 +17,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::contour::{Annulus, SECTOR};
-use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, Problem};
+use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, MIN_OSCILLATION, Problem, oscillates};
 use crate::linalg::{DecompositionError, Krylov, RitzPair};
 use crate::modal::undamped::{RealModes, ShiftInverse};
 
@@ -51,7 +54,18 @@ pub fn lowest(problem: &Problem<'_>, count: usize) -> Result<Option<Vec<Eigenpai
         return lowest_undamped(problem, count);
     }
     let operator = |shift: f64| FirstOrderInverse::new(problem, shift);
-    Search { problem, count, elastic, locked: problem.rigid_states().collect() }.run(operator)
+    let locked = problem.rigid_states().collect();
+    Search { problem, count, elastic, locked, vibrating: false }.run(operator)
+}
+
+/// The `count` vibrations of lowest |Im λ| of a problem with damping; `None` if they cannot be told apart from other motions.
+///
+/// # Errors
+/// As [`lowest`].
+pub fn lowest_vibrations(problem: &Problem<'_>, count: usize) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
+    let operator = |shift: f64| FirstOrderInverse::new(problem, shift);
+    let locked = problem.rigid_states().collect();
+    Search { problem, count, elastic: count, locked, vibrating: true }.run(operator)
 }
 
 /// The same for an undamped problem.
@@ -65,7 +79,7 @@ pub(in crate::modal) fn lowest_undamped(
     let elastic = count.saturating_sub(problem.null.ncols());
     let operator = |shift: f64| ShiftInverse::new(problem.model, problem.speed, shift);
     let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
-    Search { problem, count, elastic, locked: locked.collect() }.run(operator)
+    Search { problem, count, elastic, locked: locked.collect(), vibrating: false }.run(operator)
 }
 
 /// The `count` lowest modes of an undamped problem.
@@ -122,6 +136,8 @@ struct Search<'p, 'm> {
     elastic: usize,
     /// States of the rigid-body modes.
     locked: Vec<Vec<f64>>,
+    /// Whether the modes are vibrations only.
+    vibrating: bool,
 }
 
 impl Search<'_, '_> {
@@ -157,7 +173,11 @@ impl Search<'_, '_> {
                 target = steps + (steps / 8).max(8);
                 continue;
             };
-            let missing = self.problem.missing_lowest(values(&found), radius);
+            let missing = if self.vibrating {
+                self.problem.missing_in_disk(values(&found), radius)
+            } else {
+                self.problem.missing_lowest(values(&found), radius)
+            };
             let chosen = self.chosen(&found, radius);
             if missing == Some(0) && chosen.iter().all(|found| found.is_accurate()) {
                 return Ok(Some(self.eigenpairs(&space, &found, &chosen)));
@@ -174,7 +194,7 @@ impl Search<'_, '_> {
                 continue;
             }
             // Films of journal bearings have many strongly damped motions with cross-coupling.
-            if self.problem.circulates {
+            if self.problem.circulates || self.vibrating {
                 return Ok(None);
             }
             let narrower = match annuli.take() {
@@ -279,8 +299,10 @@ impl Search<'_, '_> {
     /// Found modes of lower frequency than every mode outside of the count with a radius, rad/s.
     fn below<'f>(&self, found: &'f [Found], radius: f64) -> impl Iterator<Item = &'f Found> {
         let sine = |ratio: f64| (1.0 - ratio * ratio).sqrt();
-        let top = radius * self.problem.largest_ratio_above(radius).map_or(SECTOR.sin(), sine);
-        found.iter().filter(move |found| found.value.im < top)
+        let least = if self.vibrating { MIN_OSCILLATION } else { SECTOR.sin() };
+        let top = radius * self.problem.largest_ratio_above(radius).map_or(least, sine);
+        let is_wanted = |value: Complex64| !self.vibrating || oscillates(value);
+        found.iter().filter(move |found| found.value.im < top && is_wanted(found.value))
     }
 
     /// The modes of lowest frequency.
@@ -320,7 +342,8 @@ impl Search<'_, '_> {
             };
             chosen.iter().map(pair).collect()
         };
-        Eigenpair::lowest(problem.rigid_body_modes().chain(pairs.into_iter().take(self.elastic)).collect(), self.count)
+        let rigid = problem.rigid_body_modes().filter(|_| !self.vibrating);
+        Eigenpair::lowest(rigid.chain(pairs.into_iter().take(self.elastic)).collect(), self.count)
     }
 
     /// The mode shape of an approximation. The space of states (x, λx) leaves out the positions of rigid-body modes; the

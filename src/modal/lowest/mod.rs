@@ -17,9 +17,9 @@ mod lowest_damped;
 mod modal_space;
 mod shift_invert;
 
-pub use arnoldi::lowest;
+pub use arnoldi::{lowest, lowest_vibrations};
 pub use critical::lowest_critical;
 pub use intersection::{ModeAtSpeed, intersection, mode_near};
 pub use lowest_damped::lowest_damped;
 pub use modal_space::{Highest, MAX_DENSE, ModalSpace, UndampedSearch, lowest_undamped};
-pub use shift_invert::{Eigenpair, Problem};
+pub use shift_invert::{Eigenpair, Problem, oscillates};

@@ -25,6 +25,14 @@ const MAX_CORRECTION: f64 = 1e-6;
 /// Ratio of two successive rates, and of the radii of an annulus.
 const RATIO: f64 = 4.0;
 
+/// Smallest |Im λ|/|λ| of a vibration: the damping ratio is below 0.9987. `python/gearbow/results/modes.py` has the same limit.
+pub const MIN_OSCILLATION: f64 = 0.05;
+
+/// Whether a mode with this eigenvalue is a vibration. Overdamped motions turn slowly with the gyroscopic moments.
+pub fn oscillates(eigenvalue: Complex64) -> bool {
+    eigenvalue.im > MIN_OSCILLATION * eigenvalue.norm()
+}
+
 /// An eigenvalue with its mode shape.
 pub struct Eigenpair {
     /// λ with Im λ ≥ 0, rad/s.
