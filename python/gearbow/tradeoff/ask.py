@@ -107,7 +107,9 @@ def tradeoff(  # numpydoc ignore=PR01
     >>> best = tradeoff.recommend(error=1e-2)
     >>> best.error <= 1e-2
     True
-    >>> response = best.system.simulate(0.02, speed=100.0, initial="rest", **best.options)
+    >>> response = best.system.simulate(
+    ...     0.02, speed=100.0, initial="rest", record=[("rotor", 0.5)], **best.options
+    ... )
     """
     from gearbow.tradeoff.study import Study  # noqa: PLC0415  # few scripts ask for a study
 
