@@ -102,7 +102,7 @@ def tradeoff(  # numpydoc ignore=PR01
     >>> bow = gb.Bow.half_sine(1e-4)
     >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings, accuracy="draft")
     >>> tradeoff = system.tradeoff(0.02, speed=100.0, signals=("rotor", 0.5), initial="rest")
     >>> best = tradeoff.recommend(error=1e-2)
     >>> best.error <= 1e-2
