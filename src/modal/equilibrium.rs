@@ -438,19 +438,16 @@ impl<'m> Search<'m> {
                     };
                     let descends = has_energy && drive(&next) >= 0.0;
                     if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) || descends || approaches()? {
-                        if !descends {
-                            return Ok(Some(Advance { next, ratio: after / before, overlap }));
-                        }
-                        let mut next = next;
-                        while drive(&next) >= UNFINISHED_DRIVE {
+                        let mut best = next;
+                        while descends && drive(&best) >= UNFINISHED_DRIVE {
                             fraction *= 2.0;
                             match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
-                                Ok(further) if drive(&further) >= 0.0 => next = further,
+                                Ok(further) if drive(&further) >= 0.0 => best = further,
                                 _ => break,
                             }
                         }
-                        let [before, after] = self.norms([point, &next]);
-                        return Ok(Some(Advance { next, ratio: after / before, overlap }));
+                        let [before, after] = self.norms([point, &best]);
+                        return Ok(Some(Advance { next: best, ratio: after / before, overlap }));
                     }
                 }
             }

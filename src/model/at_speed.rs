@@ -80,12 +80,12 @@ struct Spring {
 
 /// The symmetric stiffness of a bearing over its scalars as springs along its eigenvectors. Elements in compression give no
 /// negative eigenvalues but round-off.
-fn principal_springs(bearing: &NonlinearBearing, point: &OperatingPoint) -> impl Iterator<Item = Spring> {
+fn principal_springs(bearing: &NonlinearBearing, point: &OperatingPoint) -> Vec<Spring> {
     let n = bearing.rows.len();
     let SymmetricEigen { eigenvectors, eigenvalues } =
         DMatrix::from_fn(n, n, |i, j| point.stiffness[i][j]).symmetric_eigen();
     let least = ROUND_OFF * eigenvalues.amax();
-    let springs: Vec<Spring> = (0..n)
+    (0..n)
         .filter(|spring| eigenvalues[*spring] > least)
         .map(|spring| {
             let scaled = |(row, factor): (&Row, &f64)| row.iter().map(|(i, c)| (*i, factor * c)).collect::<Vec<_>>();
@@ -95,8 +95,7 @@ fn principal_springs(bearing: &NonlinearBearing, point: &OperatingPoint) -> impl
                 stiffness: eigenvalues[spring],
             }
         })
-        .collect();
-    springs.into_iter()
+        .collect()
 }
 
 impl Model {
@@ -151,7 +150,8 @@ impl Model {
                 Link { bearing: Some(given.node), local, ..link }
             };
             if bearing.rows.len() > 2 {
-                self.links.extend(principal_springs(bearing, point).map(|Spring { row, stiffness }| {
+                let springs = principal_springs(bearing, point).into_iter();
+                self.links.extend(springs.map(|Spring { row, stiffness }| {
                     link(vec![row], [[stiffness, 0.0], [0.0, 0.0]], Matrix2::default())
                 }));
                 continue;

@@ -311,25 +311,32 @@ class Static(Result, ReadOnly):
     def _columns(self) -> list[Column]:
         """Give a row for each mesh, bearing, gear and disk."""
         mesh, none = self._data["mesh"], np.array([np.nan, np.nan])
-        rows: list[tuple[str, float, Array, float]] = []
+        rows: list[tuple[str, float, float, Array, float]] = []
         for i, (driver, driven) in enumerate(self._data["meshes"]):
-            label = f"mesh {driver}–{driven}"
-            rows.append((label, float(mesh["force"][i]), none, float(mesh["deflection"][i])))
+            label, deflection = f"mesh {driver}–{driven}", float(mesh["deflection"][i])
+            rows.append((label, float(mesh["force"][i]), np.nan, none, deflection))
         moved = self._data["bearing_displacement"]
         for i, (shaft, x) in enumerate(self._data["bearings"]):
             force = float(np.hypot(*self._data["bearing_force"][i]))
-            rows.append((f"bearing {place_label((shaft, x))}", force, moved[i], np.nan))
-        if any(direction == "v" for *_, direction in self.coordinates.dofs):
-            rows += [(n, np.nan, self.displacement(n), np.nan) for n in self.coordinates.bodies]
-        displacements = np.array([row[2] for row in rows]).reshape(-1, 2)
+            axial = float(self._data["axial_bearing_force"][i])
+            rows.append((f"bearing {place_label((shaft, x))}", force, axial, moved[i], np.nan))
+        directions = {direction for *_, direction in self.coordinates.dofs}
+        if "v" in directions:
+            bodies = self.coordinates.bodies
+            rows += [(n, np.nan, np.nan, self.displacement(n), np.nan) for n in bodies]
+        displacements = np.array([row[3] for row in rows]).reshape(-1, 2)
+        thrusts = np.array([row[2] for row in rows])
+        largest = np.abs(np.nan_to_num(thrusts)).max(initial=0.0)
+        along = [Column("axial force", thrusts, "N", round_off=_ROUND_OFF * largest)]
         um = in_micrometres()
         given: Any = (".4g", um, _ROUND_OFF * np.abs(np.nan_to_num(displacements)).max(initial=0.0))
         return [
             Column("place", [row[0] for row in rows]),
             Column("force", np.array([row[1] for row in rows]), "N"),
+            *(along if "u" in directions else []),
             Column("displacement y", displacements[:, 0], "m", *given),
             Column("displacement z", displacements[:, 1], "m", *given),
-            Column("mesh deflection", np.array([row[3] for row in rows]), "m", ".4g", um),
+            Column("mesh deflection", np.array([row[4] for row in rows]), "m", ".4g", um),
         ]
 
     def plot(self, *, ax: Any = None) -> "Figure":
