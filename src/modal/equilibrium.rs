@@ -421,7 +421,8 @@ impl<'m> Search<'m> {
         step: &DVector<f64>,
     ) -> Result<Option<Advance>, EquilibriumError> {
         let mut fraction = within_clearances(&self.at_rest.model, &point.q, step);
-        let has_energy = self.at_rest.model.nonlinear_bearings.iter().all(|bearing| bearing.elements().is_some());
+        let bearings = &self.at_rest.model.nonlinear_bearings;
+        let has_energy = !bearings.is_empty() && bearings.iter().all(|bearing| bearing.elements().is_some());
         // Power of the unbalanced forces on the step, over that at its begin.
         let drive = |next: &Point| next.residual.dot(step) / point.residual.dot(step);
         let mut overlap = None;
@@ -438,16 +439,17 @@ impl<'m> Search<'m> {
                     };
                     let descends = has_energy && drive(&next) >= 0.0;
                     if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) || descends || approaches()? {
-                        let mut best = next;
-                        while descends && drive(&best) >= UNFINISHED_DRIVE {
+                        let mut found = Advance { next, ratio: after / before, overlap };
+                        while descends && drive(&found.next) >= UNFINISHED_DRIVE {
                             fraction *= 2.0;
-                            match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
-                                Ok(further) if drive(&further) >= 0.0 => best = further,
+                            let further = match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
+                                Ok(further) if drive(&further) >= 0.0 => further,
                                 _ => break,
-                            }
+                            };
+                            let [before, after] = self.norms([point, &further]);
+                            (found.next, found.ratio) = (further, after / before);
                         }
-                        let [before, after] = self.norms([point, &best]);
-                        return Ok(Some(Advance { next: best, ratio: after / before, overlap }));
+                        return Ok(Some(found));
                     }
                 }
             }

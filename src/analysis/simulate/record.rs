@@ -239,7 +239,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
         }
         for (node, rows) in self.plan.bearings.iter().zip(&self.bearing_rows) {
             let force = self.motion.bearing_force(*node, elapsed, q, v);
-            self.record.bearing_force.extend(&force[..2]);
+            self.record.bearing_force.extend([force[0], force[1]]);
             if model.scene.axial {
                 self.record.axial.bearing_force.push(force[2]);
             }
