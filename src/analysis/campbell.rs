@@ -20,7 +20,8 @@ use nalgebra::{Complex, DVector};
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{
-    few_vibrations, highest_damped, is_banded, lowest_modes, lowest_oscillating_modes, require, uses_bands,
+    FURTHER_MODES, highest_damped, is_banded, lowest_modes, lowest_oscillating_modes, lowest_vibrations, require,
+    uses_bands,
 };
 use super::own_frequency;
 use super::{AnalysisError, Interrupt, Threads};
@@ -40,8 +41,6 @@ const MAX_FOLLOWED_HALVINGS: i32 = 4;
 const START_OFFSET: f64 = 1e-3;
 /// Smallest |yᴴy'|² between a mode and its intersection with a line.
 const MIN_CORRELATION_ON_LINE: f64 = 0.7;
-/// Number of modes that are computed beyond those that are tracked.
-const FURTHER_MODES: usize = 5;
 /// Number of speeds before the current one from which modes are extrapolated: by parabolas.
 const EXTRAPOLATED_SPEEDS: usize = 2;
 /// Part of the highest computed frequency above which a mode may have left the computed ones.
@@ -219,13 +218,11 @@ impl<'a> Tracker<'a> {
         if let Some(first) = speeds.first() {
             // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
             let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
-            if let Some(modes) =
-                few_vibrations(cached, beyond_standstill(start), count)?.filter(|modes| modes.len() == count)
-            {
+            if tracker.has_cheap_newton() && !cached.model.depends_on_frequency() {
+                let modes = lowest_vibrations(cached, beyond_standstill(start), count)?;
                 tracker.modes = modes.into_iter().map(|mode| State::new(&tracker.basis.model, start, mode)).collect();
                 return Ok(tracker);
             }
-            let mut is_extended = false;
             loop {
                 let states = tracker.at(start)?;
                 tracker.modes =
@@ -241,10 +238,8 @@ impl<'a> Tracker<'a> {
                         break;
                     }
                 }
-                // Rigid-body modes and overdamped modes are not tracked. Where these are many, the number of modes doubles.
-                let missing = count.saturating_sub(tracker.modes.len());
-                tracker.wanted += if is_extended { tracker.wanted.max(missing) } else { missing };
-                is_extended = true;
+                // Rigid-body modes and overdamped modes are not tracked.
+                tracker.wanted += count.saturating_sub(tracker.modes.len());
             }
         }
         Ok(tracker)

@@ -10,6 +10,9 @@ const MIN_BAND_COORDINATES: usize = 100;
 /// Part of all modes up to which they are a few: band matrices are then faster, and the gaps between modes are wide.
 const MAX_BAND_MODE_FRACTION: f64 = 0.15;
 
+/// Number of modes that are computed beyond the wanted ones, of which some are motions of rigid bodies or overdamped.
+pub(super) const FURTHER_MODES: usize = 5;
+
 /// Whether band matrices are faster than dense ones for one response.
 pub(super) fn is_banded(model: &Model) -> bool {
     model.len() >= MIN_BAND_COORDINATES
@@ -69,25 +72,36 @@ pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Ve
 /// # Errors
 /// As [`lowest_modes`].
 pub fn lowest_vibrations(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
-    if let Some(modes) = few_vibrations(cached, speed, count)? {
-        let at_speed = cached.at_speed(speed)?;
-        let reach = at_speed.modal_damping(speed, Highest::Mode(count))?.map_or(f64::INFINITY, |modal| modal.reach);
-        if cached.model.len() > MAX_DENSE || modes.iter().all(|mode| mode.eigenvalue.norm() <= reach) {
-            return Ok(modes);
-        }
+    // Internal damping makes all motions of high frequency overdamped; they have the lowest frequencies.
+    if cached.model.has_internal_damping()
+        && let Some(modes) = few_vibrations(cached, speed, count)?
+    {
+        return Ok(modes);
     }
-    let mut wanted = count;
+    let (len, mut wanted, mut is_first) = (cached.model.len(), count.saturating_add(FURTHER_MODES), true);
     loop {
         memory_of_modes(&cached.model, wanted).require(&cached.model)?;
         let mut modes = lowest_modes(cached, speed, wanted)?;
-        let is_all = modes.len() < wanted || wanted > 2 * cached.model.len();
+        let is_all = modes.len() < wanted || wanted > 2 * len;
         modes.retain(|mode| modal::oscillates(mode.eigenvalue));
         modes.truncate(count);
         if modes.len() == count || is_all {
             return Ok(modes);
         }
-        // Half as many again where the model has far more overdamped motions than vibrations.
-        wanted += (count - modes.len()).max(wanted / 2);
+        if is_first
+            && !cached.model.has_internal_damping()
+            && let Some(modes) = few_vibrations(cached, speed, count)?
+        {
+            return Ok(modes);
+        }
+        is_first = false;
+        wanted = if modes.is_empty() && len <= MAX_DENSE {
+            // Overdamped motions are the rule.
+            usize::MAX
+        } else {
+            // Half as many again where the model has far more overdamped motions than vibrations.
+            wanted + (count - modes.len()).max(wanted / 2)
+        };
     }
 }
 
@@ -95,16 +109,18 @@ pub fn lowest_vibrations(cached: &CachedModel, speed: f64, count: usize) -> Resu
 ///
 /// # Errors
 /// As [`lowest_modes`].
-pub(super) fn few_vibrations(
-    cached: &CachedModel,
-    speed: f64,
-    count: usize,
-) -> Result<Option<Vec<Mode>>, AnalysisError> {
+fn few_vibrations(cached: &CachedModel, speed: f64, count: usize) -> Result<Option<Vec<Mode>>, AnalysisError> {
     if cached.model.depends_on_frequency() || !uses_bands(&cached.model, count) {
         return Ok(None);
     }
-    let found = modal::structured_vibrations(&*cached.at_speed(speed)?, speed, count)?;
-    found.map(|modes| accurate(modes, speed)).transpose()
+    let at_speed = cached.at_speed(speed)?;
+    let Some(modes) = modal::structured_vibrations(&at_speed, speed, count)? else {
+        return Ok(None);
+    };
+    // As in `lowest_modes`, modes beyond the reach of the modal damping need that of all undamped modes.
+    let reach = at_speed.modal_damping(speed, Highest::Mode(count))?.map_or(f64::INFINITY, |modal| modal.reach);
+    let is_within = cached.model.len() > MAX_DENSE || modes.iter().all(|mode| mode.eigenvalue.norm() <= reach);
+    if is_within && modes.len() == count { accurate(modes, speed).map(Some) } else { Ok(None) }
 }
 
 /// The same as [`lowest_modes`], where modal damping may act only on the undamped modes of low frequency also in overdamped modes. Modes whose

@@ -5,8 +5,8 @@
 //! have a low frequency; they are found at further shifts on the real axis, or by [`super::lowest_damped()`] with
 //! cross-coupled stiffness.
 //!
-//! A search for vibrations leaves out overdamped motions, of which internal damping and oil films cause many: outside of a disk
-//! with the radius R, a vibration has a frequency above the part [`MIN_OSCILLATION`] of R, so that a count of the disk is enough.
+//! A search for vibrations leaves out overdamped motions, of which internal damping and oil films cause many: outside of the
+//! disk, it counts the eigenvalues next to the real axis only where |Im λ|/|λ| is above [`super::shift_invert::MIN_OSCILLATION`].
 //!
 //! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] counts the eigenvalues with |λ| below a
 //! radius R and those with a damping ratio above one half, unless [`super::bound`] excludes these. As long as one is
@@ -17,7 +17,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::contour::{Annulus, SECTOR};
-use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, MIN_OSCILLATION, Problem, oscillates};
+use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, Problem, oscillates};
 use crate::linalg::{DecompositionError, Krylov, RitzPair};
 use crate::modal::undamped::{RealModes, ShiftInverse};
 
@@ -174,7 +174,7 @@ impl Search<'_, '_> {
                 continue;
             };
             let missing = if self.vibrating {
-                self.problem.missing_in_disk(values(&found), radius)
+                self.problem.missing_vibrations(values(&found), radius)
             } else {
                 self.problem.missing_lowest(values(&found), radius)
             };
@@ -299,8 +299,7 @@ impl Search<'_, '_> {
     /// Found modes of lower frequency than every mode outside of the count with a radius, rad/s.
     fn below<'f>(&self, found: &'f [Found], radius: f64) -> impl Iterator<Item = &'f Found> {
         let sine = |ratio: f64| (1.0 - ratio * ratio).sqrt();
-        let least = if self.vibrating { MIN_OSCILLATION } else { SECTOR.sin() };
-        let top = radius * self.problem.largest_ratio_above(radius).map_or(least, sine);
+        let top = radius * self.problem.largest_ratio_above(radius).map_or(SECTOR.sin(), sine);
         let is_wanted = |value: Complex64| !self.vibrating || oscillates(value);
         found.iter().filter(move |found| found.value.im < top && is_wanted(found.value))
     }

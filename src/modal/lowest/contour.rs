@@ -65,6 +65,18 @@ impl Contour {
         Self(outside.chain(inside).collect())
     }
 
+    /// The disk |λ| < `radius` and, outside of it, up to |λ| < `left` for Re λ < 0 and |λ| < `right` for Re λ > 0, if there is one,
+    /// the sectors between the angles `least` and [`SECTOR`] from the real axis.
+    pub fn of_disk_and_vibrations(radius: f64, least: f64, left: f64, right: Option<f64>) -> Self {
+        let at = |radius: f64, angle: f64| Complex64::new(radius.ln(), angle);
+        let outside = right
+            .into_iter()
+            .flat_map(|right| [at(radius, least), at(right, least), at(right, SECTOR), at(radius, SECTOR)]);
+        let inside = [at(radius, PI - SECTOR), at(left, PI - SECTOR), at(left, PI - least), at(radius, PI - least)];
+        let ends = [at(radius, 0.0), at(radius, PI)];
+        Self(std::iter::once(ends[0]).chain(outside).chain(inside).chain([ends[1]]).collect())
+    }
+
     /// The disk |λ| < `radius`.
     pub fn of_disk(radius: f64) -> Self {
         Self(vec![Complex64::new(radius.ln(), 0.0), Complex64::new(radius.ln(), PI)])
@@ -244,6 +256,13 @@ mod tests {
             assert_eq!(missing(0, &[]), Some(8));
             // A value that is no eigenvalue is a pole.
             assert_eq!(missing(2, &[&VALUES[..], &[Complex64::new(0.0, 2.0)]].concat()), Some(-2));
+        }
+        // A pair outside of the disk, 37° from the real axis.
+        for (least, right, number) in [(0.05, None, 2), (0.05, Some(50.0), 2), (0.7, None, 0)] {
+            let damped = Complex64::new(-8.0, 6.0);
+            let pair = |at: Complex64| Determinant::product([at - damped, at - damped.conj()].into_iter());
+            let contour = Contour::of_disk_and_vibrations(5.0, least, 100.0, right);
+            assert_eq!(super::missing(|at| Some(pair(at)), &Known::default(), &contour), Some(number));
         }
         let disk = super::missing(determinant(0), &Known { zeros: 2, values: vec![] }, &Contour::of_disk(5.0));
         assert_eq!(disk, Some(5));

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector, DVectorViewMut};
 use num_complex::Complex64;
 
 use super::bound::Bound;
-use super::contour::{self, Annulus, Contour, Known};
+use super::contour::{self, Annulus, Contour, Known, SECTOR};
 use crate::connection::Row;
 use crate::linalg::{CoupledFactors, DecompositionError, LuFactors, Operator, Sparse};
 use crate::modal::undamped::{ModalDamping, ShiftInverse, SpectralRange, mass_times, null_motions};
@@ -240,6 +240,19 @@ impl<'m> Problem<'m> {
             return self.missing_in_disk(found, radius);
         }
         self.missing(found, &self.contour(radius))
+    }
+
+    /// The same of the eigenvalues with |λ| < `radius`, and of vibrations that have a lower frequency than every vibration with a
+    /// damping ratio below one half outside.
+    pub fn missing_vibrations(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
+        if self.undamped || self.largest_ratio_above(radius).is_some() {
+            return self.missing_in_disk(found, radius);
+        }
+        let furthest = radius * SECTOR.sin() / MIN_OSCILLATION;
+        let growing = self.bound.largest_growing();
+        let right = (growing > radius).then(|| growing.clamp(2.0 * radius, furthest));
+        let contour = Contour::of_disk_and_vibrations(radius, MIN_OSCILLATION.asin(), furthest, right);
+        self.missing(found, &contour)
     }
 
     /// The contour of the eigenvalues with |λ| < `radius` and, if something damps, of those with a damping ratio above one
