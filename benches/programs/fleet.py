@@ -145,15 +145,21 @@ def static(machine: Machine) -> Work:
 
 
 def modes(machine: Machine) -> Work:
-    """Find the lowest modes at the rated speed."""
+    """Find the lowest modes at the rated speed.
+
+    Internal damping of a shaft makes all motions of high frequency overdamped, so that these have
+    the lowest frequencies: the modes of such a machine are its vibrations.
+    """
+    vibrating = any(shaft.internal_damping for shaft in machine.system.shafts)
 
     def prepare() -> Run[Any]:
         system = machine.fresh()
-        return lambda: system.modes(machine.speed, count=COUNT).eigenvalues
+        return lambda: system.modes(machine.speed, count=COUNT, vibrating=vibrating).eigenvalues
 
     pencil = machine.pencil(machine.speed)
     count = min(2 * COUNT + FURTHER, pencil.mass.shape[0])
-    return Work(f"{COUNT} modes", prepare, lambda: lambda: pencil.eigenvalues(count)[0], not_found)
+    setting = f"{COUNT} vibrations" if vibrating else f"{COUNT} modes"
+    return Work(setting, prepare, lambda: lambda: pencil.eigenvalues(count)[0], not_found)
 
 
 def campbell(machine: Machine, shares: Array = SHARES, count: int = TRACKED) -> Work:

@@ -73,12 +73,13 @@ pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Ve
 /// As [`lowest_modes`].
 pub fn lowest_vibrations(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, AnalysisError> {
     // Internal damping makes all motions of high frequency overdamped; they have the lowest frequencies.
-    if cached.model.has_internal_damping()
-        && let Some(modes) = few_vibrations(cached, speed, count)?
-    {
+    let is_overdamped = cached.model.has_internal_damping();
+    if is_overdamped && let Some(modes) = few_vibrations(cached, speed, count)? {
         return Ok(modes);
     }
-    let (len, mut wanted, mut is_first) = (cached.model.len(), count.saturating_add(FURTHER_MODES), true);
+    let len = cached.model.len();
+    let mut wanted = if is_overdamped && len <= MAX_DENSE { usize::MAX } else { count.saturating_add(FURTHER_MODES) };
+    let mut is_first = true;
     loop {
         memory_of_modes(&cached.model, wanted).require(&cached.model)?;
         let mut modes = lowest_modes(cached, speed, wanted)?;
@@ -89,19 +90,14 @@ pub fn lowest_vibrations(cached: &CachedModel, speed: f64, count: usize) -> Resu
             return Ok(modes);
         }
         if is_first
-            && !cached.model.has_internal_damping()
+            && !is_overdamped
             && let Some(modes) = few_vibrations(cached, speed, count)?
         {
             return Ok(modes);
         }
         is_first = false;
-        wanted = if modes.is_empty() && len <= MAX_DENSE {
-            // Overdamped motions are the rule.
-            usize::MAX
-        } else {
-            // Half as many again where the model has far more overdamped motions than vibrations.
-            wanted + (count - modes.len()).max(wanted / 2)
-        };
+        // Half as many again where the model has far more overdamped motions than vibrations.
+        wanted += (count - modes.len()).max(wanted / 2);
     }
 }
 
