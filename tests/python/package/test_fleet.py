@@ -488,8 +488,9 @@ def test_linear_analyses_have_loss_factors_and_runs_refuse_them(machine, loss):
         # to first order, the loss of all elastic energy changes an eigenvalue by half the loss factor; round-off splits the double
         # eigenvalue of the rotation of a train
         assert np.abs(before - value).min() <= loss * abs(value) + 3e-2
-    # the equilibrium does not depend on the loss factors
-    np.testing.assert_array_equal(lossy.static(speed=speed).state, obtain(machine, "static").state)
+    # the equilibrium does not depend on the loss factors, but for the round-off of another search
+    state = obtain(machine, "static").state
+    assert np.abs(lossy.static(speed=speed).state - state).max() <= 1e-12 * np.abs(state).max()
     if lateral(system):
         with warnings.catch_warnings():
             # a loss factor makes rotors unstable that are faster than a mode with little damping
