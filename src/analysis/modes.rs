@@ -66,8 +66,8 @@ pub fn lowest_modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Ve
     accurate(modal::modes(&cached, speed, count)?, speed)
 }
 
-/// The `count` lowest vibrations at `speed` of the reference shaft, rad/s, in ascending order: modes without those of
-/// rigid bodies, of overdamped motions and of growth without oscillation. Fewer if the model has fewer.
+/// The `count` vibrations of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order. Motions of rigid
+/// bodies, overdamped motions and motions that grow without oscillation are left out. A model with fewer vibrations gives fewer.
 ///
 /// # Errors
 /// As [`lowest_modes`].
@@ -119,8 +119,8 @@ fn few_vibrations(cached: &CachedModel, speed: f64, count: usize) -> Result<Opti
     if is_within && modes.len() == count { accurate(modes, speed).map(Some) } else { Ok(None) }
 }
 
-/// The same as [`lowest_modes`], where modal damping may act only on the undamped modes of low frequency also in overdamped modes. Modes whose
-/// frequency lies outside the tables of bearings are left out.
+/// The same as [`lowest_modes`], where modal damping may act only on the undamped modes of low frequency also in overdamped modes.
+/// Modes whose frequency lies outside the tables of bearings are left out.
 ///
 /// # Errors
 /// As [`lowest_modes`].

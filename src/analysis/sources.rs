@@ -261,10 +261,10 @@ impl HarmonicForces<'_> {
         })
     }
 
-    /// Indices of v and w at a node with a bearing.
-    fn axes(&self, node: Node) -> [usize; 2] {
-        let index = self.model.numbering.translation(node).unwrap_or(usize::MAX - 1);
-        [index, index + 1]
+    /// Indices of v and w at a node; none without bending.
+    fn axes(&self, node: Node) -> [Option<usize>; 2] {
+        let index = self.model.numbering.translation(node);
+        [index, index.map(|v| v + 1)]
     }
 
     /// The bearings at a node.

@@ -39,7 +39,7 @@ const TANGENT_REUSE_RATIO: f64 = 1e-2;
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Part of a step by which the distance from the equilibrium must decrease (Deuflhard, algorithm NLEQ-ERR).
 const SUFFICIENT_APPROACH: f64 = 0.25;
-/// Part of the power of the unbalanced forces that is left after a step which a step of twice the length replaces.
+/// Power of the unbalanced forces along a step at its end, relative to that at its begin, above which the step is doubled.
 const UNFINISHED_DRIVE: f64 = 0.5;
 /// Smallest fraction of a Newton step.
 const LEAST_FRACTION: f64 = 1e-6;

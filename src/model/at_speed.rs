@@ -14,7 +14,8 @@ use crate::scene::{
     Bearing, BearingCoefficient, EntryPath, LoadLaw, Matrix2, Node, Nonlinear, STANDARD_GRAVITY, Scene, SceneError,
 };
 
-/// Whether stiffness and damping of a bearing stand in its own entries: a ring of five degrees of freedom has the damping.
+/// Whether a bearing has constant coefficients: a linear bearing has stiffness and damping, and a ring of five degrees of freedom
+/// has damping beside the force of its elements.
 pub(super) fn has_constant_part(bearing: &Bearing) -> bool {
     bearing.nonlinear.is_none() || bearing.ring().is_some()
 }
@@ -78,8 +79,8 @@ struct Spring {
     stiffness: f64,
 }
 
-/// The symmetric stiffness of a bearing over its scalars as springs along its eigenvectors. Elements in compression give no
-/// negative eigenvalues but round-off.
+/// The symmetric stiffness of a bearing over its scalars as springs along its eigenvectors. The stiffness of elements that carry
+/// in compression only is positive semidefinite: smaller eigenvalues are round-off.
 fn principal_springs(bearing: &NonlinearBearing, point: &OperatingPoint) -> Vec<Spring> {
     let n = bearing.rows.len();
     let SymmetricEigen { eigenvectors, eigenvalues } =

@@ -29,10 +29,10 @@ pub struct Link {
     pub rest: Option<Rest>,
 }
 
-/// Coefficient of a coordinate in a row.
+/// Coefficient of a coordinate in a row; zero for a coordinate that the model does not have.
 #[inline]
-pub fn coefficient(row: &Row, index: usize) -> f64 {
-    row.iter().filter(|(other, _)| *other == index).map(|(_, coefficient)| coefficient).sum()
+pub fn coefficient(row: &Row, index: Option<usize>) -> f64 {
+    row.iter().filter(|(other, _)| Some(*other) == index).map(|(_, coefficient)| coefficient).sum()
 }
 
 /// Scalars of a misaligned coupling at which it has no force: fixed + turning·e^{iϑ}, as v + iw.

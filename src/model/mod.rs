@@ -278,7 +278,7 @@ impl Model {
         for link in self.links.iter().filter(|link| link.bearing == Some(node)) {
             for (row, force) in link.rows.iter().zip(link.force(q, v)) {
                 for (sum, axis) in sum.iter_mut().zip(axes) {
-                    *sum += axis.map_or(0.0, |axis| coefficient(row, axis)) * force;
+                    *sum += coefficient(row, axis) * force;
                 }
             }
         }

@@ -58,7 +58,7 @@ struct Touch {
     approach: f64,
     /// Direction of the contact force: radial and axial part.
     direction: Vector,
-    /// 1/s, by which the direction turns with a motion across it, 1/m; zero for a roller.
+    /// Rotation of this direction per displacement of the race across it, 1/s, in rad/m; zero for a roller.
     turning: f64,
 }
 

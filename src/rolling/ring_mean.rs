@@ -1,7 +1,7 @@
 //! Force of a ring averaged over the angles of the cage.
 //!
-//! The average of n discrete elements is an integral over the loaded zones, in which the races approach each other. Each half of
-//! a zone is graded towards its end as the zone of `mean.rs`.
+//! The average of n discrete elements is an integral over the loaded zones, in which the races approach each other. In each half
+//! of a zone, the points of the Gauss rule lie closer together towards its end, as in `mean.rs`.
 
 use std::convert::Infallible;
 use std::f64::consts::TAU;

@@ -100,16 +100,15 @@ pub fn structured_modes(
     speed: f64,
     count: usize,
 ) -> Result<Option<Vec<Mode>>, DecompositionError> {
-    let modal = cached.modal_damping(speed, Highest::Mode(count))?;
-    let problem = Problem::new(&cached.model, speed, cached.spectral_range(speed)?, modal.as_deref())?;
-    // Where dampers may be strong, the second search finds in one space what the first one seeks at many shifts.
-    let is_light = problem.largest_ratio_above(problem.shift).is_some();
-    let searches = if is_light { [lowest, lowest_damped] } else { [lowest_damped, lowest] };
-    let found = match searches[0](&problem, count)? {
-        Some(found) => Some(found),
-        None => searches[1](&problem, count)?,
-    };
-    found.map(|pairs| structured(cached, speed, modal.as_deref(), pairs)).transpose()
+    structured(cached, speed, count, |problem| {
+        // Where dampers may be strong, the second search finds in one space what the first one seeks at many shifts.
+        let is_light = problem.largest_ratio_above(problem.shift).is_some();
+        let searches = if is_light { [lowest, lowest_damped] } else { [lowest_damped, lowest] };
+        match searches[0](problem, count)? {
+            Some(found) => Ok(Some(found)),
+            None => searches[1](problem, count),
+        }
+    })
 }
 
 /// The `count` vibrations of lowest frequency, as [`structured_modes`], without the modes that do not oscillate.
@@ -121,23 +120,30 @@ pub fn structured_vibrations(
     speed: f64,
     count: usize,
 ) -> Result<Option<Vec<Mode>>, DecompositionError> {
-    let modal = cached.modal_damping(speed, Highest::Mode(count))?;
-    let problem = Problem::new(&cached.model, speed, cached.spectral_range(speed)?, modal.as_deref())?;
-    let found = if problem.undamped { None } else { lowest_vibrations(&problem, count)? };
-    found.map(|pairs| structured(cached, speed, modal.as_deref(), pairs)).transpose()
+    structured(
+        cached,
+        speed,
+        count,
+        |problem| {
+            if problem.undamped { Ok(None) } else { lowest_vibrations(problem, count) }
+        },
+    )
 }
 
-/// The modes of eigenpairs of a model without its loss factors.
+/// The modes that a search finds, with the damping of the `count` lowest undamped modes and with the loss factors of the model.
 fn structured(
     cached: &CachedModel,
     speed: f64,
-    modal: Option<&ModalDamping>,
-    mut pairs: Vec<Eigenpair>,
-) -> Result<Vec<Mode>, DecompositionError> {
+    count: usize,
+    search: impl FnOnce(&Problem<'_>) -> Result<Option<Vec<Eigenpair>>, DecompositionError>,
+) -> Result<Option<Vec<Mode>>, DecompositionError> {
+    let modal = cached.modal_damping(speed, Highest::Mode(count))?;
+    let problem = Problem::new(&cached.model, speed, cached.spectral_range(speed)?, modal.as_deref())?;
+    let Some(mut pairs) = search(&problem)? else { return Ok(None) };
     if cached.model.has_structural_damping() {
-        pairs = with_structural_damping(&cached.model, speed, modal, pairs)?;
+        pairs = with_structural_damping(&cached.model, speed, modal.as_deref(), pairs)?;
     }
-    modes_of(cached, speed, modal, pairs.into_iter())
+    modes_of(cached, speed, modal.as_deref(), pairs.into_iter()).map(Some)
 }
 
 /// The `modes` at `speed` of the reference shaft, rad/s, of which those with |λ| above `reach`, rad/s, have the modal damping of

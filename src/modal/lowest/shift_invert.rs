@@ -242,8 +242,8 @@ impl<'m> Problem<'m> {
         self.missing(found, &self.contour(radius))
     }
 
-    /// The same of the eigenvalues with |λ| < `radius`, and of vibrations that have a lower frequency than every vibration with a
-    /// damping ratio below one half outside.
+    /// Number of eigenvalues that are missing in `found` with |λ| < `radius`, or outside of this disk with a damping ratio between one
+    /// half and that of [`MIN_OSCILLATION`]; `None` if it cannot be determined. All other vibrations have |Im λ| > `radius` sin 60°.
     pub fn missing_vibrations(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
         if self.undamped || self.largest_ratio_above(radius).is_some() {
             return self.missing_in_disk(found, radius);

@@ -274,7 +274,7 @@ class Balance:
             if torque.value == "balance":
                 self._add(shaft(torque), torque=-power / self.ratio[shaft(torque)])
         for drive in self.system.drives:
-            # the mean of its damping is zero
+            # the damping torque has the mean zero over a period
             twist = self._taken(self.motion.twist(drive.at))
             self._add(shaft(drive), torque=-drive.stiffness * twist)
 
