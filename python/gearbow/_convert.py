@@ -30,6 +30,8 @@ _COMPLEX = ("unbalance", "runout", "offset", "angle")
 BYTES = (bytes, bytearray, memoryview)
 #: Longest representation of a value in an error message.
 _LONGEST = 100
+#: Half of a character of UTF-16, which UTF-8 has not.
+_SURROGATE = re.compile("[\ud800-\udfff]")
 
 
 def shown(value: object) -> str:
@@ -153,6 +155,12 @@ def text(value: object, path: str) -> str:
         raise SceneError(f"{path}: must be text, got {shown(value)}")
     if "\0" in value:  # no file format has it in a text
         raise SceneError(f"{path}: must not contain the character NUL, got {shown(value)}")
+    if (lone := _SURROGATE.search(value)) is not None:
+        sign = f"U+{ord(lone[0]):04X}"
+        raise SceneError(
+            f"{path}: must not contain the lone surrogate {sign}, which no file has in a text, "
+            f"got {value!a}"
+        )
     return str(value)
 
 

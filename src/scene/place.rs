@@ -18,7 +18,13 @@ struct NamePlace<'a> {
     name: &'a str,
 }
 
-/// The names of a description. Each name is unique, and contains no separator.
+/// Characters that no font draws, or that break a line, a table or a file: control characters, and the noncharacters U+FFFE and
+/// U+FFFF, which XML forbids.
+fn is_forbidden(sign: char) -> bool {
+    sign.is_control() || matches!(sign, '\u{fffe}' | '\u{ffff}')
+}
+
+/// The names of a description. Each name is unique, and contains no separator or forbidden character.
 pub(super) struct Names<'a> {
     shafts: HashMap<&'a str, usize>,
     bodies: HashMap<&'a str, (&'a str, f64)>,
@@ -45,6 +51,13 @@ impl<'a> Names<'a> {
                 let (name, other) = (place.name, place.name.replace(NAME_SEPARATORS, "-"));
                 return Err(field(format!(
                     "must not contain \"{sign}\", got \"{name}\"; texts such as \"driver/driven\" join names with it, so write \"{other}\""
+                )));
+            }
+            if let Some(sign) = place.name.chars().find(|&sign| is_forbidden(sign)) {
+                let (name, at) = (place.name, place.field.escape_debug().to_string());
+                return Err(EntryPath::entry(place.list, place.index).field(&at).error(format!(
+                    "must not contain the character U+{:04X}, got {name:?}; use letters, digits, signs and spaces",
+                    u32::from(sign)
                 )));
             }
             if let Some(NamePlace { list, index, field: part, name }) = used.get(place.name) {

@@ -17,7 +17,7 @@ from gearbow.description.layout import BodyOutline
 from gearbow.description.train import Train
 from gearbow.plotting import end_view
 from gearbow.plotting.side_view import bows
-from gearbow.plotting.style import PALETTE, STYLE, colour, round_factor
+from gearbow.plotting.style import PALETTE, STYLE, colour, plain_texts, round_factor
 
 __all__ = ["MeshMotion", "Motion", "frames"]
 
@@ -58,12 +58,13 @@ def frames(motion: Motion, magnify: float | None) -> Iterator[Image.Image]:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=_SIZE, dpi=_DPI)
         canvas: Any = FigureCanvasAgg(figure)
-        view, marks = _panels(figure, motion)
-        moving = [
-            _Body(view, motion, body, factor)
-            for body in end_view.circles(motion.train)
-            if body.name in motion.centres
-        ]
+        with plain_texts(figure):
+            view, marks = _panels(figure, motion)
+            moving = [
+                _Body(view, motion, body, factor)
+                for body in end_view.circles(motion.train)
+                if body.name in motion.centres
+            ]
         line = _Line(view, motion, factor) if motion.mesh is not None else None
         _limits(view, motion, factor)
         title = figure.suptitle("time", fontsize=15.0)

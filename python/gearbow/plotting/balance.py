@@ -7,7 +7,16 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
-from gearbow.plotting.style import MICRO, PALETTE, GivenAxes, label_x, legend, panels, text_size
+from gearbow.plotting.style import (
+    MICRO,
+    PALETTE,
+    GivenAxes,
+    label_x,
+    legend,
+    named_ticks,
+    panels,
+    text_size,
+)
 
 __all__ = ["balance"]
 
@@ -35,7 +44,7 @@ def balance(
                 else:
                     panel.plot(x, MICRO * values, "o-", markersize=4.0, **style)
             if named:
-                panel.set_xticks(x, [str(point) for point in points])
+                named_ticks(panel.xaxis, x, [str(point) for point in points])
             if limits is not None:
                 low, high = (MICRO * each[number] for each in limits)
                 place = x + 0.2 if named else x

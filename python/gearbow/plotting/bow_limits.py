@@ -14,6 +14,7 @@ from gearbow.plotting.style import (
     colour,
     legend,
     log_scale,
+    named_ticks,
     panels,
     remark,
     speed_axis,
@@ -79,7 +80,7 @@ def _at_one_speed(
         for row, (_, bow) in enumerate(shown):
             exceeded = bow < present
             panel.barh(row, bow, height=0.55, color=PALETTE[1 if exceeded else 0])
-        panel.set_yticks(range(len(shown)), names)
+        named_ticks(panel.yaxis, range(len(shown)), names)
         panel.set_ylim(max(len(shown), 1) - 0.5, -0.5)
         if present > 0.0:
             panel.axvline(present, color="0.2", linewidth=2.5, label="present bow")

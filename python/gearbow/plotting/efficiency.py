@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
-from gearbow.plotting.style import GivenAxes, colour, legend, panels, speed_axis
+from gearbow.plotting.style import GivenAxes, colour, legend, named_ticks, panels, speed_axis
 
 __all__ = ["losses"]
 
@@ -29,7 +29,7 @@ def losses(
             rows = np.arange(len(names) + 1)
             values = np.append(shares[0], total[0])
             panel.barh(rows, values, color=[colour(0)] * len(names) + ["0.4"])
-            panel.set_yticks(rows, [*names, "train"])
+            named_ticks(panel.yaxis, rows, [*names, "train"])
             panel.invert_yaxis()
             panel.grid(visible=False, axis="y")
             panel.set(xlabel=label, ylabel="mesh", title=f"{factor * speeds[0]:.5g} {speed_unit}")

@@ -75,7 +75,7 @@ def scene(parts: Iterable[Surface | Line], title: str) -> dict[str, Any]:
     }
     ratio = dict(zip("xyz", aspect.tolist(), strict=True))
     camera = {"eye": {"x": 0.7, "y": -1.5, "z": 0.7}}
-    heading = {"text": title.replace("\n", "<br>"), "font": {"size": 15}, "x": 0.5}
+    heading = {"text": _markup(title), "font": {"size": 15}, "x": 0.5}
     layout = {"width": WIDTH, "height": round(0.62 * WIDTH), "title": heading}
     layout |= {"margin": {"l": 0, "r": 0, "t": 60, "b": 0}, "legend": {"x": 0.01, "y": 0.98}}
     return {
@@ -97,7 +97,7 @@ def _in_space(part: Surface | Line) -> dict[str, Any]:
         mode = "+".join(["lines"] * bool(part.width) + ["markers"] * bool(part.marker))
         shown = points if len(points) else np.full((1, 3), None)
         trace: dict[str, Any] = {"type": "scatter3d", "mode": mode, "line": style, "marker": mark}
-        trace |= {"name": part.label or "", "showlegend": part.label is not None}
+        trace |= {"name": _markup(part.label or ""), "showlegend": part.label is not None}
         return {**trace, "hoverinfo": "skip", **dict(zip("xyz", shown.T, strict=True))}
     if points.shape[1] == 1:  # a disk: triangles about its first corner
         corners = dict(zip("xyz", points[:, 0], strict=True))
@@ -254,8 +254,8 @@ class _Converter:
         points = _visible(artist)
         style = self._line(artist)
         x, y = self._values(panel, points)
-        names = [] if label.startswith("_") else [label]
-        texts = [getattr(panel, f"{axis}axis").label.get_text() or axis for axis in "xy"]
+        names = [] if label.startswith("_") else [_markup(label)]
+        texts = [_markup(getattr(panel, f"{axis}axis").label.get_text()) or axis for axis in "xy"]
         true = "%{customdata:.5g}" if "customdata" in self._true(panel, points) else "%{y:.5g}"
         names += [f"{texts[0]}: %{{x:.5g}}", f"{texts[1]}: {true}"]
         hover = "<br>".join(names) + "<extra></extra>"
@@ -343,7 +343,11 @@ class _Converter:
         entries = list(zip(legend.legend_handles, legend.get_texts(), strict=True))
         for handle, text in entries:
             trace: dict[str, Any] = {"type": "scatter", "x": [None], "y": [None], "legend": name}
-            trace |= {"name": text.get_text(), "legendgroup": text.get_text(), "showlegend": True}
+            trace |= {
+                "name": _markup(text.get_text()),
+                "legendgroup": text.get_text(),
+                "showlegend": True,
+            }
             if isinstance(handle, Line2D):
                 trace |= self._line(handle)
             elif isinstance(handle, Patch):
@@ -363,7 +367,7 @@ class _Converter:
             "xanchor": "center",
             "yanchor": "middle",
             "bgcolor": "rgba(255,255,255,0.6)",
-            "title": {"text": title},
+            "title": {"text": _markup(title)},
             "entrywidth": 0,
             "itemsizing": "trace",
         }
@@ -430,9 +434,14 @@ def _visible(line: Line2D) -> Array:
     return found
 
 
+def _markup(text: str) -> str:
+    """Write a text for plotly, which reads some HTML and "%{...}" in it."""
+    return escape(text, quote=False).replace("%{", "%&#123;").replace("\n", "<br>")
+
+
 def _html(text: Text) -> str:
-    """Write a text for plotly, which reads some markup."""
-    found = escape(text.get_text(), quote=False).replace("\n", "<br>")
+    """Write a text of a figure for plotly, with its weight."""
+    found = _markup(text.get_text())
     return f"<b>{found}</b>" if text.get_fontweight() == "bold" else found
 
 

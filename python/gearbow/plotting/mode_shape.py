@@ -17,7 +17,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from gearbow._types import Array, ComplexArray, NodalDof
 from gearbow.description.layout import BaseOutline, BodyOutline, Layout, ShaftOutline
 from gearbow.errors import GearbowError
-from gearbow.plotting.style import STYLE, GivenAxes, colour, figure_of, given_axes
+from gearbow.plotting.style import STYLE, GivenAxes, colour, figure_of, given_axes, plain_texts
 
 __all__ = ["Path", "Surface", "draw", "parts"]
 
@@ -136,11 +136,14 @@ def _panel(ax: GivenAxes) -> Iterator[tuple[Figure, Any]]:
                 "ax: a mode of the train needs Axes in three dimensions; make them with "
                 'figure.add_subplot(projection="3d")'
             )
-        yield figure_of(panel), panel
+        figure = figure_of(panel)
+        with plain_texts(figure):
+            yield figure, panel
         return
     with mpl.rc_context({**STYLE, "figure.constrained_layout.use": False}):
         figure = Figure(figsize=(12.0, 7.6))
-        yield figure, figure.add_axes((0.0, 0.09, 1.0, 0.8), projection="3d")
+        with plain_texts(figure):
+            yield figure, figure.add_axes((0.0, 0.09, 1.0, 0.8), projection="3d")
 
 
 def _finish(axes: Any, extent: Array) -> None:

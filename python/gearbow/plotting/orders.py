@@ -20,6 +20,7 @@ from gearbow.plotting.style import (
     figure_of,
     legend,
     log_scale,
+    named_ticks,
     panels,
     quantity,
     remark,
@@ -305,7 +306,7 @@ def orders(
         lengths = np.maximum(amplitudes, begin)
         bars = panel.barh(np.arange(len(names)), lengths, color=shades, log=logarithmic)
         panel.bar_label(bars, [_three_digits(value) for value in amplitudes], padding=4)
-        panel.set_yticks(np.arange(len(names)), names)
+        named_ticks(panel.yaxis, np.arange(len(names)), names)
         panel.invert_yaxis()
         panel.grid(visible=False, axis="y")
         panel.set(xlabel=label)

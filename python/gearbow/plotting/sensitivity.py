@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
-from gearbow.plotting.style import PALETTE, GivenAxes, panels, remark
+from gearbow.plotting.style import PALETTE, GivenAxes, named_ticks, panels, remark
 
 __all__ = ["tornado"]
 
@@ -33,7 +33,7 @@ def tornado(
             values = column[order]
             colours = [PALETTE[0] if value >= 0.0 else PALETTE[1] for value in values]
             panel.barh(np.arange(order.size), values, color=colours)
-            panel.set_yticks(np.arange(order.size), [parameters[i] for i in order])
+            named_ticks(panel.yaxis, np.arange(order.size), [parameters[i] for i in order])
             panel.axvline(0.0, color="0.2", linewidth=1.0)
             panel.grid(visible=False, axis="y")
             # Round-off is no effect: the axis shows at least a thousandth of a percent.

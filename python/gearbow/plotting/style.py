@@ -9,9 +9,12 @@ import matplotlib as mpl
 import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogFormatterMathtext
 from matplotlib.transforms import BboxBase
+from numpy.typing import ArrayLike
 
 from gearbow._convert import shown
 from gearbow._core import whirl_classes
@@ -35,8 +38,10 @@ __all__ = [
     "label_x",
     "legend",
     "log_scale",
+    "named_ticks",
     "panels",
     "place_legend",
+    "plain_texts",
     "quantity",
     "remark",
     "round_factor",
@@ -108,7 +113,9 @@ def panels(
     """Make a figure with rows of panels, or take the panels of the user."""
     if ax is not None:
         given = given_axes(ax, (count,))
-        yield figure_of(given[0]), given
+        figure = figure_of(given[0])
+        with plain_texts(figure):
+            yield figure, given
         return
     columns = min(columns, count)
     rows = -(-count // columns)
@@ -118,8 +125,35 @@ def panels(
         found = list(grid.flat)
         for panel in found[count:]:
             panel.remove()
-        yield figure, found[:count]
+        with plain_texts(figure):
+            yield figure, found[:count]
         figure.align_ylabels()
+
+
+@contextmanager
+def plain_texts(figure: Figure) -> Iterator[None]:
+    """Write what is added to a figure as it is: the "$" of a name begins no mathematics."""
+    before = {text: text.get_text() for text in _texts(figure)}
+    yield
+    for text in _texts(figure):
+        if text.get_text() != before.get(text):
+            text.set_parse_math(False)
+
+
+def _texts(figure: Figure) -> Iterator[Text]:
+    """Give the texts of a figure without the numbers at its axes."""
+    yield from figure.texts
+    legends = [*figure.legends, *(panel.get_legend() for panel in figure.axes)]
+    for legend in (each for each in legends if each is not None):
+        yield from (legend.get_title(), *legend.get_texts())
+    for panel in figure.axes:
+        yield from (*panel.texts, panel.title, panel._left_title, panel._right_title)  # type: ignore[attr-defined]
+        yield from (axis.label for axis in panel._axis_map.values())
+
+
+def named_ticks(axis: Axis, places: ArrayLike, names: Sequence[str]) -> None:
+    """Write names at an axis, whose texts matplotlib makes again whenever it draws."""
+    axis.set_ticks(places, [name.replace("$", r"\$") for name in names])
 
 
 def given_axes(ax: GivenAxes, counts: Sequence[int], what: str = "") -> list[Axes]:
@@ -283,7 +317,7 @@ def text_size(part: float) -> float:
 
 def text_extent(panel: Axes, text: str, **style: Any) -> BboxBase:
     """Measure a text."""
-    trial = panel.text(0.0, 0.0, text, **style)
+    trial = panel.text(0.0, 0.0, text, parse_math=False, **style)
     extent: BboxBase = trial.get_window_extent()
     trial.remove()
     return extent

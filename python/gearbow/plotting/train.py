@@ -11,7 +11,7 @@ from gearbow.description.train import Train
 from gearbow.plotting import end_view, symbols
 from gearbow.plotting.development import Box
 from gearbow.plotting.side_view import SideView, bows
-from gearbow.plotting.style import STYLE, figure_of, given_axes, round_factor
+from gearbow.plotting.style import STYLE, figure_of, given_axes, plain_texts, round_factor
 
 __all__ = ["draw", "magnification"]
 
@@ -36,15 +36,17 @@ def draw(train: Train, magnify: float | None, ax: Axes | Sequence[Axes] | None) 
     if ax is not None:
         panels = given_axes(ax, (1, 2), "side view, or side view and end view")
         figure = figure_of(panels[0])
-        if side.kinds:
-            panels[0].legend(*entries, fontsize="small", loc="best")
-        _views(figure, side, panels, boxes)
+        with plain_texts(figure):
+            if side.kinds:
+                panels[0].legend(*entries, fontsize="small", loc="best")
+            _views(figure, side, panels, boxes)
         return figure
     with mpl.rc_context(STYLE):
         figure, panels = _new(boxes)
         if side.kinds:
             figure.legend(*entries, loc="outside lower center", ncols=6)
-        _views(figure, side, panels, boxes)
+        with plain_texts(figure):
+            _views(figure, side, panels, boxes)
     return figure
 
 
