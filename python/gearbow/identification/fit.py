@@ -119,7 +119,7 @@ def solve(matrix: Array, target: Array) -> Solution:
     norms = np.linalg.norm(matrix, axis=0)
     norms[norms == 0.0] = 1.0
     orthogonal, triangle = np.linalg.qr(matrix / norms)
-    left, sizes, right = np.linalg.svd(triangle)
+    left, sizes, right = np.linalg.svd(triangle, full_matrices=False)
     kept = sizes > max(matrix.shape) * np.finfo(np.float64).eps * sizes.max(initial=0.0)
     basis = orthogonal @ left[:, kept]
     inside = basis.T @ target
@@ -312,7 +312,8 @@ def student(freedom: float) -> float:
 
 def chi_squared_tail(value: float, freedom: float) -> float:
     """Give the probability of a larger χ² (Wilson and Hilferty, *PNAS* 17, 1931)."""
-    if freedom <= 0.0:
+    # Leverages have round-off: a fit with as many unknowns as numbers leaves no freedom.
+    if freedom <= np.sqrt(np.finfo(np.float64).eps):
         return float("nan")
     spread = 2.0 / (9.0 * freedom)
     return 1.0 - NormalDist().cdf(((value / freedom) ** (1.0 / 3.0) - (1.0 - spread)) / spread**0.5)

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,11 @@ __all__ = ["identify", "result_of"]
 _DETECTABLE = {2: 3.930, 1: 3.605}
 #: Share of the residual below which phases with the opposite sign fit better than by chance.
 _OPPOSITE = 0.5
+#: Residual relative to the vibration that is round-off of an exact fit.
+_ROUND_OFF = 1e-8
+#: Standard deviations below the expectation at which the differences between neighbours say that a
+#: residual is no noise: chance does this once in a thousand identifications.
+_SMOOTH = NormalDist().inv_cdf(0.999)
 
 
 def identify(
@@ -75,10 +81,18 @@ def identify(
     -----
     AccuracyWarning
         If phases of the opposite sign fit much better: the sense of rotation or the sign of the
-        phases is probably wrong.
+        phases is probably wrong. If the noise is estimated, and residuals at neighbouring speeds
+        are alike: the model does not describe the vibration, and the intervals are too small.
 
     Notes
     -----
+    Noise differs from one speed to the next, but an error of the model changes little. Half the
+    mean square of the differences between neighbours is therefore an estimate of the noise that
+    needs no model; its ratio to the mean square has the expectation 1 and, for N numbers, the
+    variance 1/N (J. von Neumann, *Distribution of the ratio of the mean square successive
+    difference to the variance*, Ann. Math. Statist. 12, 1941). A ratio whose probability is below
+    0.1 % causes the warning.
+
     G. H. Golub and V. Pereyra, *Separable nonlinear least squares: the variable projection method
     and its applications*, Inverse Problems 19 (2003).
 
@@ -143,7 +157,8 @@ def result_of(
 ) -> Identification[S]:
     """Fit a model, and describe the solution."""
     found = fit(model, noise)
-    _warn_of_opposite_sense(model, found)
+    if not _warn_of_opposite_sense(model, found) and noise is None:
+        _warn_of_smooth_residual(model, found)
     terms = len(model.terms)
     values = np.concatenate([found.values[0::2] + 1j * found.values[1::2], found.parameters])
     # The fit has logarithms of parameters.
@@ -201,19 +216,51 @@ def _residuals(model: LinearModel[Any], found: WeightedFit) -> tuple[ProbeResidu
     return tuple(residuals)
 
 
-def _warn_of_opposite_sense(model: LinearModel[Any], found: WeightedFit) -> None:
-    """Warn if amplitudes with the opposite sign of the phase fit much better."""
+def _warn_of_opposite_sense(model: LinearModel[Any], found: WeightedFit) -> bool:
+    """Warn if amplitudes with the opposite sign of the phase fit much better, and tell so."""
     target = np.conj(model.measured) - (found.fitted - found.of_terms)
     columns = found.derivative[:, : 2 * len(model.terms)]
     noise = np.concatenate([found.noise, found.noise])
     rows = np.concatenate([target.real, target.imag]) / noise
-    opposite = float(np.linalg.norm(solve(columns, rows).remainder))
+    solution = solve(columns, rows)
+    if solution.rank == rows.size:
+        return False  # as many unknowns as numbers fit anything
+    opposite = float(np.linalg.norm(solution.remainder))
     own = float(np.linalg.norm(np.abs(found.residual) / found.noise))
-    if opposite < _OPPOSITE * own:
+    is_better = opposite < _OPPOSITE * own
+    if is_better:
         warnings.warn(
             f"measured: with phases of the opposite sign, {100.0 * opposite / own:.2g} % of the "
             "residual remains: check whether phases are lags, and the sense of rotation (the sign "
             "of the speeds)",
+            AccuracyWarning,
+            stacklevel=outside(),
+        )
+    return is_better
+
+
+def _warn_of_smooth_residual(model: LinearModel[Any], found: WeightedFit) -> None:
+    """Warn if the residual is alike at neighbouring speeds, so that it is no noise."""
+    differences, squares = [], []
+    for m in np.unique(model.cells[:, 0]):
+        for c in range(len(model.channels)):
+            own = np.flatnonzero((model.cells[:, 0] == m) & (model.channel == c))
+            values = found.residual[own[np.argsort(model.speed[own], kind="stable")]]
+            differences.append(np.abs(np.diff(values)) ** 2 / 2.0)
+            squares.append(np.abs(values) ** 2)
+    between, total = np.concatenate(differences), np.concatenate(squares)
+    least = _ROUND_OFF * float(np.abs(model.measured).max())
+    if between.size == 0 or total.mean() <= least**2:
+        return
+    ratio = float(between.mean() / total.mean())
+    # An amplitude is two numbers.
+    if (1.0 - ratio) * np.sqrt(2 * between.size) > _SMOOTH:
+        residual, scatter = (1e6 * np.sqrt(each.mean() / 2.0) for each in (total, between))
+        warnings.warn(
+            f"noise: the residual of {residual:.3g} µm is alike at neighbouring speeds, whose "
+            f"differences show a noise of {scatter:.3g} µm: the model does not describe the "
+            "vibration, and the intervals are too small; add unknowns, or give noise= at least the "
+            "error of the model",
             AccuracyWarning,
             stacklevel=outside(),
         )

@@ -19,6 +19,8 @@ _NAMED_SHARE = 0.05
 _LOW_SPEED = 0.7
 #: Largest deviation of a factor from 1 or −1 that is called a sum or a difference.
 _NEARLY_ONE = 0.05
+#: Share of the variance of another unknown above which it shares the doubt of a combination.
+_SHARED = 0.5
 
 
 def component_groups(model: LinearModel[Any]) -> list[list[int]]:
@@ -44,8 +46,29 @@ def inseparable(model: LinearModel[Any], names: Sequence[str], fit: WeightedFit)
         if len(members) == 1 or dimension >= len(components):
             found += [_unseen(model, names[j], j) for j in members]
         else:
-            found.append(_combined(model, names, members, fit))
+            shared = _sharing(fit, groups, members)
+            also = [names[j] for j in shared if links[j, j] <= _NAMED_SHARE]
+            doubt = f"; this doubt is most of the interval of {_listed(also)}" if also else ""
+            found.append(f"{_combined(model, names, members, fit)}{doubt}")
     return tuple(found)
+
+
+def _sharing(fit: WeightedFit, groups: Sequence[list[int]], members: Sequence[int]) -> list[int]:
+    """Find the unknowns whose variance comes mostly from what the data do not see of `members`."""
+    of_members = [i for j in members for i in groups[j]]
+    lost = (fit.directions[:, of_members] ** 2).sum(axis=1) > _SHARED
+    lost &= fit.singular_values < UNSEEN
+    # A singular value of zero has an infinite variance, of which any share is the whole.
+    least = np.finfo(np.float64).eps * fit.singular_values.max(initial=0.0)
+    sizes = np.maximum(fit.singular_values, max(least, np.finfo(np.float64).tiny))
+    variances = (fit.directions / sizes[:, np.newaxis]) ** 2
+    part, total = variances[lost].sum(axis=0), variances.sum(axis=0)
+    return [j for j, own in enumerate(groups) if part[own].sum() > _SHARED * total[own].sum()]
+
+
+def _listed(names: Sequence[str]) -> str:
+    """List names in a sentence."""
+    return " and ".join([text for text in (", ".join(names[:-1]), names[-1]) if text])
 
 
 def _clusters(links: Array) -> list[list[int]]:
@@ -85,7 +108,7 @@ def _combined(
     model: LinearModel[Any], names: Sequence[str], members: Sequence[int], fit: WeightedFit
 ) -> str:
     """Say what is known of several unknowns, and why not more."""
-    listed = f"{', '.join(names[j] for j in members[:-1])} and {names[members[-1]]}"
+    listed = _listed([names[j] for j in members])
     what = "only their combined effect is known"
     terms = len(model.terms)
     if len(members) == 2 and max(members) < terms:

@@ -214,3 +214,44 @@ def test_the_path_of_an_unknown_parameter_is_checked(path: str, text: str):
     measured = gb.Measurement(SPEEDS, vectors(bent_pair(), SPEEDS, PROBES), PROBES)
     with pytest.raises(gb.SceneError, match=text):
         gb.identify(bent_pair(), measured, [*WANTED, gb.unknown.parameter(path)][2:])
+
+
+@pytest.mark.parametrize("prior", [None, 1e-4])
+def test_fewer_numbers_than_unknowns_say_what_is_missing(prior):
+    # two amplitudes are four numbers; three half waves and a run-out are eight
+    speeds, probes = np.array([300.0, 600.0]), PROBES[:1]
+    measured = gb.Measurement(speeds, noisy(vectors(bent_pair(), speeds, probes), 1), probes)
+    wanted = [gb.unknown.bow("input", 3, prior=prior)]
+    with pytest.raises(gb.GearbowError, match="4 measured numbers do not give the noise"):
+        gb.identify(unbent(bent_pair()), measured, wanted)
+    found = gb.identify(unbent(bent_pair()), measured, wanted, noise=MICRON)
+    assert found.inseparable
+    assert np.isfinite(found.estimates).all()
+    # only the priors limit the intervals
+    assert np.isfinite(found.half_widths[:3]).all() == (prior is not None)
+    # as many unknowns as numbers leave nothing that a test could judge
+    assert "does not agree with the noise" not in str(found)
+
+
+def test_a_wrong_model_is_not_called_noise():
+    measured = gb.Measurement(SPEEDS, noisy(vectors(bent_pair(), SPEEDS, PROBES), 1), PROBES)
+    system = unbent(bent_pair())
+    soft = system.replace(
+        bearings=[replace(each, stiffness=4e7) for each in system.bearings]  # of 1e8 N/m
+    )
+    with pytest.warns(gb.AccuracyWarning, match="^noise: the residual of .* alike at neighbouring"):
+        found = gb.identify(soft, measured, WANTED)
+    # the noise is 1 µm
+    assert found.noise.min() > 5.0 * MICRON
+    # with the noise given, the test of the residual says it
+    assert (
+        min(one.probability for one in gb.identify(soft, measured, WANTED, noise=MICRON).probes)
+        < 1e-6
+    )
+
+
+def test_noise_is_not_called_a_wrong_model():
+    exact, system = vectors(bent_pair(), SPEEDS, PROBES), unbent(bent_pair())
+    # a probability of 0.1 % each; every warning is an error
+    for seed in range(20):
+        gb.identify(system, gb.Measurement(SPEEDS, noisy(exact, 100 + seed), PROBES), WANTED)

@@ -138,3 +138,19 @@ def test_detectable_bows_are_detected_in_95_percent():
     sizes = np.abs(drawn) / np.sqrt(found.covariance[0, 0])
     # 4,000 samples have a standard error of 0.35 %.
     assert np.mean(sizes > np.sqrt(-2.0 * np.log(0.05))) == pytest.approx(0.95, abs=0.015)
+
+
+def test_unknowns_that_share_a_doubt_are_named():
+    # bow and run-out are inseparable at low speeds, and the unbalance takes what the bow leaves
+    speeds = low(0.1)
+    measured = gb.Measurement(speeds, noisy(vectors(bent_pair(), speeds, PROBES), 1), PROBES)
+    system = unbent(bent_pair())
+    (text,) = gb.identify(system, measured, WANTED, noise=MICRON).inseparable
+    assert text.endswith("; this doubt is most of the interval of unbalance of g1")
+    # an independent proof: with the bow known, the unbalance has a far narrower interval
+    bent = system.replace(shafts=bent_pair().shafts)
+    unbalance = gb.unknown.unbalance("g1")
+    alone = gb.identify(bent, measured, [unbalance], noise=MICRON)
+    beside = gb.identify(system, measured, WANTED, noise=MICRON)
+    assert alone.half_widths[0, 0] < 0.5 * beside.half_widths[1, 0]
+    assert not alone.inseparable
