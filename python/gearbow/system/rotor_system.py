@@ -146,7 +146,9 @@ class RotorSystem(CheckedKeywords, Shown):
     gravity : float or tuple of (float, float), optional
         Gravity [m/s²], along −z or as (y, z).
     motion : {"lateral", "torsion", "coupled"}, optional
-        The degrees of freedom of a node; None chooses those that the scene requires.
+        The degrees of freedom of a node; None chooses those that the scene requires. "coupled" is
+        bending and torsion. Axial motion is added to bending, except to "lateral", where helical
+        gears, an axial force or a bearing with an axial stiffness or damping act on it.
     accuracy : {"draft", "engineering", "reference"}
         Largest total error of runs: 1e-2, 1e-3 or 1e-6 of displacements, and 1e-1, 1e-2 or 1e-4 of
         mesh forces (RMS of the difference / RMS of the signal about its mean, at least 2 % of the

@@ -6,6 +6,7 @@ The files are not part of the repository: the environment variable GEARBOW_TEST_
 import json
 import os
 from dataclasses import replace
+from math import pi, sqrt, tan
 from pathlib import Path
 
 import numpy as np
@@ -131,6 +132,29 @@ def test_layers_are_sleeves_and_cones_are_cones(tmp_path: Path):
     (sleeve,) = system.sleeves
     assert (sleeve.begin, sleeve.end, sleeve.stiffness) == (0.1, 0.2, "full")
     assert sleeve.material == gb.Material(114e9, 4430.0, shear_modulus=42.5e9)
+
+
+def test_axial_coordinates_are_those_of_axial_bearings(tmp_path: Path):
+    elements = [element(n, 0.02) for n in range(2)]
+    free = read(tmp_path, *elements)
+    assert {kind for _, _, kind in free.dofs} == {"v", "w", "B", "G"}
+    twisting = free.replace(motion="coupled")
+    assert {kind for _, _, kind in twisting.dofs} == {"v", "w", "B", "G", "twist"}
+    stiffness = 1e7
+    file = tmp_path / "rotor.json"
+    file.write_text(file.read_text().replace('"kxx"', f'"kzz": {stiffness}, "kxx"'))
+    held = gb.RotorSystem.from_ross(file)
+    assert "u" in {kind for _, _, kind in held.dofs}
+    # a bar between two springs: β tan(βL/2) = k/EA, found by bisection between 0 and π/L
+    low, high = 0.0, pi / 0.2
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        above = middle * tan(middle * 0.1) > stiffness / (211e9 * pi * 0.01**2)
+        low, high = (low, middle) if above else (middle, high)
+    modes = held.modes(0.0)
+    found = modes.frequencies_hz[list(modes.whirl).index("axial")]
+    # the error of two linear elements
+    assert found == pytest.approx(low * sqrt(211e9 / 7810.0) / (2.0 * pi), rel=1e-3)
 
 
 #: Eigenfrequencies [rad/s] at 400 rad/s by the axial force [N], of a shaft of two elements in ROSS 2.3. Without force, the lowest
