@@ -95,15 +95,16 @@ def read(path: Path) -> dict[str, dict[str, Any]]:
     return found
 
 
-def store(path: Path, machine: Machine, analysis: str, result: Measured | None) -> None:
-    """Store one result; without, remove it."""
+def store(path: Path, machine: Machine, analysis: str, result: Measured | str | None) -> None:
+    """Store one result, or why the machine has none; without both, remove it."""
     stored = read(path)
     of_machine = stored.setdefault(machine.name, {"measured": {}})
     of_machine["coordinates"] = len(machine.system.dofs)
     if result is None:
         of_machine["measured"].pop(analysis, None)
     else:
-        of_machine["measured"][analysis] = asdict(result)
+        known = {"lacking": result} if isinstance(result, str) else asdict(result)
+        of_machine["measured"][analysis] = known
     path.write_text(json.dumps(stored, indent=1, sort_keys=True) + "\n", "utf-8")
 
 
@@ -114,18 +115,23 @@ def readable(seconds: float) -> str:
 
 @dataclass(frozen=True)
 class Row:
-    """Result of an analysis of one machine with `size` degrees of freedom."""
+    """Result of an analysis of one machine with `size` degrees of freedom, or why it has none."""
 
     machine: str
     size: int
     analysis: str
-    measured: Measured
+    measured: Measured | str
 
 
 def rows_of(stored: dict[str, dict[str, Any]]) -> list[Row]:
     """Return the stored results, in the order of the machines and the analyses."""
     return [
-        Row(name, stored[name]["coordinates"], analysis, Measured(**kept[analysis]))
+        Row(
+            name,
+            stored[name]["coordinates"],
+            analysis,
+            kept[analysis].get("lacking") or Measured(**kept[analysis]),
+        )
         for name in sorted(stored)
         for kept in (stored[name]["measured"],)
         for analysis in ANALYSES
@@ -140,6 +146,10 @@ def linear_table(rows: list[Row]) -> None:
     print("|" + "---|" * (len(heads) + 1))
     for row in rows:
         found = row.measured
+        if isinstance(found, str):
+            lacking = (row.machine, str(row.size), f"`{row.analysis}`: {found}")
+            print("|", " | ".join([*lacking, *["–"] * 5]), "|")
+            continue
         if found.ratio is None or found.scipy_cpu is None or found.difference is None:
             continue
         failed = "" if found.difference <= found.accepted else " (fails)"
@@ -157,7 +167,11 @@ def other_table(rows: list[Row]) -> None:
     print("\n| machine | n |", " | ".join(heads), "| simulated s per CPU s |")
     print("|---|---|" + "---|" * (len(heads) + 1))
     for name, size in dict.fromkeys((row.machine, row.size) for row in rows):
-        own = {row.analysis: row.measured for row in rows if row.machine == name}
+        own = {
+            row.analysis: row.measured
+            for row in rows
+            if row.machine == name and isinstance(row.measured, Measured)
+        }
         times = [
             f"{readable(own[each].cpu)} ({readable(own[each].wall)})" if each in own else ""
             for each in OTHERS
@@ -184,13 +198,17 @@ def main() -> None:
             machine = Machine(FOLDER / f"{name}.toml")
             for analysis in given.analysis or [*OTHERS, *LINEAR]:
                 print(f"{name}, {analysis} ...", file=sys.stderr, flush=True)
+                result: Measured | str | None
                 try:
                     work = ANALYSES[analysis](machine)
-                    result = None if work is None else measure(work)
+                    result = work if isinstance(work, str) else measure(work)
                 except gb.GearbowError as error:
                     failed.append(f"{name}, {analysis}: {type(error).__name__}: {error}")
                     result = None
-                if result and not (result.difference or 0.0) <= result.accepted:
+                if (
+                    isinstance(result, Measured)
+                    and not (result.difference or 0.0) <= result.accepted
+                ):
                     failed.append(f"{name}, {analysis}: difference {result.difference:.1e}")
                 store(path, machine, analysis, result)
     rows = rows_of(read(path))

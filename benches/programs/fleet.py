@@ -192,8 +192,10 @@ def diagram(machine: Machine) -> Work:
     return campbell(machine, np.linspace(SHARES[0], SHARES[-1], 28), 14)
 
 
-def synchronous(machine: Machine) -> Work:
-    """Find the response to bow and unbalance."""
+def synchronous(machine: Machine) -> Work | str:
+    """Find the response to bow and unbalance; without bending, there is none."""
+    if machine.system.motion == "torsion":
+        return "none, because the machine has no lateral motion"
 
     def prepare(count: int) -> Run[Any]:
         system, speeds = machine.fresh(), machine.speed * np.linspace(*RANGE, count)
@@ -287,10 +289,10 @@ def forces(machine: Machine) -> tuple[Complex, Complex]:
     return bows, unbalances
 
 
-def critical_map(machine: Machine) -> Work | None:
+def critical_map(machine: Machine) -> Work | str:
     """Find the undamped critical speeds against the stiffness of all bearings, if there are any."""
     if not machine.system.bearings:
-        return None
+        return "none, because the machine has no bearings"
 
     def prepare() -> Run[Any]:
         system = machine.loaded()
@@ -345,10 +347,10 @@ def critical_speeds(stiffness: Any, effective: Any) -> Array:
     return speeds
 
 
-def intersection(machine: Machine) -> Work | None:
-    """Find an intersection of a mode and an excitation line again; None if there is none."""
+def intersection(machine: Machine) -> Work | str:
+    """Find an intersection of a mode and an excitation line again, if there is any."""
     if not machine.diagram.intersections:
-        return None
+        return "none, because no line meets a mode"
     first = machine.diagram.intersections[0]
     speeds = first.speed * np.array([1.0 - NEAR, 1.0 + NEAR])
 
@@ -407,7 +409,7 @@ def not_found(found: Complex, exact: Complex) -> float:
 
 
 #: Analyses of both programs.
-LINEAR: dict[str, Callable[[Machine], Work | None]] = {
+LINEAR: dict[str, Callable[[Machine], Work | str]] = {
     "modes": modes,
     "campbell": campbell,
     "intersection": intersection,
@@ -416,11 +418,11 @@ LINEAR: dict[str, Callable[[Machine], Work | None]] = {
     "critical_speed_map": critical_map,
 }
 #: Analyses of gearbow.
-OTHERS: dict[str, Callable[[Machine], Work | None]] = {
+OTHERS: dict[str, Callable[[Machine], Work | str]] = {
     "load": load,
     "static": static,
     "first_run": first_run,
     "run": run,
 }
 #: Analyses that are measured only if they are named.
-OPTIONAL: dict[str, Callable[[Machine], Work | None]] = {"campbell_28x14": diagram}
+OPTIONAL: dict[str, Callable[[Machine], Work | str]] = {"campbell_28x14": diagram}

@@ -164,6 +164,26 @@ def shift(study: Study) -> str:
     return markdown(titles, rows)
 
 
+def together(study: Study) -> str:
+    """Tabulate the effect of bows on all shafts in phase: at phase 0, and on the mean."""
+    case = replace(study.base, torque=min(study.settings.torques), speed=min(study.settings.speeds))
+    straight, found = study[case], study[replace(case, bow=study.bows[0])]
+    titles = ["pair", "Δε at phase 0", "Δα at phase 0 [°]", "mean Δε", "mean Δα [°]"]
+    rows = []
+    for pair in study.pairs:
+        contact, pressure = (
+            (
+                float(found[pair, name][0] - straight[pair, name][0]),
+                found.mean(pair, name) - straight.mean(pair, name),
+            )
+            for name in ("contact_ratio", "pressure_angle")
+        )
+        angles = [math.degrees(each) for each in pressure]
+        first = [f"{contact[0]:+.3f}", f"{angles[0]:+.3f}"]
+        rows.append([pair, *first, f"{contact[1]:+.5f}", f"{angles[1]:+.5f}"])
+    return markdown(titles, rows)
+
+
 def which(study: Study) -> str:
     """Tabulate the effect of a bow on one shaft at a time."""
     titles = ["layout", "bow on", *(f"ε {pair}" for pair in study.pairs)]
@@ -279,6 +299,7 @@ TABLES: dict[str, Callable[[Study], str]] = {
     "limits": limits_of_bow,
     "ratio": ratio,
     "shift": shift,
+    "together": together,
     "which": which,
     "layouts": layouts,
     "frozen": frozen,

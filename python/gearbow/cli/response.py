@@ -3,7 +3,7 @@
 import argparse
 import math
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from gearbow.description.sources import MeshExcitation, Source
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
+
+if TYPE_CHECKING:
+    from gearbow._types import FrequencyQuantity
 
 __all__ = ["add"]
 
@@ -99,6 +102,9 @@ def response(given: argparse.Namespace) -> Answer:
     if is_pair(at):
         signals = {"mesh_force": found.mesh_force(at)[:, 0]}
         unit = "N"
+    elif system.motion == "torsion":
+        signals = {"twist": found.twist(at)[:, 0]}
+        unit = "rad"
     else:
         across = found.displacement(at)[:, 0]
         signals = {"y": across[:, 0], "z": across[:, 1]}
@@ -118,5 +124,6 @@ def response(given: argparse.Namespace) -> Answer:
         **{f"{name}_imag": values.imag for name, values in signals.items()},
         "file": None if given.plot is None else str(given.plot),
     }
-    drawing = None if given.plot is None else Drawing(lambda: found.plot(at), given.plot)
+    motion: FrequencyQuantity = "twist" if system.motion == "torsion" else "displacement"
+    drawing = None if given.plot is None else Drawing(lambda: found.plot(at, motion), given.plot)
     return Answer("\n".join(lines), data, drawing)

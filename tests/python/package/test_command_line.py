@@ -559,3 +559,21 @@ def test_the_figure_of_a_scene_has_no_kind(scene: str, capsys):
     code, out, err = called(capsys, "plot", scene, "--kind", "mesh")
     assert (code, out) == (2, "")
     assert err.startswith("plot: --kind: is for the file of a run")
+
+
+def test_a_response_of_a_drive_line_is_its_twist(tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    machine = gb.examples()["torsional_drive_line"]
+    figure = tmp_path / "response.png"
+    options = ["--source", "pinion:twist", "--at", "pinion", "--from", "5Hz", "--to", "20Hz"]
+    with pytest.raises(SystemExit) as end:
+        main(["response", str(machine.path), *options, "--points=3", f"--plot={figure}", "--json"])
+    out, error = capsys.readouterr()
+    assert end.value.code == 0, error
+    found = json.loads(out)
+    assert found["unit"] == "rad"
+    expected = gb.RotorSystem.load(machine.path).frequency_response(
+        found["frequencies"], source=gb.Torque("pinion", 1.0)
+    )
+    np.testing.assert_allclose(found["twist_real"], expected.twist("pinion")[:, 0].real, rtol=1e-9)
+    assert figure.stat().st_size > 1000
