@@ -364,6 +364,21 @@ def test_a_load_may_have_a_power(write):
     assert found["torques"][0]["value"] == pytest.approx(50.0, rel=1e-14)
 
 
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_power_has_the_torque_in_the_sense_of_the_speed(write, sense):
+    plain = model()
+    power = {"id": "power", "unit": "kW", "floating_point": 7.853981633974483}
+    for component in plain["load_spectrum"]["load_cases"][0]["components"]:
+        for attribute in component["attributes"]:
+            if attribute["id"] == "rotational_speed":
+                kind = next(key for key in attribute if key in ("integer", "floating_point"))
+                attribute[kind] *= sense
+    plain["load_spectrum"]["load_cases"][0]["components"][1]["attributes"][:] = [power]
+    # a driving power accelerates: the torque has the sign of the speed
+    value = description(write(plain), load_case=1)["torques"][0]["value"]
+    assert value == pytest.approx(50.0 * sense, rel=1e-14)
+
+
 def joined(plain: dict[str, Any], kind: str, **refs: int) -> None:
     listed = [{"id": number, "role": role} for role, number in refs.items()]
     plain["relations"].append({"id": 999, "type": kind, "refs": listed})

@@ -97,6 +97,31 @@ def test_pyuff_reads_the_functions_of_a_universal_file(response, tmp_path):
             np.testing.assert_allclose(2.0 * np.pi * matches[0]["x"], FREQUENCIES, rtol=1e-6)
 
 
+def test_directions_of_universal_files_have_numbers_and_signs(response, tmp_path):
+    pyuff = pytest.importorskip("pyuff")
+    path = tmp_path / "frf.uff"
+    response.save(path, at="pinion")
+    file = pyuff.UFF(str(path))
+    sets = [each for each in file.read_sets() if each["type"] == 58]
+    moved = response.displacement("pinion")
+    expected = {2: moved[:, 0, 0], 3: moved[:, 0, 1], 4: response.twist("pinion")[:, 0]}
+    for number, values in expected.items():
+        (own,) = [each for each in sets if (each["rsp_dir"], each["ref_node"]) == (number, 1)]
+        # the file has 7 digits
+        atol = 1e-6 * np.abs(values).max()
+        np.testing.assert_allclose(own["data"], values, rtol=1e-6, atol=atol)
+    # a sensor that looks along −y measures the opposite
+    for each in sets:
+        each["rsp_dir"], each["data"] = -each["rsp_dir"], -each["data"]
+    file.write_sets(sets, mode="overwrite")
+    turned = response.compare(path)
+    assert turned.frac == pytest.approx(1.0, abs=1e-9)
+    for curve in turned.measured:
+        if curve.direction == "y" and curve.source == 0:
+            atol = 1e-6 * np.abs(moved[:, 0, 0]).max()
+            np.testing.assert_allclose(curve.values, moved[:, 0, 0], rtol=1e-6, atol=atol)
+
+
 def test_a_measured_response_is_compared(response, tmp_path):
     acceleration = response.acceleration(("in", 0.33))[:, 0]
     lines = [

@@ -217,3 +217,17 @@ def test_wrong_arguments_are_errors(change, message, tmp_path, monkeypatch):
 def test_a_run_must_return_a_response(tmp_path):
     with pytest.raises(gb.GearbowError, match="run: must return a Response"):
         gb.dataset(make, LABELS, lambda system, **_: system, SENSORS, tmp_path / "pair.nc")
+
+
+def test_the_noise_of_the_sensors_is_independent(tmp_path):
+    sensors = {name: gb.Probe("input", 0.25) for name in ("first", "second", "third")}
+    noise = dict.fromkeys(sensors, 1e-6)
+    labels = {"bow": [5e-5], "torque": [100.0, 200.0]}
+    gb.dataset(make, labels, run, sensors, tmp_path / "noisy.nc", noise=noise)
+    gb.dataset(make, labels, run, sensors, tmp_path / "exact.nc")
+    noisy, exact = read(tmp_path / "noisy.nc"), read(tmp_path / "exact.nc")
+    scatter = [(noisy[name] - exact[name]).values[point] for name in sensors for point in (0, 1)]
+    correlation = np.corrcoef(scatter)[np.triu_indices(6, 1)]
+    # of 201 independent numbers, a correlation has the standard deviation 0.07
+    assert np.abs(correlation).max() < 0.3
+    assert np.std(scatter, axis=1) == pytest.approx(1e-6, rel=0.2)

@@ -1,0 +1,74 @@
+"""Tables from standards, against values that are typed a second time (`reference.standards`)."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import sqrt
+from typing import Any
+
+import pytest
+
+import gearbow as gb
+from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES
+from gearbow.report import api617
+from reference import standards
+from reference.machines import bowed_pair
+
+
+def test_zones_of_iso_20816_3():
+    expected = {
+        f"ISO 20816-3 {group} {foundation} {zone}": 1e-3 * value
+        for (group, foundation), values in standards.ZONES_OF_VELOCITY.items()
+        for zone, value in zip(("A/B", "B/C", "C/D"), values, strict=True)
+    }
+    assert pytest.approx(expected, rel=1e-12) == VELOCITIES
+    for zone, value in standards.ZONES_OF_DISPLACEMENT.items():
+        factor, most = DISPLACEMENTS[f"ISO 20816-3 {zone}"]
+        assert factor == pytest.approx(1e-6 * value, rel=1e-12)
+        assert most == float("inf")
+
+
+def test_values_of_api_617():
+    factor, most = DISPLACEMENTS["API 617"]
+    assert factor / sqrt(3000.0) == pytest.approx(standards.API_617_AT_3000_RPM, rel=1e-12)
+    assert most == standards.API_617_MOST
+    # the response analysis takes twice the unbalance of one plane
+    assert api617._UNBALANCE == 2.0 * standards.API_617_UNBALANCE
+
+
+def test_every_designation_has_its_boundary_dimensions():
+    wrong = {}
+    for name, boundary in standards.BOUNDARIES.items():
+        estimate: Any = gb.RollingBearing("rotor", 0.0, name).estimate
+        found = [1e3 * size for size in (estimate.bore, estimate.outer, estimate.width)]
+        if found != pytest.approx(boundary, rel=1e-12):
+            wrong[name] = found
+    assert not wrong
+    assert len(standards.BOUNDARIES) == 5 * 27 + 23
+
+
+def test_boundary_dimensions_grow_with_the_bore():
+    for prefix in ("60", "62", "63", "320"):
+        sizes = [size for name, size in standards.BOUNDARIES.items() if name.startswith(prefix)]
+        for small, large in pairwise(sizes):
+            assert small[0] < large[0]
+            assert small[1] < large[1]
+            assert small[2] <= large[2]
+            # a section of less than a tenth or more than the bore is no bearing of these series
+        assert all(0.1 * d < outer - d < 2.6 * d for d, outer, _ in sizes)
+
+
+@pytest.mark.parametrize("shaft", ["input", "output"])
+def test_a_life_is_that_at_the_speed_of_the_bearing(shaft):
+    system, speed, capacity = bowed_pair(), 150.0, 44e3
+    ratio = dict(zip((each.name for each in system.shafts), system.speed_ratios, strict=True))[
+        shaft
+    ]
+    bearing = (shaft, 0.0)
+    force = gb.BowLimit.bearing_force(bearing, 4e3)
+    hours = standards.rated_hours(4e3, capacity, 30.0, ratio * speed)
+    # with a large exponent, the mean force is nearly the largest one, for which a limit exists too
+    life = gb.BowLimit.bearing_life(bearing, hours, capacity=capacity, exponent=30.0)
+    found = system.bow_limits("input", speed, limits=[force, life], phase=0.0)
+    texts = {one.limit: one for one in found.limits}
+    assert "mean force 4000 N" in str(texts["bearing life"])
