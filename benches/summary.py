@@ -66,7 +66,7 @@ def machines(analysis: str) -> list[Case]:
     cases = []
     for name, machine in json.loads(FLEET.read_text(encoding="utf-8")).items():
         found = machine["measured"].get(analysis)
-        if found and found["ratio"]:
+        if found and found.get("ratio"):
             times = f"{readable(found['cpu'])}, SciPy {readable(found['scipy_cpu'])}"
             words = f"`{name}`, n = {machine['coordinates']}, {found['setting']}: {times}"
             cases.append(Case(found["ratio"], words))

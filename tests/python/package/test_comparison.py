@@ -163,3 +163,13 @@ def test_the_bench_of_the_machines_stores_and_prints_its_rows(tmp_path):
     rows = [line for line in printed.splitlines() if line.startswith("| idler_train")]
     assert len(rows) == 2
     assert f"`modes`, 12 modes | {1e3 * kept['measured']['modes']['cpu']:.3g} ms" in rows[0]
+
+
+def test_an_analysis_that_a_machine_cannot_have_is_a_row_that_says_so(tmp_path):
+    stored = tmp_path / "fleet.json"
+    chosen = ["--machine", "torsional_drive_line", "--analysis", "synchronous"]
+    command = [sys.executable, str(BENCHES / "fleet.py"), "--results", str(stored), *chosen]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
+    assert done.returncode == 0, done.stderr
+    reason = "`synchronous`: none, because the machine has no lateral motion"
+    assert f"| torsional_drive_line | 61 | {reason} |" in done.stdout
