@@ -636,6 +636,14 @@ impl CachedModel {
         if self.model.scene.modal_damping.is_zero() {
             return Ok(None);
         }
+        self.damped_modes(speed, highest).map(Some)
+    }
+
+    /// The same for any damping ratios, also for zero.
+    ///
+    /// # Errors
+    /// As [`Self::modal_damping`].
+    pub fn damped_modes(&self, speed: f64, highest: Highest) -> Result<Arc<ModalDamping>, DecompositionError> {
         let rotation = self.model.rotation(speed);
         let key = DampingKey { rotation: rotation as usize, highest };
         let find = || match self.nominal.get() {
@@ -651,7 +659,7 @@ impl CachedModel {
             }
             _ => self.undamped_search(rotation.speed(), |search| search.damping(highest).map(Arc::new)),
         };
-        self.linear_part().damping.get_or_try(key, find).map(Some)
+        self.linear_part().damping.get_or_try(key, find)
     }
 
     /// Modal damping matrix MΦ·diag(2ζω)·ΦᵀM of all modes, n × n; `None` if the scene has no modal damping.

@@ -181,7 +181,7 @@ impl DynamicStiffnessSolver {
 ///
 /// They are T x, with TᴴT = D: 2 for p and m, and 1 for others. With S_c = T S T⁻¹, S⁻ᵀ f is the conjugate of
 /// S⁻ᴴ f* = T⁻¹ D S_c⁻ᴴ D⁻¹ T f*.
-fn in_circular<T>(
+pub fn in_circular<T>(
     model: &Model,
     side: Side,
     force: &DVector<Complex64>,
