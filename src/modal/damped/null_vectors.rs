@@ -1,6 +1,6 @@
 //! Right and left vectors of an eigenvalue λ, S(λ) x = 0 and yᵀ S(λ) = 0, by inverse iteration.
 //!
-//! The solutions are those of band matrices B of the shafts. Modal damping D = B R Bᵀ adds a matrix of low rank (Woodbury; Golub
+//! The solutions are those of band matrices of the shafts. Modal damping D = B R Bᵀ adds a matrix of low rank (Woodbury; Golub
 //! and Van Loan, Matrix Computations, 4th ed., section 2.1.4): (S + λBRBᵀ)⁻¹ f = S⁻¹ (f − B c) with (I + λRG) c = λR Bᵀ S⁻¹ f and
 //! G = Bᵀ S⁻¹ B. Time and memory are proportional to n.
 
@@ -19,7 +19,7 @@ const SHIFT: f64 = 1e-10;
 /// Iterations, each of which reduces other vectors by SHIFT over the relative distance of their eigenvalues.
 const ITERATIONS: usize = 4;
 /// Eigenvalues with a smaller relative difference are equal.
-pub const EQUAL: f64 = 1e-8;
+const EQUAL: f64 = 1e-8;
 /// Vectors beyond the asked ones, which show further equal eigenvalues.
 const SPARE: usize = 2;
 
@@ -67,14 +67,14 @@ impl NullVectors {
         };
         let images: Vec<_> = right.iter().map(slope).collect();
         let slopes = DMatrix::from_fn(left.len(), images.len(), |row, column| left[row].dot(&images[column]));
-        let mut worst = Residual { value: 0.0, limit: f64::INFINITY };
+        let mut worst: Option<Residual> = None;
         for shape in &right {
             let found = residual(cached, speed, eigenvalue, shape, EquationForces::All(modal.as_deref()))?;
-            if !(found.value <= worst.value) || worst.limit.is_infinite() {
-                worst = found;
-            }
+            // A residual that is not a number stays.
+            worst = worst.filter(|worst| worst.value.is_nan() || found.value <= worst.value).or(Some(found));
         }
-        Ok(Self { right, left, slopes, has_more, residual: worst })
+        let residual = worst.unwrap_or(Residual { value: 0.0, limit: f64::INFINITY });
+        Ok(Self { right, left, slopes, has_more, residual })
     }
 }
 
@@ -127,7 +127,7 @@ struct Update<'m> {
     modal: &'m ModalDamping,
     /// λR, m × m symmetric.
     rates: DMatrix<Complex64>,
-    /// Factors of I + GλR, m × m, whose transposed matrix is I + λRGᵀ.
+    /// Factors of I + λRG and of I + λRGᵀ, m × m.
     capacities: [ComplexLu; 2],
 }
 
