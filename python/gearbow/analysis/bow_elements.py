@@ -15,10 +15,8 @@ _AMPLITUDE = 1e-6
 
 
 def with_elements_for(system: S, *cases: Mapping[str, Bow]) -> S:
-    """Make a system with fixed elements that are as fine as if the bows of any case were its own.
-
-    Each case has bows by shaft that act at the same time, without those of other shafts.
-    """
+    """Make a system with fixed elements, as fine as if the bows of any case were its own."""
+    # The bows of a case, by shaft, act at the same time, without those of other shafts.
     shafts: list[dict[str, Any]] = system._model.resolved()["shafts"]
     for bows in cases:
         largest = max(map(amplitude_of, bows.values()), default=0.0)

@@ -13,7 +13,7 @@ from gearbow.errors import GearbowError, SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.modes import Modes
 from gearbow.results.sensitivity import Sensitivity
-from gearbow.system.motions import Motions, Terms, is_damped
+from gearbow.system.motions import Motions, Terms, is_damped, require_memory_of
 from gearbow.system.parameter_family import ParameterFamily
 
 __all__ = ["of_intersections", "of_modes"]
@@ -62,6 +62,7 @@ def _motions(
     """Give the motions of groups, whose vectors are filled up with zeros to the same number."""
     size = len(family.names)
     most = max((len(group.right) for group in groups), default=0)
+    require_memory_of(len(groups), size, 2 * most)
 
     def filled(name: str) -> ComplexArray:
         found = np.zeros((len(groups), most, size), dtype=np.complex128)

@@ -13,7 +13,7 @@ from gearbow._types import Array, ComplexArray, Plain
 from gearbow.description.parameter import Parameter
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
 
-__all__ = ["Motions", "Terms", "is_damped"]
+__all__ = ["Motions", "Terms", "is_damped", "require_memory_of"]
 
 #: Number of motions that judge differences.
 _JUDGED = 50
@@ -28,13 +28,12 @@ _COPIES = 4
 
 @dataclass(frozen=True, eq=False)
 class ModalDamping:
-    """Modal damping D = MΦ diag(2ζω) ΦᵀM of some motions, and its derivatives.
+    """Modal damping D = MΦ diag(2ζω) ΦᵀM of some motions, and its derivatives."""
 
-    With the eigenvalues λ of K over M, D is M f(M⁻¹K) for the rates f(λ) = 2ζ√λ. In the modes, its
-    change is that of a function of a matrix, G_ij dK_ij + (f_j - λ_j G_ij) dM_ij with the divided
-    differences G of f (Daleckii and Krein 1965; Higham, Functions of Matrices, 2008, section 3.2).
-    No mode of another system is needed.
-    """
+    # With the eigenvalues λ of K over M, D is M f(M⁻¹K) for the rates f(λ) = 2ζ√λ. In the modes,
+    # its change is that of a function of a matrix, G_ij dK_ij + (f_j - λ_j G_ij) dM_ij with the
+    # divided differences G of f (Daleckii and Krein 1965; Higham, Functions of Matrices, 2008,
+    # section 3.2). No mode of another system is needed.
 
     #: Shapes Φ (m, n), and ω² (m,) [1/s²], of which the first `damped` have damping.
     shapes: Array
@@ -120,6 +119,13 @@ class ModalDamping:
         found = self.shapes[:, rows[starts]] @ products.T
         symmetric: Array = 0.5 * (found + found.T)
         return symmetric
+
+
+def require_memory_of(points: int, size: int, vectors: int) -> None:
+    """Refuse derivatives of motions, with a number of vectors for each point, that do not fit."""
+    needed = 16.0 * _COPIES * points * size * vectors
+    what = f"the derivatives of {points} motions of {size} degrees of freedom"
+    require_memory("of", what, needed, "differentiate a result with fewer points")
 
 
 def is_damped(family: ParameterFamily, parameters: Sequence[Parameter]) -> bool:
@@ -220,12 +226,6 @@ class Motions:
     integrations: list[int]
     #: Whether modal damping changes, also from zero.
     is_damped: bool
-
-    def __post_init__(self) -> None:
-        needed = 16.0 * _COPIES * (self.adjoint.size + self.phasors.size)
-        size = len(self.family.names)
-        what = f"the derivatives of {self.rates.size} motions of {size} degrees of freedom"
-        require_memory("of", what, needed, "differentiate a result with fewer points")
 
     @cached_property
     def highest(self) -> float:

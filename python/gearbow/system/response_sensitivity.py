@@ -22,7 +22,7 @@ from gearbow.results.response_sensitivity import ResponseSensitivity
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.sensor import SignalSensor
-from gearbow.system.motions import Motions, is_damped
+from gearbow.system.motions import Motions, is_damped, require_memory_of
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
 
 __all__ = ["of_equilibrium", "of_harmonic", "of_synchronous"]
@@ -123,11 +123,8 @@ def _harmonic(
     signal: _Signal,
     index: int,
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Give a signal (k, sources, components) of harmonic motions, and its derivatives (p, k, ...).
-
-    The motions are k frequencies and speeds, with their sources and phasors; `index` is the number
-    of the bearing or mesh whose force is the signal.
-    """
+    """Give a signal (k, sources, components) of harmonic motions, and its derivatives (p, k, ...)."""
+    # `index` is the number of the bearing or mesh whose force is the signal.
     frequencies, speeds, sources, phasors = motions
     base = family.base
 
@@ -138,6 +135,8 @@ def _harmonic(
         rows = signal.moved(coordinates, np.eye(len(coordinates.dofs)))
         return np.ascontiguousarray(np.moveaxis(rows, -1, 0), dtype=np.complex128)
 
+    vectors = len(sources) + len(signal.components)
+    require_memory_of(frequencies.size, len(family.names), vectors)
     outputs = outputs_of(base.coordinates)
     rates = np.asarray(1j * frequencies, dtype=np.complex128)
     seen = Motions(
