@@ -123,7 +123,7 @@ def _harmonic(
     signal: _Signal,
     index: int,
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Give a signal (k, sources, components) of harmonic motions, and its derivatives (p, k, ...)."""
+    """Give a signal (k, sources, components) of motions, and its derivatives (p, k, ...)."""
     # `index` is the number of the bearing or mesh whose force is the signal.
     frequencies, speeds, sources, phasors = motions
     base = family.base
