@@ -11,12 +11,14 @@ from gearbow._types import (
     CampbellData,
     ComplexArray,
     CoreCheckpoint,
+    DampedMotions,
     Dof,
     FilmData,
     HarmonicData,
     MatricesData,
     MeshGeometry,
     ModesData,
+    NullVectors,
     Plain,
     Record,
     RollingData,
@@ -39,11 +41,11 @@ __all__ = [
     "connection_channels",
     "corrected_states",
     "film_coefficients",
-    "harmonic_forms",
     "has_constant_coefficients",
     "initial_state",
     "kept_modes",
     "mesh_geometry",
+    "motion_forms",
     "multipliers",
     "recorded_period",
     "require_memory",
@@ -67,8 +69,9 @@ def connection_channels() -> dict[str, dict[str, str]]: ...
 def film_coefficients(
     bearing: dict[str, Plain], load: tuple[float, float], speed: float
 ) -> FilmData: ...
-def harmonic_forms(
-    harmonics: Array,
+def motion_forms(
+    rates: ComplexArray,
+    speeds: Array,
     entries: tuple[Any, Any, ComplexArray],
     adjoint: ComplexArray,
     phasors: ComplexArray,
@@ -145,15 +148,19 @@ class Model:
     ) -> list[tuple[float, float, float, float, bool]]: ...
     @property
     def depends_on_speed(self) -> bool: ...
-    def structural_damping(self, frequency: float, speed: float) -> ComplexArray | None: ...
     def harmonic_terms(
         self,
-        at: tuple[float, float],
+        at: tuple[float, float, float],
         scale: float,
         sources: list[dict[str, Plain]],
         outputs: ComplexArray | tuple[str, int],
         base: tuple[Model, ComplexArray | tuple[str, int]] | None = None,
     ) -> tuple[Any, Any, ComplexArray]: ...
+    def null_vectors(
+        self, eigenvalue: tuple[float, float], speed: float, count: int, highest: float
+    ) -> NullVectors: ...
+    def damped_motions(self, speed: float, highest: float) -> DampedMotions: ...
+    def damping_rates(self, squares: Array) -> Array: ...
     def harmonic_adjoint(
         self, frequencies: Array, speeds: Array, outputs: ComplexArray | tuple[str, int]
     ) -> ComplexArray: ...

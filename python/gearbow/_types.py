@@ -163,6 +163,25 @@ class CampbellData(TypedDict):
     thresholds: list[tuple[int, float, float, str, bool, float]]
 
 
+class NullVectors(TypedDict):
+    """Right and left vectors of an eigenvalue (count, n), and products of them with its slope."""
+
+    right: ComplexArray
+    left: ComplexArray
+    slopes: ComplexArray
+    has_more: bool
+    is_accurate: bool
+
+
+class DampedMotions(TypedDict):
+    """Shapes and momenta (m, n) of undamped modes, their ω² (m,), and the number with damping."""
+
+    shapes: Array
+    momenta: Array
+    squares: Array
+    damped: int
+
+
 class HarmonicData(TypedDict):
     """Phasors by pair of frequency and speed, source and degree of freedom; forces likewise."""
 

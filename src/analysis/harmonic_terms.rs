@@ -15,7 +15,6 @@
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-use super::AnalysisError;
 use super::sources::{Harmonic, HarmonicForces, HarmonicSource};
 use crate::modal::CachedModel;
 use crate::model::{Model, StructuralDamping};
@@ -98,19 +97,17 @@ impl HarmonicSystem<'_> {
     }
 }
 
-/// The entries of B at a speed of the reference shaft and, for the loss factors of shafts, a frequency, less those of `base`, a
-/// system with the same coordinates. Columns of sources and rows of outputs follow the n coordinates, which have the order and the
+/// The entries of B at a speed of the reference shaft, with the structural damping of shafts if it is given, less those of `base`,
+/// a system with the same coordinates. Columns of sources and rows of outputs follow the n coordinates, which have the order and the
 /// signs that users see. `scale` is the largest frequency in question, rad/s. The columns of a velocity or an acceleration of the
-/// ground are those of the displacement.
-///
-/// # Errors
-/// [`AnalysisError`] if modal damping has no modes.
+/// ground are those of the displacement. Modal damping is no part of them.
 pub fn harmonic_terms(
     system: &HarmonicSystem<'_>,
     base: Option<&HarmonicSystem<'_>>,
-    Harmonic { frequency, speed }: Harmonic,
+    speed: f64,
+    structural: Option<StructuralDamping>,
     scale: f64,
-) -> Result<Vec<Entry>, AnalysisError> {
+) -> Vec<Entry> {
     let model = &system.cached.model;
     let size = model.len();
     let mut places = vec![(0, 1.0); size];
@@ -129,14 +126,9 @@ pub fn harmonic_terms(
     }
     for (system, factor) in [(Some(system), -1.0), (base, 1.0)] {
         let Some(system) = system else { continue };
-        for (row, column, value) in system.cached.model.structural_of_shafts(StructuralDamping { frequency, speed }) {
+        let lossy = structural.map(|damping| system.cached.model.structural_of_shafts(damping));
+        for (row, column, value) in lossy.into_iter().flatten() {
             add(row, column, CONSTANT, value * factor);
-        }
-        if let Some(modal) = system.cached.modal_damping_matrix(speed)? {
-            for (column, values) in modal.column_iter().enumerate() {
-                let mut add = |(row, value): (usize, &f64)| add(row, column, RATE, Complex64::from(factor * value));
-                values.iter().enumerate().for_each(&mut add);
-            }
         }
     }
     for (system, factor) in [(Some(system), 1.0), (base, -1.0)] {
@@ -155,7 +147,7 @@ pub fn harmonic_terms(
     if base.is_some() {
         found.retain(|(_, _, values)| *values != [Complex64::ZERO; TERMS]);
     }
-    Ok(found)
+    found
 }
 
 /// A value in one of the B_j.
@@ -221,26 +213,26 @@ impl From<Entry> for SparseEntry {
     }
 }
 
-/// One harmonic motion with its adjoint solutions.
-pub struct HarmonicPoint<'a> {
-    /// Frequency and speed.
-    pub at: Harmonic,
+/// One motion e^{λt} with its adjoint solutions: a harmonic one, λ = iω, or a mode.
+pub struct MotionPoint<'a> {
+    /// λ, rad/s.
+    pub rate: Complex64,
+    /// Speed of the reference shaft, rad/s.
+    pub speed: f64,
     /// Phasors x of each source, one after another.
     pub phasors: &'a [Complex64],
     /// Adjoint solutions y of each output, one after another.
     pub adjoint: &'a [Complex64],
-    /// Factor 1/(iω)ⁿ of each source with n integrations.
+    /// Factor 1/λⁿ of each source with n integrations.
     pub integrals: &'a [Complex64],
 }
 
-impl HarmonicPoint<'_> {
+impl MotionPoint<'_> {
     /// The forms (yᵀ, eᵀ) B (x, e) for n coordinates, with the sources of an output next to each other.
     pub fn forms(&self, size: usize, entries: &[SparseEntry]) -> Vec<Complex64> {
-        let Harmonic { frequency, speed } = self.at;
-        let sign = if frequency == 0.0 { 0.0 } else { frequency.signum() };
-        let rate = Complex64::new(0.0, frequency);
-        let weights =
-            [Complex64::ONE, Complex64::new(0.0, sign), rate, rate * speed, Complex64::from(frequency * frequency)];
+        let Self { rate, speed, .. } = *self;
+        let sign = if rate.im == 0.0 { 0.0 } else { rate.im.signum() };
+        let weights = [Complex64::ONE, Complex64::new(0.0, sign), rate, rate * speed, -rate * rate];
         let (sources, outputs) = (self.phasors.len() / size, self.adjoint.len() / size);
         let mut forms = vec![Complex64::ZERO; sources * outputs];
         for SparseEntry { row, column, terms } in entries {

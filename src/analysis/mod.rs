@@ -43,7 +43,7 @@ pub use efficiency::{Losses, losses};
 pub use equilibrium::{equilibrium, equilibrium_residuals};
 pub use error::AnalysisError;
 pub use frequency_response::{FrequencyResponses, ResponsePoint};
-pub use harmonic_terms::{HarmonicOutputs, HarmonicPoint, HarmonicSystem, SparseEntry, TERMS, harmonic_terms};
+pub use harmonic_terms::{HarmonicOutputs, HarmonicSystem, MotionPoint, SparseEntry, TERMS, harmonic_terms};
 pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;
 pub use mass::{ShaftMass, mass_properties};

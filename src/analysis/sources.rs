@@ -232,19 +232,25 @@ pub struct HarmonicForces<'a> {
 }
 
 impl HarmonicForces<'_> {
-    /// Phasors of the force of each mesh, positive in compression of the drive flank, N.
+    /// Phasors of the force of each mesh normal to the teeth, positive in compression of the drive flank, N.
     pub fn meshes(&self) -> impl Iterator<Item = Complex64> + '_ {
         (0..self.model.meshes.len()).map(|mesh| {
-            let (row, stiffness) = mesh_row(self.model, mesh, self.at);
+            let (row, stiffness) = self.normal_force(mesh);
             let error = self.source.map_or(Complex64::ZERO, |source| source.mesh_error(mesh));
             stiffness * (product(&row, self.phasors) - error)
         })
     }
 
-    /// Row of the force of a mesh over the phasors, N/m.
+    /// Row of the force of a mesh normal to the teeth over the phasors, N/m.
     pub(super) fn mesh_row(&self, mesh: usize) -> Vec<(usize, Complex64)> {
-        let (row, stiffness) = mesh_row(self.model, mesh, self.at);
+        let (row, stiffness) = self.normal_force(mesh);
         scaled(&row, stiffness)
+    }
+
+    /// Gradient ∂δ/∂q of a mesh at rest, and the force normal to the teeth over δ, N/m.
+    fn normal_force(&self, mesh: usize) -> (Row, Complex64) {
+        let (row, stiffness) = mesh_row(self.model, mesh, self.at);
+        (row, stiffness / self.model.meshes[mesh].base_helix_cosine)
     }
 
     /// Rows of the force over (y, z) of the shaft on its bearings at a node over the phasors, N/m.
@@ -298,7 +304,7 @@ impl HarmonicForces<'_> {
     }
 }
 
-/// Gradient ∂δ/∂q of a mesh at rest, and k + iωc.
+/// Gradient ∂δ/∂q of a mesh at rest, and k + iωc, both in the transverse section.
 fn mesh_row(model: &Model, mesh: usize, at: Harmonic) -> (Row, Complex64) {
     let (gear_mesh, sigma) = (&model.meshes[mesh], model.sigma(mesh, at.speed));
     let mut row = Row::new();

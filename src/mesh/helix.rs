@@ -14,7 +14,7 @@
 //! point, and to the moments r × n F about all three axes. Live geometry takes c from the moving centres.
 //!
 //! δ and its force F are those of the transverse section. In the direction normal to the teeth they are δ cos β_b and
-//! F/cos β_b, and a stiffness is k/cos²β_b. Scenes and responses have these values.
+//! F/cos β_b, and a stiffness is k/cos²β_b. Scenes, runs and linear analyses give these values.
 
 use super::contact::HelixForces;
 use super::involute::Involute;

@@ -51,7 +51,7 @@ mod _core {
     #[pymodule_export]
     use super::options::accuracy_levels;
     #[pymodule_export]
-    use super::sensitivity::harmonic_forms;
+    use super::sensitivity::motion_forms;
     #[pymodule_export]
     use super::speed::check_speed;
     #[pymodule_export]

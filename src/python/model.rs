@@ -13,10 +13,10 @@ use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
 use super::{background, frequency, sensitivity, simulate, speed};
 use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
-use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Harmonic, Kept, product};
+use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::mesh::MeshLoss;
-use crate::modal::{self, AtSpeed, CachedModel};
+use crate::modal::{self, AtSpeed, CachedModel, DampedMotions};
 use crate::model::Model;
 use crate::scene::{EntryPath, Node, SceneDescription, SceneError, description, nearest};
 
@@ -372,13 +372,13 @@ impl PyModel {
     }
 
     /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix; less those of
-    /// `base`, another model with its outputs.
+    /// `base`, another model with its outputs. `at` is the real and the imaginary part of the rate, and the speed.
     #[pyo3(signature = (at, scale, sources, outputs, base=None))]
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn harmonic_terms<'py>(
         &self,
         py: Python<'py>,
-        at: (f64, f64),
+        at: (f64, f64, f64),
         scale: f64,
         sources: &Bound<'py, PyAny>,
         outputs: sensitivity::Outputs<'py>,
@@ -386,18 +386,33 @@ impl PyModel {
     ) -> PyResult<sensitivity::Terms<'py>> {
         let sources: Vec<description::Source> = pythonize::depythonize(sources)?;
         let base = base.as_ref().map(|(model, outputs)| (model.get(), outputs));
-        let at = Harmonic { frequency: at.0, speed: at.1 };
+        let at = (Complex::new(at.0, at.1), at.2);
         sensitivity::harmonic_terms(self, py, at, scale, &sources, &outputs, base)
     }
 
-    /// Structural damping of a motion at a frequency and a speed, (n, n); None without loss factors.
-    fn structural_damping<'py>(
+    /// Right and left vectors of an eigenvalue (real and imaginary part) at a speed.
+    fn null_vectors<'py>(
         &self,
         py: Python<'py>,
-        frequency: f64,
+        eigenvalue: (f64, f64),
         speed: f64,
-    ) -> PyResult<Option<Bound<'py, PyArray2<Complex<f64>>>>> {
-        sensitivity::structural_damping(self, py, frequency, speed)
+        count: usize,
+        highest: f64,
+    ) -> PyResult<sensitivity::Vectors<'py>> {
+        let eigenvalue = Complex::new(eigenvalue.0, eigenvalue.1);
+        sensitivity::null_vectors(self, py, (eigenvalue, speed), count, highest)
+    }
+
+    /// Undamped modes for derivatives of modal damping.
+    fn damped_motions<'py>(&self, py: Python<'py>, speed: f64, highest: f64) -> PyResult<sensitivity::Motions<'py>> {
+        sensitivity::damped_motions(self, py, speed, highest)
+    }
+
+    /// Rates 2ζω, 1/s, of the modal damping of this system for modes with these ω², 1/s².
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn damping_rates<'py>(&self, py: Python<'py>, squares: PyReadonlyArray1<'_, f64>) -> Bound<'py, PyArray1<f64>> {
+        let squares = squares.as_array().to_vec();
+        DampedMotions::rates(&self.model().scene.modal_damping, &squares).into_pyarray(py)
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Complex, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
     PyUntypedArrayMethods,
@@ -13,11 +13,11 @@ use super::convert::{stack, table};
 use super::frequency::finite_speeds;
 use super::handle::PyModel;
 use crate::analysis::{
-    self, AnalysisError, Dense, FrequencyResponses, Harmonic, HarmonicOutputs, HarmonicPoint, HarmonicSource,
-    HarmonicSystem, SparseEntry, TERMS,
+    self, AnalysisError, Dense, FrequencyResponses, Harmonic, HarmonicOutputs, HarmonicSource, HarmonicSystem,
+    MotionPoint, SparseEntry, TERMS,
 };
 use crate::mesh::Geometry;
-use crate::modal::{CachedModel, EquilibriumChange};
+use crate::modal::{CachedModel, EquilibriumChange, Highest, NullVectors};
 use crate::model::{Model, StructuralDamping};
 use crate::scene::{SceneError, description};
 
@@ -70,11 +70,11 @@ impl Given {
     }
 }
 
-/// Entries of B at a frequency and a speed, with a largest frequency, rad/s, less those of another model with its outputs.
+/// Entries of B at a rate λ and a speed, with a largest frequency, rad/s, less those of another model with its outputs.
 pub fn harmonic_terms<'py>(
     model: &PyModel,
     py: Python<'py>,
-    at: Harmonic,
+    (rate, speed): (Complex<f64>, f64),
     scale: f64,
     sources: &[description::Source],
     outputs: &Outputs<'py>,
@@ -82,15 +82,17 @@ pub fn harmonic_terms<'py>(
 ) -> PyResult<Terms<'py>> {
     let given = Given::new(model, sources, outputs)?;
     let base = base.map(|(base, outputs)| Given::new(base, sources, outputs)).transpose()?;
-    let dense = if !model.model().scene.modal_damping.is_zero() { Dense::Undamped } else { Dense::Bands };
-    dense.require(model.model())?;
+    Dense::Bands.require(model.model())?;
     let found = py.detach(|| -> Result<_, AnalysisError> {
-        let at_speed = given.cached.at_speed(at.speed)?;
-        let base_at_speed = base.as_ref().map(|base| base.cached.at_speed(at.speed)).transpose()?;
+        let at_speed = given.cached.at_speed(speed)?;
+        let base_at_speed = base.as_ref().map(|base| base.cached.at_speed(speed)).transpose()?;
         let system = HarmonicSystem { cached: &at_speed, sources: &given.sources, outputs: &given.outputs };
         let base = base.as_ref().zip(base_at_speed.as_ref());
         let base = base.map(|(Given { sources, outputs, .. }, cached)| HarmonicSystem { cached, sources, outputs });
-        analysis::harmonic_terms(&system, base.as_ref(), at, scale)
+        // A motion that decays without oscillation has no structural damping.
+        let oscillates = rate.im != 0.0 || rate.re == 0.0;
+        let structural = oscillates.then_some(StructuralDamping { frequency: rate.im, speed });
+        Ok(analysis::harmonic_terms(&system, base.as_ref(), speed, structural, scale))
     })?;
     let integers = |values: Vec<i64>| values.into_pyarray(py);
     let rows = integers(found.iter().map(|(row, _, _)| *row as i64).collect());
@@ -99,33 +101,73 @@ pub fn harmonic_terms<'py>(
     Ok((rows, columns, table(py, values, found.len(), TERMS)?))
 }
 
-/// Structural damping, N/m, (n, n), of a motion at a frequency and a speed, rad/s; `None` without loss factors.
-pub fn structural_damping<'py>(
+/// Right and left vectors of an eigenvalue with its slopes.
+#[derive(IntoPyObject)]
+pub struct Vectors<'py> {
+    /// Right vectors (count, n).
+    right: Bound<'py, PyArray2<Complex<f64>>>,
+    /// Left vectors (count, n).
+    left: Bound<'py, PyArray2<Complex<f64>>>,
+    /// Products yᵀ ∂S/∂λ x (count, count).
+    slopes: Bound<'py, PyArray2<Complex<f64>>>,
+    /// Whether further vectors have an equal eigenvalue.
+    has_more: bool,
+    /// Whether the right vectors satisfy the equations of motion.
+    is_accurate: bool,
+}
+
+/// `count` right and left vectors of an eigenvalue at a speed, with the modal damping for a highest frequency, all rad/s.
+pub fn null_vectors<'py>(
     model: &PyModel,
     py: Python<'py>,
-    frequency: f64,
-    speed: f64,
-) -> PyResult<Option<Bound<'py, PyArray2<Complex<f64>>>>> {
-    if !model.model().has_structural_damping() {
-        return Ok(None);
-    }
-    let values = model.run(py, Dense::Matrices, move |cached, _| -> Result<_, AnalysisError> {
-        let cached = cached.at_speed(speed)?;
-        let (assembled, size) = (&cached.model, cached.model.len());
-        let dofs = assembled.numbering.dofs();
-        let mut places = vec![(0, 1.0); size];
-        for (place, dof) in dofs.iter().enumerate() {
-            places[dof.index] = (place, dof.sign);
-        }
-        let mut values = vec![Complex::ZERO; size * size];
-        for (row, column, value) in assembled.structural_entries(StructuralDamping { frequency, speed }, speed) {
-            let ((row, left), (column, right)) = (places[row], places[column]);
-            values[row * size + column] += value * left * right;
-        }
-        Ok(values)
+    (eigenvalue, speed): (Complex<f64>, f64),
+    count: usize,
+    highest: f64,
+) -> PyResult<Vectors<'py>> {
+    let found = model.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
+        Ok(NullVectors::new(&*cached.at_speed(speed)?, eigenvalue, speed, count, highest)?)
     })?;
-    let size = model.model().len();
-    table(py, values, size, size).map(Some)
+    let numbering = &model.model().numbering;
+    let shapes = |vectors: &[DVector<Complex<f64>>]| {
+        let values = vectors.iter().flat_map(|vector| numbering.to_user_order(vector.as_slice())).collect();
+        table(py, values, vectors.len(), numbering.len())
+    };
+    let slopes = found.slopes.transpose().as_slice().to_vec();
+    Ok(Vectors {
+        right: shapes(&found.right)?,
+        left: shapes(&found.left)?,
+        slopes: table(py, slopes, found.left.len(), found.right.len())?,
+        has_more: found.has_more,
+        is_accurate: found.residual.is_accurate(),
+    })
+}
+
+/// Undamped modes for derivatives of modal damping.
+#[derive(IntoPyObject)]
+pub struct Motions<'py> {
+    /// Shapes Φ (m, n), orthonormal in M.
+    shapes: Bound<'py, PyArray2<f64>>,
+    /// Momenta MΦ (m, n).
+    momenta: Bound<'py, PyArray2<f64>>,
+    /// Squares of the frequencies (m,), 1/s².
+    squares: Bound<'py, PyArray1<f64>>,
+    /// Number of modes with damping.
+    damped: usize,
+}
+
+/// The undamped modes at a speed whose damping counts up to a highest frequency, both rad/s.
+pub fn damped_motions<'py>(model: &PyModel, py: Python<'py>, speed: f64, highest: f64) -> PyResult<Motions<'py>> {
+    let found = model.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
+        let cached = cached.at_speed(speed)?;
+        Ok(cached.damped_modes(speed, Highest::Frequency(highest))?.motions(&cached.model, speed)?)
+    })?;
+    let numbering = &model.model().numbering;
+    let rows = |columns: &DMatrix<f64>| {
+        let values = columns.column_iter().flat_map(|column| numbering.to_user_order(column.as_slice())).collect();
+        table(py, values, columns.ncols(), numbering.len())
+    };
+    let (shapes, momenta) = (rows(&found.shapes)?, rows(&found.momenta)?);
+    Ok(Motions { shapes, momenta, squares: found.squares.into_pyarray(py), damped: found.damped })
 }
 
 /// Adjoint solutions (pairs, outputs, n) at pairs of a frequency and a speed.
@@ -157,13 +199,15 @@ pub fn harmonic_adjoint<'py>(
     stack(py, found, rows, count, size)
 }
 
-/// Forms (pairs, outputs, sources) of entries of B with adjoint solutions (pairs, outputs, n) and phasors (pairs, sources, n).
+/// Forms (points, outputs, sources) of entries of B with adjoint solutions (points, outputs, n) and phasors (points, sources, n) at
+/// rates λ of the motions e^{λt} and speeds, rad/s.
 /// `integrations` is the number of integrations of each source.
 #[pyfunction]
 #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
-pub fn harmonic_forms<'py>(
+pub fn motion_forms<'py>(
     py: Python<'py>,
-    harmonics: PyReadonlyArray2<'py, f64>,
+    rates: PyReadonlyArray1<'py, Complex<f64>>,
+    speeds: PyReadonlyArray1<'py, f64>,
     entries: (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, i64>, PyReadonlyArray2<'py, Complex<f64>>),
     adjoint: PyReadonlyArray3<'py, Complex<f64>>,
     phasors: PyReadonlyArray3<'py, Complex<f64>>,
@@ -176,16 +220,15 @@ pub fn harmonic_forms<'py>(
         .zip(values.as_slice()?.chunks_exact(TERMS))
         .map(|((row, column), values)| (row as usize, column as usize, std::array::from_fn(|term| values[term])).into())
         .collect();
-    let harmonics = harmonics.as_array();
-    let count = harmonics.nrows();
+    let (rates, speeds) = (rates.as_array(), speeds.as_array());
+    let count = rates.len();
     let points = adjoint.as_slice()?.chunks_exact((outputs * size).max(1));
     let points = points.zip(phasors.as_slice()?.chunks_exact((sources * size).max(1)));
     let mut forms = Vec::with_capacity(count * outputs * sources);
-    for (harmonic, (adjoint, phasors)) in harmonics.outer_iter().zip(points) {
-        let at = Harmonic { frequency: harmonic[0], speed: harmonic[1] };
-        let rate = Complex::new(0.0, at.frequency);
+    for ((rate, speed), (adjoint, phasors)) in rates.iter().zip(&speeds).zip(points) {
+        let (rate, speed) = (*rate, *speed);
         let integrals: Vec<_> = integrations.iter().map(|times| rate.powi(-times)).collect();
-        forms.extend(HarmonicPoint { at, phasors, adjoint, integrals: &integrals }.forms(size, &entries));
+        forms.extend(MotionPoint { rate, speed, phasors, adjoint, integrals: &integrals }.forms(size, &entries));
     }
     stack(py, forms, count, outputs, sources)
 }

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from gearbow._types import Array, At, ComplexArray
+from gearbow.analysis.bow_elements import with_elements_for
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.results.synchronous import Synchronous
@@ -62,7 +63,7 @@ class Variants:
         self, system: System, shafts: Sequence[str], bows: Sequence[Bow], phase: float | None
     ) -> None:
         # The elements must not follow the loads: all variants have the same coordinates.
-        self.base: System = type(system)._from_description(system._model.resolved())
+        self.base: System = with_elements_for(system, dict(zip(shafts, bows, strict=True)))
         self.shafts = tuple(shafts)
         largest = max(map(amplitude_of, bows))
         self.bows = [scaled(bow, 1.0 / largest) for bow in bows]

@@ -146,7 +146,7 @@ class Mesh(Part):
         gears.
     damping_ratio : float
         Damping ratio ζ of the damping 2ζ√(k mₑ), with the equivalent mass mₑ of the two gears on
-        the line of action.
+        the line of action, all in the transverse section.
     damping : float, optional
         Damping along the line of action, normal to the teeth [N s/m], instead of the ratio.
     damping_in_separation : bool

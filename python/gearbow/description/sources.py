@@ -32,8 +32,9 @@ class MeshExcitation(Part):
     at : str or tuple of (str, str)
         The mesh, "driver/driven" or (driver, driven) in either order.
     error : complex
-        Phasor e of the unloaded transmission error along the line of action [m]. It acts on the
-        drive flank with the force (k + iωc) e, as material removed from the flank.
+        Phasor e of the unloaded transmission error along the line of action in the transverse
+        section [m]. It acts on the drive flank with the force (k + iωc) e there, as material
+        removed from the flank.
 
     Examples
     --------

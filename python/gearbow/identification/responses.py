@@ -15,6 +15,7 @@ from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import body_of, shafts_of_bodies, with_unbalances
+from gearbow.analysis.bow_elements import with_elements_for
 from gearbow.analysis.protocol import S, System, ratios_by_shaft, variant, without_scene_warnings
 from gearbow.description.bow import Bow, scaled
 from gearbow.description.parameter import Parameter
@@ -351,11 +352,10 @@ def _with_nodes(system: S, terms: Sequence[Term], channels: Iterable[MeasuredCha
         [(channel.shaft, channel.position) for channel in channels], 0.0
     )
     with without_scene_warnings():
-        found = with_unbalances(system, {**places, **zero})
-        resolved = found._model.resolved()["shafts"]
-        shafts = [Shaft._from_description(shaft) for shaft in resolved]
-        bowed = {term.shaft for term in terms if term.bow is not None}
-        shafts = [replace(s, bow=None) if s.name in bowed else s for s in shafts]
+        bows = [{term.shaft: term.bow} for term in terms if term.bow is not None]
+        found = with_elements_for(with_unbalances(system, {**places, **zero}), *bows)
+        bowed = {name for each in bows for name in each}
+        shafts = [replace(s, bow=None) if s.name in bowed else s for s in found.shafts]
         changes = _changed_bodies(found, {body_of(at): 0.0 for at in zero})
         changes["shafts"] = shafts
         made: S = found.replace(**changes)

@@ -218,7 +218,7 @@ class FrequencyResponse(Result, ReadOnly):
         return displacement
 
     def mesh_force(self, at: str | tuple[str, str]) -> ComplexArray:
-        """Dynamic force of a mesh along its line of action.
+        """Dynamic force of a mesh normal to the teeth.
 
         Parameters
         ----------
@@ -228,7 +228,8 @@ class FrequencyResponse(Result, ReadOnly):
         Returns
         -------
         ndarray, shape (k, sources)
-            Phasors (k + iωc)(δ − e) [N], positive where the drive flanks are pressed.
+            Phasors (k + iωc)(δ − e)/cos β_b [N] with k, c, δ and e of the transverse section,
+            positive where the drive flanks are pressed.
 
         Raises
         ------

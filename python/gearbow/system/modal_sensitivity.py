@@ -1,7 +1,7 @@
 """Derivatives of modes and critical speeds with respect to parameters."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,155 +13,97 @@ from gearbow.errors import GearbowError, SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.modes import Modes
 from gearbow.results.sensitivity import Sensitivity
-from gearbow.system.parameter_family import ParameterFamily, extrapolated
+from gearbow.system.motions import Motions, Terms, is_damped, require_memory_of
+from gearbow.system.parameter_family import ParameterFamily
 
 __all__ = ["of_intersections", "of_modes"]
 
 #: Eigenvalues with a smaller relative difference are equal.
 _EQUAL = 1e-8
-#: Relative distance of the shift from the eigenvalues in the inverse iteration, and its steps.
-_SHIFT, _ITERATIONS = 1e-10, 4
-#: Largest residual of an eigenvector, over the forces in it.
-_RESIDUAL = 1e-6
-
-
-@dataclass(frozen=True)
-class _DynamicStiffness:
-    """Parts of the dynamic stiffness K + λ C + λ² M at one speed, C with the gyroscopic moments."""
-
-    mass: Array
-    damping: Array
-    stiffness: Array
-    #: Structural damping over the frequency of a mode; None without loss factors.
-    structural: Callable[[float], ComplexArray | None]
-
-    @classmethod
-    def of(cls, model: Model, speed: float) -> "_DynamicStiffness":
-        found = model.matrices(speed)
-
-        def structural(frequency: float) -> ComplexArray | None:
-            # A motion without oscillation has no structural damping.
-            return model.structural_damping(frequency, speed) if frequency else None
-
-        damping = found["damping"] + speed * found["gyroscopic"]
-        return cls(found["mass"], damping, found["stiffness"], structural)
-
-    def at(self, value: complex) -> ComplexArray:
-        """Give the dynamic stiffness."""
-        made: ComplexArray = self.stiffness + value * self.damping + value**2 * self.mass
-        structural = self.structural(value.imag)
-        return made if structural is None else made + structural
-
-    def slope(self, value: complex) -> ComplexArray:
-        """Give its derivative with respect to the eigenvalue."""
-        made: ComplexArray = self.damping + 2.0 * value * self.mass
-        return made
-
-    def forms(self, groups: Sequence["_Group"]) -> list[ComplexArray]:
-        """Give yᴴ Z(λ) x of each group."""
-        return [group.left @ self.forces(group.value, group.right) for group in groups]
-
-    def forces(self, value: complex, motion: ComplexArray) -> ComplexArray:
-        """Give Z(λ) x, from products of real matrices."""
-        parts = np.hstack([motion.real, motion.imag])
-        by_part = (
-            factor * (matrix @ parts)
-            for factor, matrix in (
-                (1.0, self.stiffness),
-                (value, self.damping),
-                (value**2, self.mass),
-            )
-        )
-        real, imaginary = np.hsplit(sum(by_part), 2)
-        made: ComplexArray = real + 1j * imaginary
-        structural = self.structural(value.imag)
-        return made if structural is None else made + structural @ motion
 
 
 @dataclass(frozen=True)
 class _Group:
-    """Equal eigenvalues at one speed with their vectors, for which yᴴ (C + 2λM) x = 1."""
+    """Equal eigenvalues at one speed with their vectors, for which yᵀ (C + 2λM) x = 1."""
 
     value: complex
+    speed: float
+    #: Right and left vectors (count, n).
     right: ComplexArray
     left: ComplexArray
 
     @classmethod
-    def of(cls, found: _DynamicStiffness, value: complex, count: int, what: str) -> "_Group":
-        # Translations and rotations have different units: the vectors are scaled by the energies.
-        energy = np.abs(np.diag(found.stiffness)) + abs(value) ** 2 * np.diag(found.mass)
-        scale = 1.0 / np.sqrt(energy)[:, None]
-        inverse = np.linalg.inv(scale * found.at(value * (1.0 + _SHIFT)) * scale.T)
-        right, most = _null_vectors(inverse, count)
-        right, left = scale * right, (scale * _null_vectors(inverse.conj().T, count)[0]).conj().T
-        parts = [
-            np.linalg.norm(scale * (matrix @ right))
-            for matrix in (found.stiffness, value * found.damping, value**2 * found.mass)
-        ]
-        rest = np.linalg.norm(scale * found.forces(value, right))
-        if rest > _RESIDUAL * max(parts):
+    def of(
+        cls, model: Model, at: tuple[complex, float], count: int, highest: float, what: str
+    ) -> "_Group":
+        """Compute the vectors of a number of eigenvalues at a value and a speed."""
+        value, speed = at
+        found = model.null_vectors((value.real, value.imag), speed, count, highest)
+        if not found["is_accurate"]:
             raise SceneError(f"of: {what} is no mode of this system; give a result of this system")
-        if most > count:
+        if found["has_more"]:
             raise GearbowError(
                 f"of: {what} has the same eigenvalue as another mode, so that it has no derivative "
                 "by itself; compute modes with a count that contains both"
             )
-        product = left @ found.slope(value) @ right
+        product = found["slopes"]
         if np.linalg.cond(product) > 1.0 / _EQUAL:
             raise GearbowError(
                 f"of: the eigenvalues of {what} have fewer vectors than their number (critical "
                 "damping), so that they have no derivative; change the damping or leave it out"
             )
-        return cls(value, right, np.linalg.solve(product, left))
+        left = np.linalg.solve(product, found["left"]).astype(np.complex128)
+        return cls(value, speed, found["right"], left)
 
 
-def _null_vectors(inverse: ComplexArray, count: int) -> tuple[ComplexArray, int]:
-    """Find vectors of equal eigenvalues by inverse iteration, and the number of these."""
-    size = inverse.shape[0]
-    wide = min(size, count + 2)
-    # Fixed numbers give the same result at every call.
-    vectors = np.random.default_rng(0).standard_normal((size, wide)).astype(complex)
-    for _ in range(_ITERATIONS):
-        vectors, growth, _ = np.linalg.svd(inverse @ vectors, full_matrices=False)
-    equal = int(np.sum(growth > _SHIFT / _EQUAL * growth[0]))
-    return vectors[:, :count], equal
+def _motions(
+    family: ParameterFamily, parameters: Sequence[Parameter], groups: Sequence[_Group]
+) -> Motions:
+    """Give the motions of groups, whose vectors are filled up with zeros to the same number."""
+    size = len(family.names)
+    most = max((len(group.right) for group in groups), default=0)
+    require_memory_of(len(groups), size, 2 * most)
+
+    def filled(name: str) -> ComplexArray:
+        found = np.zeros((len(groups), most, size), dtype=np.complex128)
+        for own, group in zip(found, groups, strict=True):
+            own[: len(group.right)] = getattr(group, name)
+        return found
+
+    return Motions(
+        family,
+        np.array([group.value for group in groups], dtype=np.complex128),
+        np.array([group.speed for group in groups], dtype=np.float64),
+        filled("right"),
+        filled("left"),
+        # No source excites a mode.
+        [],
+        np.zeros((0, size), dtype=np.complex128),
+        [0] * most,
+        is_damped(family, parameters),
+    )
 
 
-def _derivatives(
-    family: ParameterFamily,
-    parameter: Parameter,
-    speeds: Sequence[float],
-    groups: Sequence[Sequence[_Group]],
-) -> list[ComplexArray]:
-    """Give -yᴴ dZ/dp x of all groups at all speeds."""
-    largest = max((abs(group.value) for own in groups for group in own), default=0.0)
-
-    def forms(value: float) -> list[ComplexArray]:
-        model = family.model(parameter, value)
-        return [
-            form
-            for speed, own in zip(speeds, groups, strict=True)
-            for form in _DynamicStiffness.of(model, speed).forms(own)
-        ]
-
-    return extrapolated(forms, parameter.path, parameter.value, largest)
+def _derivatives(motions: Motions, parameter: Parameter) -> ComplexArray:
+    """Give -yᵀ dZ/dp x of all groups."""
+    return motions.slopes(parameter, motions.highest, lambda _: motions.outputs)
 
 
 def of_modes(family: ParameterFamily, parameters: Sequence[Parameter], of: Modes) -> Sensitivity:
     """Give the derivatives of the modes of a result."""
     members = _equal([complex(value) for value in of.eigenvalues])
-    base = _DynamicStiffness.of(family.base._model, of.speed)
     kept = [own for own in members if of.whirl[own[0]] != "rigid" and of.eigenvalues[own[0]] != 0.0]
     values = [complex(np.mean(of.eigenvalues[own])) for own in kept]
+    highest = max(map(abs, values), default=1.0)
     groups = [
-        _Group.of(base, value, len(own), f"mode {own[0] + 1}")
+        _Group.of(family.base._model, (value, of.speed), len(own), highest, f"mode {own[0] + 1}")
         for value, own in zip(values, kept, strict=True)
     ]
+    motions = _motions(family, parameters, groups)
     slopes = np.full((len(parameters), of.eigenvalues.size), complex(np.nan, np.nan))
     for row, parameter in enumerate(parameters):
-        forms = _derivatives(family, parameter, [of.speed], [groups])
-        for own, form in zip(kept, forms, strict=True):
-            found = np.linalg.eigvals(form)
+        for own, form in zip(kept, _derivatives(motions, parameter), strict=True):
+            found = np.linalg.eigvals(form[: len(own), : len(own)])
             slopes[row, own] = found[np.argsort(found.imag, kind="stable")]
     frequencies = np.abs(of.eigenvalues.imag) / (2.0 * math.pi)
     return Sensitivity(
@@ -200,33 +142,45 @@ def _damping_slopes(values: ComplexArray, slopes: ComplexArray) -> Array:
     return found
 
 
+def _along(motions: Motions) -> complex:
+    """Give the derivative of one eigenvalue with respect to the speed."""
+    model, speed = motions.family.base._model, float(motions.speeds[0])
+
+    def of(value: float) -> list[Terms]:
+        return motions.terms(model, motions.outputs, speed=value)
+
+    gyroscopic = sum(motions.of_entries(each.gyroscopic()) for each in of(speed))
+    found = complex(np.ravel(gyroscopic)[0]) / speed
+    if model.depends_on_speed:
+        found += complex(motions.change(of, "speed", speed, motions.highest)[0, 0, 0])
+    return found
+
+
 def of_intersections(
     family: ParameterFamily, parameters: Sequence[Parameter], of: Campbell
 ) -> Sensitivity:
     """Give the derivatives of the intersections of a Campbell diagram."""
     # An eigenvalue λ = σ + i n Ω of order n moves by a dp + b dΩ, so that dΩ/dp = Im a/(n - Im b).
     crossings = of.intersections
-    values, groups, along = [], [], []
-    for i, crossing in enumerate(crossings):
-        frequency, ratio = 2.0 * math.pi * crossing.frequency_hz, crossing.damping_ratio
-        value = complex(-ratio * frequency / math.sqrt(1.0 - ratio**2), frequency)
-        what = f"intersection {i + 1}"
-        values.append(value)
-        own = _Group.of(_DynamicStiffness.of(family.base._model, crossing.speed), value, 1, what)
-        groups.append([own])
-
-        def forms(speed: float, own: _Group = own) -> list[ComplexArray]:
-            return _DynamicStiffness.of(family.base._model, speed).forms([own])
-
-        slope = extrapolated(forms, "speed", crossing.speed, abs(value))
-        along.append(complex(slope[0][0, 0]))
-    speeds = [crossing.speed for crossing in crossings]
+    ratios = [crossing.damping_ratio for crossing in crossings]
+    frequencies = [2.0 * math.pi * crossing.frequency_hz for crossing in crossings]
+    values = [
+        complex(-ratio * frequency / math.sqrt(1.0 - ratio**2), frequency)
+        for ratio, frequency in zip(ratios, frequencies, strict=True)
+    ]
+    highest, model = max(map(abs, values), default=1.0), family.base._model
+    groups = [
+        _Group.of(model, (value, crossing.speed), 1, highest, f"intersection {i + 1}")
+        for i, (value, crossing) in enumerate(zip(values, crossings, strict=True))
+    ]
+    motions = _motions(family, parameters, groups)
+    speeds = motions.speeds
+    along = [_along(_motions(family, parameters, [group])) for group in groups]
     orders = np.array([crossing.line.order for crossing in crossings])
     rates, shape = np.array(along, dtype=complex), (len(parameters), len(crossings))
     fixed = np.empty(shape, dtype=complex)
     for row, parameter in enumerate(parameters):
-        slopes = _derivatives(family, parameter, speeds, groups)
-        fixed[row] = [own[0, 0] for own in slopes]
+        fixed[row] = _derivatives(motions, parameter)[:, 0, 0]
     derivatives = fixed.imag / (orders - rates.imag)
     return Sensitivity(
         kind="critical speed",
@@ -234,7 +188,7 @@ def of_intersections(
         parameter_values=np.array([each.value for each in parameters]),
         units=tuple(each.unit for each in parameters),
         outputs=tuple(f"mode {each.mode + 1} with {each.line.name}" for each in crossings),
-        output_values=np.array(speeds),
+        output_values=speeds,
         derivatives=derivatives,
         damping_ratios=_damping_slopes(
             np.array(values, dtype=complex), fixed + rates * derivatives

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gearbow._convert import shown
-from gearbow._core import Model, harmonic_forms
+from gearbow._core import Model
 from gearbow._lookup import one_of
 from gearbow._types import Array, ComplexArray, Plain
 from gearbow.analysis.protocol import System
@@ -22,14 +22,13 @@ from gearbow.results.response_sensitivity import ResponseSensitivity
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.sensor import SignalSensor
+from gearbow.system.motions import Motions, is_damped, require_memory_of
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
 
 __all__ = ["of_equilibrium", "of_harmonic", "of_synchronous"]
 
 #: Round-off of differences over the sum of absolute elastic terms, relative to that over a result.
 _ROUND_OFF_OF_TERMS = 1e-3
-#: Number of motions that judge differences.
-_JUDGED = 50
 #: Unit, and number of derivatives with respect to time, of a quantity at a place.
 _QUANTITIES = {
     "displacement": ("m", 0),
@@ -117,148 +116,64 @@ class _Signal:
         return coordinates.displacement(motion, self.at)
 
 
-@dataclass(frozen=True, eq=False)
-class _Terms:
-    """Entries of equations and outputs of harmonic motions, and the numbers of these motions."""
+def _harmonic(
+    family: ParameterFamily,
+    parameters: Sequence[Parameter],
+    motions: tuple[Array, Array, list[dict[str, Plain]], ComplexArray],
+    signal: _Signal,
+    index: int,
+) -> tuple[ComplexArray, ComplexArray]:
+    """Give a signal (k, sources, components) of motions, and its derivatives (p, k, ...)."""
+    # `index` is the number of the bearing or mesh whose force is the signal.
+    frequencies, speeds, sources, phasors = motions
+    base = family.base
 
-    keys: Any
-    values: ComplexArray
-    motions: Any
-    width: int
-
-    def __sub__(self, other: "_Terms") -> "_Terms":
-        return self + -1.0 * other
-
-    def __add__(self, other: "_Terms") -> "_Terms":
-        if np.array_equal(self.keys, other.keys):
-            return self._with(self.keys, self.values + other.values)
-        keys = np.union1d(self.keys, other.keys)
-        values = np.zeros((keys.size, self.values.shape[1]), dtype=np.complex128)
-        for each in (self, other):
-            values[np.searchsorted(keys, each.keys)] += each.values
-        return self._with(keys, values)
-
-    def __mul__(self, factor: float) -> "_Terms":
-        return self._with(self.keys, self.values * factor)
-
-    __rmul__ = __mul__
-
-    def chosen(self, places: Any) -> "_Terms":
-        """Leave out other entries."""
-        return self._with(self.keys[places], self.values[places])
-
-    def judged(self) -> "_Terms":
-        """Keep some motions, which show how accurate differences of the entries are."""
-        some = self.motions[:: 1 + self.motions.size // _JUDGED]
-        return dataclasses.replace(self, motions=some)
-
-    def _with(self, keys: Any, values: ComplexArray) -> "_Terms":
-        return dataclasses.replace(self, keys=keys, values=values)
-
-
-@dataclass(frozen=True, eq=False)
-class _Harmonic:
-    """Harmonic motions, k pairs of a frequency and a speed, with what excites and measures them."""
-
-    family: ParameterFamily
-    frequencies: Array
-    speeds: Array
-    sources: list[dict[str, Plain]]
-    phasors: ComplexArray
-    signal: _Signal
-    #: Number of the bearing or mesh whose force is the signal.
-    index: int
-
-    def derivatives(self, parameters: Sequence[Parameter]) -> tuple[ComplexArray, ComplexArray]:
-        """Give the signal (k, sources, components), and its derivatives (p, k, sources, ...)."""
-        base = self.family.base
-        outputs = self._outputs(base.coordinates)
-        adjoint = base._model.harmonic_adjoint(self.frequencies, self.speeds, outputs)
-        terms = self._terms(base._model, outputs)
-        # At a node, the outputs do not depend on the elements.
-        is_fixed = isinstance(outputs, tuple) or np.count_nonzero(outputs, axis=-1).max() <= 1
-        none, size_of = np.zeros_like(adjoint), len(self.family.names)
-        own_rows = [each.chosen(each.keys >= size_of * each.width) for each in terms]
-        values: ComplexArray = np.sum([self._forms(each, none) for each in own_rows], axis=0)
-        sizes = dataclasses.replace(self, phasors=np.abs(self.phasors).astype(np.complex128))
-        stiffness = np.eye(1, 5, dtype=np.complex128)
-        elastic = (
-            each.judged()._with(each.keys, np.abs(each.values) * stiffness) for each in terms
-        )
-        own = np.abs(adjoint).astype(np.complex128)
-        largest = max((float(np.max(np.abs(sizes._forms(e, own)))) for e in elastic), default=0.0)
-        # The sum of absolute elastic terms has the round-off of a much larger response.
-        largest *= _ROUND_OFF_OF_TERMS
-
-        def size(change: _Terms) -> float:
-            forms = self._forms(change.judged(), adjoint)
-            return float(np.max(np.abs(forms), initial=0.0))
-
-        slopes = np.zeros((len(parameters), *values.shape), dtype=np.complex128)
-        for row, parameter in enumerate(parameters):
-
-            def of(value: float, parameter: Parameter = parameter) -> list[Any]:
-                model = self.family.model(parameter, value)
-                own = outputs if is_fixed else self._outputs(self.family.coordinates(model))
-                return self._terms(model, own, (base._model, outputs))
-
-            for change in extrapolated(of, parameter.path, parameter.value, largest, size):
-                slopes[row] -= self._forms(change, adjoint)
-        return values, slopes
-
-    def _outputs(self, coordinates: Coordinates) -> Any:
-        """Give what the core calls outputs: factors of displacements, a bearing or a mesh."""
-        if self.signal.kind != "motion":
-            return self.signal.kind, self.index
-        rows = self.signal.moved(coordinates, np.eye(len(coordinates.dofs)))
+    def outputs_of(coordinates: Coordinates) -> Any:
+        # What the core calls outputs: factors of displacements, a bearing or a mesh.
+        if signal.kind != "motion":
+            return signal.kind, index
+        rows = signal.moved(coordinates, np.eye(len(coordinates.dofs)))
         return np.ascontiguousarray(np.moveaxis(rows, -1, 0), dtype=np.complex128)
 
-    def _terms(
-        self, model: Model, outputs: Any, base: tuple[Model, Any] | None = None
-    ) -> list[_Terms]:
-        """Assemble the entries, less those of a base, for each group of motions with the same."""
-        depends = model.depends_on_speed
-        states = [self.speeds if depends else np.sign(self.speeds)]
-        if any(shaft.loss_factor != 0.0 for shaft in self.family.shafts):
-            # Structural damping of a shaft has the sign of the frequency relative to it.
-            spins = np.outer(self.speeds, model.speed_ratios)
-            for spin in (*spins.T, *-spins.T):
-                relative = self.frequencies - spin
-                states.append(
-                    np.where(np.abs(relative) <= 1e-13 * np.abs(spin), 0.0, np.sign(relative))
-                )
-        scale = float(np.max(np.abs(self.frequencies), initial=0.0)) or 1.0
-        width = len(self.family.names) + max(len(self.sources), len(self.signal.components))
-        found = []
-        groups = np.unique(np.stack(states), axis=1, return_inverse=True)[1].ravel()
-        for group in range(int(groups.max(initial=-1)) + 1):
-            motions = np.flatnonzero(groups == group)
-            at = float(self.frequencies[motions[0]]), float(self.speeds[motions[0]])
-            rows, columns, values = model.harmonic_terms(at, scale, self.sources, outputs, base)
-            found.append(_Terms(rows * width + columns, values, motions, width))
-        return found
+    vectors = len(sources) + len(signal.components)
+    require_memory_of(frequencies.size, len(family.names), vectors)
+    outputs = outputs_of(base.coordinates)
+    rates = np.asarray(1j * frequencies, dtype=np.complex128)
+    seen = Motions(
+        family,
+        rates,
+        speeds,
+        phasors,
+        base._model.harmonic_adjoint(frequencies, speeds, outputs),
+        sources,
+        outputs,
+        [_INTEGRATIONS.get(str(each.get("quantity")), 0) for each in sources],
+        is_damped(family, parameters),
+    )
+    # At a node, the outputs do not depend on the elements.
+    is_fixed = isinstance(outputs, tuple) or np.count_nonzero(outputs, axis=-1).max() <= 1
+    terms = seen.terms(base._model, outputs)
+    plain = dataclasses.replace(seen, adjoint=np.zeros_like(seen.adjoint))
+    of_outputs = [each.chosen(each.keys >= len(family.names) * each.width) for each in terms]
+    values: ComplexArray = np.sum([plain.of_entries(each) for each in of_outputs], axis=0)
+    sizes = dataclasses.replace(
+        seen,
+        phasors=np.abs(seen.phasors).astype(np.complex128),
+        adjoint=np.abs(seen.adjoint).astype(np.complex128),
+    )
+    elastic = (sizes.of_entries(each.elastic(), judged=True) for each in terms)
+    largest = max((float(np.max(np.abs(each))) for each in elastic), default=0.0)
+    # The sum of absolute elastic terms has the round-off of a much larger response.
+    largest *= _ROUND_OFF_OF_TERMS
 
-    def _forms(self, terms: _Terms, adjoint: ComplexArray) -> ComplexArray:
-        """Evaluate (yᵀ, eᵀ) B (x, e) at the motions of the terms; it is zero at others."""
-        acting = terms.values.any(axis=1)
-        # A slice of all motions is no copy.
-        own = slice(None) if terms.motions.size == self.frequencies.size else terms.motions
-        harmonics = np.stack([self.frequencies[own], self.speeds[own]], axis=-1)
-        rows, columns = np.divmod(terms.keys[acting], terms.width)
-        integrations = [_INTEGRATIONS.get(str(each.get("quantity")), 0) for each in self.sources]
-        forms = harmonic_forms(
-            harmonics,
-            (rows, columns, np.ascontiguousarray(terms.values[acting])),
-            adjoint[own],
-            self.phasors[own],
-            integrations,
-        )
-        rate = (1j * harmonics[:, 0]) ** self.signal.derivatives()
-        found = np.zeros(
-            (self.frequencies.size, len(self.sources), adjoint.shape[1]), dtype=np.complex128
-        )
-        found[own] = np.swapaxes(forms * rate[:, None, None], 1, 2)
-        return found
+    def outputs_with(model: Model) -> Any:
+        return outputs if is_fixed else outputs_of(family.coordinates(model))
+
+    slopes = np.zeros((len(parameters), *np.swapaxes(values, 1, 2).shape), dtype=np.complex128)
+    for row, parameter in enumerate(parameters):
+        slopes[row] = np.swapaxes(seen.slopes(parameter, largest, outputs_with), 1, 2)
+    rate = (rates ** signal.derivatives())[:, None, None]
+    return np.swapaxes(values, 1, 2) * rate, slopes * rate
 
 
 def of_harmonic(
@@ -272,16 +187,10 @@ def of_harmonic(
     _require_own(family, of.description)
     signal = _Signal.of(at, quantity, tuple(_QUANTITIES))
     shape = of.frequencies.shape
-    motions = _Harmonic(
-        family,
-        of.frequencies.ravel(),
-        of.speeds.ravel(),
-        of._sources,
-        of.phasors.reshape(-1, *of.phasors.shape[-2:]),
-        signal,
-        _index(signal, family.origin, of._bearings),
-    )
-    values, slopes = motions.derivatives(parameters)
+    phasors = of.phasors.reshape(-1, *of.phasors.shape[-2:])
+    motions = (of.frequencies.ravel(), of.speeds.ravel(), of._sources, phasors)
+    index = _index(signal, family.origin, of._bearings)
+    values, slopes = _harmonic(family, parameters, motions, signal, index)
     return _result(
         "frequency response",
         parameters,
@@ -317,8 +226,8 @@ def of_synchronous(
             "excitation": of.excitation,
         }
         own = np.ascontiguousarray(of.amplitudes[:, i : i + 1])
-        motions = _Harmonic(family, ratio * of.speeds, of.speeds, [source], own, signal, index)
-        parts.append(motions.derivatives(parameters))
+        motions = (ratio * of.speeds, of.speeds, [source], own)
+        parts.append(_harmonic(family, parameters, motions, signal, index))
     return _result(
         "synchronous response",
         parameters,

@@ -97,11 +97,13 @@ def sensitivity(
     equilibrium q with the unbalanced forces F(q, p), ``dq = K⁻¹ dF`` with the tangent K. The
     derivatives of the matrices are central differences of the entries that change with the
     parameter, with two or three steps, extrapolated; those of an equilibrium (oil films) are
-    included. Elements keep their number and their degree, and move with the segments and the parts
-    at their ends. R. L. Fox, M. P. Kapoor, *Rates of change of eigenvalues and eigenvectors*, AIAA
-    J. 6 (1968); equal eigenvalues: H. Baumgärtel, *Analytic perturbation theory* (1985); adjoint
-    solutions: M. B. Giles, N. A. Pierce, *An introduction to the adjoint approach to design*, Flow
-    Turbul. Combust. 65 (2000).
+    included. The derivative of modal damping follows from the undamped modes of the system itself;
+    above 250 degrees of freedom, from those that have damping in the response. Elements keep their
+    number and their degree, and move with the segments and the parts at their ends. R. L. Fox, M.
+    P. Kapoor, *Rates of change of eigenvalues and eigenvectors*, AIAA J. 6 (1968); equal
+    eigenvalues: H. Baumgärtel, *Analytic perturbation theory* (1985); adjoint solutions: M. B.
+    Giles, N. A. Pierce, *An introduction to the adjoint approach to design*, Flow Turbul. Combust.
+    65 (2000).
 
     Examples
     --------

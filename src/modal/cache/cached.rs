@@ -10,7 +10,7 @@ use num_complex::Complex64;
 use super::dynamic_solver::{DynamicKey, DynamicStiffnessSolver};
 use super::recent::Recent;
 use crate::connection::Row;
-use crate::linalg::{DecompositionError, Singular};
+use crate::linalg::{DecompositionError, Singular, Sparse};
 use crate::mesh::Geometry;
 use crate::modal::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use crate::modal::lowest::{Highest, ModalSpace, UndampedSearch, lowest_undamped};
@@ -130,6 +130,8 @@ struct LinearPart {
     in_given_modes: Recent<GivenModesKey, Arc<Projected>>,
     /// Dynamic stiffness at the last speeds; a singular one has no solver.
     dynamic: Recent<SolverKey, Arc<Result<DynamicStiffnessSolver, Singular>>>,
+    /// Transposed stiffness and rate matrices at speeds of the reference shaft and of its flanks, rad/s.
+    transposed: Recent<[f64; 2], Arc<OnceLock<[Sparse; 2]>>>,
     /// The linear parts at the speeds (rad/s) of the last analyses, if bearings depend on the speed.
     at_speeds: Recent<f64, Arc<LinearPart>>,
 }
@@ -562,7 +564,9 @@ impl CachedModel {
     ) -> Result<Arc<Result<DynamicStiffnessSolver, Singular>>, DecompositionError> {
         self.linear_part().dynamic.get_or_try(SolverKey { at, highest }, || {
             let modal = highest.map(|highest| self.modal_damping(at.flank_speed, highest)).transpose()?;
-            DynamicStiffnessSolver::new(&self.model, at, modal.flatten()).map(Arc::new)
+            let transposed = self.linear_part().transposed.get_or([at.speed, at.flank_speed], Arc::default);
+            let solver = DynamicStiffnessSolver::new(&self.model, at, modal.flatten())?;
+            Ok(Arc::new(solver.map(|solver| solver.sharing(transposed))))
         })
     }
 
@@ -636,6 +640,14 @@ impl CachedModel {
         if self.model.scene.modal_damping.is_zero() {
             return Ok(None);
         }
+        self.damped_modes(speed, highest).map(Some)
+    }
+
+    /// The same for any damping ratios, also for zero.
+    ///
+    /// # Errors
+    /// As [`Self::modal_damping`].
+    pub fn damped_modes(&self, speed: f64, highest: Highest) -> Result<Arc<ModalDamping>, DecompositionError> {
         let rotation = self.model.rotation(speed);
         let key = DampingKey { rotation: rotation as usize, highest };
         let find = || match self.nominal.get() {
@@ -651,7 +663,7 @@ impl CachedModel {
             }
             _ => self.undamped_search(rotation.speed(), |search| search.damping(highest).map(Arc::new)),
         };
-        self.linear_part().damping.get_or_try(key, find).map(Some)
+        self.linear_part().damping.get_or_try(key, find)
     }
 
     /// Modal damping matrix MΦ·diag(2ζω)·ΦᵀM of all modes, n × n; `None` if the scene has no modal damping.

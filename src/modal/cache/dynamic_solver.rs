@@ -12,7 +12,7 @@
 //! resonance and ζ at any other frequency. Conjugate residuals therefore converge in few iterations, whose number does not
 //! depend on n.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::DVector;
 use num_complex::Complex64;
@@ -66,6 +66,8 @@ pub struct DynamicStiffnessSolver {
     modal: Option<Arc<ModalDamping>>,
     /// Entries (row, column, value) of structural damping, if modal damping acts as well.
     structural: Vec<(usize, usize, Complex64)>,
+    /// Kᵀ and (C + ΩG)ᵀ, which solutions with Sᵀ and modal damping need.
+    transposed: Arc<OnceLock<[Sparse; 2]>>,
 }
 
 impl DynamicStiffnessSolver {
@@ -92,7 +94,12 @@ impl DynamicStiffnessSolver {
         let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
         pins.add_to(model, &mut matrix);
         let factors = matrix.factor(if spin < 0.0 { -1.0 } else { 1.0 });
-        Ok(factors.map(|factors| Self { at, factors, pins, modal, structural }))
+        Ok(factors.map(|factors| Self { at, factors, pins, modal, structural, transposed: Arc::default() }))
+    }
+
+    /// The solver with transposed matrices that it shares with those of other frequencies.
+    pub(super) fn sharing(self, transposed: Arc<OnceLock<[Sparse; 2]>>) -> Self {
+        Self { transposed, ..self }
     }
 
     /// The solution for `force`, N and N m, with the same model: its response, or that with Sᵀ; without modal damping to a
@@ -141,12 +148,11 @@ impl DynamicStiffnessSolver {
                 matrix.multiply_add(1.0, x, out);
             })
         };
-        // Sᵀ without modal damping: K, C + ΩG.
-        let transposed = (side == Side::Left)
-            .then(|| [model.sparse_stiffness(flank_speed), model.sparse_rate(speed)].map(|part| part.transposed()));
+        let matrices = || [model.sparse_stiffness(flank_speed), model.sparse_rate(speed)].map(|part| part.transposed());
+        let transposed = (side == Side::Left).then(|| self.transposed.get_or_init(matrices));
         // P⁻¹S x.
         let apply = |x: &DVector<Complex64>| {
-            let mut force = match &transposed {
+            let mut force = match transposed {
                 None => {
                     let forces = EquationForces::All(Some(modal));
                     dynamic_force(model, [speed, flank_speed], eigenvalue, x, forces)
@@ -181,7 +187,7 @@ impl DynamicStiffnessSolver {
 ///
 /// They are T x, with TᴴT = D: 2 for p and m, and 1 for others. With S_c = T S T⁻¹, S⁻ᵀ f is the conjugate of
 /// S⁻ᴴ f* = T⁻¹ D S_c⁻ᴴ D⁻¹ T f*.
-fn in_circular<T>(
+pub fn in_circular<T>(
     model: &Model,
     side: Side,
     force: &DVector<Complex64>,

@@ -4,12 +4,14 @@
 //! - `quadratic`: the eigenvalue problem as a function of frequency and speed.
 
 mod modes;
+mod null_vectors;
 mod quadratic;
 mod residual;
 mod structural;
 mod whirl;
 
 pub use modes::{Mode, modes, modes_of, structured_modes, structured_vibrations, whirl, with_all_modal_damping};
+pub use null_vectors::NullVectors;
 pub use quadratic::Quadratic;
 pub use residual::{Residual, Residuals, residual};
 pub use whirl::Whirl;

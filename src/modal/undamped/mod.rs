@@ -18,7 +18,7 @@ mod speed_couplings;
 pub use components::ComponentModes;
 pub use kept_modes::{Extent, SubspaceKey, kept_modes};
 pub use load_modes::modes_of_loads;
-pub use modal_damping::ModalDamping;
+pub use modal_damping::{DampedMotions, ModalDamping};
 pub use pins::Pins;
 pub use real::{RealModes, null_motions, times};
 pub use spectral_range::{ShiftInverse, SpectralRange, mass_times};

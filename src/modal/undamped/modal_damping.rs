@@ -14,7 +14,8 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::real::RealModes;
+use super::real::{RealModes, null_motions, times};
+use crate::linalg::{DecompositionError, symmetric_eigen};
 use crate::model::{Model, Weights};
 use crate::scene::DampingRatios;
 
@@ -33,7 +34,54 @@ pub struct ModalDamping {
     pub reach: f64,
 }
 
+/// Undamped modes with their modal damping, for derivatives of D = MΦ diag(2ζω) ΦᵀM.
+pub struct DampedMotions {
+    /// Φ, n × m, orthonormal in M.
+    pub shapes: DMatrix<f64>,
+    /// MΦ, n × m.
+    pub momenta: DMatrix<f64>,
+    /// ω² of each mode, 1/s².
+    pub squares: Vec<f64>,
+    /// Number of modes with damping, the first ones.
+    pub damped: usize,
+}
+
+impl DampedMotions {
+    /// 2ζω of modes with these ω², 1/s.
+    pub fn rates(ratios: &DampingRatios, squares: &[f64]) -> Vec<f64> {
+        let rate = |(index, square): (usize, &f64)| {
+            let frequency = square.max(0.0).sqrt();
+            2.0 * ratios.of_mode(index, frequency) * frequency
+        };
+        squares.iter().enumerate().map(rate).collect()
+    }
+}
+
 impl ModalDamping {
+    /// The modes of the model in the space of its momenta, and its rigid-body modes at the end, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the decomposition of the projected stiffness fails.
+    pub fn motions(&self, model: &Model, speed: f64) -> Result<DampedMotions, DecompositionError> {
+        let (mut shapes, mut momenta) = ((*self.momenta).clone(), (*self.momenta).clone());
+        shapes.as_mut_slice().chunks_exact_mut(model.len().max(1)).for_each(|shape| model.solve_mass(shape));
+        let mut squares: Vec<f64> = self.frequencies.iter().map(|frequency| frequency * frequency).collect();
+        // The momenta of modes have diagonal rates; modes of equal frequency keep their ratios.
+        if self.rates != DMatrix::from_diagonal(&self.rates.diagonal()) {
+            let stiffness = shapes.transpose() * times(&model.sparse_symmetric_stiffness(speed), &shapes);
+            let modes = symmetric_eigen(&((&stiffness + stiffness.transpose()) / 2.0))?;
+            squares = modes.values.iter().copied().collect();
+            (shapes, momenta) = (shapes * &modes.vectors, momenta * modes.vectors);
+        }
+        let null = null_motions(model, speed)?;
+        squares.resize(squares.len() + null.ncols(), 0.0);
+        let with = |columns: &DMatrix<f64>, null: &DMatrix<f64>| {
+            DMatrix::from_columns(&columns.column_iter().chain(null.column_iter()).collect::<Vec<_>>())
+        };
+        let (shapes, momenta) = (with(&shapes, &null), with(&momenta, &model.mass_times(&null)));
+        Ok(DampedMotions { shapes, momenta, squares, damped: self.frequencies.len() })
+    }
+
     /// Damping of the elastic modes among the first `kept` ones, for modes up to |λ| = `reach`, rad/s.
     pub(in crate::modal) fn new(model: &Model, modes: &RealModes, kept: usize, reach: f64) -> Self {
         let (null, elastic) = (modes.null, kept.saturating_sub(modes.null));

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -269,3 +271,48 @@ def test_response_is_linear_in_the_bow():
     for amplitude in (1e-9, 1e-5, 1e-2):
         found = forward(single_shaft(gb.Bow.half_sine(amplitude)), at, 400.0)
         assert found / amplitude == pytest.approx(unit, rel=1e-12)  # one product more
+
+
+#: Speeds [rad/s] below and above the first two critical speeds of the uniform shaft.
+BETWEEN = np.array([200.0, 550.0, 900.0, 1500.0])
+#: Promise of "engineering" for displacements.
+PROMISED = 1e-3
+
+
+def sine_amplitudes(half_waves: int) -> np.ndarray:
+    """Return the amplitude over that of a sine bow at each speed."""
+    exact = [closed_forms.bowed_shaft(section(), 1.0, speed, half_waves) for speed in BETWEEN]
+    return np.array(exact)
+
+
+@pytest.mark.parametrize("half_waves", range(1, 6))
+def test_a_bow_that_is_no_part_of_the_system_is_as_accurate_as_its_own(half_waves: int):
+    # The elements of a straight shaft resolve its lowest modes only.
+    straight, shape = single_shaft(None, elements=None), gb.Bow.mode(half_waves, 1e-6)
+    at, exact = ("s", 0.5 / half_waves), sine_amplitudes(half_waves)
+    heated = gb.ThermalBow(at, gain=1.0, time_constant=10.0, shape=shape)
+    found = straight.thermal_bow(heated, BETWEEN).response / 1e-6
+    assert found == pytest.approx(exact, rel=PROMISED)
+    allowed = gb.BowLimit.displacement(at, 1e-5)
+    limits = straight.bow_limits("s", BETWEEN, shape=shape, limits=[allowed]).found
+    bows = np.array([limit.bow for limit in limits])
+    assert bows == pytest.approx(0.5e-5 / np.abs(exact), rel=PROMISED)
+    bent = straight.replace(shafts=[replace(straight.shafts[0], bow=shape)])
+    own = bent.frequency_response(order=1.0, speeds=BETWEEN, source=gb.ShaftExcitation("s"))
+    ahead = [closed_forms.forward_backward(both)[0] for both in own.displacement(at)[:, 0]]
+    assert np.array(ahead) / 1e-6 == pytest.approx(exact, rel=PROMISED)
+
+
+def test_identified_half_waves_are_those_of_the_closed_form():
+    straight = single_shaft(None, elements=None)
+    bows = np.array([4e-5, -3e-5, 2e-5, 1.5e-5, -1e-5])
+    waves, places = np.arange(1, 6), np.array([0.1, 0.3, 0.55])
+    # the shape of each half wave is kept, its amplitude changes with the speed
+    sines = np.sin(np.pi * np.outer(waves, places))
+    amplitudes = np.array([sine_amplitudes(wave) for wave in waves]).T * bows
+    measured = gb.Measurement(
+        BETWEEN, (amplitudes @ sines).astype(complex), [gb.Probe("s", x) for x in places]
+    )
+    unknown = gb.unknown.bow("s", shapes=waves.size)
+    found = gb.identify(straight, measured, [unknown], noise=1e-9, runout=False)
+    assert found.values == pytest.approx(bows, rel=PROMISED)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import helical_pair
 from reference.receptance import Beam
 
 #: Names, and springs at the left and the right end, of a beam.
@@ -249,6 +250,62 @@ def test_a_settled_run_has_the_amplitude_of_the_response():
             assert a + 1j * b == pytest.approx(u, rel=1e-4, abs=1e-4 * np.abs(u).max())
             twist = np.linalg.lstsq(columns, run.twist(at)[kept], rcond=None)[0]
             assert complex(*twist[:2]) == pytest.approx(found.twist(at)[0, 0], rel=1e-3)
+
+
+def settled(run: gb.Response, frequency: float, values: np.ndarray) -> np.ndarray:
+    """Return the phasors of signals (times, ...) at a frequency after the transients of 0.15 s."""
+    kept = run.time > 0.15
+    t = frequency * run.time[kept]
+    columns = np.stack([np.cos(t), -np.sin(t), np.ones_like(t)], axis=1)
+    found = np.linalg.lstsq(columns, values[kept].reshape(t.size, -1), rcond=None)[0]
+    return (found[0] + 1j * found[1]).reshape(values.shape[1:])
+
+
+def test_every_quantity_of_a_helical_pair_is_that_of_a_settled_run():
+    pair = helical_pair(
+        mesh={"damping_ratio": 0.1},
+        bearing={"damping": 5e3, "axial_damping": 2e4, "support": "foot"},
+        supports=[gb.Support(stiffness=2e8, damping=2e4, mass=5.0, name="foot")],
+        rayleigh=(80.0, 2e-5),
+    )
+    pair = pair.replace(
+        shafts=[replace(shaft, bow=None) for shaft in pair.shafts],
+        gears=[replace(gear, unbalance=0.0) for gear in pair.gears],
+    )
+    w, speed, force = 900.0, 50.0, 3.0 - 2.0j
+    source = gb.Force("g1", lambda t: force * np.cos(w * t))
+    run = pair.replace(forces=[source]).simulate(
+        0.25,
+        speed,
+        geometry="frozen",
+        rtol=1e-9,
+        record=["gears", "meshes", "bearings", "velocity", "acceleration"],
+        output_step=1e-4,
+    )
+    found = pair.frequency_response([w], source=gb.Force("g1", force), speed=speed)
+    sensors = [gb.Accelerometer("g1", angle=0.3), gb.Probe("output", 0.15, angle=-0.7)]
+    pairs = [
+        (run.mesh("g1/g2").force, found.mesh_force("g1/g2")),
+        *((run.measure(sensor), found.measure(sensor)) for sensor in sensors),
+        *(
+            (run.bearing_force(at), found.bearing_force(at))
+            for at in [(bearing.shaft, bearing.position) for bearing in pair.bearings]
+        ),
+    ]
+    for gear in ("g1", "g2"):
+        pairs += [
+            (run.displacement(gear), found.displacement(gear)),
+            (run.velocity(gear), found.velocity(gear)),
+            (run.twist(gear), found.twist(gear)),
+            (run.axial(gear), found.axial_displacement(gear)),
+        ]
+    for values, phasors in pairs:
+        # The force is sampled by the run, with errors of 1e-5; transients decay by e^-6 at least.
+        assert settled(run, w, values) == pytest.approx(
+            phasors[0, 0], rel=1e-4, abs=1e-4 * np.abs(phasors).max()
+        )
+    values = pair.sensitivity("meshes[0].damping_ratio", found, at="g1/g2").values[0, 0]
+    assert values == pytest.approx(found.mesh_force("g1/g2")[0], rel=1e-9)
 
 
 def test_a_place_between_nodes_moves_as_a_node_there_would():

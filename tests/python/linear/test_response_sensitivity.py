@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.machines import bowed_pair, rotor_on_films
+from reference.machines import bowed_pair, rotor_on_films, uneven_train
 from test_frequency_response import train
 from test_sensitivity import TOLERANCE, differences, part
 
@@ -139,6 +139,20 @@ def test_derivatives_of_responses_are_differences_of_complete_analyses(seed: int
         # The torque determines the force of the only mesh.
         place = "gb" if at == "ga/gb" else at
         check(system.sensitivity(paths, system.static(100.0), at=place, quantity=quantity), loads)
+
+
+def test_derivatives_of_velocities_are_those_of_displacements_times_the_frequency():
+    system, paths, w = uneven_train(), ["bearings[1].damping", "meshes[1].stiffness"], FREQUENCIES
+    source = gb.Force("pinion", 1.0 + 0.5j)
+    of = system.frequency_response(w, source=source, speed=120.0)
+    still = system.sensitivity(paths, of, at="wheel")
+    for quantity, factor in (("velocity", 1j * w), ("acceleration", -(w**2))):
+        found = system.sensitivity(paths, of, at="wheel", quantity=quantity)  # type: ignore[arg-type]
+        factors = factor[:, None, None]
+        # the same sums in another order
+        assert found.values == pytest.approx(factors * still.values, rel=1e-9)
+        assert found.values == pytest.approx(getattr(of, quantity)("wheel"), rel=1e-9)
+        assert found.derivatives == pytest.approx(factors * still.derivatives, rel=1e-9)
 
 
 def test_the_equilibrium_of_oil_films_changes_with_a_parameter():

@@ -370,6 +370,20 @@ def test_wrong_friction(friction: Any, message: str):
         gears(friction)
 
 
+def test_torques_over_the_speed_supply_the_input_power():
+    # The wheel drives with a torque over its speed, the pinion is held by a drive of its own.
+    wheel = gb.Torque("wheel", gb.SpeedTable([0.0, 100.0], [120.0, 40.0]))
+    hold = gb.Drive("pinion", stiffness=1e5)
+    system = gears(mu(), torque=0.0, torques=[wheel], drives=[hold])
+    speeds = np.array([-120.0, -50.0])
+    found = system.efficiency(speeds, geometry="frozen")
+    spins = speeds * system.speed_ratios[1]
+    # 120 to 40 N m over 100 rad/s
+    exact = (120.0 - 0.8 * spins) * spins
+    assert found.input_power == pytest.approx(exact, rel=1e-9)
+    assert found.efficiency == pytest.approx(1.0 - found.loss[:, 0] / exact, rel=1e-9)
+
+
 def test_efficiency_needs_friction_and_motion():
     with pytest.raises(gb.SceneError, match="no mesh has friction"):
         gears().efficiency(100.0)

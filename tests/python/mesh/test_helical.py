@@ -14,7 +14,7 @@ from gearbow.cli.main import main
 from reference import elements
 from reference.cases import each_case
 from reference.helical import HelicalMesh, HelicalTrain
-from reference.machines import helical_pair
+from reference.machines import helical_pair, uneven_train
 from reference.train import BearingSpec, RigidSpec, ShaftPart, ShaftSpec, Train
 from test_structured_solver import (
     assert_lowest_modes,
@@ -807,3 +807,22 @@ def test_the_campbell_diagram_of_a_helical_train_is_drawn(tmp_path):
         main([*command, "--count", "30", "--out", str(tmp_path / "command.png")])
     assert not ended.value.code
     assert (tmp_path / "command.png").stat().st_size > 1000
+
+
+def test_the_narrower_gear_determines_the_overlap():
+    system = uneven_train()
+    gears = {gear.name: gear for gear in system.gears}
+    static = system.static()
+    for driver, driven in (("pinion", "idler"), ("idler", "wheel")):
+        teeth = np.array([gears[name].teeth for name in (driver, driven)])
+        width = min(float(gears[name].face_width or 0.0) for name in (driver, driven))
+        helix = abs(gears[driver].helix_angle)
+        radii = teeth * 3e-3 / np.cos(helix) / 2
+        base = radii * np.cos(np.arctan(np.tan(np.radians(20.0)) / np.cos(helix)))
+        tips = np.sqrt((radii + 3e-3) ** 2 - base**2).sum()
+        mesh = static.mesh((driver, driven))
+        # ε_α at the pressure angle of the moved centres, and ε_β = b sin β/(π m_n)
+        along = base.sum() * np.tan(mesh.pressure_angle)
+        transverse = (tips - along) / (2 * np.pi * base[0] / teeth[0])
+        overlap = width * np.sin(helix) / (np.pi * 3e-3)
+        assert mesh.contact_ratio == pytest.approx(transverse + overlap, rel=1e-9)

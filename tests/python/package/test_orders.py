@@ -9,7 +9,9 @@ import pytest
 
 import gearbow as gb
 from gearbow._types import SensitivityQuantity, SignalQuantity
+from gearbow.description.kinematics import Order
 from gearbow.orders import Kinematics, channel
+from gearbow.orders.segments import cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes
 from gearbow.system import response_sensitivity
 from reference.machines import bowed_pair
@@ -212,6 +214,28 @@ def test_amplitudes_that_change_over_the_speed_are_followed():
     assert found.track("1× input") == pytest.approx(slow(angle), rel=0.01)
     assert found.track("1× output") == pytest.approx(1e-6, rel=0.01)
     assert found.rest == pytest.approx(1e-8 / np.sqrt(2.0), rel=0.05)
+
+
+def test_amplitudes_of_a_segment_are_those_of_its_middle():
+    turns = np.linspace(0.0, 40.0, 8001)
+    orders = (Order(1.0, ("1",)), Order(2.5, ("2.5",)))
+    # Parabolas of complex amplitudes, which the fit of a segment contains.
+    exact = [
+        lambda t: (2.0 - 1.0j) + (0.05j - 0.1) * t + 3e-3 * t**2,
+        lambda t: 0.3j + 0.04 * t - 2e-3j * t**2,
+    ]
+    waves = [
+        np.real(of(turns) * np.exp(2j * np.pi * order.value * turns))
+        for order, of in zip(orders, exact, strict=True)
+    ]
+    segments = cut(turns, 1.5 - 0.02 * turns + np.sum(waves, axis=0), 8.0)
+    found = fit(segments, orders)
+    centres = np.array([segment.centre for segment in segments])
+    assert centres.size > 10
+    # round-off of normal equations with a condition of 1e4
+    assert found.means == pytest.approx(1.5 - 0.02 * centres, rel=1e-9)
+    for j, of in enumerate(exact):
+        assert found.amplitudes[:, j] == pytest.approx(of(centres), rel=1e-9)
 
 
 def test_higher_harmonics_of_a_run_up_are_found():

@@ -530,3 +530,41 @@ def whirling_rotor() -> gb.RotorSystem:
 def cross_coupled(stiffness: float, cross: float, damping: float) -> dict[str, Any]:
     """Give the fields of a bearing whose cross-coupling pushes a rotor into a forward whirl."""
     return {"stiffness": [[stiffness, cross], [-cross, stiffness]], "damping": damping}
+
+
+def uneven_train(**changes: Any) -> gb.RotorSystem:
+    """Build three helical shafts in a bent line, of which no two parts are equal.
+
+    Only the second mesh has a transmission error.
+    """
+    widths = {"pinion": 0.03, "idler": 0.042, "wheel": 0.035}
+    angles = {"pinion": radians(17.0), "idler": -radians(17.0), "wheel": radians(17.0)}
+    own: dict[str, Fields] = {
+        name: {"face_width": widths[name], "helix_angle": angles[name]} for name in widths
+    }
+    own |= {
+        "a": {"length": 0.36, "outer_diameter": 0.042},
+        "b": {"length": 0.5, "outer_diameter": 0.055},
+        "c": {"length": 0.44, "outer_diameter": 0.061},
+        "pinion/idler": {"stiffness": 2.3e8, "centre_line_angle": 0.3},
+        "idler/wheel": {
+            "centre_line_angle": 1.9,
+            "error": gb.TransmissionError(tooth=[(2e-6, 0.4)]),
+        },
+    }
+    bearing = {
+        "stiffness": (1.1e8, 0.7e8),
+        "damping": 4e3,
+        "axial_stiffness": 6e7,
+        "axial_damping": 8e3,
+    }
+    gears = [("pinion", "a", 0.13, 23), ("idler", "b", 0.22, 31), ("wheel", "c", 0.3, 41)]
+    given: dict[str, Any] = {
+        "shaft": {"elements": 2, "degree": 2},
+        "mesh": {"stiffness": 1.7e8, "damping_ratio": 0.08},
+        "bearing": bearing,
+        "torque": 180.0,
+        "rayleigh": (80.0, 2e-5),
+    }
+    meshes = [("pinion", "idler"), ("idler", "wheel")]
+    return train(("a", "b", "c"), gears, meshes, own=own, **{**given, **changes})

@@ -153,3 +153,49 @@ def test_growing_parametric_vibrations_are_an_error(geometry: str):
     speed = 2 * np.pi * 2 * 2288.0 / 25
     with pytest.raises(gb.ConvergenceError, match="unstable"):
         system.steady_state(speed, geometry=geometry, rtol=1e-6, max_period=0.1)
+
+
+def test_superposed_sources_are_those_of_the_frequency_response():
+    speed = 110.0
+    forces = [
+        gb.Force(("a", 0.36), 40.0, order=np.sqrt(2.0)),
+        gb.Force("idler", 30.0 + 10.0j, order=np.sqrt(3.0)),
+        gb.Force("wheel", 20.0, order=np.sqrt(5.0)),
+    ]
+    system = machines.uneven_train(forces=forces)
+    record = ["gears", "meshes"]
+    steady = system.steady_state(speed, geometry="frozen", rtol=1e-9, max_period=0.5, record=record)
+    assert (steady.method, steady.period) == ("superposition", np.inf)
+    ratio = dict(zip(("a", "b", "c"), system.speed_ratios, strict=True))
+    # A force that turns with F e^{iωt} has the phasors F along y and -iF along z.
+    sources: list[tuple[float, Any]] = [
+        (
+            order * ratio[shaft],
+            gb.Force(force.at, (complex(force.value), -1j * complex(force.value))),
+        )
+        for force, shaft in zip(forces, "abc", strict=True)
+        for order in [force.order]
+    ]
+    sources.append((31 * ratio["b"], gb.MeshExcitation("idler/wheel", 2e-6 * np.exp(0.4j))))
+    time = steady.response.time
+    static = system.replace(forces=[]).static(speed, geometry="frozen")
+    waves = [np.exp(1j * order * speed * time) for order, _ in sources]
+    responses = [
+        system.frequency_response([order * speed], source=source, speed=speed)
+        for order, source in sources
+    ]
+
+    def sums(static: Any, read: Any) -> np.ndarray:
+        found = [
+            np.real(np.multiply.outer(w, read(x)[0, 0]))
+            for w, x in zip(waves, responses, strict=True)
+        ]
+        return static + np.sum(found, axis=0)
+
+    for pair in (("pinion", "idler"), ("idler", "wheel")):
+        exact = sums(static.mesh(pair).force, lambda x, pair=pair: x.mesh_force(pair))
+        # the tolerance of the solution, relative to the varying part
+        assert relative(steady.response.mesh(pair).force, exact) < 1e-6
+    for gear in ("pinion", "idler", "wheel"):
+        exact = sums(static.displacement(gear), lambda x, gear=gear: x.displacement(gear))
+        assert relative(steady.response.displacement(gear), exact) < 1e-6
