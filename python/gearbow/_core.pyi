@@ -45,6 +45,7 @@ __all__ = [
     "kept_modes",
     "mesh_geometry",
     "multipliers",
+    "panic_in_analysis",
     "recorded_period",
     "require_memory",
     "ring_coefficients",
@@ -232,3 +233,4 @@ def multipliers(
     **options: Unpack[RunOptions],
 ) -> ComplexArray: ...
 def whirl_classes() -> list[str]: ...
+def panic_in_analysis(message: str) -> None: ...

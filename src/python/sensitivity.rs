@@ -10,6 +10,7 @@ use numpy::{
 use pyo3::prelude::*;
 
 use super::convert::{stack, table};
+use super::errors::caught;
 use super::frequency::finite_speeds;
 use super::handle::PyModel;
 use crate::analysis::{
@@ -84,14 +85,15 @@ pub fn harmonic_terms<'py>(
     let base = base.map(|(base, outputs)| Given::new(base, sources, outputs)).transpose()?;
     let dense = if !model.model().scene.modal_damping.is_zero() { Dense::Undamped } else { Dense::Bands };
     dense.require(model.model())?;
-    let found = py.detach(|| -> Result<_, AnalysisError> {
+    let terms = || -> Result<_, AnalysisError> {
         let at_speed = given.cached.at_speed(at.speed)?;
         let base_at_speed = base.as_ref().map(|base| base.cached.at_speed(at.speed)).transpose()?;
         let system = HarmonicSystem { cached: &at_speed, sources: &given.sources, outputs: &given.outputs };
         let base = base.as_ref().zip(base_at_speed.as_ref());
         let base = base.map(|(Given { sources, outputs, .. }, cached)| HarmonicSystem { cached, sources, outputs });
         analysis::harmonic_terms(&system, base.as_ref(), at, scale)
-    })?;
+    };
+    let found = py.detach(|| caught(terms))??;
     let integers = |values: Vec<i64>| values.into_pyarray(py);
     let rows = integers(found.iter().map(|(row, _, _)| *row as i64).collect());
     let columns = integers(found.iter().map(|(_, column, _)| *column as i64).collect());
