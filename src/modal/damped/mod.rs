@@ -9,7 +9,7 @@ mod residual;
 mod structural;
 mod whirl;
 
-pub use modes::{Mode, modes, modes_of, structured_modes, structured_vibrations, whirl, with_all_modal_damping};
+pub use modes::{Mode, modes, modes_of, structured_modes, whirl};
 pub use quadratic::Quadratic;
 pub use residual::{Residual, Residuals, residual};
 pub use whirl::Whirl;
