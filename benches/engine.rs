@@ -16,7 +16,7 @@ use gearbow::analysis::Spectrum;
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{FirstOrderSystem as _, RungeKutta, State, Statistics, StepControl, StepInterval, run};
 use gearbow::mesh::Geometry;
-use gearbow::modal;
+use gearbow::modal::{self, ModeSelection};
 use gearbow::model::Model;
 use gearbow::motion::EquationOfMotion;
 use gearbow::scene::Scene;
@@ -63,7 +63,7 @@ fn damped_modes(criterion: &mut Criterion) {
         let cached = cached(elements, true);
         cached.real_modes(SPEED).unwrap();
         group.bench_function(BenchmarkId::from_parameter(15 * (elements + 1)), |bencher| {
-            bencher.iter(|| modal::modes(black_box(&cached), SPEED, usize::MAX).unwrap());
+            bencher.iter(|| modal::modes(black_box(&cached), SPEED, usize::MAX, ModeSelection::All).unwrap());
         });
     }
 }

@@ -9,7 +9,7 @@ use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, lowest_modes, syn
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{Adaptive, FirstOrderSystem as _, RungeKutta, State, Statistics, StepControl, run};
 use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
-use gearbow::modal::{self, CachedModel};
+use gearbow::modal::{self, CachedModel, ModeSelection};
 use gearbow::model::{Model, Weights};
 use gearbow::motion::{Profile, Speed};
 use gearbow::scene::Scene;
@@ -96,7 +96,7 @@ fn real_modes() -> Work {
 fn damped_modes() -> Work {
     let cached = leak(cached(SMALL, true));
     Box::new(move || {
-        black_box(modal::modes(cached, SPEED, usize::MAX).unwrap());
+        black_box(modal::modes(cached, SPEED, usize::MAX, ModeSelection::All).unwrap());
     })
 }
 
@@ -129,7 +129,7 @@ fn coupled_solution() -> Work {
 fn few_modes() -> Work {
     let cached = leak(cached(LARGE, true));
     Box::new(move || {
-        black_box(lowest_modes(cached, SPEED, 10).unwrap());
+        black_box(lowest_modes(cached, SPEED, 10, ModeSelection::All).unwrap());
     })
 }
 

@@ -47,6 +47,7 @@ __all__ = [
     "mesh_geometry",
     "motion_forms",
     "multipliers",
+    "panic_in_analysis",
     "recorded_period",
     "require_memory",
     "ring_coefficients",
@@ -239,3 +240,4 @@ def multipliers(
     **options: Unpack[RunOptions],
 ) -> ComplexArray: ...
 def whirl_classes() -> list[str]: ...
+def panic_in_analysis(message: str) -> None: ...

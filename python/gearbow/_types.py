@@ -136,7 +136,7 @@ class MatricesData(TypedDict):
 
 
 class ModesData(TypedDict):
-    """Modes in ascending order of frequency: m modes of n degrees of freedom."""
+    """Modes in ascending order of |λ|: m modes of n degrees of freedom."""
 
     eigenvalues: ComplexArray
     frequencies_hz: Array
@@ -145,6 +145,7 @@ class ModesData(TypedDict):
     residuals: Array
     shapes: ComplexArray
     kinetic_shares: Array
+    vibrates: NDArray[np.bool_]
 
 
 class CampbellData(TypedDict):

@@ -20,13 +20,13 @@ use nalgebra::{Complex, DVector};
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
 use super::modes::{
-    FURTHER_MODES, highest_damped, is_banded, lowest_modes, lowest_oscillating_modes, lowest_vibrations, require,
-    uses_bands,
+    FURTHER_MODES, highest_damped, is_banded, lowest_modes, lowest_modes_in_tables, require, uses_bands,
 };
 use super::own_frequency;
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
-    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, Quadratic, Residuals, Whirl,
+    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, ModeSelection, Quadratic,
+    Residuals, Whirl,
 };
 use crate::model::Model;
 use crate::scene::EntryPath;
@@ -219,21 +219,21 @@ impl<'a> Tracker<'a> {
             // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
             let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
             if tracker.has_cheap_newton() && !cached.model.depends_on_frequency() {
-                let modes = lowest_vibrations(cached, beyond_standstill(start), count)?;
+                let modes = lowest_modes(cached, beyond_standstill(start), count, ModeSelection::Vibrations)?;
                 tracker.modes = modes.into_iter().map(|mode| State::new(&tracker.basis.model, start, mode)).collect();
                 return Ok(tracker);
             }
             loop {
                 let states = tracker.at(start)?;
-                tracker.modes =
-                    states.iter().filter(|state| modal::oscillates(state.eigenvalue)).take(count).cloned().collect();
+                let vibrates = |state: &&State| modal::vibrates(&cached.model, start, state.eigenvalue);
+                tracker.modes = states.iter().filter(vibrates).take(count).cloned().collect();
                 let is_bounded = !cached.model.depends_on_frequency() && states.len() < tracker.wanted;
                 if tracker.modes.len() == count || is_bounded {
                     break;
                 }
                 if cached.model.depends_on_frequency() {
                     // The mode that the tables of the bearings do not contain is the error.
-                    let found = lowest_modes(cached, start, tracker.wanted)?.len();
+                    let found = lowest_modes(cached, start, tracker.wanted, ModeSelection::All)?.len();
                     if found < tracker.wanted {
                         break;
                     }
@@ -249,10 +249,10 @@ impl<'a> Tracker<'a> {
         self.interrupt.check()?;
         let speed = beyond_standstill(speed);
         let count = if self.is_partial() { self.wanted } else { usize::MAX };
-        let mut modes = lowest_oscillating_modes(self.cached, speed, count)?;
+        let mut modes = lowest_modes_in_tables(self.cached, speed, count)?;
         if self.cached.model.depends_on_frequency() && modes.len() < self.modes.len() {
             // The mode that the tables of the bearings do not contain is the error.
-            modes = lowest_modes(self.cached, speed, count)?;
+            modes = lowest_modes(self.cached, speed, count, ModeSelection::All)?;
         }
         Ok(Arc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
     }
@@ -306,10 +306,10 @@ impl<'a> Tracker<'a> {
 
     /// Computes more modes from here on if a tracked mode may lie above the computed `states`; whether it may.
     fn extend(&mut self, states: &[State], assignment: &Assignment) -> bool {
-        let top = states.iter().map(|state| state.eigenvalue.im).fold(0.0, f64::max);
+        let top = states.iter().map(|state| state.eigenvalue.norm()).fold(0.0, f64::max);
         let partial = states.len() <= self.wanted && self.is_partial();
         let left = |(mode, index): (&State, &usize)| {
-            mode.eigenvalue.im > NEAR_TOP * top && mode.correlation(&states[*index]) < MIN_CORRELATION
+            mode.eigenvalue.norm() > NEAR_TOP * top && mode.correlation(&states[*index]) < MIN_CORRELATION
         };
         let extends = partial && self.modes.iter().zip(&assignment.states).any(left);
         if extends {

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Complex;
 
-use super::modes::lowest_oscillating_modes;
+use super::modes::lowest_modes_in_tables;
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{CachedModel, is_growing};
 
@@ -63,7 +63,7 @@ pub(super) fn growing_modes(cached: &CachedModel, speed: f64) -> Result<Vec<Comp
         return Ok(Vec::new());
     }
     let count = EXAMINED_MODES + MODES_OF_BEARING * cached.model.scene.bearings.len();
-    let eigenvalues = lowest_oscillating_modes(cached, speed, count)?.into_iter().map(|mode| mode.eigenvalue);
+    let eigenvalues = lowest_modes_in_tables(cached, speed, count)?.into_iter().map(|mode| mode.eigenvalue);
     Ok(eigenvalues.filter(|value| is_growing(*value, speed)).collect())
 }
 

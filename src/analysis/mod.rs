@@ -48,7 +48,7 @@ pub use instability::unstable_ranges;
 pub use interrupt::Interrupt;
 pub use mass::{ShaftMass, mass_properties};
 pub use memory::{Dense, Kept, product};
-pub use modes::{lowest_modes, lowest_vibrations, memory_of_modes};
+pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
 pub use sources::{Harmonic, HarmonicForces, HarmonicSource};
 pub use stability::Spectrum;

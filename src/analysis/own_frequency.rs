@@ -7,8 +7,8 @@
 //! the mode, with the coefficients at the frequency found before, or by the method of Illinois on μ_k.
 
 use super::AnalysisError;
-use super::modes::{highest_damped, linear_modes, lowest_modes};
-use crate::modal::{self, CachedModel, Eigenpair, Highest, Mode, ModeAtSpeed};
+use super::modes::{FURTHER_MODES, highest_damped, linear_modes};
+use crate::modal::{self, CachedModel, Eigenpair, Highest, Mode, ModeAtSpeed, ModeSelection, ascending};
 use crate::numerics::{Sample, root};
 use crate::scene::SceneError;
 
@@ -26,7 +26,7 @@ const EQUAL_EIGENVALUES: f64 = 1e-8;
 /// What happens with modes whose frequency lies outside the tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outside {
-    /// They are an error. Overdamped modes have modal damping as those of [`lowest_modes`].
+    /// They are an error.
     Refuse,
     /// They are left out.
     LeaveOut,
@@ -53,7 +53,7 @@ impl LinearModes {
     }
 }
 
-/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order.
+/// The `count` lowest modes of a selection at `speed` of the reference shaft, rad/s, in ascending order of |λ|.
 ///
 /// # Errors
 /// [`AnalysisError`] if a decomposition fails, a search does not converge, or a mode lies outside the tables and is not left out.
@@ -61,9 +61,29 @@ pub(super) fn modes(
     cached: &CachedModel,
     speed: f64,
     count: usize,
+    selection: ModeSelection,
     outside: Outside,
 ) -> Result<Vec<Mode>, AnalysisError> {
-    let search = Search { cached, speed, count, outside };
+    let mut wanted = count;
+    loop {
+        let mut found = lowest(cached, speed, wanted, outside)?;
+        let is_all = found.len() < wanted;
+        found.retain(|mode| selection.contains(&cached.model, speed, mode.eigenvalue));
+        if found.len() >= count || is_all {
+            found.truncate(count);
+            return Ok(found);
+        }
+        // Half as many again where the model has far more other motions than vibrations.
+        wanted += (count - found.len()).max(wanted / 2);
+    }
+}
+
+/// The `count` lowest modes.
+///
+/// # Errors
+/// As [`modes`].
+fn lowest(cached: &CachedModel, speed: f64, count: usize, outside: Outside) -> Result<Vec<Mode>, AnalysisError> {
+    let search = Search { cached, speed, count: count.saturating_add(FURTHER_MODES) };
     let samples = search.samples()?;
     let known = samples.iter().map(|sample| sample.modes.len()).min().unwrap_or(0);
     let mut found: Vec<Mode> = Vec::new();
@@ -97,8 +117,7 @@ pub(super) fn modes(
             found.extend(met);
         }
     }
-    let key = |mode: &Mode| (mode.eigenvalue.im, mode.eigenvalue.norm());
-    found.sort_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
+    found.sort_by(|a, b| ascending(a.eigenvalue, b.eigenvalue));
     found.truncate(count);
     Ok(found)
 }
@@ -151,17 +170,14 @@ struct Search<'a> {
     cached: &'a CachedModel,
     speed: f64,
     count: usize,
-    outside: Outside,
 }
 
 impl Search<'_> {
-    /// The modes with the coefficients at a frequency, rad/s.
+    /// The modes with the coefficients at a frequency, rad/s, in ascending order of their frequency.
     fn at(&self, frequency: f64) -> Result<LinearModes, AnalysisError> {
         let cached = &*self.cached.at(self.speed, frequency)?;
-        let modes = match self.outside {
-            Outside::Refuse => lowest_modes(cached, self.speed, self.count)?,
-            Outside::LeaveOut => linear_modes(cached, self.speed, self.count)?,
-        };
+        let mut modes = linear_modes(cached, self.speed, self.count, ModeSelection::All)?;
+        modes.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
         Ok(LinearModes { frequency, modes })
     }
 

@@ -133,16 +133,8 @@ impl<'a, T: Operator> Krylov<'a, T> {
             (z ^ (z >> 31)) as f64 / u64::MAX as f64 - 0.5
         };
         let start: Vec<T::Scalar> = (0..self.operator.size()).map(|_| T::Scalar::from_real(next())).collect();
-        self.add_start_of(&start)
-    }
-
-    /// Adds the start vector T x.
-    ///
-    /// # Errors
-    /// [`DecompositionError`] of the operator.
-    pub fn add_start_of(&mut self, x: &[T::Scalar]) -> Result<(), DecompositionError> {
         // The operator removes the components of the small eigenvalues.
-        let start = self.operator.apply(x)?;
+        let start = self.operator.apply(&start)?;
         self.add_vector(start);
         Ok(())
     }

@@ -8,13 +8,13 @@
 //! longer than [`GRACE`], the work is abandoned: the call returns, and the thread uses one processor and its memory
 //! until its next check.
 
-use std::panic::resume_unwind;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 
+use super::errors;
 use crate::analysis::Interrupt;
 
 /// Time between two checks for signals.
@@ -36,7 +36,7 @@ enum Message<T> {
 /// returns whether to continue.
 ///
 /// # Errors
-/// The exception that Python raised, if the analysis was abandoned. An `OSError`, if no thread can be started.
+/// The exception that Python raised, if the analysis was abandoned. A `GearbowError`, if `work` panics. An `OSError`, if no thread can be started.
 /// `KeyboardInterrupt` in a worker of a sweep that must stop.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
@@ -75,7 +75,7 @@ pub fn run<T: Send + 'static>(
                 }
                 Err(RecvTimeoutError::Timeout) => raised = raised.or_else(|| poll_python(progress, None).err()),
                 Err(RecvTimeoutError::Disconnected) => match thread.join() {
-                    Err(panic) => resume_unwind(panic),
+                    Err(_) => return Err(errors::internal()),
                     Ok(()) => {
                         return Err(pyo3::exceptions::PyRuntimeError::new_err(
                             "the background thread returned no result",
@@ -129,4 +129,10 @@ fn poll_python(progress: Option<&Py<PyAny>>, done: Option<f64>) -> PyResult<()> 
         }
         Ok(())
     })
+}
+
+/// Panics as an analysis with a fault would, for the test that users then see a `GearbowError`.
+#[pyfunction]
+pub fn panic_in_analysis(py: Python<'_>, message: String) -> PyResult<()> {
+    result_of(py, move |_| -> PyResult<()> { panic!("{message}") })
 }

@@ -5,6 +5,7 @@ use pyo3::types::PyDict;
 use pythonize::Depythonizer;
 
 use super::convert::table;
+use super::errors::caught;
 use crate::analysis::AnalysisError;
 use crate::bearing_force::{BearingForce, Uncarried};
 use crate::film::Film;
@@ -58,8 +59,9 @@ pub fn film_coefficients<'py>(
         );
         return Err(speed_at.error(message).into());
     }
-    let (displacement, film) =
-        py.detach(|| Film::new(&journal).carrying(load, speed)).map_err(|cause| uncarried(cause, load, Some(speed)))?;
+    let (displacement, film) = py
+        .detach(|| caught(|| Film::new(&journal).carrying(load, speed)))?
+        .map_err(|cause| uncarried(cause, load, Some(speed)))?;
     coefficients(py, displacement, &film)
 }
 
@@ -83,7 +85,8 @@ pub fn rolling_coefficients<'py>(
     load_at.finite(load[1])?;
     let elements = RollingElements::new(&rolling, damping);
     let cage = cage.map(|cage| EntryPath::root("cage_angle").finite(cage)).transpose()?;
-    let (displacement, found) = elements.carrying(load, cage).map_err(|cause| uncarried(cause, load, None))?;
+    let (displacement, found) =
+        caught(|| elements.carrying(load, cage))?.map_err(|cause| uncarried(cause, load, None))?;
     let dict = coefficients(py, displacement, &found)?;
     dict.set_item("contact_forces", elements.contact_forces(displacement, cage.unwrap_or(0.0)).collect::<Vec<_>>())?;
     dict.set_item("elements", rolling.elements)?;
@@ -113,7 +116,7 @@ pub fn ring_coefficients<'py>(
     let ([thrust, y, z], ring) = (load, Ring::new(&rolling));
     let radius = ring.radius;
     // The ring has the slopes dv/dx = Γ and dw/dx = −B times its radius.
-    let carried = ring.carrying_tilted([y, z, thrust], [radius * tilt[1], -radius * tilt[0]]);
+    let carried = caught(|| ring.carrying_tilted([y, z, thrust], [radius * tilt[1], -radius * tilt[0]]))?;
     let x = carried.map_err(|cause| uncarried(cause, [thrust, y.hypot(z)], None))?;
     let found = ring.at(x, 0.0);
     // Index and factor of (u, v, w, B, Γ) in the coordinates of the ring.

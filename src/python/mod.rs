@@ -33,6 +33,8 @@ mod _core {
     const SHARE_OF_MEAN: f64 = crate::scene::SHARE_OF_MEAN;
 
     #[pymodule_export]
+    use super::background::panic_in_analysis;
+    #[pymodule_export]
     use super::bearing::film_coefficients;
     #[pymodule_export]
     use super::bearing::rolling_coefficients;
@@ -81,6 +83,7 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        super::errors::keep_panics();
         pyo3::types::PyModuleMethods::add(module, "__version__", env!("CARGO_PKG_VERSION"))
     }
 }

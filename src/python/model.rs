@@ -16,7 +16,7 @@ use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::mesh::MeshLoss;
-use crate::modal::{self, AtSpeed, CachedModel, DampedMotions};
+use crate::modal::{self, AtSpeed, CachedModel, DampedMotions, ModeSelection};
 use crate::model::Model;
 use crate::scene::{EntryPath, Node, SceneDescription, SceneError, description, nearest};
 
@@ -278,8 +278,8 @@ impl PyModel {
         let memory = analysis::memory_of_modes(self.model(), count);
         self.warn_of_ill_conditioning(py, speed, memory)?;
         let (modes, shapes, shares) = self.run(py, memory, move |cached, _| -> Result<_, AnalysisError> {
-            let lowest = if vibrating { analysis::lowest_vibrations } else { analysis::lowest_modes };
-            let modes = lowest(cached, speed, count)?;
+            let selection = if vibrating { ModeSelection::Vibrations } else { ModeSelection::All };
+            let modes = analysis::lowest_modes(cached, speed, count, selection)?;
             let (model, numbering) = (&cached.model, &cached.model.numbering);
             let shapes: Vec<Complex<f64>> =
                 modes.iter().flat_map(|mode| numbering.to_user_order(mode.shape.as_slice())).collect();
@@ -300,6 +300,8 @@ impl PyModel {
         dict.set_item("damping_ratios", list(modal::Mode::damping_ratio))?;
         dict.set_item("whirl", whirl)?;
         dict.set_item("residuals", list(|mode| mode.residual.value))?;
+        let vibrates = |mode: &modal::Mode| modal::vibrates(self.model(), speed, mode.eigenvalue);
+        dict.set_item("vibrates", modes.iter().map(vibrates).collect::<Vec<_>>().into_pyarray(py))?;
         dict.set_item("shapes", table(py, shapes, modes.len(), numbering.len())?)?;
         dict.set_item("kinetic_shares", table(py, shares, modes.len(), numbering.len())?)?;
         Ok(dict)

@@ -10,6 +10,7 @@ use numpy::{
 use pyo3::prelude::*;
 
 use super::convert::{stack, table};
+use super::errors::caught;
 use super::frequency::finite_speeds;
 use super::handle::PyModel;
 use crate::analysis::{
@@ -83,7 +84,7 @@ pub fn harmonic_terms<'py>(
     let given = Given::new(model, sources, outputs)?;
     let base = base.map(|(base, outputs)| Given::new(base, sources, outputs)).transpose()?;
     Dense::Bands.require(model.model())?;
-    let found = py.detach(|| -> Result<_, AnalysisError> {
+    let terms = || -> Result<_, AnalysisError> {
         let at_speed = given.cached.at_speed(speed)?;
         let base_at_speed = base.as_ref().map(|base| base.cached.at_speed(speed)).transpose()?;
         let system = HarmonicSystem { cached: &at_speed, sources: &given.sources, outputs: &given.outputs };
@@ -93,7 +94,8 @@ pub fn harmonic_terms<'py>(
         let oscillates = rate.im != 0.0 || rate.re == 0.0;
         let structural = oscillates.then_some(StructuralDamping { frequency: rate.im, speed });
         Ok(analysis::harmonic_terms(&system, base.as_ref(), speed, structural, scale))
-    })?;
+    };
+    let found = py.detach(|| caught(terms))??;
     let integers = |values: Vec<i64>| values.into_pyarray(py);
     let rows = integers(found.iter().map(|(row, _, _)| *row as i64).collect());
     let columns = integers(found.iter().map(|(_, column, _)| *column as i64).collect());

@@ -9,7 +9,7 @@ use gearbow::analysis::{
 use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions, Tangent};
 use gearbow::integrate::Statistics;
 use gearbow::mesh::{Contact, ContactMode, Geometry, ShaftPhase};
-use gearbow::modal::{CachedModel, modes};
+use gearbow::modal::{CachedModel, ModeSelection, modes};
 use gearbow::motion::{Energies, Profile, SourceTerms, Speed};
 use gearbow::scene::SceneDescription;
 use gearbow::scene::description::Gravity;
@@ -93,7 +93,7 @@ fn modes_and_critical_speeds_contain_connections() {
     let interrupt = Interrupt::default();
     let [matrices, table] = forms(&train());
     let eigenvalues = |cached: &CachedModel| -> Vec<f64> {
-        modes(&cached.at_speed(100.0).unwrap(), 100.0, usize::MAX)
+        modes(&cached.at_speed(100.0).unwrap(), 100.0, usize::MAX, ModeSelection::All)
             .unwrap()
             .iter()
             .map(|mode| mode.eigenvalue.im)
@@ -101,7 +101,7 @@ fn modes_and_critical_speeds_contain_connections() {
             .collect()
     };
     let damping = |cached: &CachedModel| -> Vec<f64> {
-        modes(&cached.at_speed(100.0).unwrap(), 100.0, usize::MAX)
+        modes(&cached.at_speed(100.0).unwrap(), 100.0, usize::MAX, ModeSelection::All)
             .unwrap()
             .iter()
             .map(|mode| mode.eigenvalue.re)

@@ -2,7 +2,7 @@
 
 use crate::common::{Noise, cached, free_train, largest, train};
 use gearbow::linalg::{DecompositionError, eigen, symmetric_pencil};
-use gearbow::modal::{self, CachedModel, Whirl};
+use gearbow::modal::{self, CachedModel, ModeSelection, Whirl};
 use gearbow::scene::SceneDescription;
 use gearbow::scene::description::Coefficient;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -172,7 +172,7 @@ fn an_undamped_gyroscopic_rotor_has_no_growth() {
     let undamped = rotor(0.0);
     let highest = undamped.real_modes(0.0).unwrap().highest();
     for speed in [0.0, 1.0, 400.0, -400.0, 5000.0] {
-        let modes = modal::modes(&undamped, speed, usize::MAX).unwrap();
+        let modes = modal::modes(&undamped, speed, usize::MAX, ModeSelection::All).unwrap();
         assert_eq!(modes.len(), undamped.model.len(), "one mode per degree of freedom");
         let growth = largest(&modes.iter().map(|mode| mode.eigenvalue.re).collect::<Vec<_>>());
         // The matrix in modal coordinates is skew-symmetric, so the error of its eigenvalues is a few ε·ω_max. In
@@ -180,7 +180,12 @@ fn an_undamped_gyroscopic_rotor_has_no_growth() {
         assert!(growth < 1e-9 * highest, "{growth:e} 1/s at {speed} rad/s");
     }
     // With damped bearings every mode decays.
-    assert!(modal::modes(&rotor(100.0), 400.0, usize::MAX).unwrap().iter().all(|mode| mode.eigenvalue.re < 0.0));
+    assert!(
+        modal::modes(&rotor(100.0), 400.0, usize::MAX, ModeSelection::All)
+            .unwrap()
+            .iter()
+            .all(|mode| mode.eigenvalue.re < 0.0)
+    );
 }
 
 #[test]
@@ -191,7 +196,7 @@ fn modes_satisfy_the_quadratic_eigenproblem() {
     let rate = cached.damping_matrix(speed).unwrap() + model.gyroscopic_matrix() * speed;
     let complex = |matrix: &DMatrix<f64>| matrix.map(|value| Complex::new(value, 0.0));
     let (mass, rate, stiffness) = (complex(&mass), complex(&rate), complex(&stiffness));
-    for mode in modal::modes(&cached, speed, usize::MAX).unwrap() {
+    for mode in modal::modes(&cached, speed, usize::MAX, ModeSelection::All).unwrap() {
         let (value, shape) = (mode.eigenvalue, &mode.shape);
         let inertia = &mass * shape * (value * value);
         let elastic = &stiffness * shape;
@@ -226,7 +231,7 @@ fn a_train_has_exactly_one_rigid_body_mode_its_rotation() {
         bearing.stiffness = Some(Coefficient::Isotropic(if index < 3 { 1e4 } else { 1e12 }).into());
     }
     assert_eq!(crate::common::cached(&system).real_modes(100.0).unwrap().null, 1);
-    let modes = modal::modes(&cached, 100.0, usize::MAX).unwrap();
+    let modes = modal::modes(&cached, 100.0, usize::MAX, ModeSelection::All).unwrap();
     let rigid = modes.iter().filter(|mode| mode.eigenvalue == Complex::new(0.0, 0.0));
     assert_eq!(rigid.map(|mode| mode.whirl).collect::<Vec<_>>(), [Whirl::Rigid]);
 }
@@ -273,7 +278,7 @@ fn undamped_modes_of_a_train_are_orthonormal() {
 fn a_residual_has_the_size_of_the_error_of_shape_and_eigenvalue() {
     let cached = cached(&train());
     let speed = 100.0;
-    let modes = modal::modes(&cached, speed, 12).unwrap();
+    let modes = modal::modes(&cached, speed, 12, ModeSelection::All).unwrap();
     for mode in modes.iter().filter(|mode| mode.eigenvalue.im > 0.0) {
         let residual = |value: Complex<f64>, shape: &DVector<Complex<f64>>| {
             modal::residual(&cached, speed, value, shape, modal::EquationForces::All(None)).unwrap()

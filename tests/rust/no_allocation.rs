@@ -7,7 +7,7 @@ use allocation_counter::{AllocationInfo, measure};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, simulate};
 use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, synchronous};
 use gearbow::exponential::{
-    self, Loads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection, Stepper, TimeGrid,
+    self, Loads, ModeSelection, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Stepper, TimeGrid,
 };
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
@@ -244,7 +244,7 @@ fn exponential(
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
     let substep = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
     let time_grid = TimeGrid { longest, finest: substep + 12, substep };
-    let selection = Selection { displacements: vec![3], velocities: vec![3], ..Selection::default() };
+    let selection = ModeSelection { displacements: vec![3], velocities: vec![3], ..ModeSelection::default() };
     let mut output = OutputMap::new(&field, &linear, &maps, selection);
     let table = PropagatorCache::new(Arc::new(PropagatorKey {
         linear: linear.clone(),

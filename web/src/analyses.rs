@@ -4,7 +4,7 @@ use gearbow::analysis::simulate::{self, Initial, Method, Options, RecordPlan, Re
 use gearbow::analysis::{self, ExcitationPart, ExcitationSource, Interrupt, Threads};
 use gearbow::connection::MESH_CHANNELS;
 use gearbow::mesh::Geometry;
-use gearbow::modal::CachedModel;
+use gearbow::modal::{CachedModel, Selection};
 use gearbow::model::Model;
 use gearbow::motion::Speed;
 use gearbow::scene::{Node, Scene, SceneDescription};
@@ -226,7 +226,7 @@ impl Train {
 
     /// Modes of lowest frequency.
     pub fn modes(&self, speed: f64, count: usize) -> Result<Vec<ModeRow>, String> {
-        let modes = analysis::lowest_modes(&self.cached, speed, count).map_err(message)?;
+        let modes = analysis::lowest_modes(&self.cached, speed, count, Selection::All).map_err(message)?;
         let row = |mode: &gearbow::modal::Mode| ModeRow {
             frequency_hz: mode.frequency_hz(),
             damping_ratio: mode.damping_ratio(),

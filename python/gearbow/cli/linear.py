@@ -77,7 +77,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--vibrating",
         action="store_true",
-        help="leave out rigid-body and overdamped motions, which have the lowest frequencies",
+        help="leave out rigid-body and overdamped motions",
     )
 
     parser = add_command(

@@ -61,6 +61,7 @@ PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 _STYLES: dict[str, tuple[str, Any, str]] = {
     "forward": (PALETTE[0], "-", "^"),
     "backward": (PALETTE[1], "--", "v"),
+    "mixed": (PALETTE[6], (0, (4, 2)), "X"),
     "planar": (PALETTE[5], "-", "s"),
     "torsion": (PALETTE[2], "-.", "o"),
     "axial": (PALETTE[4], (0, (5, 1, 1, 1, 1, 1)), "P"),

@@ -119,7 +119,7 @@ class Campbell(Result, ReadOnly):
     eigenvalues : ndarray, shape (k, m)
         Complex eigenvalues [1/s]. A mode keeps its column where frequencies cross.
     whirl : ndarray of str, shape (k, m)
-        "forward", "backward", "planar", "torsion", "axial", "rigid" or "coupled".
+        "forward", "backward", "mixed", "planar", "torsion", "axial", "rigid" or "coupled".
     lines : tuple of ExcitationLine
         Rotation of every shaft, and tooth frequencies of every mesh.
     intersections : tuple of Intersection

@@ -141,7 +141,7 @@ class CriticalSpeedMap(Result, ReadOnly):
         Parameters
         ----------
         whirl : str
-            "forward", "backward", "planar", "torsion", "axial" or "coupled".
+            "forward", "backward", "mixed", "planar", "torsion", "axial" or "coupled".
 
         Returns
         -------

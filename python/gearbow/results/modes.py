@@ -38,13 +38,9 @@ _ROUND_OFF_PERCENT = 1e-10
 _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"}
 
 
-#: Smallest |Im λ|/|λ| of a vibration; the diagrams of the core have the same limit.
-_MIN_OSCILLATION = 0.05
-
-
 @dataclass(frozen=True, eq=False)
 class Modes(Result, ReadOnly):
-    """Natural modes at one speed, in ascending order of frequency.
+    """Natural modes at one speed, in ascending order of the size of their eigenvalues.
 
     Parameters
     ----------
@@ -53,7 +49,8 @@ class Modes(Result, ReadOnly):
     damping_ratios : ndarray, shape (m,)
         Damping ratios.
     whirl : tuple of str
-        "forward", "backward", "planar", "torsion", "axial", "rigid" or "coupled" for each mode.
+        "forward", "backward", "mixed", "planar", "torsion", "axial", "rigid" or "coupled" for each
+        mode; the orbits of a "mixed" mode turn forward at one place and backward at another.
     shapes : ndarray, shape (m, n)
         Complex shapes; the motion is Re(shape exp(eigenvalue t)).
     eigenvalues : ndarray, shape (m,)
@@ -94,6 +91,7 @@ class Modes(Result, ReadOnly):
     layout: Layout = field(repr=False)
     coordinates: Coordinates = field(repr=False)
     _shares: Mapping[tuple[str, str], Array] = field(repr=False)
+    _vibrates: NDArray[np.bool_] = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
 
     _own_endings: ClassVar[tuple[str, ...]] = (".uff",)
@@ -148,6 +146,7 @@ class Modes(Result, ReadOnly):
                 group: shares[:, [other == group for other in groups]].sum(axis=1)
                 for group in dict.fromkeys(groups)
             },
+            _vibrates=data["vibrates"],
             speed_unit=speed_unit,
         )
 
@@ -342,38 +341,29 @@ class Modes(Result, ReadOnly):
         overdamped, count = int(np.sum(self._overdamped())), len(self.whirl)
         if overdamped:
             lines.append(
-                f"{overdamped} of {count} modes are overdamped, in the last rows; "
+                f"{overdamped} of {count} modes are overdamped; "
                 "modes(count=, vibrating=True) leaves such modes out"
             )
         return lines
 
     def _overdamped(self) -> NDArray[np.bool_]:
         """Tell which modes are overdamped."""
-        # Overdamped motions turn slowly with the gyroscopic moments.
-        turning = np.abs(self.eigenvalues.imag) > _MIN_OSCILLATION * np.abs(self.eigenvalues)
-        overdamped = ~turning & (self.eigenvalues.real < 0.0)
-        overdamped &= np.array([whirl != "rigid" for whirl in self.whirl], dtype=bool)
+        rigid = np.array([whirl == "rigid" for whirl in self.whirl], dtype=bool)
+        overdamped: NDArray[np.bool_] = ~self._vibrates & (self.eigenvalues.real < 0.0) & ~rigid
         return overdamped
 
     def _vibrations(self) -> list[int]:
         """Give the numbers of the vibrations from 0: no rigid-body and no overdamped motion."""
-        limit = _MIN_OSCILLATION * np.abs(self.eigenvalues)
-        found = zip(self.eigenvalues.imag > limit, self.whirl, strict=True)
-        return [mode for mode, (turns, whirl) in enumerate(found) if turns and whirl != "rigid"]
-
-    def _order(self) -> NDArray[np.intp]:
-        """Give the numbers of the modes from 0, the overdamped ones last."""
-        return np.argsort(self._overdamped(), kind="stable")
+        return [int(mode) for mode in np.flatnonzero(self._vibrates)]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each mode, the overdamped ones last."""
-        order, names = self._order(), self.names()
+        """Give a row for each mode."""
         return [
-            Column("mode", order + 1),
-            Column("frequency", self.frequencies_hz[order], "Hz", ".3f"),
-            Column("damping ratio", self.damping_ratios[order], "", ".3f", in_percent("damping")),
-            Column("whirl", [self.whirl[mode] for mode in order]),
-            Column("largest motion", [names[mode] for mode in order]),
+            Column("mode", np.arange(1, len(self.whirl) + 1)),
+            Column("frequency", self.frequencies_hz, "Hz", ".3f"),
+            Column("damping ratio", self.damping_ratios, "", ".3f", in_percent("damping")),
+            Column("whirl", list(self.whirl)),
+            Column("largest motion", self.names()),
         ]
 
     def _titles(self) -> list[str]:
@@ -409,8 +399,7 @@ class Modes(Result, ReadOnly):
         number : int, optional
             Number of the mode to draw in three dimensions, from 1; None is the overview.
         count : int
-            Number of modes in the overview, in which overdamped ones come last;
-            ``modes(count=6, vibrating=True)`` has none.
+            Number of modes in the overview.
         ax : Axes or sequence of Axes, optional
             Panel in three dimensions for one mode, or one panel for each mode of the overview; None
             makes a new figure.
@@ -436,7 +425,7 @@ class Modes(Result, ReadOnly):
             for rod in ("twist", "u"):
                 share = sum(share for (_, direction), share in shares.items() if direction == rod)
                 drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
-            chosen = self._order()[: whole(count, "count")]
+            chosen = np.arange(min(whole(count, "count"), len(self.whirl)))
             shapes, dofs = within_elements.refined(self.shapes[chosen], self.dofs, self.layout)
             return modes.overview(
                 [titles[mode] for mode in chosen],

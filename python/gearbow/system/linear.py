@@ -95,18 +95,21 @@ def modes(
     speed : float
         Speed of the reference shaft [rad/s].
     count : int, optional
-        Number of modes; None is all.
+        Number of modes, those of smallest abs(λ); None is all.
     vibrating : bool
         Whether to leave out modes that are no vibrations, as Campbell diagrams do: the rotation of
         the train, growth without oscillation, and overdamped motions, with abs(Im λ) of at most
-        0.05 abs(λ). These have the lowest frequencies, and oil films and strong damping cause many.
+        0.05 abs(λ). A shaft with internal damping relaxes in its own frame, λ ≈ −1/β + iΩ as seen
+        from the ground; with abs(Im λ − Ω) of at most 0.05 abs(λ − iΩ) this is no vibration either.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
     Returns
     -------
     Modes
-        The modes in ascending order of frequency. A text says how many of them are overdamped.
+        The modes in ascending order of abs(λ), rigid-body modes first. For lightly damped modes
+        this is the order of their frequencies. With `count` and `vibrating`, the first vibrations
+        in this order, fewer if the system has fewer. A text says how many are overdamped.
 
     Raises
     ------
@@ -115,7 +118,7 @@ def modes(
         frequency and a mode has one that its table does not contain.
     ConvergenceError
         If the residual of a mode exceeds 1e-4 and the round-off of its shape,
-        ``100 ε ω_max/|λ|``.
+        ``100 ε ω_max/|λ|``, at most 0.1.
 
     Notes
     -----

@@ -143,7 +143,13 @@ pub fn simulate(
         condition,
         reduction,
     };
+    let Record { displacement, twist, velocity, twist_rate, .. } = &response.record;
+    let is_finite = [displacement, twist, velocity, twist_rate].into_iter().flatten().all(|value| value.is_finite());
     match outcome {
+        Ok(()) if !is_finite => {
+            let message = "the motion has values that are no numbers: look for stiffnesses, dampers or masses of very different size";
+            Err(Stopped { error: AnalysisError::Convergence(message.to_owned()), response: Some(Box::new(response)) })
+        }
         Ok(()) => Ok(response),
         Err(halted) => Err(Stopped { error: explain(cached, &halted, origin), response: Some(Box::new(response)) }),
     }

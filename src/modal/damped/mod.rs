@@ -10,7 +10,7 @@ mod residual;
 mod structural;
 mod whirl;
 
-pub use modes::{Mode, modes, modes_of, structured_modes, structured_vibrations, whirl, with_all_modal_damping};
+pub use modes::{Mode, modes, modes_of, structured_modes, whirl};
 pub use null_vectors::NullVectors;
 pub use quadratic::Quadratic;
 pub use residual::{Residual, Residuals, residual};

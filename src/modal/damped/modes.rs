@@ -11,9 +11,7 @@ use super::structural::{with_all_structural_damping, with_structural_damping};
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::DecompositionError;
 use crate::modal::cache::{CachedModel, EquationForces};
-use crate::modal::lowest::{
-    Eigenpair, Highest, ModeAtSpeed, Problem, lowest, lowest_damped, lowest_vibrations, mode_near,
-};
+use crate::modal::lowest::{Eigenpair, Highest, ModeSelection, Problem, ascending, lowest};
 use crate::modal::state_space::{damped, physical, undamped};
 use crate::modal::undamped::ModalDamping;
 use crate::model::Model;
@@ -21,9 +19,6 @@ use crate::model::Model;
 /// Entries of a mode shape whose magnitudes differ by less than this ratio count as equal; the first one fixes the
 /// phase. Modes of mirrored systems then have mirrored shapes.
 const EQUAL_MAGNITUDE: f64 = 1e-9;
-
-/// Smallest |φᴴMφ'|² of a mode with the damping of few undamped modes and the same one with that of all.
-const MIN_CORRELATION: f64 = 0.9;
 
 /// One mode of vibration: a conjugate pair of eigenvalues, or one real eigenvalue.
 #[derive(Clone, Debug)]
@@ -62,11 +57,16 @@ impl Mode {
     }
 }
 
-/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from dense matrices.
+/// The `count` lowest modes of a selection at `speed` of the reference shaft, rad/s, in ascending order of |λ|, from dense matrices.
 ///
 /// # Errors
 /// [`DecompositionError`] if a decomposition fails.
-pub fn modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>, DecompositionError> {
+pub fn modes(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+    selection: ModeSelection,
+) -> Result<Vec<Mode>, DecompositionError> {
     let real = cached.real_modes(speed)?;
     let order = cached.first_order(speed)?;
     let mut found = if order.undamped { undamped(real) } else { damped(real, &order)? };
@@ -78,9 +78,9 @@ pub fn modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>
         value,
         shape: physical(real, coordinates),
     };
-    let mut order: Vec<usize> = (0..eigenvalues.len()).collect();
-    let key = |index: &usize| (eigenvalues[*index].im, eigenvalues[*index].norm());
-    order.sort_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
+    let is_wanted = |index: &usize| selection.contains(&cached.model, speed, eigenvalues[*index]);
+    let mut order: Vec<usize> = (0..eigenvalues.len()).filter(is_wanted).collect();
+    order.sort_by(|a, b| ascending(eigenvalues[*a], eigenvalues[*b]));
     order.truncate(count);
     let modal = (!cached.model.scene.modal_damping.is_zero())
         .then(|| ModalDamping::new(&cached.model, real, real.frequencies.len(), f64::INFINITY));
@@ -88,7 +88,7 @@ pub fn modes(cached: &CachedModel, speed: f64, count: usize) -> Result<Vec<Mode>
     modes_of(cached, speed, modal.as_ref(), pairs)
 }
 
-/// The `count` modes of lowest frequency at `speed` of the reference shaft, rad/s, in ascending order, from the band
+/// The `count` lowest modes of a selection at `speed` of the reference shaft, rad/s, in ascending order of |λ|, from the band
 /// matrices of the shafts. Time and memory are proportional to n.
 ///
 /// `None` where the lowest modes cannot be told apart from the others, as with many overdamped ones.
@@ -99,86 +99,24 @@ pub fn structured_modes(
     cached: &CachedModel,
     speed: f64,
     count: usize,
+    selection: ModeSelection,
 ) -> Result<Option<Vec<Mode>>, DecompositionError> {
-    structured(cached, speed, count, |problem| {
-        // Where dampers may be strong, the second search finds in one space what the first one seeks at many shifts.
-        let is_light = problem.largest_ratio_above(problem.shift).is_some();
-        let searches = if is_light { [lowest, lowest_damped] } else { [lowest_damped, lowest] };
-        match searches[0](problem, count)? {
-            Some(found) => Ok(Some(found)),
-            None => searches[1](problem, count),
+    let mut highest = Highest::Mode(count);
+    loop {
+        let modal = cached.modal_damping(speed, highest)?;
+        let problem = Problem::new(&cached.model, speed, cached.spectral_range(speed)?, modal.as_deref())?;
+        let Some(mut pairs) = lowest(&problem, count, selection)? else { return Ok(None) };
+        let top = pairs.iter().map(|pair| pair.value.norm()).fold(0.0, f64::max);
+        if matches!(highest, Highest::Mode(_)) && modal.as_ref().is_some_and(|modal| top > modal.reach) {
+            // Strong dampers leave fewer low modes than the undamped ones that were counted.
+            highest = Highest::Frequency(top);
+            continue;
         }
-    })
-}
-
-/// The `count` vibrations of lowest frequency, as [`structured_modes`], without the modes that do not oscillate.
-///
-/// # Errors
-/// As [`structured_modes`].
-pub fn structured_vibrations(
-    cached: &CachedModel,
-    speed: f64,
-    count: usize,
-) -> Result<Option<Vec<Mode>>, DecompositionError> {
-    structured(
-        cached,
-        speed,
-        count,
-        |problem| {
-            if problem.undamped { Ok(None) } else { lowest_vibrations(problem, count) }
-        },
-    )
-}
-
-/// The modes that a search finds, with the damping of the `count` lowest undamped modes and with the loss factors of the model.
-fn structured(
-    cached: &CachedModel,
-    speed: f64,
-    count: usize,
-    search: impl FnOnce(&Problem<'_>) -> Result<Option<Vec<Eigenpair>>, DecompositionError>,
-) -> Result<Option<Vec<Mode>>, DecompositionError> {
-    let modal = cached.modal_damping(speed, Highest::Mode(count))?;
-    let problem = Problem::new(&cached.model, speed, cached.spectral_range(speed)?, modal.as_deref())?;
-    let Some(mut pairs) = search(&problem)? else { return Ok(None) };
-    if cached.model.has_structural_damping() {
-        pairs = with_structural_damping(&cached.model, speed, modal.as_deref(), pairs)?;
-    }
-    modes_of(cached, speed, modal.as_deref(), pairs.into_iter()).map(Some)
-}
-
-/// The `modes` at `speed` of the reference shaft, rad/s, of which those with |λ| above `reach`, rad/s, have the modal damping of
-/// all undamped modes: by Newton's method, which begins at those with the damping of the lowest ones. `None` where it does not
-/// lead to the same modes without doubt.
-///
-/// # Errors
-/// [`DecompositionError`] if a decomposition fails.
-pub fn with_all_modal_damping(
-    cached: &CachedModel,
-    speed: f64,
-    modes: Vec<Mode>,
-    reach: f64,
-) -> Result<Option<Vec<Mode>>, DecompositionError> {
-    let modal = cached.modal_damping(speed, Highest::Frequency(f64::INFINITY))?;
-    let (far, mut found): (Vec<Mode>, Vec<Mode>) = modes.into_iter().partition(|mode| mode.eigenvalue.norm() > reach);
-    let mut pairs: Vec<Eigenpair> = Vec::new();
-    for mode in far {
-        let start = ModeAtSpeed { speed, eigenvalue: mode.eigenvalue, shape: mode.shape };
-        let Some(met) = mode_near(&cached.model, modal.as_deref(), &start) else {
-            return Ok(None);
-        };
-        let momentum = cached.model.product(&start.shape, |x, out| cached.model.multiply_mass(x, out));
-        let is_same = met.shape.dotc(&momentum).norm_sqr() > MIN_CORRELATION;
-        let is_known =
-            |pair: &Eigenpair| (pair.value - met.eigenvalue).norm() <= EQUAL_MAGNITUDE * met.eigenvalue.norm();
-        if !is_same || pairs.iter().any(is_known) {
-            return Ok(None);
+        if cached.model.has_structural_damping() {
+            pairs = with_structural_damping(&cached.model, speed, modal.as_deref(), pairs)?;
         }
-        pairs.push(Eigenpair { value: met.eigenvalue, shape: met.shape });
+        return modes_of(cached, speed, modal.as_deref(), pairs.into_iter()).map(Some);
     }
-    found.extend(modes_of(cached, speed, modal.as_deref(), pairs.into_iter())?);
-    let key = |mode: &Mode| (mode.eigenvalue.im, mode.eigenvalue.norm());
-    found.sort_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
-    Ok(Some(found))
 }
 
 /// Modes with their whirl and their residuals.

@@ -1,19 +1,23 @@
-//! Classification of modes: forward, backward or planar whirl, torsion, axial, coupled or rigid-body motion.
+//! Classification of modes: forward, backward, mixed or planar whirl, torsion, axial, coupled or rigid-body motion.
 //!
 //! With the mode shape (V, W) of a node, its displacement v + iw is f e^{iωt} + b̄ e^{−iωt}, where |f| = |V + iW|/2 and
-//! |b| = |V − iW|/2. Forward whirl has the direction of rotation of the shaft. The squares |f|² and |b|² are summed
-//! over all nodes.
+//! |b| = |V − iW|/2. Forward whirl has the direction of rotation of the shaft. A mode is forward or backward if all of its orbits are,
+//! apart from small ones, and mixed otherwise.
 
 use std::fmt;
 
 use nalgebra::{Complex, DVector};
 
-use crate::model::{DofKind, Model};
+use crate::model::{Dof, DofKind, Model};
 
 /// A mode is one of bending, of torsion or of axial motion if the others hold less than this share of its kinetic energy.
 const MINOR_ENERGY: f64 = 0.05;
 /// An orbit is planar if its forward and backward parts |f|², |b|² differ by less than this share of their sum.
 const PLANAR: f64 = 1e-6;
+/// Orbits whose semi-major axis is below this part of the largest one do not decide about the direction.
+const SMALL_ORBIT: f64 = 0.1;
+/// Share of |f|² − |b|² in |f|² + |b|² below which a single orbit is as good as a line, and has no direction.
+const NARROW_ORBIT: f64 = 0.05;
 
 /// Type of motion of a mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +26,8 @@ pub enum Whirl {
     Forward,
     /// Bending; the orbits have the opposite direction.
     Backward,
+    /// Bending; the orbits have the direction of rotation at one part of the shafts, the opposite one at another.
+    Mixed,
     /// Bending in a plane, bending without oscillation, or bending at speed zero.
     Planar,
     /// Torsion.
@@ -37,7 +43,7 @@ pub enum Whirl {
 impl Whirl {
     /// Names of all types, in the order of the variants.
     pub const NAMES: [&str; Whirl::Coupled as usize + 1] =
-        ["forward", "backward", "planar", "torsion", "axial", "rigid", "coupled"];
+        ["forward", "backward", "mixed", "planar", "torsion", "axial", "rigid", "coupled"];
 }
 
 impl fmt::Display for Whirl {
@@ -83,22 +89,30 @@ impl<'m> Classifier<'m> {
         if bending / total < 1.0 - MINOR_ENERGY {
             return Whirl::Coupled;
         }
-        let (mut forward, mut backward) = (0.0, 0.0);
-        for dof in self.model.numbering.nodal_dofs().iter().filter(|dof| dof.kind == DofKind::V) {
+        let orbit = |dof: &Dof| {
             let (v, w) = (shape[dof.index], shape[dof.index + 1]);
             let rotated = w * Complex::i();
-            let (positive, negative) = ((v + rotated).norm_sqr(), (v - rotated).norm_sqr());
+            let parts = [(v + rotated).norm_sqr(), (v - rotated).norm_sqr()];
             let spins_backward = self.model.shafts[dof.node.shaft].ratio * self.speed < 0.0;
-            forward += if spins_backward { negative } else { positive };
-            backward += if spins_backward { positive } else { negative };
+            if spins_backward { [parts[1], parts[0]] } else { parts }
+        };
+        let nodes = self.model.numbering.nodal_dofs();
+        let orbits: Vec<[f64; 2]> = nodes.iter().filter(|dof| dof.kind == DofKind::V).map(orbit).collect();
+        let sum = |part: usize| orbits.iter().map(|orbit| orbit[part]).sum::<f64>();
+        let (forward, backward) = (sum(0), sum(1));
+        let is_planar = (forward - backward).abs() <= PLANAR * (forward + backward);
+        if self.speed == 0.0 || eigenvalue.im == 0.0 || is_planar {
+            return Whirl::Planar;
         }
-        let planar = (forward - backward).abs() <= PLANAR * (forward + backward);
-        if self.speed == 0.0 || eigenvalue.im == 0.0 || planar {
-            Whirl::Planar
-        } else if forward > backward {
-            Whirl::Forward
-        } else {
-            Whirl::Backward
+        let axis = |[forward, backward]: [f64; 2]| forward.sqrt() + backward.sqrt();
+        let largest = orbits.iter().map(|orbit| axis(*orbit)).fold(0.0, f64::max);
+        let deciding = orbits.iter().filter(|orbit| axis(**orbit) > SMALL_ORBIT * largest);
+        let sense = |[forward, backward]: &[f64; 2]| (forward - backward) / (forward + backward);
+        let has = |sign: f64| deciding.clone().any(|orbit| sign * sense(orbit) > NARROW_ORBIT);
+        match (has(1.0), has(-1.0)) {
+            (true, true) => Whirl::Mixed,
+            _ if forward > backward => Whirl::Forward,
+            _ => Whirl::Backward,
         }
     }
 

@@ -10,12 +10,11 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::bound::is_semidefinite;
 use super::contour::{self, Contour, Known};
 use super::intersection::ModeAtSpeed;
 use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, RitzPair, solve_complex};
 use crate::modal::undamped::{Pins, null_motions};
-use crate::model::{Model, Weights};
+use crate::model::{Model, Support, Weights};
 
 /// Speed that selects the flanks in contact, rad/s.
 const FORWARD: f64 = 1.0;
@@ -211,4 +210,15 @@ impl Operator for CriticalInverse<'_> {
         let x = DVector::from_column_slice(x);
         self.model.product(&x, |x, out| self.model.multiply_stiffness(FORWARD, true, x, out)).as_slice().to_vec()
     }
+}
+
+/// Whether the symmetric part of the stiffness of every bearing, link and connection is positive semidefinite.
+fn is_semidefinite(model: &Model, speed: f64) -> bool {
+    let is_stable = |local: &Support| {
+        let [[a, b], [_, d]] = local.symmetric_part;
+        a >= 0.0 && d >= 0.0 && a * d >= b * b
+    };
+    let mut connections = model.connections(speed).map(|connection| connection.linear(speed).stiffness);
+    model.local_elements().all(is_stable)
+        && connections.all(|stiffness| (&stiffness + stiffness.transpose()).symmetric_eigenvalues().min() >= 0.0)
 }

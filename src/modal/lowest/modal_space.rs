@@ -146,14 +146,13 @@ impl ModalSpace {
         form.iter_mut().enumerate().for_each(|(place, value)| {
             *value *= scale[place % rows.len()] * scale[place / rows.len()];
         });
-        let found = form.symmetric_eigen();
-        let independent = (0..rows.len()).filter(|index| found.eigenvalues[*index] > DEPENDENCE_TOLERANCE);
+        let found = symmetric_eigen(&form)?;
+        let independent = (0..rows.len()).filter(|index| found.values[*index] > DEPENDENCE_TOLERANCE);
         let scaled = DMatrix::from_diagonal(&scale);
         let mut columns: Vec<DVector<f64>> = known.column_iter().skip(null).map(|column| column.into_owned()).collect();
-        columns
-            .extend(independent.map(|index| {
-                &statics * (&scaled * found.eigenvectors.column(index)) / found.eigenvalues[index].sqrt()
-            }));
+        columns.extend(
+            independent.map(|index| &statics * (&scaled * found.vectors.column(index)) / found.values[index].sqrt()),
+        );
         let shapes = DMatrix::from_columns(&columns);
         let momenta = Arc::new(model.mass_times(&shapes));
         let highest = modes.shapes.frequencies[modes.kept - 1];

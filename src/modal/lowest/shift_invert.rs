@@ -11,27 +11,16 @@
 use nalgebra::{DMatrix, DVector, DVectorViewMut};
 use num_complex::Complex64;
 
-use super::bound::Bound;
-use super::contour::{self, Annulus, Contour, Known, SECTOR};
-use crate::connection::Row;
+use super::contour::{self, Contour, Known};
+use super::selection::ascending;
 use crate::linalg::{CoupledFactors, DecompositionError, LuFactors, Operator, Sparse};
 use crate::modal::undamped::{ModalDamping, ShiftInverse, SpectralRange, mass_times, null_motions};
-use crate::model::{Model, Support, Weights};
+use crate::model::{Model, Weights};
 
 /// A smaller force of D on a rigid-body mode, relative to the largest entry of D, is round-off.
 const UNCOUPLED: f64 = 1e-11;
 /// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
 const MAX_CORRECTION: f64 = 1e-6;
-/// Ratio of two successive rates, and of the radii of an annulus.
-const RATIO: f64 = 4.0;
-
-/// Smallest |Im λ|/|λ| of a vibration: the damping ratio is below 0.9987. `python/gearbow/results/modes.py` has the same limit.
-pub const MIN_OSCILLATION: f64 = 0.05;
-
-/// Whether a mode with this eigenvalue is a vibration. Overdamped motions turn slowly with the gyroscopic moments.
-pub fn oscillates(eigenvalue: Complex64) -> bool {
-    eigenvalue.im > MIN_OSCILLATION * eigenvalue.norm()
-}
 
 /// An eigenvalue with its mode shape.
 pub struct Eigenpair {
@@ -42,9 +31,9 @@ pub struct Eigenpair {
 }
 
 impl Eigenpair {
-    /// The first `count` modes, in ascending order of frequency and magnitude.
+    /// The first `count` modes in ascending order.
     pub fn lowest(mut all: Vec<Self>, count: usize) -> Vec<Self> {
-        all.sort_by(|a, b| a.value.im.total_cmp(&b.value.im).then(a.value.norm().total_cmp(&b.value.norm())));
+        all.sort_by(|a, b| ascending(a.value, b.value));
         all.truncate(count);
         all
     }
@@ -63,18 +52,12 @@ pub struct Problem<'m> {
     pub modal: Option<&'m ModalDamping>,
     /// Symmetric part of K.
     pub stiffness: Sparse,
-    /// Whether K has a skew part.
-    pub circulates: bool,
     /// Whether D and the skew part of K are zero.
     pub undamped: bool,
     /// Rigid-body modes, one per column, orthonormal in M.
     pub null: DMatrix<f64>,
     /// Numbers of the rigid-body modes whose velocity D does not act on.
     pub free: Vec<usize>,
-    /// Damping ratio that no eigenvalue with |λ| ≥ s exceeds; `None` if none is known.
-    largest_ratio: Option<f64>,
-    /// Bound of the eigenvalues.
-    bound: Bound,
 }
 
 impl<'m> Problem<'m> {
@@ -105,13 +88,9 @@ impl<'m> Problem<'m> {
             force.iter().zip(&inertia).any(|(force, m)| force.abs() / m.sqrt() > UNCOUPLED * largest * size)
         };
         let shift = range.slowest.unwrap_or(range.fastest.max(1.0));
-        let bound = Bound::new(model, speed, range.fastest, modal.map_or(0.0, |modal| modal.ratios.largest()));
         Ok(Self {
-            largest_ratio: bound.largest_ratio(model, speed, shift),
-            bound,
             shift,
             undamped: rate.is_zero() && !circulates && modal.is_none(),
-            circulates,
             free: (0..null.ncols()).filter(|column| !acts(*column)).collect(),
             stiffness: model.sparse_symmetric_stiffness(speed),
             model,
@@ -158,43 +137,10 @@ impl<'m> Problem<'m> {
             rate: Sparse::new(self.model.len(), Vec::new()),
             modal: None,
             stiffness: self.stiffness.clone(),
-            circulates: false,
             undamped: true,
             null: self.null.clone(),
             free: (0..self.null.ncols()).collect(),
-            largest_ratio: Some(0.0),
-            bound: self.bound.without_damping(),
         }
-    }
-
-    /// States (0, z) whose images under T are large in strongly damped modes: z moves one damper.
-    pub fn damper_states(&self) -> Vec<Vec<f64>> {
-        let n = self.model.len();
-        let state = |row: Row| {
-            let mut state = vec![0.0; 2 * n];
-            row.iter().for_each(|(index, coefficient)| state[n + index] += coefficient);
-            state
-        };
-        self.damper_rows().into_iter().map(state).collect()
-    }
-
-    /// The deflections of dampers and of circulatory springs.
-    pub fn damper_rows(&self) -> Vec<Row> {
-        let acts = |local: &Support| {
-            local.damping != [[0.0; 2]; 2] || local.skew_part().as_flattened().iter().any(|value| *value != 0.0)
-        };
-        let mut rows = Vec::new();
-        for support in self.model.supports.iter().filter(|support| acts(support)) {
-            rows.extend([0, 1].map(|lane| vec![(support.index + lane, 1.0)]));
-        }
-        let links = self.model.links.iter().filter(|link| acts(&link.local));
-        rows.extend(links.flat_map(|link| link.rows.iter().cloned()));
-        for connection in self.model.connections(self.speed) {
-            if connection.linear(self.speed).damping.iter().any(|value| *value != 0.0) {
-                rows.extend(connection.rows());
-            }
-        }
-        rows
     }
 
     /// Weights of S(λ); of a band matrix close to it with modal damping. Nowhere between them is a matrix singular, apart from
@@ -210,88 +156,23 @@ impl<'m> Problem<'m> {
         }
     }
 
-    /// Number of eigenvalues inside of a contour that are missing in `found`; `None` if it cannot be determined.
-    pub fn missing(&self, found: impl Iterator<Item = Complex64>, contour: &Contour) -> Option<i64> {
+    /// Number of eigenvalues with |λ| < `radius` that are missing in `found`; `None` if it cannot be determined. Without damping it
+    /// is the inertia of K − radius²·M (Sturm sequence; Golub and Van Loan, section 8.4).
+    pub fn missing_in_disk(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
+        if self.undamped {
+            let matrix = self.model.dynamic_stiffness(&self.weights(Complex64::new(0.0, radius)), self.speed);
+            let known = self.null.ncols() + found.clone().filter(|value| value.norm() < radius).count();
+            if let Some(negative) = matrix.negative_eigenvalues() {
+                return Some(negative as i64 - known as i64);
+            }
+        }
         let zeros = self.null.ncols() + if self.undamped { self.null.ncols() } else { self.free.len() };
-        let known = Known { zeros, values: found.collect() };
         let determinant = |at: Complex64| {
             let sense = if at.re < 0.0 { -1.0 } else { 1.0 };
             let matrix = self.model.dynamic_stiffness(&self.weights(at), self.speed);
             matrix.determinant(sense).ok()
         };
-        contour::missing(determinant, &known, contour)
-    }
-
-    /// Number of eigenvalues with |λ| < `radius` that are missing in `found`; `None` if it cannot be determined. Without damping it
-    /// is the inertia of K − radius²·M (Sturm sequence; Golub and Van Loan, section 8.4).
-    pub fn missing_in_disk(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
-        let count = || {
-            let matrix = self.model.dynamic_stiffness(&self.weights(Complex64::new(0.0, radius)), self.speed);
-            let known = self.null.ncols() + found.clone().filter(|value| value.norm() < radius).count();
-            matrix.negative_eigenvalues().map(|negative| negative as i64 - known as i64)
-        };
-        let inertia = if self.undamped { count() } else { None };
-        inertia.or_else(|| self.missing(found.clone(), &Contour::of_disk(radius)))
-    }
-
-    /// Number of eigenvalues inside of [`Self::contour`] that are missing in `found`; `None` if it cannot be determined.
-    pub fn missing_lowest(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
-        if self.undamped {
-            return self.missing_in_disk(found, radius);
-        }
-        self.missing(found, &self.contour(radius))
-    }
-
-    /// Number of eigenvalues that are missing in `found` with |λ| < `radius`, or outside of this disk with a damping ratio between one
-    /// half and that of [`MIN_OSCILLATION`]; `None` if it cannot be determined. All other vibrations have |Im λ| > `radius` sin 60°.
-    pub fn missing_vibrations(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
-        if self.undamped || self.largest_ratio_above(radius).is_some() {
-            return self.missing_in_disk(found, radius);
-        }
-        let furthest = radius * SECTOR.sin() / MIN_OSCILLATION;
-        let growing = self.bound.largest_growing();
-        let right = (growing > radius).then(|| growing.clamp(2.0 * radius, furthest));
-        let contour = Contour::of_disk_and_vibrations(radius, MIN_OSCILLATION.asin(), furthest, right);
-        self.missing(found, &contour)
-    }
-
-    /// The contour of the eigenvalues with |λ| < `radius` and, if something damps, of those with a damping ratio above one
-    /// half.
-    fn contour(&self, radius: f64) -> Contour {
-        if self.is_undamped() || self.largest_ratio_above(radius).is_some() {
-            return Contour::of_disk(radius);
-        }
-        let right = self.bound.largest_growing();
-        let right = (right > radius).then(|| right.max(2.0 * radius));
-        Contour::of_disk_and_sectors(radius, self.bound.largest().max(2.0 * radius), right)
-    }
-
-    /// Damping ratio that no eigenvalue with |λ| ≥ `rate` (1/s) exceeds; `None` if it may be above one half.
-    pub fn largest_ratio_above(&self, rate: f64) -> Option<f64> {
-        if self.is_undamped() && self.bound.symmetric {
-            return Some(0.0);
-        }
-        self.largest_ratio.filter(|_| rate >= self.shift)
-    }
-
-    /// Whether nothing damps or drives a motion.
-    fn is_undamped(&self) -> bool {
-        self.bound.damping == 0.0 && self.bound.circulatory == 0.0 && self.modal.is_none()
-    }
-
-    /// Annular sectors of the eigenvalues with |λ| > `radius` and a damping ratio above one half.
-    pub fn annuli(&self, radius: f64) -> Vec<Annulus> {
-        let radii = self.rates(radius);
-        let sides = if self.bound.largest_growing() == 0.0 { &[true][..] } else { &[true, false] };
-        radii
-            .flat_map(|inner| sides.iter().map(move |left| Annulus { radii: [inner, RATIO * inner], left: *left }))
-            .collect()
-    }
-
-    /// Rates (1/s) from `lowest` to the bound of the eigenvalues, in a geometric series.
-    pub fn rates(&self, lowest: f64) -> impl Iterator<Item = f64> {
-        let highest = self.bound.largest();
-        std::iter::successors(Some(lowest), |rate| Some(rate * RATIO)).take_while(move |rate| *rate < highest)
+        contour::missing(determinant, &Known { zeros, values: found.collect() }, &Contour::of_disk(radius))
     }
 
     /// The root of λ² + λ φᴴDφ + φᴴKφ next to `value`, for φᴴMφ = 1. The elastic energy of the strains has less round-off
@@ -331,7 +212,7 @@ impl<'m> Problem<'m> {
 }
 
 /// The root of λ² + λ·`rate` + `stiffness` next to `value`.
-pub(in crate::modal) fn corrected(value: Complex64, rate: Complex64, stiffness: Complex64) -> Complex64 {
+fn corrected(value: Complex64, rate: Complex64, stiffness: Complex64) -> Complex64 {
     let root = (rate * rate - 4.0 * stiffness).sqrt();
     let corrected = [(-rate + root) / 2.0, (-rate - root) / 2.0].into_iter().fold(
         Complex64::new(f64::INFINITY, 0.0),
@@ -349,8 +230,6 @@ pub(in crate::modal) struct FirstOrderInverse<'p, 'm> {
     factors: CoupledFactors,
     /// Modal damping.
     update: Option<Update>,
-    /// s, rad/s.
-    shift: f64,
 }
 
 /// Change of the inverse of S by modal damping (Woodbury; Golub and Van Loan, Matrix Computations, 4th ed., section 2.1.4):
@@ -365,11 +244,11 @@ struct Update {
 }
 
 impl<'p, 'm> FirstOrderInverse<'p, 'm> {
-    /// T at the real shift `shift`, rad/s.
-    pub fn new(problem: &'p Problem<'m>, shift: f64) -> Result<Self, DecompositionError> {
+    /// T at the shift of the problem.
+    pub fn new(problem: &'p Problem<'m>) -> Result<Self, DecompositionError> {
+        let shift = problem.shift;
         let weights = Weights::dynamic(Complex64::from(shift), problem.speed);
-        let matrix = problem.model.dynamic_stiffness(&weights, problem.speed);
-        let factors = matrix.factor(shift.signum())?;
+        let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor(1.0)?;
         let update = problem.modal.map(|modal| -> Result<_, DecompositionError> {
             let mut responses = DMatrix::zeros(modal.momenta.nrows(), modal.momenta.ncols());
             // The matrix is real: real and imaginary part are two columns.
@@ -388,7 +267,7 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
             (0..capacity.nrows()).for_each(|index| capacity[(index, index)] += 1.0);
             Ok(Update { responses, rates, capacity: LuFactors::new(&capacity) })
         });
-        Ok(Self { problem, factors, update: update.transpose()?, shift })
+        Ok(Self { problem, factors, update: update.transpose()? })
     }
 }
 
@@ -401,7 +280,7 @@ impl Operator for FirstOrderInverse<'_, '_> {
     }
 
     fn apply(&self, state: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        let (Problem { model, rate, modal, .. }, shift) = (self.problem, self.shift);
+        let Problem { model, rate, modal, shift, .. } = self.problem;
         let (x, z) = state.split_at(model.len());
         let momentum: Vec<f64> = x.iter().zip(z).map(|(x, z)| -(z + shift * x)).collect();
         let mut force = mass_times(model, &momentum);
@@ -454,7 +333,7 @@ impl Inverse for ShiftInverse<'_> {
 
 impl Inverse for FirstOrderInverse<'_, '_> {
     fn eigenvalue(&self, value: Complex64) -> Complex64 {
-        self.shift + 1.0 / value
+        self.problem.shift + 1.0 / value
     }
 
     fn shape_size(&self) -> usize {

@@ -93,11 +93,6 @@ impl ModalDamping {
         Self { rates: DMatrix::from_diagonal(&rates), ratios, frequencies, momenta: Arc::new(momenta), reach }
     }
 
-    /// D X for real columns X, n × k.
-    pub(in crate::modal) fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        &*self.momenta * (&self.rates * (self.momenta.transpose() * columns))
-    }
-
     /// Adds `factor`·D x to `sum`, both with n entries.
     pub(in crate::modal) fn multiply_add(&self, factor: f64, x: &[f64], sum: &mut [f64]) {
         let modal = &self.rates * self.momenta.tr_mul(&nalgebra::DVectorView::from_slice(x, x.len()));

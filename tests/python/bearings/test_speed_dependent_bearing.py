@@ -138,6 +138,28 @@ def test_undamped_critical_speeds_belong_to_the_stiffness_of_the_same_speed():
     assert np.abs(np.diff(below)).sum() == len(found)
 
 
+def test_a_critical_speed_that_overtakes_the_speed_again_is_found():
+    """Bearings that stiffen a thousandfold between 40 and 70 rad/s: below, in and above this range the frequency is the speed."""
+    stiffness = np.array([6e3, 6e3, 5e6, 5e6, 5e6])
+    table = gb.SpeedTable(SPEEDS, stiffness)
+    found = np.sort([s for s, _ in Model(rotor(table, 0.0).description).critical_speeds(1.0)])
+    at = PchipInterpolator(SPEEDS, stiffness)
+
+    def criticals(speed: float) -> Array:
+        pairs = Model(rotor(float(at(speed)), 0.0).description).critical_speeds(1.0)
+        return np.sort([critical for critical, _ in pairs])
+
+    # With rising speed, the frozen critical speeds fall below the speed, rise above it and fall again.
+    samples = np.linspace(0.5, 159.5, 160)
+    margins = np.array([criticals(speed)[:4] - speed for speed in samples])
+    falling = (margins[:-1] >= 0.0) & (margins[1:] < 0.0)
+    rising = (margins[:-1] < 0.0) & (margins[1:] >= 0.0)
+    assert rising.sum() >= 1
+    assert len(found[found < SPEEDS[-1]]) == falling.sum() + rising.sum()
+    for speed in found:
+        assert np.abs(criticals(speed) - speed).min() < 1e-9 * speed
+
+
 def test_held_tables_give_critical_speeds_outside_their_range():
     table = gb.SpeedTable(SPEEDS, STIFFNESS[:, 0, 0], outside="hold")
     last = float(STIFFNESS[-1, 0, 0])

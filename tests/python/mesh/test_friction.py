@@ -334,6 +334,24 @@ def test_coefficient_of_lubricated_steel():
     assert slow.coefficient[0, 0] == 0.2
 
 
+@pytest.mark.parametrize("helix", [15.0, 30.0])
+def test_coefficient_of_lubricated_helical_gears(helix: float):
+    """The formula of ISO/TR 14179-2 with ρ_redC = a u sin α_wt/((1 + u)² cos β_b), in the plane normal to the flanks."""
+    oil = gb.MeshFriction(viscosity=0.02, roughness=0.8e-6)
+    system = helical_pair(np.radians(helix), mesh={"friction": oil}).replace(gravity=None)
+    found = system.efficiency(100.0, geometry="frozen")
+    a, b = system.gears
+    transverse = np.arctan(np.tan(np.radians(20.0)) / np.cos(np.radians(helix)))
+    base_helix = np.arcsin(np.sin(np.radians(helix)) * np.cos(np.radians(20.0)))
+    radius = [0.5e3 * g.teeth * g.module / np.cos(np.radians(helix)) for g in (a, b)]
+    ratio = b.teeth / a.teeth
+    line_load = 200.0e3 / (radius[0] * np.cos(transverse)) / (1e3 * min(a.face_width, b.face_width))
+    velocity = 2 * 100.0 * radius[0] * 1e-3 * np.sin(transverse)
+    reduced = sum(radius) * ratio * np.sin(transverse) / (1 + ratio) ** 2 / np.cos(base_helix)
+    expected = 0.048 * (line_load / (velocity * reduced)) ** 0.2 * 20.0**-0.05 * 0.8**0.25
+    assert found.coefficient[0, 0] == pytest.approx(expected, rel=1e-9)
+
+
 def test_efficiency_of_two_stages_adds_their_losses():
     system = double_stage()
     first, second = (

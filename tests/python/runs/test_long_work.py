@@ -376,3 +376,27 @@ class TestEstimate:
         assert [(warning.category, warning.filename) for warning in caught] == [
             (gb.AccuracyWarning, __file__)
         ]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is Linux's")
+def test_used_address_space_is_not_available():
+    # 1.5 GB are left below the limit, of which results may fill all but a reserve of 64 MiB.
+    program = """
+import resource
+import gearbow as gb
+from gearbow import _core
+
+used = next(int(line.split()[1]) << 10 for line in open("/proc/self/status") if "VmSize" in line)
+limit = used + 1_500_000_000
+resource.setrlimit(resource.RLIMIT_AS, (limit, resource.RLIM_INFINITY))
+_core.require_memory("speeds", "amplitudes", 1.4e9, "give fewer speeds")
+try:
+    _core.require_memory("speeds", "amplitudes", 1.6e9, "give fewer speeds")
+except gb.SceneError as error:
+    print(error)
+"""
+    found = child(program)
+    assert "amplitudes need 1.600 GB" in found
+    # What Python allocates in between is below 10 MB.
+    available = float(found.split("memory, ")[1].split(" GB")[0])
+    assert available == pytest.approx(1.5 - 64 * 2**20 / 1e9, abs=0.01)
