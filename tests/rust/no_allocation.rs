@@ -239,7 +239,7 @@ fn exponential(
     let n = cached.model.len();
     let linear = cached.linear(speed).unwrap();
     let reference = equilibrium(&cached, geometry, speed).unwrap();
-    let amplitudes = synchronous(&cached, speed, ExcitationPart::Both).unwrap();
+    let amplitudes = synchronous(&cached, speed, ExcitationPart::Loads).unwrap();
     let (field, maps) = Loads::new(motion(&cached, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
     let substep = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
