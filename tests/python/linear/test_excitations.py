@@ -55,6 +55,7 @@ def machine(**changes: Any) -> gb.RotorSystem:
             for x in (0.02, length - 0.03)
         ],
         "torques": [gb.Torque("rotor", 100.0), gb.Torque.balance("g2")],
+        "forces": [gb.Force(("output", 0.31), 0.0)],  # a place of a load is a node
     }
     return gb.RotorSystem(**{**parts, **changes})
 
@@ -104,7 +105,7 @@ def of_bow_limits(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
 
 
 def of_run(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
-    run = system.simulate(0.01, SPEED, initial="static")
+    run = system.simulate(0.01, SPEED, initial="static", record=["g1", "rotor"])
     return np.concatenate([run.displacement("g1"), run.displacement("rotor")]), ""
 
 

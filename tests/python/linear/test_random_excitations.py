@@ -18,6 +18,10 @@ pytestmark = pytest.mark.implausible
 CASES = 4 * int(os.environ.get("GEARBOW_CASES", "1"))
 
 
+#: Largest bow [m] that is tried: systems refuse one beyond the length of the shaft.
+LARGEST = 0.05
+
+
 def machine(seed: int) -> tuple[gb.RotorSystem, float]:
     """Draw a helical train of three shafts in which nothing is symmetric, and a speed."""
     rng = np.random.default_rng(seed)
@@ -119,14 +123,14 @@ def test_bow_limits_are_reached_by_the_synchronous_motion(seed: int):
         return system.replace(shafts=list(known.values()))
 
     one = found["displacementg2"]
-    if 0.0 < one.bow < np.inf:
+    if 0.0 < one.bow < LARGEST:
         moved = motion(bent(one, 1.0), speed, "g2", times)
         spread = np.ptp(moved @ np.array([np.cos(angles), np.sin(angles)]), axis=0).max()
         # Random instants of three shafts miss the largest motion by up to 3 %.
         assert 0.97 * allowed < spread < 1.005 * allowed
     for a, b in (("g0", "g1"), ("g2", "g3")):
         one = found[f"tips touch roots{a}/{b}"]
-        if not 0.0 < one.bow < np.inf:
+        if not 0.0 < one.bow < LARGEST:
             continue
         made = bent(one, 1.0)
         mesh = next(mesh for mesh in made.meshes if mesh.driver == a)
