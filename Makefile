@@ -69,7 +69,8 @@ test-python: $(VENV)/.dev
 random: $(VENV)/.dev
 	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/runs/test_random_scenes.py tests/python/runs/test_random_run_up.py \
 		tests/python/linear/test_structured_solver.py tests/python/runs/test_accuracy_of_random_trains.py \
-		tests/python/bearings/test_equilibrium_residuals.py tests/python/package/test_examples.py
+		tests/python/bearings/test_equilibrium_residuals.py tests/python/package/test_examples.py \
+		tests/python/linear/test_random_excitations.py
 	GEARBOW_CASES=5 $(BIN)/python -m pytest tests/python/identification -k "truth or predicted"
 	$(BIN)/python -m pytest tests/python/package/test_fleet.py -m slow
 

@@ -138,7 +138,7 @@ fn synchronous_response() -> Work {
     let cached = leak(cached(LARGE, true));
     Box::new(move || {
         for i in 1..=10 {
-            black_box(synchronous(cached, 50.0 * f64::from(i), ExcitationPart::Both).unwrap());
+            black_box(synchronous(cached, 50.0 * f64::from(i), ExcitationPart::All).unwrap());
         }
     })
 }

@@ -185,6 +185,11 @@ class Result(Shown):
         """Give the lines below the table."""
         return []
 
+    def _left_out(self) -> list[str]:
+        """Name the excitations of the system that the result does not contain."""
+        names = getattr(self, "left_out", ())
+        return [f"excitation left out: {', '.join(names)}"] if names else []
+
     def _save_own(self, path: Any, ending: str) -> None:
         """Write a file with one of the `_own_endings`."""
         raise NotImplementedError
@@ -243,7 +248,7 @@ class Result(Shown):
             lines.append("none")
         elif counted and left:
             lines.append(f"… and {left} more row{'s' if left > 1 else ''}; table() gives all")
-        return "\n".join([*self._heading(unit), *lines, *self._remarks()])
+        return "\n".join([*self._heading(unit), *lines, *self._remarks(), *self._left_out()])
 
     def _rows(self) -> Table:
         columns = self._columns()

@@ -50,7 +50,7 @@ pub use mass::{ShaftMass, mass_properties};
 pub use memory::{Dense, Kept, product};
 pub use modes::{lowest_modes, memory_of_modes};
 pub use peaks::{Peak, Probe, peaks};
-pub use sources::{Harmonic, HarmonicForces, HarmonicSource};
+pub use sources::{Harmonic, HarmonicForces, HarmonicSource, normal_gradient};
 pub use stability::Spectrum;
 pub use synchronous::{ExcitationPart, SourceResponse, bow, highest_spin, memory_of_responses, synchronous};
 pub use threads::Threads;

@@ -182,8 +182,7 @@ impl HarmonicSource {
         match self {
             Self::Load(entries) => entries.iter().for_each(|(index, value)| force[*index] += value),
             Self::MeshError { mesh, error } => {
-                let (row, stiffness) = mesh_row(model, *mesh, at);
-                row.iter().for_each(|(index, slope)| force[*index] += stiffness * error * *slope);
+                add_mesh_error(model, *mesh, at, *error, &mut force);
             }
             Self::Ground(motion) => {
                 for element in elements(model) {
@@ -194,7 +193,7 @@ impl HarmonicSource {
                 }
             }
             Self::Shaft { shaft, part } => {
-                if let Some(rotating) = rotating_force(model, at.frequency, *shaft, *part) {
+                if let Some(rotating) = rotating_force(model, at, *shaft, *part) {
                     force.copy_from_slice(rotating.as_slice());
                 }
             }
@@ -203,9 +202,12 @@ impl HarmonicSource {
     }
 
     /// Relative displacement along the line of action of a mesh that is no deflection, m.
-    fn mesh_error(&self, index: usize) -> Complex64 {
+    fn mesh_error(&self, model: &Model, index: usize, at: Harmonic) -> Complex64 {
         match self {
             Self::MeshError { mesh, error } if *mesh == index => *error,
+            Self::Shaft { shaft, part: ExcitationPart::All } => {
+                model.meshes[index].turning_error(model.sigma(index, at.speed), *shaft)
+            }
             _ => Complex64::ZERO,
         }
     }
@@ -225,7 +227,7 @@ pub struct HarmonicForces<'a> {
     pub model: &'a Model,
     /// Frequency and speed.
     pub at: Harmonic,
-    /// The source of the motion, if it is a relative displacement in a mesh or a bearing.
+    /// The source of the motion, if it contains a relative displacement in a mesh or a bearing.
     pub source: Option<&'a HarmonicSource>,
     /// Phasors of the displacements, n entries in the order of the core, m and rad.
     pub phasors: &'a [Complex64],
@@ -236,7 +238,7 @@ impl HarmonicForces<'_> {
     pub fn meshes(&self) -> impl Iterator<Item = Complex64> + '_ {
         (0..self.model.meshes.len()).map(|mesh| {
             let (row, stiffness) = self.normal_force(mesh);
-            let error = self.source.map_or(Complex64::ZERO, |source| source.mesh_error(mesh));
+            let error = self.source.map_or(Complex64::ZERO, |source| source.mesh_error(self.model, mesh, self.at));
             stiffness * (product(&row, self.phasors) - error)
         })
     }
@@ -301,6 +303,22 @@ impl HarmonicForces<'_> {
             *scalar += product(row, self.phasors);
         }
         element.force(self.at, &scalars)
+    }
+}
+
+/// Gradient ∂δ/∂q of a mesh at rest normal to the teeth, n entries, with the drive flanks of a speed, rad/s.
+pub fn normal_gradient(model: &Model, mesh: usize, speed: f64) -> Vec<f64> {
+    let mut gradient = vec![0.0; model.len()];
+    let (row, _) = mesh_row(model, mesh, Harmonic { frequency: 0.0, speed });
+    row.iter().for_each(|(index, slope)| gradient[*index] += slope * model.meshes[mesh].base_helix_cosine);
+    gradient
+}
+
+/// Adds the force (k + iωc) e of a transmission error e of a mesh, m.
+pub(super) fn add_mesh_error(model: &Model, mesh: usize, at: Harmonic, error: Complex64, force: &mut [Complex64]) {
+    if error != Complex64::ZERO {
+        let (row, stiffness) = mesh_row(model, mesh, at);
+        row.iter().for_each(|(index, slope)| force[*index] += stiffness * error * *slope);
     }
 }
 

@@ -1,4 +1,5 @@
-//! Steady linear response to bow and unbalance, in the frequency domain.
+//! Steady linear response to everything that turns once with a shaft, in the frequency domain: bow, unbalance, turning forces,
+//! run-out of gears, and the first harmonic of transmission errors of a shaft.
 //!
 //! Shaft s excites at its speed Ω_s: [K + iΩ_s(C + ΩG) − Ω_s²M] a = f_s. The motion is the sum of Re(a e^{iϑ_s}) over all
 //! shafts.
@@ -6,6 +7,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::modes::is_banded;
+use super::sources::{Harmonic, add_mesh_error};
 use super::{AnalysisError, Dense};
 use crate::linalg::{Side, backward_error, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Highest, MAX_DENSE, Solved};
@@ -15,9 +17,11 @@ use crate::scene::{EntryPath, SceneError};
 /// Part of the excitation by a rotating shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ExcitationPart {
-    /// Bow and unbalance.
+    /// Everything that turns with the shaft.
     #[default]
-    Both,
+    All,
+    /// Bow, unbalance and turning forces: the loads of a run. Its meshes contain run-out and transmission errors.
+    Loads,
     /// Bow only.
     Bow,
     /// Unbalance only.
@@ -31,7 +35,7 @@ impl ExcitationPart {
     /// [`SceneError`] for another name.
     pub(crate) fn named(name: &str, at: &EntryPath<'_>) -> Result<Self, SceneError> {
         match name {
-            "both" => Ok(Self::Both),
+            "both" => Ok(Self::All),
             "bow" => Ok(Self::Bow),
             "unbalance" => Ok(Self::Unbalance),
             _ => Err(at.error(format!("must be \"both\", \"bow\" or \"unbalance\", got \"{name}\""))),
@@ -139,7 +143,7 @@ pub(super) fn synchronous_of(
     let spin = cached.model.shafts[source].ratio * speed;
     let cached = cached.at(speed, spin)?;
     let model = &cached.model;
-    let Some(force) = rotating_force(model, spin, source, part) else {
+    let Some(force) = rotating_force(model, Harmonic { frequency: spin, speed: flank_speed }, source, part) else {
         return Ok(SourceResponse::zero(model));
     };
     let name = &model.scene.shafts[source].name;
@@ -175,30 +179,33 @@ pub(super) fn solve(
     solve_dense(cached, key, side, force).map(Some)
 }
 
-/// Phasors of the force of a source shaft of speed `spin`, rad/s; `None` without force.
+/// Phasors of the force of a source shaft, whose speed is the frequency of `at`; `None` without force.
 pub(super) fn rotating_force(
     model: &Model,
-    spin: f64,
+    at: Harmonic,
     source: usize,
     part: ExcitationPart,
 ) -> Option<DVector<Complex<f64>>> {
-    let shaft = &model.shafts[source];
+    let spin = at.frequency;
     let acting = |excitation: &Excitation| match part {
-        ExcitationPart::Both => excitation.amplitude(spin, 0.0),
+        ExcitationPart::All | ExcitationPart::Loads => excitation.amplitude(spin, 0.0),
         ExcitationPart::Bow => excitation.steady_amplitude(),
         ExcitationPart::Unbalance => excitation.unbalance_amplitude(spin, 0.0),
     };
-    if shaft.excitations.iter().all(|excitation| acting(excitation) == Complex::ZERO) {
-        return None;
-    }
     let mut force = DVector::zeros(model.len());
-    for excitation in &shaft.excitations {
+    for excitation in &model.shafts[source].excitations {
         // v = Re(A e^{iϑ}) and w = Im(A e^{iϑ}) = Re(−iA e^{iϑ}).
         let amplitude = acting(excitation);
         force[excitation.index] += amplitude;
         force[excitation.index + 1] -= amplitude * Complex::i();
     }
-    Some(force)
+    if part == ExcitationPart::All {
+        for mesh in 0..model.meshes.len() {
+            let error = model.meshes[mesh].turning_error(model.sigma(mesh, at.speed), source);
+            add_mesh_error(model, mesh, at, error, force.as_mut_slice());
+        }
+    }
+    force.iter().any(|value| *value != Complex::ZERO).then_some(force)
 }
 
 /// Solves S x = f with the band matrices of the shafts, without modal damping to a backward error or, if it is zero, to

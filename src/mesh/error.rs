@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use num_complex::Complex64;
+
 use super::contact::ShaftPhase;
 use super::stiffness::PeriodicCurve;
 use crate::scene::TransmissionError;
@@ -31,6 +33,16 @@ impl ErrorCurve {
         let cycles = self.teeth * angle / (2.0 * PI);
         let [(harmonics, _), ..] = &self.harmonics;
         harmonics.at(cycles).0 + self.table.as_ref().map_or(0.0, |table| table.at(cycles).0)
+    }
+
+    /// Phasor of the first harmonic of the shaft of the driver, 0, or of the driven gear, 1, m.
+    pub fn first_of_shaft(&self, gear: usize) -> Complex64 {
+        match &self.harmonics[1 + gear].0 {
+            PeriodicCurve::Fourier(_, harmonics) => {
+                harmonics.first().map_or(Complex64::ZERO, |[size, phase]| Complex64::from_polar(*size, *phase))
+            }
+            _ => Complex64::ZERO,
+        }
     }
 
     /// Transmission error e, m, and its rate, m/s.

@@ -13,6 +13,8 @@
 //! minus backlash) while the back flank is pressed. Otherwise F is zero, so that F is never tensile, or with
 //! `damping_in_separation` it is c δ̇ of the drive flank. `flank.rs` computes the force of one flank.
 
+use num_complex::Complex64;
+
 use super::contact::{Contact, ContactMode, Flank, HelixForces, MeshState, ShaftPhase};
 use super::error::ErrorCurve;
 use super::friction::Friction;
@@ -240,6 +242,20 @@ impl GearMesh {
             [size * cos, size * sin]
         };
         Some([at(0), at(1)])
+    }
+
+    /// Phasor of the transmission error that turns once with a shaft, m: run-out of its gear, which the line of action at rest
+    /// sees, and the first harmonic of the error of this shaft.
+    pub fn turning_error(&self, sigma: f64, shaft: usize) -> Complex64 {
+        let [y, z] = self.at_rest[usize::from(sigma > 0.0)].normal;
+        let of_gear = |i: usize, sign: f64| {
+            let eccentric = self.runout.map_or(Complex64::ZERO, |out| Complex64::from_polar(out[i].0, out[i].1));
+            let first = self.error.as_ref().map_or(Complex64::ZERO, |error| error.first_of_shaft(i));
+            // The run-out over (y, z) is Re((e, −ie) e^{iϑ}).
+            sign * eccentric * Complex64::new(y, -z) + first
+        };
+        let signs = [-1.0, 1.0];
+        (0..2).filter(|i| self.shafts[*i] == shaft).map(|i| of_gear(i, signs[i])).sum()
     }
 
     /// Geometry of the moving centres; none in frozen geometry, which uses the centres at rest.

@@ -111,6 +111,14 @@ impl PyModel {
         self.model().depends_on_speed()
     }
 
+    /// Gradient of the deflection of the drive flanks of each mesh normal to the teeth, at rest, (meshes, n).
+    fn mesh_gradients<'py>(&self, py: Python<'py>, speed: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let model = self.model();
+        let meshes = model.meshes.len();
+        let row = |mesh| model.numbering.to_user_order(&analysis::normal_gradient(model, mesh, speed));
+        table(py, (0..meshes).flat_map(row).collect(), meshes, model.len())
+    }
+
     /// Mass, kg, centre of mass, m, polar and diametral moment of inertia, kg m², of each shaft with what it carries.
     fn mass_properties(&self) -> Vec<[f64; 4]> {
         let found = analysis::mass_properties(&self.model().scene);

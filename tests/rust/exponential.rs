@@ -168,7 +168,7 @@ fn equal_modes_of_coupled_planes_carry_the_motion() {
 fn field<'m>(cached: &'m CachedModel, geometry: Geometry, linear: &ModalStateSpace) -> (Loads<'m>, InterfaceMaps) {
     let reference = equilibrium(cached, geometry, SPEED).unwrap();
     let motion = motion(cached, geometry, SPEED, 0.0);
-    let mut amplitudes = synchronous(cached, SPEED, ExcitationPart::Both).unwrap();
+    let mut amplitudes = synchronous(cached, SPEED, ExcitationPart::Loads).unwrap();
     if !linear.includes_meshes {
         for source in motion.sources() {
             let amplitude = linear.synchronous(source.spin, &source.columns());

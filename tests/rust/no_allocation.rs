@@ -7,7 +7,7 @@ use allocation_counter::{AllocationInfo, measure};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, simulate};
 use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, synchronous};
 use gearbow::exponential::{
-    self, Loads, ModeSelection, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Stepper, TimeGrid,
+    self, Loads, Selection, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Stepper, TimeGrid,
 };
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{
@@ -239,12 +239,12 @@ fn exponential(
     let n = cached.model.len();
     let linear = cached.linear(speed).unwrap();
     let reference = equilibrium(&cached, geometry, speed).unwrap();
-    let amplitudes = synchronous(&cached, speed, ExcitationPart::Both).unwrap();
+    let amplitudes = synchronous(&cached, speed, ExcitationPart::Loads).unwrap();
     let (field, maps) = Loads::new(motion(&cached, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
     let substep = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
     let time_grid = TimeGrid { longest, finest: substep + 12, substep };
-    let selection = ModeSelection { displacements: vec![3], velocities: vec![3], ..ModeSelection::default() };
+    let selection = Selection { displacements: vec![3], velocities: vec![3], ..Selection::default() };
     let mut output = OutputMap::new(&field, &linear, &maps, selection);
     let table = PropagatorCache::new(Arc::new(PropagatorKey {
         linear: linear.clone(),

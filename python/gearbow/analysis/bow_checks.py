@@ -1,17 +1,15 @@
 """Margins of the limits of a bow: each is positive below its limit, over phases and instants."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
 
 from gearbow._core import mesh_geometry
 from gearbow._types import Array, MeshGeometry
-from gearbow.analysis.bow_motion import BowMotion, BowSignal, Variants
-from gearbow.analysis.protocol import variant
+from gearbow.analysis.bow_motion import BowMotion, BowSignal, Margin
 from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing
@@ -22,7 +20,7 @@ from gearbow.description.supports import Support
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.results.response import Response
 
-__all__ = ["Check", "added_check", "mesh_checks", "mesh_rows"]
+__all__ = ["Check", "added_check", "mesh_checks", "mesh_teeth"]
 
 #: Directions in which the largest vibration is sought, over half a turn; a maximum between two of
 #: them is missed by at most 1 − cos(π/72) = 0.1 %.
@@ -34,11 +32,13 @@ _MIN_MOTION = 1e-3
 #: Largest bow at which an oil film is examined, over that at which the journal touches in the
 #: linear motion.
 _STRETCH = 16.0
-#: Stiffnesses [N/m] whose difference gives the direction of a mesh in the coordinates.
-_SOFT, _STIFF = 1e8, 2e8
+#: Difference of positions [m] for slopes of the margins of teeth.
+_DIFFERENCE = 1e-6
+#: Steps to the instant of the smallest margin of teeth; the limits of random helical trains did not
+#: change after the first one.
+_LINEAR_STEPS = 3
 
-
-_Kind = TypeVar("_Kind", JournalBearing, RollingBearing)
+_Kind = TypeVar("_Kind", bound=Bearing | JournalBearing | RollingBearing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,9 @@ class Check:
     limit: str
     at: str
     why: str
-    margin: Callable[[float], Array] | None = None
+    margin: Margin | None = None
+    #: Whether the margin is the smallest one of single instants. Phases of NaN then stand for all.
+    of_instants: bool = False
     #: First and largest bow of the search, and what ends it.
     first: float = 0.0
     most: float = math.inf
@@ -56,69 +58,38 @@ class Check:
     #: Margin of one period of a steady state, in place of `margin`. It is sought up to `stretch`
     #: times the bow at which `proxy` ends in the linear motion, with the worst phase for `proxy`.
     steady: Callable[[Response], float] | None = None
-    proxy: Callable[[float], Array] | None = None
+    proxy: Margin | None = None
     stretch: float = 1.0
-
-
-def mesh_rows(variants: Variants) -> dict[tuple[str, str], Array]:
-    """Give the gradient of each mesh deflection in all coordinates, up to its sign."""
-    # The stiffness matrix contains k g gᵀ for a mesh: two stiffnesses k give g, with tilts and
-    # axial displacements of helical teeth.
-    base = variants.base
-    # Bearings without equilibrium: their stiffness must not depend on that of the mesh.
-    plain = [
-        Bearing(
-            each.shaft,
-            each.position,
-            stiffness=1.0,
-            axial_stiffness=each.axial_stiffness,
-            support=each.support,
-        )
-        for each in base.bearings
-    ]
-    free = {"bearings": plain, "torques": [], "forces": [], "gravity": None, "modal_damping": None}
-    rows = {}
-    for mesh in base.meshes:
-        stiffness = [
-            variant(base, **free, meshes=_with_stiffness(base.meshes, mesh, k))._model.matrices()
-            for k in (_SOFT, _STIFF)
-        ]
-        part = (stiffness[1]["stiffness"] - stiffness[0]["stiffness"]) / (_STIFF - _SOFT)
-        largest = int(np.argmax(np.diag(part)))
-        rows[mesh.driver, mesh.driven] = part[largest] / math.sqrt(part[largest, largest])
-    return rows
-
-
-def _with_stiffness(meshes: tuple[Mesh, ...], changed: Mesh, stiffness: float) -> list[Mesh]:
-    return [
-        replace(mesh, stiffness=stiffness, tip_relief=None) if mesh is changed else mesh
-        for mesh in meshes
-    ]
 
 
 @dataclass(frozen=True, eq=False)
 class _Teeth:
-    """Geometry of a mesh, and its centres in motion."""
+    """Geometry of a mesh, and the motion of its teeth.
+
+    `motion` has three components [m]: the displacement of the base circle of the driven gear
+    relative to that of the driver along y and z, and the deflection of the drive flanks without
+    transmission error. Methods take their values, (..., 3).
+    """
 
     mesh: Mesh
     gears: tuple[Gear, Gear]
     geometry: MeshGeometry
-    centres: BowSignal
+    motion: BowSignal
 
     @property
     def at(self) -> str:
         return f"{self.mesh.driver}/{self.mesh.driven}"
 
-    def distance(self, bow: float) -> Array:
-        """Give the centre distance [m], (phases, instants)."""
+    def distance(self, values: Array) -> Array:
+        """Give the centre distance [m]."""
         angle, rest = self.mesh.centre_line_angle, self.geometry["centre_distance"]
-        moved = self.centres.at(bow) + rest * np.array([math.cos(angle), math.sin(angle)])
+        moved = values[..., :2] + rest * np.array([math.cos(angle), math.sin(angle)])
         distance: Array = np.hypot(moved[..., 0], moved[..., 1])
         return distance
 
-    def tangent(self, bow: float) -> Array:
+    def tangent(self, values: Array) -> Array:
         """Give C sin α [m], zero where the base circles overlap."""
-        squares = self.distance(bow) ** 2 - sum(self.geometry["base_radii"]) ** 2
+        squares = self.distance(values) ** 2 - sum(self.geometry["base_radii"]) ** 2
         tangent: Array = np.sqrt(np.maximum(squares, 0.0))
         return tangent
 
@@ -135,30 +106,27 @@ class _Teeth:
         first, second = (math.sqrt(tip**2 - base**2) for tip, base in radii)
         return first, second
 
-    def gap(self, bow: float, deflection: BowSignal) -> Array:
+    def gap(self, values: Array) -> Array:
         """Give the distance of the back flanks along the line of action [m]."""
         total = sum(self.geometry["base_radii"])
-        slope, rest = self.tangent(bow) / total, math.tan(self.geometry["pressure_angle"])
+        slope, rest = self.tangent(values) / total, math.tan(self.geometry["pressure_angle"])
         longer = total * (slope - np.arctan(slope) - rest + math.atan(rest))
-        left: Array = (
-            (self.mesh.backlash or 0.0)
-            + deflection.at(bow)[..., 0]
-            + 2.0 * self.base_helix_cosine * longer
-        )
+        backlash = self.mesh.backlash or 0.0
+        left: Array = backlash + values[..., 2] + 2.0 * self.base_helix_cosine * longer
         return left
 
-    def tips(self, bow: float) -> Array:
+    def tips(self, values: Array) -> Array:
         """Give the smaller clearance of a tip and the root of the other gear [m]."""
         tips, roots = self.geometry["tip_radii"], self.geometry["root_radii"]
-        return self.distance(bow) - max(tips[0] + roots[1], tips[1] + roots[0])
+        return self.distance(values) - max(tips[0] + roots[1], tips[1] + roots[0])
 
-    def involutes(self, bow: float) -> Array:
+    def involutes(self, values: Array) -> Array:
         """Give the distance of the tips from the ends of the involutes along the path [m]."""
-        return self.tangent(bow) - max(self.reach)
+        return self.tangent(values) - max(self.reach)
 
-    def contact_ratio(self, bow: float) -> Array:
+    def contact_ratio(self, values: Array) -> Array:
         """Give the contact ratio, of helical teeth the total one."""
-        tangent, (first, second) = self.tangent(bow), self.reach
+        tangent, (first, second) = self.tangent(values), self.reach
         path = np.minimum(first, tangent) - np.maximum(tangent - second, 0.0)
         width = min(gear.face_width or 0.0 for gear in self.gears)
         sine = abs(math.sin(self.gears[0].helix_angle)) * math.cos(self.gears[0].pressure_angle)
@@ -166,76 +134,122 @@ class _Teeth:
         ratio: Array = (path + width * sine / self.base_helix_cosine) / pitch
         return ratio
 
+    def smallest(self, value: Callable[[Array], Array], bow: float, phases: Array) -> Array:
+        """Find the smallest value over all instants, (phases,)."""
+        # The values are nearly linear in the motion: the instant with the smallest linear part of
+        # each group, about the last point, is that of the smallest value after one or two steps.
+        # The contact ratio may fall towards both sides.
+        rest, curves = self.motion.static, self.motion.curves(bow, phases)
+        size = phases.shape[0]
+        found = np.broadcast_to(value(rest), (size,))
+        for sign in (1.0, -1.0):
+            slope = sign * _gradient(value, np.broadcast_to(rest, (size, 3)))
+            for _ in range(_LINEAR_STEPS):
+                at = rest + sum(_lowest(curve, slope) for curve in curves)
+                found, slope = np.minimum(found, value(at)), _gradient(value, at)
+        return found
 
-def _teeth(motion: BowMotion) -> dict[tuple[str, str], _Teeth]:
+
+def _gradient(value: Callable[[Array], Array], at: Array) -> Array:
+    """Differentiate a value at points (k, 3), by differences."""
+    steps = _DIFFERENCE * np.eye(3)
+    gradient: Array = value(at[:, None] + steps) - value(at[:, None] - steps)
+    return gradient
+
+
+def _lowest(curve: Array, slope: Array) -> Array:
+    """Give the instant of a curve (k or 1, instants, 3) with the smallest component, (k, 3)."""
+    index = np.einsum("kic,kc->ki", np.broadcast_to(curve, (len(slope), *curve.shape[1:])), slope)
+    lowest: Array = curve[np.arange(len(slope)) % len(curve), index.argmin(axis=1)]
+    return lowest
+
+
+def mesh_teeth(motion: BowMotion) -> dict[tuple[str, str], _Teeth]:
     """Give the teeth of every mesh."""
     base = motion.variants.base
     gears = {gear.name: gear for gear in base.gears}
+    gradients = base._model.mesh_gradients(motion.speed)
     return {
         (mesh.driver, mesh.driven): _Teeth(
             mesh,
             (gears[mesh.driver], gears[mesh.driven]),
             geometry,
-            motion.displacement(mesh.driven) - motion.displacement(mesh.driver),
+            _motion(motion, (gears[mesh.driver], gears[mesh.driven]), gradient),
         )
-        for mesh, geometry in zip(base.meshes, mesh_geometry(base.description), strict=True)
+        for mesh, geometry, gradient in zip(
+            base.meshes, mesh_geometry(base.description), gradients, strict=True
+        )
     }
 
 
-def mesh_checks(motion: BowMotion, rows: Mapping[tuple[str, str], Array]) -> Iterator[Check]:
+def _motion(motion: BowMotion, gears: tuple[Gear, Gear], gradient: Array) -> BowSignal:
+    """Give the motion of the base circles and the deflection of a mesh."""
+    base = motion.variants.base
+    rows = np.zeros((3, gradient.size))
+    rows[2] = gradient
+    runout = np.zeros((len(base.shafts), 3), dtype=np.complex128)
+    names = [shaft.name for shaft in base.shafts]
+    for sign, gear in zip((-1.0, 1.0), gears, strict=True):
+        lateral = base.coordinates.lateral(gear.name)
+        rows[[0, 1], lateral] += sign
+        turning = gear.runout * np.array([1.0, -1j])
+        added = np.array([*(sign * turning), gradient[lateral] @ turning])
+        runout[names.index(gear.shaft)] += added
+    driver, driven = (motion.static.displacement(gear.name) for gear in gears)
+    deflection = motion.static.mesh((gears[0].name, gears[1].name)).deflection
+    return motion.rows(np.array([*(driven - driver), deflection]), rows, runout)
+
+
+def mesh_checks(teeth: Iterable[_Teeth]) -> Iterator[Check]:
     """Give the limits that every mesh has."""
-    for pair, teeth in _teeth(motion).items():
-        backlash = teeth.mesh.backlash
+    for each in teeth:
+        backlash = each.mesh.backlash
         if backlash is None:
-            yield Check("backlash used up", teeth.at, "the mesh has no backlash")
+            yield Check("backlash used up", each.at, "the mesh has no backlash")
         else:
-            gap = partial(teeth.gap, deflection=_deflection(motion, teeth, rows[pair]))
             why = f"back flanks touch: backlash {1e6 * backlash:.4g} µm"
-            yield _geometric("backlash used up", teeth, gap, why)
-        yield _geometric("tips touch roots", teeth, teeth.tips, "tip and root circles touch")
+            yield _geometric("backlash used up", each, each.gap, why)
+        yield _geometric("tips touch roots", each, each.tips, "tip and root circles touch")
         why = "a tip reaches the base circle of the other gear"
-        yield _geometric("involutes end", teeth, teeth.involutes, why)
-        yield _ratio_check(teeth, 1.0)
+        yield _geometric("involutes end", each, each.involutes, why)
+        yield _ratio_check(each, 1.0)
 
 
 def _ratio_check(teeth: _Teeth, least: float) -> Check:
     """Give the limit of the contact ratio."""
     why = f"contact ratio below {least:g}"
-    return _geometric("contact ratio", teeth, lambda bow: teeth.contact_ratio(bow) - least, why)
+    return _geometric("contact ratio", teeth, lambda at: teeth.contact_ratio(at) - least, why)
 
 
-def _geometric(limit: str, teeth: _Teeth, margin: Callable[[float], Array], why: str) -> Check:
-    """Give a limit of the centre distance, sought until the base circles overlap."""
-    moved = teeth.centres.size
+def _geometric(limit: str, teeth: _Teeth, value: Callable[[Array], Array], why: str) -> Check:
+    """Give a limit of the motion of the teeth, sought until the base circles overlap."""
+    moved = sum(float(np.abs(unit[:, :2]).max()) for unit in teeth.motion.units)
     shortest = teeth.geometry["centre_distance"] - sum(teeth.geometry["base_radii"])
     if moved < _MIN_MOTION:
         why = f"the bow moves these gears by less than {_MIN_MOTION:g} of its size"
         return Check(limit, teeth.at, why)
     most = shortest / moved
-    return Check(limit, teeth.at, why, margin, most / 2**_STEPS, most, "the base circles overlap")
+
+    def margin(bow: float, phases: Array) -> Array:
+        return teeth.smallest(value, bow, phases)
+
+    beyond = "the base circles overlap"
+    return Check(limit, teeth.at, why, margin, True, most / 2**_STEPS, most, beyond)
 
 
-def _deflection(motion: BowMotion, teeth: _Teeth, row: Array) -> BowSignal:
-    """Give the mesh deflection of the drive flanks [m]."""
-    base, driver = motion.variants.base, teeth.gears[0]
-    state = motion.static.mesh((teeth.mesh.driver, teeth.mesh.driven))
-    spin = float(base.speed_ratios[[each.name for each in base.shafts].index(driver.shaft)])
-    try:
-        turn = row[base.coordinates.twist(driver.name)]
-    except GearbowError:  # without twist, the mesh moves the flanks apart only
-        turn = 0.0
-    sense = math.copysign(1.0, spin * (motion.speed or 1.0))
-    return motion.combined(state.deflection, row * sense * math.copysign(1.0, turn))
-
-
-def added_check(motion: BowMotion, limit: BowLimit, rows: Mapping[tuple[str, str], Array]) -> Check:
+def added_check(
+    motion: BowMotion, limit: BowLimit, teeth: Mapping[tuple[str, str], _Teeth]
+) -> Check:
     """Give the check of a limit that the user adds."""
-    if limit.kind == "mesh_force":
-        return _mesh_force(motion, limit, rows)
+    if limit.kind in ("mesh_force", "contact_ratio"):
+        motion.static.mesh(limit.at)  # an unknown mesh is an error that lists the known ones
+        own = teeth[limit.at] if limit.at in teeth else teeth[limit.at[::-1]]
+        if limit.kind == "contact_ratio":
+            return _ratio_check(own, float(limit.value))
+        return _mesh_force(motion, limit, own)
     kind: Callable[[BowMotion, BowLimit], Check] = {
         "displacement": _displacement,
         "velocity": _velocity,
-        "contact_ratio": _contact_ratio,
         "bearing_force": _bearing_force,
         "bearing_life": _bearing_life,
         "film": _film,
@@ -251,23 +265,36 @@ def _towards(limit: BowLimit) -> Array:
 
 
 def _linear(
-    limit: BowLimit, why: str, signal: BowSignal, allowed: float, value: Callable[[Array], Array]
+    limit: BowLimit,
+    why: str,
+    signal: BowSignal,
+    allowed: float,
+    value: Margin,
+    *,
+    of_instants: bool = False,
 ) -> Check:
     """Give a limit of a signal that grows with the bow without end."""
     name, at = limit.kind.replace("_", " "), place_label(limit.at)
     if signal.size == 0.0:
         return Check(name, at, "the bow does not move this place")
 
-    def margin(bow: float) -> Array:
-        return allowed - value(signal.at(bow))
+    def margin(bow: float, phases: Array) -> Array:
+        return allowed - value(bow, phases)
 
-    return Check(name, at, why, margin, allowed / signal.size)
+    return Check(name, at, why, margin, of_instants, allowed / signal.size)
+
+
+def _radius(signal: BowSignal) -> Margin:
+    """Give the largest distance from the origin as a function of bow and phases."""
+    angles = math.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    directions = np.array([np.cos(angles), np.sin(angles)])
+    return lambda bow, phases: signal.largest(bow, phases, directions)
 
 
 def _displacement(motion: BowMotion, limit: BowLimit) -> Check:
     signal = motion.displacement(limit.at)
     if limit.support is not None:
-        signal = signal - motion.displacement(limit.support)
+        signal = motion.relative(limit.at, limit.support)
     why, given = "peak-to-peak", limit.value
     if isinstance(given, str):
         turns = 30.0 / math.pi * abs(motion.speed * _ratio(motion, limit.at))
@@ -276,13 +303,15 @@ def _displacement(motion: BowMotion, limit: BowLimit) -> Check:
     else:
         allowed = given
     directions = _towards(limit)
-    return _linear(
-        limit,
-        f"{1e6 * allowed:.4g} µm {why}",
-        signal,
-        allowed,
-        lambda values: np.ptp(values @ directions, axis=1).max(axis=-1),
-    )
+
+    def spread(bow: float, phases: Array) -> Array:
+        # Groups turn independently: their peak-to-peak values along a direction add up.
+        curves = signal.curves(bow, phases)
+        along: Array = sum(np.ptp(curve @ directions, axis=1) for curve in curves)
+        largest: Array = along.max(axis=-1)
+        return largest
+
+    return _linear(limit, f"{1e6 * allowed:.4g} µm {why}", signal, allowed, spread)
 
 
 def _ratio(motion: BowMotion, at: Any) -> float:
@@ -296,65 +325,57 @@ def _ratio(motion: BowMotion, at: Any) -> float:
 def _velocity(motion: BowMotion, limit: BowLimit) -> Check:
     given = limit.value
     allowed, why = (VELOCITIES[given], given) if isinstance(given, str) else (given, "RMS")
-    directions = _towards(limit)
-    return _linear(
-        limit,
-        f"{1e3 * allowed:.4g} mm/s {why}",
-        motion.velocity(limit.at),
-        allowed,
-        lambda values: np.sqrt(np.mean((values @ directions) ** 2, axis=1)).max(axis=-1),
-    )
+    directions, signal = _towards(limit), motion.velocity(limit.at)
 
+    def rms(bow: float, phases: Array) -> Array:
+        curves = signal.curves(bow, phases)
+        squares = sum(np.mean((curve @ directions) ** 2, axis=1) for curve in curves)
+        largest: Array = np.sqrt(squares).max(axis=-1)
+        return largest
 
-def _contact_ratio(motion: BowMotion, limit: BowLimit) -> Check:
-    return _ratio_check(_mesh(motion, limit), float(limit.value))
-
-
-def _mesh(motion: BowMotion, limit: BowLimit) -> _Teeth:
-    motion.static.mesh(limit.at)  # an unknown mesh is an error that lists the known ones
-    teeth = _teeth(motion)
-    return teeth[limit.at] if limit.at in teeth else teeth[limit.at[::-1]]
+    return _linear(limit, f"{1e3 * allowed:.4g} mm/s {why}", signal, allowed, rms)
 
 
 def _bearing_force(motion: BowMotion, limit: BowLimit) -> Check:
-    allowed = float(limit.value)
-    return _linear(
-        limit,
-        f"{allowed:.4g} N",
-        motion.bearing_force(limit.at),
-        allowed,
-        lambda values: np.hypot(values[..., 0], values[..., 1]),
-    )
+    allowed, signal = float(limit.value), motion.bearing_force(limit.at)
+    return _linear(limit, f"{allowed:.4g} N", signal, allowed, _radius(signal), of_instants=True)
 
 
 def _bearing_life(motion: BowMotion, limit: BowLimit) -> Check:
     hours, power = float(limit.value), limit.exponent or math.nan
-    turns = 60.0 * hours * 30.0 / math.pi * abs(motion.speed * _ratio(motion, limit.at))
+    signal = motion.bearing_force(limit.at)  # an unknown bearing is an error that lists the known
+    turns = 60.0 * hours * 30.0 / math.pi * abs(motion.speed * _relative_ratio(motion, limit))
     allowed = (limit.capacity or math.nan) * (1e6 / turns) ** (1.0 / power) if turns else math.inf
     why = f"life {hours:g} h: mean force {allowed:.4g} N"
 
-    def mean_force(values: Array) -> Array:
+    def mean_force(bow: float, phases: Array) -> Array:
+        values = signal.instants(bow, phases)
         forces = np.hypot(values[..., 0], values[..., 1])
         mean: Array = np.mean(forces**power, axis=1) ** (1.0 / power)
         return mean
 
     if math.isinf(allowed):
-        return Check("bearing life", place_label(limit.at), "the shaft does not turn")
-    return _linear(limit, why, motion.bearing_force(limit.at), allowed, mean_force)
+        return Check("bearing life", place_label(limit.at), "the rings turn together")
+    return _linear(limit, why, signal, allowed, mean_force)
 
 
-def _mesh_force(motion: BowMotion, limit: BowLimit, rows: Mapping[tuple[str, str], Array]) -> Check:
-    teeth, factor = _mesh(motion, limit), float(limit.value)
-    static = abs(motion.static.mesh(limit.at).force)
+def _relative_ratio(motion: BowMotion, limit: BowLimit) -> float:
+    """Give the speed of the shaft in a bearing relative to that on which it stands, as a ratio."""
+    bearing = _bearing(motion, limit, (Bearing, JournalBearing, RollingBearing))
+    outer = bearing.support[0] if isinstance(bearing.support, tuple) else None
+    own = _ratio(motion, limit.at)
+    return own if outer is None else own - _ratio(motion, (outer, 0.0))
+
+
+def _mesh_force(motion: BowMotion, limit: BowLimit, teeth: _Teeth) -> Check:
+    factor, static = float(limit.value), abs(motion.static.mesh(limit.at).force)
     if static == 0.0:
         return Check("mesh force", teeth.at, "the mesh carries no static force")
     why = f"{factor:g} times the static {static:.4g} N"
     ends, beyond = teeth.tips, "tips touch roots"
     if teeth.mesh.backlash is not None:
         # Where both flanks are in contact, the recorded force is the difference of theirs.
-        row = rows[teeth.mesh.driver, teeth.mesh.driven]
-        ends = partial(teeth.gap, deflection=_deflection(motion, teeth, row))
-        beyond = "back flanks touch"
+        ends, beyond = teeth.gap, "back flanks touch"
     found = _geometric("mesh force", teeth, ends, why)
     if found.margin is None:
         return found
@@ -365,14 +386,17 @@ def _mesh_force(motion: BowMotion, limit: BowLimit, rows: Mapping[tuple[str, str
     return replace(found, margin=None, proxy=found.margin, steady=margin, beyond=beyond)
 
 
-def _bearing(motion: BowMotion, limit: BowLimit, kind: type[_Kind]) -> _Kind:
+def _bearing(
+    motion: BowMotion, limit: BowLimit, kind: type[_Kind] | tuple[type[_Kind], ...]
+) -> _Kind:
     """Give the bearing of a limit."""
     for each in motion.variants.base.bearings:
         here = Places("bearing", [[(each.shaft, each.position)]]).find(limit.at) == 0
         if isinstance(each, kind) and here:
             return each
+    wanted = kind.__name__ if isinstance(kind, type) else "bearing"
     raise ChannelError(
-        f"limits: the bearing at {place_label(limit.at)} is no {kind.__name__}, which the limit "
+        f"limits: the bearing at {place_label(limit.at)} is no {wanted}, which the limit "
         f"{limit.kind!r} needs"
     )
 
@@ -389,20 +413,15 @@ def _clearance(motion: BowMotion, limit: BowLimit) -> Check:
             "its motion is unknown; give Support(name=)"
         )
     if name is not None:
-        signal = signal - motion.displacement(name)
+        signal = motion.relative(limit.at, name)
     if bearing.clearance is None:
         raise GearbowError(
             f"limits: the clearance of the bearing at {place_label(limit.at)} is unknown; give "
             "RollingBearing(clearance=)"
         )
     allowed = bearing.clearance / 2.0 + approach
-    return _linear(
-        limit,
-        f"{1e6 * allowed:.4g} µm: gap and {1e6 * approach:.4g} µm of approach",
-        signal,
-        allowed,
-        lambda values: np.hypot(values[..., 0], values[..., 1]),
-    )
+    why = f"{1e6 * allowed:.4g} µm: gap and {1e6 * approach:.4g} µm of approach, linear motion"
+    return _linear(limit, why, signal, allowed, _radius(signal), of_instants=True)
 
 
 def _film(motion: BowMotion, limit: BowLimit) -> Check:
@@ -415,13 +434,8 @@ def _film(motion: BowMotion, limit: BowLimit) -> Check:
         moved = period.bearing_displacement(limit.at)
         return clearance - float(np.hypot(moved[:, 0], moved[:, 1]).max()) - thickness
 
-    found = _linear(
-        limit,
-        f"thickness {1e6 * thickness:.4g} µm",
-        signal,
-        clearance,
-        lambda values: np.hypot(values[..., 0], values[..., 1]),
-    )
+    why = f"thickness {1e6 * thickness:.4g} µm"
+    found = _linear(limit, why, signal, clearance, _radius(signal), of_instants=True)
     if found.margin is None:
         return found
     # The film stiffens towards the wall: the linear motion is no bound, only a scale.

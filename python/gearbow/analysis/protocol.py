@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
 from gearbow._core import Model
@@ -22,7 +23,7 @@ from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit
 
-__all__ = ["S", "System", "variant"]
+__all__ = ["S", "System", "silent", "variant"]
 
 
 class System(Protocol):
@@ -113,6 +114,23 @@ def variant(system: S, **changes: Any) -> S:
     with without_scene_warnings():
         made: S = system.replace(**changes)
     return made
+
+
+def silent(system: System) -> dict[str, Any]:
+    """Give the parts of a system without what turns and excites.
+
+    They keep their places, which are nodes: all variants have the same coordinates.
+    """
+    return {
+        "shafts": [replace(shaft, bow=None) for shaft in system.shafts],
+        "gears": [replace(gear, unbalance=0.0, runout=0.0) for gear in system.gears],
+        "disks": [replace(disk, unbalance=0.0) for disk in system.disks],
+        "couplings": [replace(coupling, runout=0.0) for coupling in system.couplings],
+        "meshes": [replace(mesh, error=None) for mesh in system.meshes],
+        "forces": [
+            force if force.order is None else replace(force, value=0.0) for force in system.forces
+        ],
+    }
 
 
 def ratios_by_shaft(system: System) -> dict[str, float]:

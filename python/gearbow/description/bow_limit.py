@@ -198,7 +198,7 @@ class BowLimit(Part):
         """Require a basic rating life of a rolling bearing (ISO 281).
 
         The life is (C/P)^p million turns; P is the mean of the radial force over the time with the
-        exponent p. Axial forces do not count.
+        exponent p. Axial forces do not count. A bearing between shafts counts relative turns.
 
         Parameters
         ----------
@@ -245,6 +245,9 @@ class BowLimit(Part):
     @classmethod
     def clearance(cls, at: tuple[str, float], approach: float) -> "BowLimit":
         """Limit how far the shaft moves in a rolling bearing: through its clearance, and beyond.
+
+        The limit follows from the linear motion. A run with the contacts of the elements may reach
+        it at a smaller bow.
 
         Parameters
         ----------

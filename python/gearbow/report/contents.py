@@ -79,16 +79,16 @@ class Contents:
         if name not in self._kept:
             try:
                 self._kept[name] = compute()
-            except GearbowError as error:
+            except Exception as error:  # noqa: BLE001  # sections that share it say so
                 self._kept[name] = error
-        if isinstance(self._kept[name], GearbowError):
+        if isinstance(self._kept[name], Exception):
             raise self._kept[name]
         return self._kept[name]
 
     def finished(self, name: str) -> Any:
         """Give a result that was computed; None for another one."""
         found = self._kept.get(name)
-        return None if isinstance(found, GearbowError) else found
+        return None if isinstance(found, Exception) else found
 
     @cached_property
     def speed(self) -> float:
@@ -184,14 +184,20 @@ class Contents:
             try:
                 for block in make(self):
                     section.blocks.append(block)
-            except GearbowError as error:
-                reason = str(error).rstrip(".")
+            except Exception as error:  # noqa: BLE001  # the other sections are of use
+                reason = _reason(error).rstrip(".")
                 section.blocks.append(Note(f"Not computed: {reason}."))
                 self.findings.append((f"{title}: not complete, because {reason}.", True))
         for text in dict.fromkeys(str(one.message) for one in caught):
             self.warned.append((title, text))
             section.blocks.append(Note(f"Warning: {text}", warning=True))
         return section
+
+
+def _reason(error: Exception) -> str:
+    """Give the text of an error; one that is not of gearbow has its type."""
+    known = isinstance(error, GearbowError)
+    return str(error) if known else f"an unexpected {type(error).__name__}: {error}"
 
 
 Make = Callable[[Contents], Iterator[Block]]
@@ -545,8 +551,10 @@ def bow(contents: Contents) -> Iterator[Block]:
         limits = [BowLimit.displacement((shaft.name, x), "API 617") for x in bearings]
         try:
             found = system.bow_limits(shaft.name, speed, limits=[*limits, *contents.options.limits])
-        except GearbowError as error:
-            yield Note(f"{shaft.name}: not computed, because {error}")
+        except Exception as error:  # noqa: BLE001  # the limits of the other shafts are of use
+            reason = _reason(error)
+            yield Note(f"{shaft.name}: not computed, because {reason}")
+            contents.findings.append((f"Limits of the bow of {shaft.name}: {reason}.", True))
             continue
         yield Table.of_result(found)
         first = found.deciding

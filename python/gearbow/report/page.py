@@ -80,7 +80,7 @@ class Table:
         """Make a table of a result, with its heading and remarks."""
         unit = result._speed_unit()
         first, *others = [*([] if title is None else [title]), *result._heading(unit)]
-        remarks = [*others, *result._remarks()]
+        remarks = [*others, *result._remarks(), *result._left_out()]
         return cls.of(first[:1].upper() + first[1:], result._columns(), unit, remarks)
 
 

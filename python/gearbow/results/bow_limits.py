@@ -36,9 +36,11 @@ class ReachedLimit(Shown):
         Size of the bow [m]: 0 if the limit is exceeded without bow, infinite if it is not reached.
     phase : float
         Angle by which the shape is turned in the shaft [rad], the worst one or the given one; NaN
-        where every phase has the same limit.
+        where every phase has the same limit. With several shafts, that of the first one.
     why : str
         Value of the limit, or the reason why it is not reached.
+    phases : tuple of float
+        The phase of each bowed shaft [rad].
 
     Examples
     --------
@@ -54,6 +56,7 @@ class ReachedLimit(Shown):
     bow: float
     phase: float = math.nan
     why: str = ""
+    phases: tuple[float, ...] = ()
 
     @property
     def is_reached(self) -> bool:
@@ -81,10 +84,12 @@ class BowLimits(Result, ReadOnly):
         Speeds of the reference shaft [rad/s].
     found : tuple of ReachedLimit
         Every limit at every speed, the speeds of a limit after each other.
-    phase : float or None
-        Given phase [rad]; None is the worst phase.
+    phase : tuple of float or None
+        Given phase of each bowed shaft [rad]; None is the worst phase.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
+    left_out : tuple of str
+        Excitations of the system that this result does not contain.
 
     Notes
     -----
@@ -107,8 +112,9 @@ class BowLimits(Result, ReadOnly):
     present: float
     speeds: Array
     found: tuple[ReachedLimit, ...]
-    phase: float | None = None
+    phase: tuple[float, ...] | None = None
     speed_unit: SpeedUnit = field(default="rad/s")
+    left_out: tuple[str, ...] = ()
 
     @property
     def limits(self) -> tuple[ReachedLimit, ...]:
@@ -195,13 +201,28 @@ class BowLimits(Result, ReadOnly):
             Column("speed", np.array([one.speed for one in rows]), "rad/s", ".5g"),
             Column("bow", _known(bows), "m", ".4g", in_micrometres()),
             Column("margin", _known(bows - self.present), "m", ".4g", in_micrometres()),
-            Column("phase", np.array([one.phase for one in rows]), "rad", ".0f", in_degrees()),
+            *self._phase_columns(rows),
             Column("why", [one.why for one in rows]),
+        ]
+
+    def _phase_columns(self, rows: Sequence[ReachedLimit]) -> list[Column]:
+        several = len(self.shafts) > 1
+        return [
+            Column(
+                f"phase {shaft}" if several else "phase",
+                np.array([one.phases[i] if one.phases else math.nan for one in rows]),
+                "rad",
+                ".0f",
+                in_degrees(),
+            )
+            for i, shaft in enumerate(self.shafts)
         ]
 
     def _heading(self, speed_unit: SpeedUnit) -> list[str]:
         ends = dict.fromkeys(speed_text(float(s), speed_unit) for s in self.speeds[[0, -1]])
-        phase = "worst phase" if self.phase is None else f"phase {math.degrees(self.phase):.4g}°"
+        phase = "worst phase"
+        if self.phase is not None:
+            phase = f"phase {', '.join(f'{math.degrees(one):.4g}°' for one in self.phase)}"
         first = f"limits of the bow of {', '.join(self.shafts)} at {' to '.join(ends)}, {phase}"
         return [f"{first}; present bow {1e6 * self.present:.4g} µm"]
 

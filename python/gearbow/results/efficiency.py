@@ -39,6 +39,8 @@ class Efficiency(Result, ReadOnly):
         Power that friction dissipates, mean over the mesh cycle [W].
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speeds were given.
+    left_out : tuple of str
+        Excitations of the system that this result does not contain.
 
     Notes
     -----
@@ -69,6 +71,7 @@ class Efficiency(Result, ReadOnly):
     coefficient: Array
     loss: Array
     speed_unit: SpeedUnit = "rad/s"
+    left_out: tuple[str, ...] = ()
 
     @property
     def efficiency(self) -> Array:

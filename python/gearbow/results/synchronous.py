@@ -1,4 +1,4 @@
-"""Linear response to bow and unbalance: amplitudes, phases, peaks and bearing forces."""
+"""Linear response to what turns once with a shaft: amplitudes, phases, peaks and bearing forces."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -33,7 +33,7 @@ _PRINTED_PLACES = 3
 
 @dataclass(frozen=True, eq=False)
 class Synchronous(Result, ReadOnly):
-    """Linear response to bow and unbalance, without time stepping.
+    """Linear response to everything that turns once with a shaft, without time stepping.
 
     Each shaft s excites the train at its own speed r_s Ω. The motion is Σ_s Re(a_s exp(i r_s Ω t)).
 
@@ -46,7 +46,8 @@ class Synchronous(Result, ReadOnly):
     amplitudes : ndarray, shape (speeds, shafts, n)
         Complex amplitudes a_s of each degree of freedom [m, rad].
     excitation : {"both", "bow", "unbalance"}
-        The excitation.
+        The excitation; "both" is bow, unbalance, turning forces, run-out of gears and couplings,
+        and transmission errors of order 1 of a shaft.
     slow_roll : float or None
         Speed [rad/s] of the subtracted slow-roll amplitudes; None if none were subtracted.
     residuals : ndarray, shape (speeds,)
@@ -60,6 +61,8 @@ class Synchronous(Result, ReadOnly):
         The plain system, for slow roll and peaks.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
+    left_out : tuple of str
+        Excitations of the system that this result does not contain.
 
     Examples
     --------
@@ -87,6 +90,7 @@ class Synchronous(Result, ReadOnly):
     _bearing_force: ComplexArray = field(repr=False)
     _bow: ComplexArray = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
+    left_out: tuple[str, ...] = ()
 
     def _model(self) -> Model:
         """Compile the system again: a result is plain data, without the compiled model."""

@@ -3,18 +3,21 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number
+from gearbow._convert import array
 from gearbow._lookup import one_of
-from gearbow.analysis.bow_checks import Check, added_check, mesh_checks, mesh_rows
+from gearbow._types import Array
+from gearbow.analysis.bow_checks import Check, added_check, mesh_checks, mesh_teeth
 from gearbow.analysis.bow_motion import BowMotion, Variants
 from gearbow.analysis.crossing import first_crossing
 from gearbow.analysis.protocol import System
 from gearbow.description.bow import Bow, amplitude_of
 from gearbow.description.bow_limit import BowLimit
+from gearbow.description.excitation import left_out
 from gearbow.description.part import expect, parts
 from gearbow.errors import ContactError, ConvergenceError, SceneError, StabilityError
 from gearbow.results.bow_limits import BowLimits, ReachedLimit
@@ -37,7 +40,7 @@ def bow_limits(
     speed: "ArrayLike",
     *,
     shape: Bow | None = None,
-    phase: float | None = None,
+    phase: "ArrayLike | None" = None,
     limits: Sequence[BowLimit] = (),
 ) -> BowLimits:
     """Find the largest bow of a shaft for every limit.
@@ -55,9 +58,10 @@ def bow_limits(
     shape : Bow, optional
         Shape and phase of the bow; its amplitude does not matter. None is the present bow of the
         shaft, or a half sine if it has none.
-    phase : float, optional
-        Angle by which the shape is turned in the shaft [rad]; 0 keeps its own phase. None is the
-        worst phase relative to the other bows and unbalances.
+    phase : float or array_like, shape (shafts,), optional
+        Angle by which the shape is turned in the shaft [rad], one for all named shafts or one for
+        each; 0 keeps its own phase. None is the worst phase of each shaft relative to everything
+        else that turns.
     limits : sequence of BowLimit
         Further limits: displacement, velocity, contact ratio, mesh force, bearing force or life,
         oil film, clearance of a rolling bearing.
@@ -77,11 +81,14 @@ def bow_limits(
     Notes
     -----
     The limits of the teeth follow from the exact geometry of the moving centres. Their motion is
-    the static equilibrium plus the linear synchronous response to bow and unbalance, as are
-    vibrations and forces of bearings. Transmission errors and the changing number of tooth pairs
-    do not contribute. Mesh forces and oil films are found from steady states of the nonlinear
-    system; their worst phase is that with the smallest backlash (without one: tip clearance) or the
-    largest displacement of the journal in the linear motion.
+    the static equilibrium plus the linear synchronous response (`synchronous`), which contains bow,
+    unbalance, run-out of gears and couplings, and turning forces of order 1; so are vibrations and
+    forces of bearings. What is left out, as errors of the teeth and the changing number of tooth
+    pairs, stands below the printed limits. The angles of shafts are independent of each other
+    unless they have a common period of at most 36 turns of the faster one. Mesh forces and oil
+    films are found from steady states of the nonlinear system; their worst phase is that with the
+    smallest backlash (without one: tip clearance) or the largest displacement of the journal in the
+    linear motion.
 
     Examples
     --------
@@ -108,18 +115,29 @@ def bow_limits(
     unit = given_unit(speed) or self._speed_unit
     speeds = np.atleast_1d(array(speed, "speed"))
     names, bows, present = _bows(self, shaft, shape)
-    turned = None if phase is None else number(phase, "phase")
+    turned = _phases(phase, len(names))
     added = parts(limits, BowLimit, "limits")
     variants = Variants(self, names, bows, turned)
-    rows = mesh_rows(variants) if any(mesh.backlash is not None for mesh in self.meshes) else {}
     responses = variants.responses(speeds)
     found: list[list[ReachedLimit]] = []
     for index, each in enumerate(speeds):
         motion = BowMotion(variants, float(each), index, responses)
-        checks = [*mesh_checks(motion, rows), *(added_check(motion, one, rows) for one in added)]
+        teeth = mesh_teeth(motion)
+        checks = [*mesh_checks(teeth.values()), *(added_check(motion, x, teeth) for x in added)]
         found.append([_reached(motion, check) for check in checks])
     by_limit = tuple(one for own in zip(*found, strict=True) for one in own)
-    return BowLimits(names, present, speeds, by_limit, turned, unit)
+    lacks = left_out(self, "bow_limits")
+    return BowLimits(names, present, speeds, by_limit, turned, unit, lacks)
+
+
+def _phases(given: "ArrayLike | None", count: int) -> tuple[float, ...] | None:
+    """Check the given phases of the shafts [rad]."""
+    if given is None:
+        return None
+    phases = np.atleast_1d(array(given, "phase"))
+    if phases.ndim != 1 or phases.size not in (1, count):
+        raise SceneError(f"phase: give one angle, or one for each of the {count} shafts")
+    return tuple(np.broadcast_to(phases, count).tolist())
 
 
 def _bows(
@@ -150,12 +168,20 @@ def _reached(motion: BowMotion, check: Check) -> ReachedLimit:
     margin = check.margin
     if margin is None:
         return found
-    bow = first_crossing(lambda bow: float(margin(bow).min()), check.first, check.most, _TOLERANCE)
+
+    def smallest(bow: float) -> float:
+        return motion.smallest(margin, bow, of_instants=check.of_instants)
+
+    bow = first_crossing(smallest, check.first, check.most, _TOLERANCE)
     if bow is None:
         return replace(found, why=f"{check.beyond} first, at {1e6 * check.most:.4g} µm")
     if bow == 0.0:
         return replace(found, bow=0.0, why=f"{check.why}; exceeded without this bow")
-    return replace(found, bow=bow, phase=motion.worst(margin(bow), float(margin(0.0).min())))
+    return replace(found, bow=bow, **_of_phases(motion.worst(margin, bow)[1]))
+
+
+def _of_phases(phases: Array) -> dict[str, Any]:
+    return {"phase": float(phases[0]), "phases": tuple(phases.tolist())}
 
 
 def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimit:
@@ -164,16 +190,19 @@ def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimi
     assert proxy is not None
     assert steady is not None
     scale = first_crossing(
-        lambda bow: float(proxy(bow).min()), check.first, check.most, _STEADY_TOLERANCE
+        lambda bow: motion.smallest(proxy, bow, of_instants=check.of_instants),
+        check.first,
+        check.most,
+        _STEADY_TOLERANCE,
     )
     most = check.most if scale is None else check.stretch * scale
-    phase = motion.worst(proxy(scale or most), float(proxy(0.0).min()))
-    turn = 0.0 if math.isnan(phase) else phase
+    phases = motion.worst(proxy, scale or most)[1]
+    turned = np.nan_to_num(phases).tolist()
     failures: dict[float, str] = {}
 
     def margin(bow: float) -> float:
         # A system that nothing excites has no period: a small bow stands for none.
-        system = motion.variants.bent(max(bow, _NO_BOW * most), turn)
+        system = motion.variants.bent(max(bow, _NO_BOW * most), turned)
         try:
             found = steady_state(
                 system, motion.speed, initial="static", record=["meshes", "bearings"]
@@ -190,4 +219,4 @@ def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimi
         text = f"no steady motion above {1e6 * bow:.4g} µm: {failures[min(failures)]}"
         return replace(found, why=text)
     why = f"{check.why}; exceeded without this bow" if bow == 0.0 else check.why
-    return replace(found, bow=bow, phase=phase, why=why)
+    return replace(found, bow=bow, why=why, **_of_phases(phases))

@@ -12,6 +12,7 @@ from gearbow._parallel import thread_count
 from gearbow._progress import working
 from gearbow._types import Excitation, Geometry
 from gearbow.analysis.protocol import System
+from gearbow.description.excitation import left_out
 from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
@@ -275,6 +276,7 @@ def efficiency(
         coefficient=coefficient,
         loss=loss,
         speed_unit=given_unit(speeds) or self._speed_unit,
+        left_out=left_out(self, "efficiency"),
     )
 
 
@@ -396,14 +398,15 @@ def synchronous(
     threads: int | None = None,
     progress: bool | None = None,
 ) -> Synchronous:
-    """Find the linear response to bow and unbalance, without time stepping.
+    """Find the linear response to what turns once with a shaft, without time stepping.
 
     Parameters
     ----------
     speeds : array_like, shape (speeds,) or scalar
         Speeds of the reference shaft [rad/s].
     excitation : {"both", "bow", "unbalance"}
-        The excitation.
+        The excitation: "both" is bow, unbalance, turning forces of order 1, run-out of gears and
+        couplings, and transmission errors of order 1 of a shaft; "bow" is bow and turning forces.
     threads : int, optional
         Largest number of threads. None is the number in the environment variable
         ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
@@ -451,6 +454,7 @@ def synchronous(
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
         speed_unit=given_unit(speeds) or self._speed_unit,
+        left_out=left_out(self, "synchronous") if excitation == "both" else (),
     )
 
 

@@ -5,7 +5,7 @@ turns with a shaft is in the synchronous response; each other source has a perio
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,11 +14,9 @@ import numpy as np
 from gearbow._core import has_constant_coefficients, initial_state, steady_state, user_order
 from gearbow._types import Array
 from gearbow.accuracy.levels import tolerance
-from gearbow.analysis.protocol import System, variant
-from gearbow.description.couplings import Force
+from gearbow.analysis.protocol import System, silent, variant
 from gearbow.description.gears import Mesh
 from gearbow.description.kinematics import Kinematics
-from gearbow.description.shafts import Shaft
 from gearbow.description.teeth import TransmissionError
 from gearbow.description.time_series import TimeSeries
 from gearbow.orders.separation import SEPARATION
@@ -60,7 +58,7 @@ class Superposition:
         # Variants have the elements of this system, which may depend on what excites it.
         meshed = type(self.system)._from_description(self.system._model.resolved())
         for period, changes in self._sources():
-            model = variant(meshed, **{**self._silent(meshed.shafts), **changes})._model
+            model = variant(meshed, **{**silent(meshed), **changes})._model
             given = {**options, "duration": period}
             data, about = steady_state(
                 model, **given, longest_section=None, samples=1, record=[], progress=None
@@ -70,30 +68,18 @@ class Superposition:
             periods += about["periods"]
         return state, residual, periods
 
-    def _silent(self, shafts: Sequence[Shaft]) -> dict[str, Any]:
-        """Give shafts and other parts without what excites."""
-        system = self.system
-        return {
-            "shafts": [replace(shaft, bow=None) for shaft in shafts],
-            "gears": [replace(gear, unbalance=0.0) for gear in system.gears],
-            "disks": [replace(disk, unbalance=0.0) for disk in system.disks],
-            "couplings": [replace(coupling, runout=0.0) for coupling in system.couplings],
-            "meshes": [replace(mesh, error=None) for mesh in system.meshes],
-            "forces": [_silent_force(force) for force in system.forces],
-        }
-
     def _sources(self) -> Iterator[tuple[float, dict[str, Any]]]:
         """Give period and parts of each source that the synchronous response does not contain."""
-        system, silent = self.system, self._silent(self.system.shafts)
+        system, parts = self.system, silent(self.system)
         for i, mesh in enumerate(system.meshes):
             for ratio, error in self._errors(mesh):
-                meshes = list(silent["meshes"])
+                meshes = list(parts["meshes"])
                 meshes[i] = replace(mesh, error=error)
                 yield self._turn(ratio), {"meshes": meshes}
         for i, force in enumerate(system.forces):
             if force.order is None or force.order == 1.0:
                 continue
-            forces = list(silent["forces"])
+            forces = list(parts["forces"])
             forces[i] = force
             yield self._turn(self._ratio(force.at) * (force.order or 1.0)), {"forces": forces}
 
@@ -134,7 +120,3 @@ def recorded_duration(system: System, speed: float, longest: float) -> float:
 
 def _turn(order: float, speed: float) -> float:
     return 2.0 * math.pi / abs(order * speed)
-
-
-def _silent_force(force: Force) -> Force:
-    return force if force.order is None else replace(force, value=0.0)

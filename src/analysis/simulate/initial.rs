@@ -187,7 +187,7 @@ fn amplitudes(cached: &CachedModel, key: StartKey) -> Result<DMatrix<Complex<f64
     let fastest = model.max_speed_ratio() * speed.abs();
     let highest = Highest::Frequency(if uses_components { fastest } else { f64::INFINITY });
     for shaft in sources {
-        let found = synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Both, highest)?;
+        let found = synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Loads, highest)?;
         amplitudes.set_column(shaft, &found.phasors);
     }
     Ok(amplitudes)

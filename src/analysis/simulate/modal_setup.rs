@@ -61,7 +61,7 @@ impl<'m> ModalSetup<'m> {
         if subspace.is_some() {
             let highest = Highest::Frequency(cached.model.max_speed_ratio() * speed.abs());
             for RotatingLoad { shaft, .. } in sources {
-                let found = synchronous_of(cached, speed, speed, *shaft, ExcitationPart::Both, highest)?;
+                let found = synchronous_of(cached, speed, speed, *shaft, ExcitationPart::Loads, highest)?;
                 amplitudes.set_column(*shaft, &found.phasors);
             }
         } else {

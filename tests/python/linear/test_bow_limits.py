@@ -285,3 +285,128 @@ def test_wrong_arguments(message: str, given: dict):
 def test_wrong_limits(message: str, value: object):
     with pytest.raises(gb.SceneError, match=message):
         gb.BowLimit.displacement("g1", value)
+
+
+# --- everything that turns -------------------------------------------------------------------------
+
+
+def rigid_gears(
+    teeth: tuple[int, int], position: float | None = None, **own: dict
+) -> gb.RotorSystem:
+    """Build an unloaded pair with bows of both shafts that does not deform at low speed."""
+    shapes = {name: {"bow": gb.Bow.half_sine(1e-5)} for name in ("input", "output")}
+    bearing = {"stiffness": 1e12, "damping": 1e4}
+    mesh = {**MESH, "backlash": BACKLASH}
+    return pair(
+        ("input", "output"),
+        ("g1", "g2"),
+        teeth,
+        own={**shapes, **own},
+        mesh=mesh,
+        bearing=bearing,
+        torque=0.0,
+        position=position,
+    )
+
+
+def used_up(system: gb.RotorSystem, shaft: object = ("input", "output"), **how: object) -> float:
+    """Give the bow at which the backlash is used up."""
+    return limit(system.bow_limits(shaft, 1.0, **how), "backlash used up").bow
+
+
+def test_the_run_out_of_gears_uses_up_its_part_of_the_backlash():
+    # The centres approach by bow and run-out: a phase of 36 and an instant of 72 meet the worst one
+    # to 0.5 % of both.
+    straight = rigid_gears((25, 50), output={"bow": None})
+    wanted = used_up(straight, "input")
+    for gear in ("g1", "g2"):
+        own = {gear: {"runout": 4e-5 * np.exp(0.7j)}, "output": {"bow": None}}
+        bow = used_up(rigid_gears((25, 50), **own), "input")
+        assert bow + 4e-5 == pytest.approx(wanted, rel=5e-3), gear
+
+
+@pytest.mark.parametrize("source", ["runout", "error"])
+def test_a_simulation_with_eccentric_gears_jams_above_the_limit_and_not_below(source: str):
+    damped = {"bearing": {"stiffness": 1e8, "damping": 1e4}, "modal_damping": 0.05}
+    mesh, own = {**MESH, "backlash": BACKLASH}, {}
+    if source == "runout":
+        own = {"g1": {"runout": 3e-5j}, "g2": {"runout": 2e-5}}
+    else:
+        mesh["error"] = gb.TransmissionError(driver=[(3e-5, 0.4)], driven=[(2e-5, 1.0)])
+    system, speed = pair(own={"input": {}, **own}, mesh=mesh, **damped), 150.0
+    shape = gb.Bow.half_sine(1e-4)
+    found = limit(system.bow_limits("input", speed, shape=shape, phase=0.0), "backlash used up")
+    turn = 2.0 * math.pi / speed
+    for part, reached in ((0.97, False), (1.03, True)):
+        run = bent(system, part * found.bow).simulate(8 * turn, speed, output_step=turn / 50)
+        jams = any(one.kind == "tight" and one.time > 4 * turn for one in run.events)
+        assert jams == reached, part
+
+
+@pytest.mark.parametrize("teeth", [(49, 50), (24, 25), (25, 49)])
+def test_bows_of_hunting_shafts_meet_in_every_position(teeth: tuple[int, int]):
+    # Each pair of tooth numbers has another centre distance: the judge is the pair with one bow.
+    system = rigid_gears(teeth)
+    alone = used_up(rigid_gears(teeth, output={"bow": None}), "input")
+    # 24/25 meets to half of 15°, 0.9 %; the limit is that of the closest position.
+    for phase in (None, 0.0, [1.0, 4.0]):
+        assert 2.0 * used_up(system, phase=phase) == pytest.approx(alone, rel=0.01), phase
+
+
+def test_each_named_shaft_has_its_own_worst_phase():
+    system = rigid_gears((25, 25))
+    alone = used_up(rigid_gears((25, 25), output={"bow": None}), "input")
+    found = limit(system.bow_limits(("input", "output"), 1.0), "backlash used up")
+    assert 2.0 * found.bow == pytest.approx(alone, rel=5e-3)
+    # At equal and opposite speeds the bows point to each other once in a turn or never: 0.4 % for
+    # the instants and phases.
+    assert used_up(system, phase=list(found.phases)) == pytest.approx(found.bow, rel=5e-3)
+    assert used_up(system, phase=[0.0, math.pi]) == pytest.approx(found.bow, rel=5e-3)
+    assert math.isinf(used_up(system, phase=0.0))
+    # Another source that hardly excites changes nothing.
+    nearly = rigid_gears((25, 25), g1={"unbalance": 1e-12})
+    assert used_up(nearly) == pytest.approx(found.bow, rel=5e-3)
+    with pytest.raises(gb.SceneError, match="one for each of the 2 shafts"):
+        system.bow_limits(("input", "output"), 1.0, phase=[0.0, 1.0, 2.0])
+
+
+def test_turning_forces_are_no_part_of_the_bow():
+    force = gb.Force(("input", 0.3), 50.0, order=1)
+    system = bowed_pair(mesh=MESH, forces=[force])
+    probe = gb.BowLimit.displacement(("input", 0.25), 2e-4)
+    found = limit(system.bow_limits("input", 100.0, limits=[probe], phase=0.0), "displacement")
+    orbit = bent(system, found.bow).synchronous(100.0).displacement(("input", 0.25))[0]
+    turns = np.exp(1j * np.outer(np.linspace(0.0, 4.0 * np.pi, 721), system.speed_ratios))
+    angles = np.radians(np.arange(180.0))
+    moved = np.real(turns @ orbit) @ np.array([np.cos(angles), np.sin(angles)])
+    assert np.ptp(moved, axis=0).max() == pytest.approx(2e-4, rel=2e-3)
+
+
+def test_loads_at_places_of_their_own_keep_their_nodes():
+    loads = {
+        "torques": [gb.Torque(("input", 0.01), 200.0), gb.Torque.balance("g2")],
+        "forces": [gb.Force(("output", 0.013), 10.0)],
+    }
+    mesh = {**MESH, "backlash": BACKLASH}
+    found = bowed_pair(mesh=mesh, **loads).bow_limits("input", 100.0)
+    assert limit(found, "backlash used up").is_reached
+
+
+def test_the_life_of_a_bearing_between_shafts_counts_relative_turns():
+    shafts = [
+        gb.Shaft("inner", length=1.0, outer_diameter=0.03),
+        gb.Shaft("outer", length=0.6, outer_diameter=0.1, inner_diameter=0.08, speed_ratio=-0.5),
+    ]
+    at = ("inner", 0.8)
+    bearings = [
+        gb.Bearing("inner", 0.0, stiffness=1e8),
+        gb.Bearing(*at, stiffness=1e8, support=("outer", 0.3)),
+        gb.Bearing("outer", 0.0, stiffness=1e8),
+        gb.Bearing("outer", 0.6, stiffness=1e8),
+    ]
+    system = gb.RotorSystem(shafts=shafts, bearings=bearings)
+    hours, capacity = 2e4, 1e4
+    life = gb.BowLimit.bearing_life(at, hours, capacity=capacity, exponent=3.0)
+    found = system.bow_limits("inner", gb.rpm(1000), limits=[life]).limits[0]
+    force = capacity * (1e6 / (60.0 * hours * 1500.0)) ** (1.0 / 3.0)
+    assert f"mean force {force:.4g} N" in found.why

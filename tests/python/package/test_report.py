@@ -211,6 +211,19 @@ def test_what_a_system_lacks_is_said(tmp_path):
     assert "<table>" in sections["modes"]
 
 
+def test_an_unexpected_error_ends_one_section(tmp_path, monkeypatch):
+    def fails(*_: object, **__: object) -> None:
+        raise ValueError("a fault of the program")
+
+    for name in ("bow_limits", "static", "campbell", "synchronous", "critical_speed_map"):
+        monkeypatch.setattr(gb.RotorSystem, name, fails)
+    rotor_with_two_disks().report(tmp_path / "page.html", operating=100.0)
+    text = html.unescape((tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert "not computed, because an unexpected ValueError: a fault of the program" in text
+    assert "Not computed: an unexpected ValueError" in text
+    assert "Reproduction" in text
+
+
 def test_torsion_alone(tmp_path):
     line = gb.examples()["torsional_drive_line"]
     path = written(line.load(), tmp_path, operating=line.speed, modes=3)
