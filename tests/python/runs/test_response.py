@@ -51,12 +51,12 @@ def recorded(rows: int = 5, energy: bool = True) -> gb.Response:
             "points": [("input", 0.25, ["g1"]), ("output", 0.25, ["g2"]), ("input", 0.1, [])],
             "displacement": 1e-5 * numbers.standard_normal((rows, 3, 2)),
             "twist": numbers.standard_normal((rows, 3)),
-            "bearings": [("input", 0.0)],
-            "bearing_force": numbers.standard_normal((rows, 1, 2)),
+            "bearings": [("output", 0.3), ("input", 0.0)],
+            "bearing_force": numbers.standard_normal((rows, 2, 2)),
             "rolling_bearings": [],
             "rolling_contact": np.empty((rows, 0, 2)),
-            "meshes": [("g1", "g2")],
-            "mesh": {name: numbers.standard_normal((rows, 1)) for name in FIELDS},
+            "meshes": [("g4", "g5"), ("g1", "g2")],
+            "mesh": {name: numbers.standard_normal((rows, 2)) for name in FIELDS},
             "energy": numbers.standard_normal(rows) if energy else None,
             "energy_terms": (
                 {name: numbers.standard_normal(rows) for name in TERMS} if energy else None
