@@ -283,7 +283,7 @@ def test_histories_over_speed_and_angle():
     x, y = panel.lines[0].get_data()
     assert x == pytest.approx(run.speeds * 30.0 / np.pi)
     assert y.size == run.time.size
-    panel = run.plot("mesh", against="angle").axes[2]
+    panel = run.plot("mesh", against="angle").axes[-1]
     assert panel.get_xlabel() == "angle of the reference shaft [revolutions]"
     assert panel.lines[0].get_xdata()[-1] == pytest.approx(run.angle("input")[-1] / (2.0 * np.pi))
     with pytest.raises(gb.GearbowError, match="the figure 'orbits' has no axis of time"):
