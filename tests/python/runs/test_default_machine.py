@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.equations import Balance
 from reference.helical import HelicalTrain
 from reference.machines import hostile
 
@@ -53,6 +54,68 @@ def test_matrices_and_responses(speed: float):
     own[at] = force
     expected = whole.response(-700.0, speed, own)[at]
     assert moved == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_deflections_and_bearing_forces(speed: float):
+    system, whole, at = both(speed)
+    found = system.synchronous([speed])
+    for source, (spin, *_) in enumerate(whole.turning_force(speed)):
+        q = np.zeros(whole.size, dtype=complex)
+        q[at] = found.amplitudes[0, source]
+        for bearing in whole.train.bearings:
+            places = [(bearing.shaft, bearing.position), bearing.support]
+            v, *base = (whole.train.dof(*place, 0) for place in places if place)
+            apart = q[v : v + 2] - sum(q[i : i + 2] for i in base)
+            expected = (bearing.stiffness + 1j * spin * bearing.damping) @ apart
+            force = found.bearing_force(places[0])[0, source]
+            # round-off of differences of displacements
+            assert force == pytest.approx(expected, rel=1e-9)
+        for name in ("g3", "g5"):
+            shaft, x = whole.train.place(name)
+            own = next(s for s in whole.train.shafts if s.name == shaft)
+            bow = (
+                own.bow(x) * np.array([1.0, -1.0j]) if system.shafts[source].name == shaft else 0.0
+            )
+            expected = found.displacement(name)[0, source] - bow
+            assert found.elastic(name)[0, source] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("target", ["total", "elastic"])
+def test_a_balance_away_from_the_reference_shaft(target: str):
+    system, whole, _ = both(100.0)
+    found = system.balance(["g3", "g4"], 100.0, target=target, points=["g3", "g4"])
+    assert found.shaft == "middle"
+    spin, at_0, at_90 = whole.turning_force(100.0)[2]
+    force = at_0 - 1j * at_90
+    rows = [whole.train.dof(*whole.train.place(name), 0) for name in ("g3", "g4")]
+    for row, unbalance in zip(rows, found.unbalances, strict=True):
+        force[row : row + 2] += spin**2 * unbalance * np.array([1.0, -1.0j])
+    q = whole.response(spin, 100.0, force)
+    middle = whole.train.shafts[2]
+    for i, row in enumerate(rows):
+        bow = middle.bow((0.12, 0.35)[i]) * np.array([1.0, -1.0j]) * (target == "elastic")
+        # round-off times the condition of the matrix
+        scale = 1e-6 * np.abs(found.before).max()
+        assert found.residual[0, i] == pytest.approx(q[row : row + 2] - bow, abs=scale)
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_forces_at_rest_balance_on_each_shaft(speed: float):
+    system = hostile(gravity=9.81)
+    static = system.static(speed)
+    balance = Balance(system, static, speed)
+    for shaft in system.shafts:
+        # iteration ends at 1e-10 of the load
+        assert balance.residual(shaft.name) < 1e-8
+    table = static.table().splitlines()
+    for bearing in system.bearings:
+        place = (bearing.shaft, bearing.position)
+        row = next(line for line in table if f"{place[0]} at {place[1]:g} m" in line)
+        force, axial = np.hypot(*static.bearing_force(place)), static.axial_bearing_force(place)
+        # numbers of four digits, and round-off as 0
+        shown = [float(word) for word in row.split()[-5:-3]]
+        assert shown == pytest.approx([force, axial], rel=1e-3, abs=1e-6)
 
 
 @pytest.mark.parametrize("live", [True, False], ids=["live", "frozen"])
