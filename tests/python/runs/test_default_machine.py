@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -116,6 +117,36 @@ def test_forces_at_rest_balance_on_each_shaft(speed: float):
         # numbers of four digits, and round-off as 0
         shown = [float(word) for word in row.split()[-5:-3]]
         assert shown == pytest.approx([force, axial], rel=1e-3, abs=1e-6)
+
+
+def test_a_superposed_steady_state_is_the_sum_of_the_linear_responses():
+    speed, system = -100.0, hostile()
+    # run-out varies the coefficients of the mesh
+    system = system.replace(gears=[replace(system.gears[0], runout=0.0), *system.gears[1:]])
+    steady = system.steady_state(speed, geometry="frozen", record=["g1", "g5"])
+    assert steady.method == "superposition"
+    whole, time = HelicalTrain.of(system, speed), steady.response.time
+    mesh, at, _ = whole.meshes[0]
+    gradient = mesh.linear(np.zeros(14), live=False)[1][:12]
+    sources = []
+    error = system.meshes[0].error
+    for order, harmonics in ((23.0, error.tooth), (1.0, error.driver), (-23 / 31, error.driven)):
+        ((amplitude, phase),) = harmonics
+        force = np.zeros(whole.size, dtype=complex)
+        impedance = mesh.stiffness + 1j * order * speed * mesh.damping
+        force[at] = impedance * np.cos(mesh.base) * amplitude * np.exp(1j * phase) * gradient
+        sources.append((order * speed, force))
+    sources += [(spin, at_0 - 1j * at_90) for spin, at_0, at_90 in whole.turning_force(speed)]
+    static = system.static(speed, geometry="frozen")
+    for name in ("g1", "g5"):
+        v = whole.train.dof(*whole.train.place(name), 0)
+        expected = static.displacement(name) + sum(
+            np.real(np.outer(np.exp(1j * w * time), whole.response(w, speed, force)[v : v + 2]))
+            for w, force in sources
+        )
+        # the tolerance of the steady state is 1e-5
+        error = np.abs(steady.response.displacement(name) - expected).max()
+        assert error < 1e-5 * np.ptp(expected)
 
 
 @pytest.mark.parametrize("live", [True, False], ids=["live", "frozen"])

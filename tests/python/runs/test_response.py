@@ -166,6 +166,13 @@ def test_a_mesh_has_its_gears_in_either_order():
         response.displacement(("g1", "g2"))  # type: ignore[arg-type]
 
 
+def test_events_belong_to_one_mesh():
+    response = recorded()
+    assert len(set(response.mesh("g1/g2").contact)) == 3
+    assert len(set(response.mesh("g4/g5").contact)) == 1
+    assert response.contact_shares("g4/g5").drive == 1.0
+
+
 def test_a_recorded_quantity_can_be_requested_again():
     system = bowed_pair()
     first = system.simulate(
