@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import contextlib
 import difflib
 import json
 import os
@@ -176,7 +177,7 @@ class PythonMutant:
 
 
 def draw_python(count: int, chance: random.Random, left_out: list[str]) -> list[PythonMutant]:
-    """Draw mutants that change what the program does."""
+    """Draw mutants that are Python and change what the program does."""
     modules = [
         path
         for path in sorted((COPY / "python/gearbow").rglob("*.py"))
@@ -194,7 +195,10 @@ def draw_python(count: int, chance: random.Random, left_out: list[str]) -> list[
             continue
         occurrence = chance.randrange(len(lines))
         text = mutate_code(source, operator, occurrence)
-        if active_code(text) != active_code(source):
+        with contextlib.suppress(SyntaxError):
+            # An operator may leave what is no Python, such as {-a} of {**a}.
+            if active_code(text) == active_code(source):
+                continue
             drawn.append(PythonMutant(path, source, text, lines[occurrence]))
     return drawn
 

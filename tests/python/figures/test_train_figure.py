@@ -198,6 +198,13 @@ def test_coaxial_shafts_of_opposite_senses_have_two_arrows():
     spools = gb.RotorSystem.load(gb.examples()["dual_rotor"].path)
     _, end = spools.plot().axes
     assert sum(isinstance(patch, FancyArrowPatch) for patch in end.patches) == 2
+    layout = Train.of(spools.description, spools.speed_ratios).layout
+    between = [each for each in spools.bearings if isinstance(each.support, tuple)]
+    assert between
+    for each in between:
+        inner, x = each.support
+        apart = layout.shaft(each.shaft).origin - layout.shaft(inner).origin
+        assert apart == pytest.approx([x - each.position, 0.0, 0.0], abs=1e-12)
 
 
 def test_lines_of_action_touch_the_base_circles_in_the_sense_of_the_driver():

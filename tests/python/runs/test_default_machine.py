@@ -156,7 +156,11 @@ def test_a_run_from_rest(speed: float, live: bool):
     times = np.linspace(0.0, 1e-4, 6)
     q, forces = whole.from_rest(speed, times, live)
     geometry = "live" if live else "frozen"
-    run = system.simulate(1.1e-4, speed, initial="rest", times=times, geometry=geometry, rtol=1e-9)
+    ends = [(b.shaft, b.position) for b in whole.train.bearings]
+    ends += [b.support for b in whole.train.bearings if b.support]
+    record = ["gears", "meshes", "bearings", *ends, "velocity"]
+    how = {"initial": "rest", "times": times, "geometry": geometry, "rtol": 1e-9}
+    run = system.simulate(1.1e-4, speed, record=record, **how)
 
     # The arm of the thrust about the axis contains the run-out in the independent statement only:
     # 1e-3 of the arm, times a tilt of 1e-3 of the deflection.
@@ -171,3 +175,14 @@ def test_a_run_from_rest(speed: float, live: bool):
         alike(run.displacement(gear.name), q[:, v : v + 2])
         alike(run.twist(gear.name), q[:, v + 4])
         alike(run.axial(gear.name), q[:, whole.axial(*place)])
+    for bearing, spec in zip(system.bearings, whole.train.bearings, strict=True):
+        place = (spec.shaft, spec.position)
+        sides = [(place, 1.0), *([(spec.support, -1.0)] if spec.support else [])]
+        apart, rate, along, along_rate = (
+            sum(sign * measure(at) for at, sign in sides)
+            for measure in (run.displacement, run.velocity, run.axial, run.axial_velocity)
+        )
+        alike(run.bearing_force(place), apart @ spec.stiffness.T + rate @ spec.damping.T)
+        if bearing.axial_stiffness:
+            expected = bearing.axial_stiffness * along + bearing.axial_damping * along_rate
+            alike(run.axial_bearing_force(place), expected)
