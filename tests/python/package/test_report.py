@@ -17,7 +17,7 @@ import pytest
 import gearbow as gb
 from gearbow.report.contents import Contents, Options
 from gearbow.report.data import parts_tables
-from reference.machines import bowed_rotor_with_disk, hostile, rotor_with_two_disks
+from reference.machines import bowed_pair, bowed_rotor_with_disk, rotor_with_two_disks
 
 SECTION_NAMES = (
     *("summary", "drawing", "data", "mass", "static", "modes", "campbell", "criticals"),
@@ -52,7 +52,7 @@ def written(system: gb.RotorSystem, folder: Path, **options: Any) -> Path:
 
 @pytest.fixture(scope="module")
 def pair() -> gb.RotorSystem:
-    return hostile()
+    return bowed_pair()
 
 
 @pytest.fixture(scope="module")

@@ -145,8 +145,8 @@ def hostile(**changes: Any) -> gb.RotorSystem:
 
     "input" drives "idler", "middle" and "output". The latter lies on the axis of "input" and has a
     bearing on its end. Tooth numbers are primes, and no speed ratio is 1. Every bow, unbalance,
-    bearing and angle has a value of its own. One mesh has run-out and transmission error, another
-    profile shift. The torques act at places without gear or bearing.
+    bearing and angle has a value of its own. One mesh has run-out, another profile shift and
+    transmission error. The torques act at places without gear or bearing.
     """
     bows = {
         "input": (1e-4, 0.3),
@@ -197,7 +197,7 @@ def hostile(**changes: Any) -> gb.RotorSystem:
                 (2e8, 1.7e8, 2.4e8),
                 (0.05, 0.04, 0.06),
                 (first, second, atan2(-z, -y)),
-                (error, None, None),
+                (None, None, error),
                 strict=True,
             )
         ],

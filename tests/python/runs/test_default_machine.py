@@ -126,11 +126,12 @@ def test_a_superposed_steady_state_is_the_sum_of_the_linear_responses():
     steady = system.steady_state(speed, geometry="frozen", record=["g1", "g5"])
     assert steady.method == "superposition"
     whole, time = HelicalTrain.of(system, speed), steady.response.time
-    mesh, at, _ = whole.meshes[0]
+    mesh, at, ratios = whole.meshes[2]
     gradient = mesh.linear(np.zeros(14), live=False)[1][:12]
     sources = []
-    error = system.meshes[0].error
-    for order, harmonics in ((23.0, error.tooth), (1.0, error.driver), (-23 / 31, error.driven)):
+    error = system.meshes[2].error
+    orders = [29 * ratios[0], *ratios]
+    for order, harmonics in zip(orders, (error.tooth, error.driver, error.driven), strict=True):
         ((amplitude, phase),) = harmonics
         force = np.zeros(whole.size, dtype=complex)
         impedance = mesh.stiffness + 1j * order * speed * mesh.damping
