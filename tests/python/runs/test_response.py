@@ -365,7 +365,7 @@ def test_tables_have_units_in_their_columns():
     response = recorded()
     table = response.to_dataframe()
     assert table.index.name == "time [s]"
-    assert table.shape == (5, 3 * 3 + len(FIELDS) + 2 + 1 + len(TERMS))
+    assert table.shape == (5, 3 * 3 + 2 * len(FIELDS) + 2 * 2 + 1 + len(TERMS))
     np.testing.assert_array_equal(table["g2 z [m]"], response.displacement("g2")[:, 1])
     np.testing.assert_array_equal(table["input@0.1 twist [rad]"], response.twist(("input", 0.1)))
     np.testing.assert_array_equal(
@@ -378,6 +378,15 @@ def test_tables_have_units_in_their_columns():
     balance = response.energy_balance()
     np.testing.assert_array_equal(table["energy meshes [J]"], balance.meshes)
     np.testing.assert_array_equal(table["work damping [J]"], balance.damping)
+    means = {
+        "g4/g5 contact ratio": response.mesh("g4/g5").contact_ratio,
+        "g1/g2 contact ratio": response.mesh("g1/g2").contact_ratio,
+        "bearing input at 0 m force": np.hypot(*response.bearing_force(("input", 0.0)).T),
+    }
+    rows = {row[:30].strip(): row[30:].split() for row in response.table().splitlines()[2:]}
+    for name, values in means.items():
+        # the table has four digits
+        assert float(rows[name][0]) == pytest.approx(values.mean(), rel=1e-3)
 
 
 class TestEnergyBalance:
