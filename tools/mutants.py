@@ -2,17 +2,22 @@
 
     python tools/mutants.py [--python 150] [--rust 60] [--seed 1] [--left-out PART ...]
 
-The mutants are drawn at random from those of cosmic-ray (Python) and of `cargo mutants` (Rust). All
-work happens in a copy of the repository in target/mutants. A Python mutant runs the tests that
-execute its line; one run of all tests with coverage finds them. All Rust mutants are compiled into
-one program, and the environment variable GEARBOW_MUTANT switches one of them on; a mutant runs the
-Rust tests, then the Python tests of `TESTS_OF`. The script prints each mutant that no test catches,
-and the share of caught mutants with its standard deviation.
+The mutants are drawn at random from those of cosmic-ray (Python) and of `cargo mutants` (Rust); a
+Python mutant that changes only annotations, docstrings or `__all__` is not drawn. All work happens
+in a copy of the repository in target/mutants. A Python mutant runs the tests that execute its line,
+the shortest first, until one fails; a run of each file of tests with coverage finds them. All Rust
+mutants are compiled into one program, and the environment variable GEARBOW_MUTANT switches one of
+them on; a mutant runs the Python tests of `TESTS_OF`, then the Rust tests, which are slower. The
+script prints each mutant that no test catches, and the share of caught mutants with its standard
+deviation. It keeps coverage and fates in target/mutant-results: a call that was interrupted goes on
+where it ended, and a file of tests that did not change keeps its coverage.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
+import contextlib
 import difflib
 import json
 import os
@@ -21,10 +26,12 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections import defaultdict
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree as ET
 
 import tree_sitter_rust
 from cosmic_ray.ast import ast_nodes, get_ast
@@ -34,10 +41,12 @@ from coverage import CoverageData
 from tree_sitter import Language, Parser, Tree
 
 COPY = Path("target/mutants")
+#: Coverage of the files of tests, and fates of mutants.
+KEPT = Path("target/mutant-results")
 #: Time limit of the tests of one mutant [s]. A mutant that exceeds it counts as caught.
 TIME_LIMIT = 900.0
-#: Largest number of tests for one Python mutant.
-MAX_TESTS = 300
+#: Longest sum of the durations of the tests for one Python mutant [s], well below the time limit.
+TEST_TIME = 240.0
 #: The number of the mutant of a process; no number in a program without mutants.
 SWITCH = """
 pub(crate) fn is_active(mutant: u32) -> bool {
@@ -82,12 +91,15 @@ def environment() -> dict[str, str]:
     }
 
 
-def passes(command: list[str], limit: float | None = TIME_LIMIT) -> bool:
+def passes(
+    command: list[str], limit: float | None = TIME_LIMIT, coverage: Path | None = None
+) -> bool:
     """Return whether a command succeeds in the copy within a time limit [s]."""
+    more = {} if coverage is None else {"COVERAGE_FILE": str(coverage.resolve())}
     process = subprocess.Popen(
         command,
         cwd=COPY,
-        env=environment(),
+        env=environment() | more,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
@@ -95,14 +107,42 @@ def passes(command: list[str], limit: float | None = TIME_LIMIT) -> bool:
     try:
         return process.wait(limit) == 0
     except subprocess.TimeoutExpired:
-        # The workers of pytest belong to the session of the command.
+        # The processes of the tests belong to the session of the command.
         os.killpg(process.pid, signal.SIGKILL)
         return False
 
 
-def pytest(*arguments: str, limit: float | None = TIME_LIMIT) -> bool:
+def pytest(*arguments: str, **more: Any) -> bool:
     """Return whether Python tests of the copy pass."""
-    return passes([sys.executable, "-m", "pytest", "-q", "-x", "-n2", *arguments], limit)
+    return passes([sys.executable, "-m", "pytest", "-q", "-x", *arguments], **more)
+
+
+def git(*arguments: str) -> str:
+    """Return the output of a git command in the copy."""
+    found = subprocess.run(
+        ["git", *arguments], cwd=COPY, check=True, capture_output=True, text=True
+    )
+    return found.stdout.strip()
+
+
+class Fates:
+    """The fates of mutants by their descriptions, kept in a file."""
+
+    def __init__(self, kind: str, state: str) -> None:
+        self._path = KEPT / f"{kind}-{state[:12]}.json"
+        known = self._path.exists()
+        self._caught: dict[str, bool] = (
+            json.loads(self._path.read_text(encoding="utf-8")) if known else {}
+        )
+
+    def get(self, mutant: str) -> bool | None:
+        """Return whether a mutant was caught; None if it is new."""
+        return self._caught.get(mutant)
+
+    def add(self, mutant: str, caught: bool) -> None:
+        """Keep the fate of a mutant."""
+        self._caught[mutant] = caught
+        self._path.write_text(json.dumps(self._caught, indent=1), encoding="utf-8")
 
 
 def cargo(*arguments: str, limit: float | None = None) -> bool:
@@ -119,23 +159,105 @@ def build() -> bool:
     return True
 
 
-def draw_python(chance: random.Random, left_out: list[str]) -> tuple[Path, str, str, int]:
-    """Draw a module, the mutated source text, its original and the line of the change."""
+@dataclass(frozen=True)
+class PythonMutant:
+    """A changed module: its path, both texts, and the line of the change."""
+
+    path: Path
+    source: str
+    text: str
+    line: int
+
+    @property
+    def difference(self) -> str:
+        """Lines that differ, with the path of the module in the repository."""
+        lines = self.source.splitlines(), self.text.splitlines()
+        name = str(self.path.relative_to(COPY))
+        return "\n".join(difflib.unified_diff(*lines, name, n=0))
+
+
+def draw_python(count: int, chance: random.Random, left_out: list[str]) -> list[PythonMutant]:
+    """Draw mutants that are Python and change what the program does."""
     modules = [
         path
         for path in sorted((COPY / "python/gearbow").rglob("*.py"))
         if not any(part in path.as_posix() for part in left_out)
     ]
-    while True:
+    operators = [n for n in operator_names() if not any(word in n for word in CRUDE)]
+    drawn: list[PythonMutant] = []
+    while len(drawn) < count:
         path = chance.choices(modules, [path.stat().st_size for path in modules])[0]
         source = path.read_text(encoding="utf-8")
-        name = chance.choice([n for n in operator_names() if not any(word in n for word in CRUDE)])
-        operator = get_operator(name)()
+        operator = get_operator(chance.choice(operators))()
         nodes = ast_nodes(get_ast(source))
         lines = [start[0] for node in nodes for start, _ in operator.mutation_positions(node)]
-        if lines:
-            occurrence = chance.randrange(len(lines))
-            return path, mutate_code(source, operator, occurrence), source, lines[occurrence]
+        if not lines:
+            continue
+        occurrence = chance.randrange(len(lines))
+        text = mutate_code(source, operator, occurrence)
+        with contextlib.suppress(SyntaxError):
+            # An operator may leave what is no Python, such as {-a} of {**a}.
+            if active_code(text) == active_code(source):
+                continue
+            drawn.append(PythonMutant(path, source, text, lines[occurrence]))
+    return drawn
+
+
+def active_code(source: str) -> str:
+    """Return the syntax of a module without annotations, docstrings and `__all__`."""
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        for name in ("annotation", "returns"):
+            if getattr(node, name, None) is not None:
+                setattr(node, name, ast.Constant(None))
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+            node.body = [part for part in node.body if not is_silent(part)]
+    return ast.dump(tree)
+
+
+def is_silent(statement: ast.stmt) -> bool:
+    """Return whether a statement is a docstring or the list of public names."""
+    if isinstance(statement, ast.Expr):
+        return isinstance(statement.value, ast.Constant)
+    names = statement.targets if isinstance(statement, ast.Assign) else []
+    return any(isinstance(name, ast.Name) and name.id == "__all__" for name in names)
+
+
+#: Tests that execute each line of each module, and the duration of each test [s].
+Coverage = tuple[dict[str, dict[int, set[str]]], dict[str, float]]
+
+
+def covered() -> Coverage:
+    """Run each file of tests with coverage, unless its result is known."""
+    folder = KEPT / f"coverage-{git('rev-parse', '--short=12', 'HEAD:python/gearbow')}"
+    folder.mkdir(parents=True, exist_ok=True)
+    lines: dict[str, dict[int, set[str]]] = defaultdict(lambda: defaultdict(set))
+    durations: dict[str, float] = {}
+    for path in git("ls-files", "tests/python/*/test_*.py").splitlines():
+        name = f"{Path(path).stem}-{git('rev-parse', '--short=12', f'HEAD:{path}')}"
+        data, report = folder / f"{name}.coverage", folder / f"{name}.xml"
+        if not report.exists():
+            made = folder / f"{name}.made"
+            options = [
+                "--cov=gearbow",
+                "--cov-context=test",
+                "--cov-report=",
+                f"--junitxml={made.resolve()}",
+            ]
+            if not pytest(*options, path, limit=None, coverage=data):
+                raise SystemExit(f"{path} fails without any change: mend it first.")
+            made.replace(report)
+        for case in ET.parse(report).iter("testcase"):
+            # Names of classes of tests follow that of the module.
+            classes = case.get("classname", "").split(Path(path).stem, 1)[1].replace(".", "::")
+            durations[f"{path}{classes}::{case.get('name')}"] = float(case.get("time", 0.0))
+        if data.exists():
+            read = CoverageData(str(data))
+            read.read()
+            for module in read.measured_files():
+                for line, contexts in read.contexts_by_lineno(module).items():
+                    lines[module][line] |= {name.split("|")[0] for name in contexts if name}
+    return lines, durations
 
 
 def python_mutants(count: int, chance: random.Random, left_out: list[str]) -> list[str]:
@@ -143,22 +265,25 @@ def python_mutants(count: int, chance: random.Random, left_out: list[str]) -> li
     survivors: list[str] = []
     if not count:
         return survivors
-    if not pytest("--cov=gearbow", "--cov-context=test", "tests/python", limit=None):
-        raise SystemExit("The tests fail without any change: mend them first.")
-    data = CoverageData(str(COPY / ".coverage"))
-    data.read()
-    for _ in range(count):
-        path, mutant, source, line = draw_python(chance, left_out)
-        contexts = data.contexts_by_lineno(str(path.resolve()))
-        # A line that runs at the import belongs to all tests of its module.
-        names = set(contexts.get(line, ())) - {""} or set().union(*contexts.values()) - {""}
-        tests = sorted({name.split("|")[0] for name in names})
-        path.write_text(mutant, encoding="utf-8")
-        chosen = chance.sample(tests, min(len(tests), MAX_TESTS))
-        caught = bool(chosen) and not pytest(*chosen)
-        path.write_text(source, encoding="utf-8")
-        lines = difflib.unified_diff(source.splitlines(), mutant.splitlines(), str(path), n=0)
-        survivors += report(caught, "\n".join(lines))
+    fates = Fates("python", git("rev-parse", "HEAD"))
+    mutants = draw_python(count, chance, left_out)
+    lines, durations = covered()
+    for mutant in mutants:
+        caught = fates.get(mutant.difference)
+        if caught is None:
+            known = lines[str(mutant.path.resolve())]
+            # A line that runs at the import belongs to all tests of its module.
+            tests = known.get(mutant.line) or set().union(*known.values())
+            chosen, total = [], 0.0
+            for test in sorted(tests, key=lambda test: durations.get(test, inf)):
+                total += durations.get(test, inf)
+                if total < TEST_TIME:
+                    chosen.append(test)
+            mutant.path.write_text(mutant.text, encoding="utf-8")
+            caught = bool(chosen) and not pytest(*chosen)
+            mutant.path.write_text(mutant.source, encoding="utf-8")
+            fates.add(mutant.difference, caught)
+        survivors += report(caught, mutant.difference)
     return survivors
 
 
@@ -312,12 +437,17 @@ def rust_mutants(count: int, chance: random.Random, left_out: list[str]) -> list
     kept = compile_rust(draw_rust(2 * count, chance, left_out))
     if not (cargo("test", "--no-run") and build() and cargo("test")):
         raise SystemExit("The program fails without any change: mend it first.")
+    fates = Fates("rust", git("rev-parse", "HEAD"))
     for number in sorted(kept)[:count]:
         mutant = kept[number]
-        pattern = next((p for f, p in TESTS_OF.items() if mutant.file.startswith(f"src/{f}")), "")
-        os.environ["GEARBOW_MUTANT"] = str(number)
-        caught = not cargo("test", limit=TIME_LIMIT) or not pytest("tests/python", "-k", pattern)
-        del os.environ["GEARBOW_MUTANT"]
+        caught = fates.get(mutant.name)
+        if caught is None:
+            named = (p for f, p in TESTS_OF.items() if mutant.file.startswith(f"src/{f}"))
+            os.environ["GEARBOW_MUTANT"] = str(number)
+            caught = not pytest("tests/python", "-k", next(named, ""))
+            caught = caught or not cargo("test", limit=TIME_LIMIT)
+            del os.environ["GEARBOW_MUTANT"]
+            fates.add(mutant.name, caught)
         survivors += report(caught, mutant.name)
     return survivors
 
@@ -336,8 +466,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--left-out", nargs="*", default=[], help="parts of names of files")
     given = parser.parse_args()
-    shutil.rmtree(COPY, ignore_errors=True)
-    subprocess.run(["git", "clone", "--quiet", ".", str(COPY)], check=True)
+    KEPT.mkdir(parents=True, exist_ok=True)
+    head = subprocess.run(["git", "rev-parse", "HEAD"], check=True, capture_output=True, text=True)
+    if not COPY.exists() or git("rev-parse", "HEAD") != head.stdout.strip():
+        shutil.rmtree(COPY, ignore_errors=True)
+        subprocess.run(["git", "clone", "--quiet", ".", str(COPY)], check=True)
+    git("checkout", "--quiet", ".")
     if not build():
         raise SystemExit("The extension does not compile.")
     chance = random.Random(given.seed)
@@ -346,7 +480,7 @@ def main() -> None:
     count = given.python + given.rust
     share = 1.0 - len(missed) / count
     deviation = sqrt(share * (1.0 - share) / count)
-    (COPY / "missed.diff").write_text("\n\n".join(missed), encoding="utf-8")
+    (KEPT / "missed.diff").write_text("\n\n".join(missed), encoding="utf-8")
     print(f"caught {count - len(missed)} of {count} mutants: {share:.0%} ± {deviation:.0%}")
 
 

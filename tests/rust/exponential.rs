@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::common::{Noise, cached, everything, largest, motion, train};
 use gearbow::analysis::{ExcitationPart, equilibrium, synchronous};
 use gearbow::exponential::{
-    InterfaceMaps, LevelControl, Loads, ModeSelection, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule,
+    InterfaceMaps, LevelControl, Loads, Selection, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule,
     Stepper, TimeGrid, run,
 };
 use gearbow::integrate::{Halt, Observer, State, Statistics, Trajectory};

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import gearbow as gb
 from reference.cases import each_case
-from reference.machines import bowed_pair, jeffcott
+from reference.machines import hostile, jeffcott
 from reference.records import of_series, response
 from test_tradeoff_numbers import STUDY
 
@@ -32,7 +32,7 @@ def unchanged_settings():
 @pytest.fixture(scope="module")
 def results() -> dict:
     """Return one result of each kind."""
-    system, run = bowed_pair(), response(TIME)
+    system, run = hostile(), response(TIME)
     time = 1e-3 * np.arange(6000)
     probes = [gb.Probe("input", 0.15), gb.Probe("input", 0.15, angle=1.5)]
     vectors = 1e-6 * np.array([[3.0, -3j], [4.0 - 1j, -1.0 - 4j], [5.0, -5j], [6.0, -6j]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from reference.machines import bowed_pair
+from reference.machines import hostile
 
 pytest.importorskip("matplotlib")
 from matplotlib.figure import Figure
@@ -115,13 +115,13 @@ def test_a_dense_line_on_a_logarithmic_scale_keeps_its_values():
 
 
 def test_a_mode_in_space():
-    modes = bowed_pair().modes(100.0, count=3)
+    modes = hostile().modes(100.0, count=3)
     title, shape, dofs = modes._drawn(2)
     found = scene(parts(shape, dofs, modes.layout), title)
     kinds = [one["type"] for one in found["data"]]
-    assert (kinds.count("surface"), kinds.count("mesh3d")) == (2, 2)  # shafts and gears
+    assert (kinds.count("surface"), kinds.count("mesh3d")) == (4, 5)  # shafts and gears
     named = [one["name"] for one in traces(found, showlegend=True)]
-    assert named == ["input", "output"]
+    assert named == ["input", "idler", "middle", "output"]
     drawn = modes.plot(2).axes[0]
     lines = [one for one in found["data"] if one["type"] == "scatter3d"]
     assert len(lines) == len(drawn.get_lines())

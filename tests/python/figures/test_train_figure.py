@@ -18,11 +18,13 @@ import gearbow as gb
 from gearbow.description.train import Train
 from gearbow.plotting.development import developed
 from gearbow.plotting.end_view import line_of_action
+from reference.equations import base_radius
 from reference.figure_texts import area, box_of, check_texts
 from reference.machines import (
     SHAFTS,
     at_ends,
     chain,
+    hostile,
     reverted_train,
     rotor_on_pedestal,
     star,
@@ -68,6 +70,7 @@ TRAINS = {
     "reverted": reverted_train,
     "star": star,
     "chain": chain,
+    "hostile": hostile,
 }
 
 
@@ -195,6 +198,31 @@ def test_coaxial_shafts_of_opposite_senses_have_two_arrows():
     spools = gb.RotorSystem.load(gb.examples()["dual_rotor"].path)
     _, end = spools.plot().axes
     assert sum(isinstance(patch, FancyArrowPatch) for patch in end.patches) == 2
+    layout = Train.of(spools.description, spools.speed_ratios).layout
+    between = [each for each in spools.bearings if isinstance(each.support, tuple)]
+    assert between
+    for each in between:
+        inner, x = each.support
+        apart = layout.shaft(each.shaft).origin - layout.shaft(inner).origin
+        assert apart == pytest.approx([x - each.position, 0.0, 0.0], abs=1e-12)
+
+
+def test_lines_of_action_touch_the_base_circles_in_the_sense_of_the_driver():
+    system = hostile()
+    _, end = drawn("hostile").axes
+    lines = [line.get_xydata() for line in end.get_lines() if line.get_linestyle() == "--"]
+    layout = Train.of(system.description, system.speed_ratios).layout
+    assert layout.shaft("output").origin == pytest.approx([0.36, 0.0, 0.0], abs=1e-12)
+    ratios = dict(zip((s.name for s in system.shafts), system.speed_ratios, strict=True))
+    gears = {gear.name: gear for gear in system.gears}
+    for mesh, (tail, head) in zip(system.meshes, lines, strict=True):
+        way = (head - tail) / np.hypot(*(head - tail))
+        for name in (mesh.driver, mesh.driven):
+            shaft = gears[name].shaft
+            arm = tail - layout.shaft(shaft).origin[1:]
+            # the moment of a unit force on the driven gear, in the sense in which it turns
+            moment = np.sign(ratios[shaft]) * (arm[0] * way[1] - arm[1] * way[0])
+            assert moment == pytest.approx(base_radius(gears[name]), rel=1e-9)
 
 
 def test_a_sleeve_is_drawn_in_both_views():

@@ -230,7 +230,7 @@ def works(response: gb.Response) -> None:
             [],
             r"displacement: must be float64 of shape \(5, 0, 2\), got float64 of shape \(5, 3, 2\)",
         ),
-        (("meshes",), [["g1", "g2"]] * 2, r"mesh_deflection: must be .* of shape \(5, 2\)"),
+        (("meshes",), [["g1", "g2"]] * 3, r"mesh_deflection: must be .* of shape \(5, 3\)"),
         (("statistics", "steps"), 1.5, r"statistics\.steps: must be a whole number"),
         (("final", "elapsed"), -1e300, r"initial\.elapsed: must not be negative, got -1e300"),
         (("final", "elapsed"), 1e300, r"initial\.elapsed: must not be after the end of the run"),

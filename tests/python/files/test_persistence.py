@@ -81,7 +81,7 @@ def test_netcdf_files_contain_units(tmp_path):
         assert data["displacement"].attrs["units"] == "m"
         assert data["mesh_pressure_angle"].attrs["units"] == "rad"
         assert list(data["point"].values) == ["g1", "g2", "input@0.1"]
-        assert list(data["mesh"].values) == ["g1/g2"]
+        assert list(data["mesh"].values) == ["g4/g5", "g1/g2"]
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import hostile
 from test_frequency_response import train
 
 
@@ -70,15 +71,17 @@ def test_a_universal_file_keeps_shapes(tmp_path: Path):
 
 def test_every_shape_that_pyuff_reads_is_that_of_the_mode(tmp_path: Path):
     pyuff = pytest.importorskip("pyuff")
-    system = train()
-    modes = system.modes(80.0, count=8)
+    system = hostile()
+    modes = system.modes(-80.0, count=8)
     modes.save(tmp_path / "modes.uff")
     nodes, *sets = pyuff.UFF(str(tmp_path / "modes.uff")).read_sets()
     assert [each["mode_n"] for each in sets] == list(range(1, 9))
     places = list(dict.fromkeys((shaft, x) for shaft, x, kind in system.dofs if kind == "v"))
     assert len(nodes["x"]) == len(places)
-    own = np.stack([modes.displacement(place) for place in places], axis=1)
-    read = np.array([[each["r2"], each["r3"]] for each in sets]).swapaxes(1, 2)
+    along = modes.shapes[:, [system.dofs.index((*place, "u")) for place in places]]
+    across = np.stack([modes.displacement(place) for place in places], axis=1)
+    own = np.concatenate([along[..., np.newaxis], across], axis=-1)
+    read = np.array([[each["r1"], each["r2"], each["r3"]] for each in sets]).swapaxes(1, 2)
     flat = [shapes.reshape(len(sets), -1) for shapes in (own, read)]
     cross = np.abs(flat[0].conj() @ flat[1].T) ** 2
     sizes = [np.sum(np.abs(shapes) ** 2, axis=1) for shapes in flat]

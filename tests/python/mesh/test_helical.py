@@ -11,11 +11,9 @@ from scipy.optimize import brentq
 
 import gearbow as gb
 from gearbow.cli.main import main
-from reference import elements
 from reference.cases import each_case
-from reference.helical import HelicalMesh, HelicalTrain
+from reference.helical import HelicalTrain
 from reference.machines import helical_pair, uneven_train
-from reference.train import BearingSpec, RigidSpec, ShaftPart, ShaftSpec, Train
 from test_structured_solver import (
     assert_lowest_modes,
     assert_same_response,
@@ -270,60 +268,6 @@ def test_opposite_helices_on_one_shaft_cancel_the_thrust():
 # --- Motion
 
 
-def reference(system: gb.RotorSystem) -> HelicalTrain:
-    """State the system of `pair` independently."""
-    steel = {"youngs_modulus": 207e9, "shear_modulus": 207e9 / 2.6, "density": 7850.0}
-    mesh, (a, _), torque = system.meshes[0], system.gears, system.torques[0].value
-    radii = np.array([25, 50]) * 3e-3 / np.cos(a.helix_angle) / 2
-    masses = 7850.0 * np.pi * radii**2 * 0.03
-    sections = [elements.Section(diameter, **steel) for diameter in (0.05, 0.06)]
-    train = Train(
-        shafts=[
-            ShaftSpec(
-                "input",
-                [ShaftPart(0.4, sections[0], 2)],
-                bow=lambda x: 1e-4 * np.exp(0.3j) * np.sin(np.pi * x / 0.4),
-                bow_slope=lambda x: 1e-4 * np.exp(0.3j) * np.pi / 0.4 * np.cos(np.pi * x / 0.4),
-            ),
-            ShaftSpec("output", [ShaftPart(0.4, sections[1], 2)], ratio=-0.5),
-        ],
-        rigid=[
-            RigidSpec(
-                name,
-                shaft,
-                0.15,
-                mass,
-                mass * (3 * r**2 + 0.03**2) / 12,
-                mass * r**2 / 2,
-                unbalance,
-            )
-            for name, shaft, mass, r, unbalance in zip(
-                ("g1", "g2"), ("input", "output"), masses, radii, (1e-4, 0j), strict=True
-            )
-        ],
-        bearings=[
-            BearingSpec(shaft, x, 1e8 * np.eye(2), 500.0 * np.eye(2))
-            for shaft in ("input", "output")
-            for x in (0.0, 0.4)
-        ],
-        torques=[("g1", torque), ("g2", 2 * torque)],
-    )
-    whole = HelicalTrain(train)
-    for bearing in system.bearings:
-        place = (bearing.shaft, bearing.position)
-        whole.hold(*place, bearing.axial_stiffness, bearing.tilting_stiffness)
-        i = whole.axial(*place)
-        whole.damping[i, i] += bearing.axial_damping
-    law = HelicalMesh((25, 50), 3e-3, a.helix_angle, 2e8, angle=0.4)
-    base = radii * np.cos(law.transverse)
-    # c = 2ζ√(k m_e) of the transverse section, where k is cos² of the base helix angle smaller
-    reduced = 1.0 / sum(r**2 / (m * p**2 / 2) for r, m, p in zip(base, masses, radii, strict=True))
-    damping = 2 * mesh.damping_ratio * np.sqrt(2e8 * reduced) / np.cos(law.base)
-    options = {"angle": 0.4, "film": mesh.damping_in_separation}
-    whole.join("g1", "g2", HelicalMesh((25, 50), 3e-3, a.helix_angle, 2e8, damping, **options))
-    return whole
-
-
 def ranged(found: np.ndarray, exact: np.ndarray) -> float:
     return float(np.abs(found - exact).max() / np.ptp(exact, axis=0).max())
 
@@ -332,7 +276,7 @@ def ranged(found: np.ndarray, exact: np.ndarray) -> float:
 def test_a_helical_pair_moves_as_an_independent_program_says(live: bool):
     system = helical_pair(bearing={"tilting_stiffness": 1e5})
     times = np.linspace(0.0, 1.5e-3, 31)
-    whole = reference(system)
+    whole = HelicalTrain.of(system, 100.0)
     q, forces = whole.from_rest(100.0, times, live)
     geometry = "live" if live else "frozen"
     for how in ({"method": "rk45", "rtol": 1e-9}, {"method": "exponential", "rtol": 1e-9}):
@@ -361,7 +305,7 @@ def test_a_helical_pair_is_damped_in_separation(live: bool):
     torques = [gb.Torque("g1", 20.0), gb.Torque.balance("g2")]
     system = helical_pair(bearing={"tilting_stiffness": 1e5}, mesh=mesh, torques=torques)
     times = np.linspace(0.0, 1.5e-3, 31)
-    whole = reference(system)
+    whole = HelicalTrain.of(system, 300.0)
     _, forces = whole.from_rest(300.0, times, live)
     geometry = "live" if live else "frozen"
     for how in ({"method": "rk45", "rtol": 1e-9}, {"method": "exponential", "rtol": 1e-9}):

@@ -14,7 +14,7 @@ from gearbow.orders import Kinematics, channel
 from gearbow.orders.segments import cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes
 from gearbow.system import response_sensitivity
-from reference.machines import bowed_pair
+from reference.machines import bowed_pair, hostile
 from test_response import recorded
 
 SPEED = 100.0
@@ -117,6 +117,17 @@ def test_coinciding_orders_are_one_order_with_all_names():
         (2.0, ("2× input",)),
     ]
     assert str(orders[1]) == "1× input = 2× output"
+
+
+def test_orders_of_a_train_are_relative_to_the_reference_shaft():
+    middle, output = 23 / 47, 23 * 29 / (47 * 53)
+    found = {order.names[0]: order.value for order in Kinematics.of(hostile()).orders(1, 1, 1)}
+    expected = {"idler": 23 / 31, "middle": middle, "output": output}
+    expected = {f"1× {name}": value for name, value in expected.items()}
+    expected |= {"1× mesh g1–g2": 23.0, "1× mesh g4–g5": 29 * middle}
+    expected["1× mesh g4–g5 − 1× output"] = 29 * middle - output
+    expected["1× mesh g2–g3 + 1× middle"] = 23.0 + middle
+    assert {name: found[name] for name in expected} == pytest.approx(expected)
 
 
 def test_without_sidebands_an_order_has_each_name_once():
@@ -307,7 +318,7 @@ def test_histories_over_speed_and_angle():
     x, y = panel.lines[0].get_data()
     assert x == pytest.approx(run.speeds * 30.0 / np.pi)
     assert y.size == run.time.size
-    panel = run.plot("mesh", against="angle").axes[2]
+    panel = run.plot("mesh", against="angle").axes[-1]
     assert panel.get_xlabel() == "angle of the reference shaft [revolutions]"
     assert panel.lines[0].get_xdata()[-1] == pytest.approx(run.angle("input")[-1] / (2.0 * np.pi))
     with pytest.raises(gb.GearbowError, match="the figure 'orbits' has no axis of time"):

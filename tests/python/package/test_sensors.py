@@ -9,9 +9,11 @@ import pytest
 from scipy.optimize import brentq
 
 import gearbow as gb
-from reference.machines import bowed_rotor_with_disk, pair_on_housing
+from reference.machines import BETWEEN, bowed_rotor_with_disk, hostile, pair_on_housing
 
 MIDDLE = ("rotor", 0.5)
+#: Speed ratios of the default machine.
+RATIOS = {"input": 1.0, "idler": -23 / 31, "middle": 23 / 47, "output": -23 * 29 / (47 * 53)}
 
 
 # --- Probes
@@ -58,25 +60,25 @@ def test_a_probe_on_a_support_measures_the_relative_motion():
         assert run.measure(probe) == pytest.approx(relative, abs=1e-12 * np.abs(relative).max())
 
 
-def test_the_second_shaft_turns_the_other_way():
-    """The run-out of the driven shaft passes at −z₁/z₂ of the speed."""
-    run = pair_on_housing(gears=None or pair_on_housing().gears).simulate(
-        0.05, 100.0, record=[("output", 0.2)]
-    )
-    probe = gb.Probe("output", 0.2, runout=1e-6 + 0j)
-    error = run.measure(probe) - run.measure(gb.Probe("output", 0.2))
-    twist = run.twist(("output", 0.2))
-    assert error == pytest.approx(1e-6 * np.cos(-50.0 * run.time + twist), abs=1e-15)
+@pytest.mark.parametrize("speed", [100.0, -60.0])
+def test_the_runout_of_each_shaft_passes_at_its_own_speed(speed: float):
+    places = [("idler", 0.2), BETWEEN, ("output", 0.17)]
+    run = hostile().simulate(0.05, speed, record=places, output_step=1e-3)
+    for shaft, x in places:
+        probe = gb.Probe(shaft, x, angle=0.4, runout=1e-6j)
+        error = run.measure(probe) - run.measure(gb.Probe(shaft, x, angle=0.4))
+        turned = RATIOS[shaft] * speed * run.time + run.twist((shaft, x))
+        assert error == pytest.approx(-1e-6 * np.sin(turned - 0.4), abs=1e-15)
 
 
 # --- Accelerometers
 
 
 def test_an_accelerometer_sees_the_component_in_its_direction():
-    run = pair_on_housing().simulate(
-        2e-3, 200.0, record=["foot", "corner", "gears", "acceleration"]
-    )
-    for place in ("foot", "corner", "g1"):
+    on_housing = pair_on_housing().simulate(2e-3, 200.0, record=["foot", "corner", "acceleration"])
+    train = hostile().simulate(2e-3, -200.0, record=["gears", BETWEEN, "acceleration"])
+    cases = [(on_housing, "foot"), (on_housing, "corner"), (train, "g4"), (train, BETWEEN)]
+    for run, place in cases:
         a = run.acceleration(place)
         for angle in (0.0, 0.8, 2.0):
             along = a[:, 0] * np.cos(angle) + a[:, 1] * np.sin(angle)
@@ -87,10 +89,12 @@ def test_an_accelerometer_sees_the_component_in_its_direction():
 # --- Tachometers
 
 
-def test_pulses_at_constant_speed():
-    run = pair_on_housing().simulate(0.2, 100.0, output_step=1e-3)
+@pytest.mark.parametrize("speed", [100.0, -100.0])
+def test_pulses_at_constant_speed(speed: float):
+    run = hostile().simulate(0.2, speed, output_step=1e-3)
     for pulses, angle in ((1, 0.0), (1, 1.0), (7, -0.3)):
-        for shaft, spin in (("input", 100.0), ("output", -50.0)):
+        for shaft, ratio in RATIOS.items():
+            spin = ratio * speed
             found = run.measure(gb.Tacho(shaft, pulses, angle=angle))
             k = np.arange(-200, 201)
             times = np.sort((angle + 2 * np.pi * k / pulses) / spin)
@@ -152,16 +156,16 @@ def test_pulses_at_changing_speed(profile: gb.SpeedProfile, angle: Any):
 
 def test_pulses_with_twist():
     """Torsional vibration shifts the pulses by −θ/Ω; the twist between samples follows from its rate."""
-    system, place = pair_on_housing(), ("input", 0.2)
+    system, place = hostile(), BETWEEN
     fine = system.simulate(0.02, 200.0, output_step=1e-6, record=[place, "velocity"])
     coarse = system.simulate(0.02, 200.0, output_step=2e-5, record=[place, "velocity"])
-    tacho = gb.Tacho("input", 20, position=0.2)
+    tacho = gb.Tacho("middle", 20, position=BETWEEN[1])
     found = coarse.measure(tacho)
-    whole = fine.angle("input") + fine.twist(place)
+    whole = fine.angle("middle") + fine.twist(place)
     k = np.arange(np.ceil(whole[0] * 20 / (2 * np.pi)), np.ceil(whole[-1] * 20 / (2 * np.pi)))
     # linear interpolation of samples a microsecond apart
     expected = np.interp(k * 2 * np.pi / 20, whole, fine.time)
-    bare = coarse.measure(gb.Tacho("input", 20))
+    bare = coarse.measure(gb.Tacho("middle", 20))
     assert found == pytest.approx(expected, abs=1e-9)
     assert np.abs(found - bare[: found.size]).max() > 1e-7
 
@@ -207,7 +211,7 @@ def test_a_tone_below_passes_without_a_change(base: gb.Response, rate: float):
 
 def test_every_array_is_sampled(tmp_path: Any):
     record = ["gears", "meshes", "bearings", "energy", "velocity", "acceleration"]
-    run = pair_on_housing().simulate(0.02, 200.0, output_step=1e-5, record=record)
+    run = hostile().simulate(0.02, 200.0, output_step=1e-5, record=record)
     found = run.resample(1e4)
     size = found.time.size
     assert 120 < size < 160
@@ -246,9 +250,10 @@ def test_sensors_in_spectra_orders_and_tables():
 
 
 def test_angles_and_spins_of_shafts():
-    run = pair_on_housing().simulate(0.01, 100.0)
-    assert run.angle("output") == pytest.approx(-50.0 * run.time, rel=1e-14)
-    assert run.spin("output", [0.0, 1.0]) == pytest.approx([-50.0, -50.0])
+    run = hostile().simulate(0.01, -100.0)
+    for shaft, ratio in RATIOS.items():
+        assert run.angle(shaft) == pytest.approx(-100.0 * ratio * run.time, rel=1e-14)
+        assert run.spin(shaft, [0.0, 1.0]) == pytest.approx(2 * [-100.0 * ratio])
     profile = gb.SpeedProfile.table([0.1, 0.3, 0.4], [10.0, 50.0, 20.0])
     exact = [-1.0, 0.0, 2.0, 6.0, 9.5, 9.5 + 2.0]
     assert profile.angle([0.0, 0.1, 0.2, 0.3, 0.4, 0.5]) == pytest.approx(exact, abs=1e-12)

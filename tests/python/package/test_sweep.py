@@ -205,7 +205,7 @@ def mixed(system: dict[str, float], **_: object) -> dict[str, object]:
         "flag": system["a"] > 1,
         "phasor": 1j * system["a"],
         "text": "x" * system["a"],
-        "array": np.full((2, 3), system["a"], dtype=np.float32),
+        "array": system["a"] + np.arange(6, dtype=np.float32).reshape(2, 3),
     }
 
 
@@ -254,7 +254,8 @@ def test_the_table_has_a_row_for_each_point():
     assert table["error"].tolist() == ["", "ValueError: b is 1"] * 3
     table = gb.sweep(plain, AB, mixed).to_dataframe()
     assert "array[1, 2]" in table.columns
-    assert table["array[1, 2]"][4] == 3.0
+    assert table["array[1, 2]"][4] == 3.0 + 5.0
+    assert table["array[0, 1]"][4] == 3.0 + 1.0
 
 
 def test_a_value_with_the_name_of_a_parameter_has_no_table():

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
-from math import pi, radians
+from math import acos, atan, atan2, cos, pi, radians, sin, tan
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 import gearbow as gb
 
@@ -134,6 +135,110 @@ def rotor(
 def inertia(mass: float, diametral: float, polar: float, **more: Any) -> dict[str, Any]:
     """Name the mass [kg] and the moments of inertia [kg m²] of a disk or gear."""
     return {"mass": mass, "diametral_inertia": diametral, "polar_inertia": polar, **more}
+
+
+# --- the default machine of the tests -------------------------------------------------------------
+
+
+def hostile(**changes: Any) -> gb.RotorSystem:
+    """Build the default machine of the tests, no two parts of which are alike.
+
+    "input" drives "idler", "middle" and "output". The latter lies on the axis of "input" and has a
+    bearing on its end. Tooth numbers are primes, and no speed ratio is 1. Every bow, unbalance,
+    bearing and angle has a value of its own. One mesh has run-out, another profile shift and
+    transmission error. The torques act at places without gear or bearing.
+    """
+    bows = {
+        "input": (1e-4, 0.3),
+        "idler": (4e-5, 1.1),
+        "middle": (7e-5, -2.0),
+        "output": (5e-5, 2.5),
+    }
+    sizes = {"input": (0.36, 0.04, 3), "idler": (0.25, 0.045, 2), "middle": (0.5, 0.05, 4)}
+    shafts = [
+        gb.Shaft(
+            name,
+            length=length,
+            outer_diameter=diameter,
+            inner_diameter=0.01 if name == "middle" else 0.0,
+            elements=elements,
+            bow=gb.Bow.half_sine(*bows[name]),
+        )
+        for name, (length, diameter, elements) in (sizes | {"output": (0.3, 0.06, 2)}).items()
+    ]
+    geared = [
+        ("g1", "input", 0.21, 23, {"helix_angle": 0.3, "runout": 3e-6 + 2.5e-6j}),
+        ("g2", "idler", 0.13, 31, {"helix_angle": -0.3}),
+        ("g3", "middle", 0.12, 47, {"helix_angle": 0.3}),
+        ("g4", "middle", 0.35, 29, {"helix_angle": -0.2, "profile_shift": 0.4}),
+        ("g5", "output", 0.08, 53, {"helix_angle": 0.2, "profile_shift": 0.15}),
+    ]
+    gears = {
+        name: gb.Gear(name, on, x, teeth, **TOOTH, **more, unbalance=1e-4 * i * np.exp(1j * i))
+        for i, (name, on, x, teeth, more) in enumerate(geared, 1)
+    }
+    meshed = (("g1", "g2"), ("g2", "g3"), ("g4", "g5"))
+    a, b, c = (distance_without_play(gears[one], gears[other]) for one, other in meshed)
+    # the lines of centres close a triangle: "output" returns to the axis of "input"
+    first = 0.5
+    second = first + pi - acos((a**2 + b**2 - c**2) / (2 * a * b))
+    y, z = (a * f(first) + b * f(second) for f in (cos, sin))
+    error = gb.TransmissionError(tooth=[(2e-6, 0.4)], driver=[(5e-6, 0.8)], driven=[(3e-6, -1.0)])
+    film = [[[8e7, 1e7], [-5e6, 6e7]], [[1.2e8, 2e7], [-1.5e7, 9e7]], [[1.5e8, 3e7], [-2e7, 1e8]]]
+    given: dict[str, Any] = {
+        "shafts": shafts,
+        "gears": list(gears.values()),
+        "meshes": [
+            gb.Mesh(
+                *names, stiffness=k, damping_ratio=zeta, centre_line_angle=angle, error=own_error
+            )
+            for names, k, zeta, angle, own_error in zip(
+                meshed,
+                (2e8, 1.7e8, 2.4e8),
+                (0.05, 0.04, 0.06),
+                (first, second, atan2(-z, -y)),
+                (None, None, error),
+                strict=True,
+            )
+        ],
+        "bearings": [
+            gb.Bearing(
+                on,
+                x,
+                stiffness=k,
+                damping=c,
+                axial_stiffness=along,
+                axial_damping=1e-5 * along,
+                **on_,
+            )
+            for on, x, k, c, along, on_ in (
+                ("input", 0.0, 1.1e8, 550.0, 3e7, {}),
+                ("idler", 0.25, 1.3e8, 400.0, 0.0, {}),
+                ("middle", 0.0, 1.5e8, 450.0, 4e7, {}),
+                ("output", 0.3, 2e8, 850.0, 5e7, {}),
+                ("input", 0.3, (8e7, 6e7), [[900.0, 50.0], [70.0, 700.0]], 0.0, {}),
+                ("idler", 0.0, (9e7, 1.2e8), (600.0, 500.0), 2e7, {}),
+                ("middle", 0.5, gb.SpeedTable([0.0, 40.0, 400.0], film, "hold"), 650.0, 0.0, {}),
+                ("output", 0.0, (7e7, 5e7), 350.0, 1e7, {"support": ("input", 0.36)}),
+            )
+        ],
+        "torques": [gb.Torque(("input", 0.07), 150.0), gb.Torque(("output", 0.17), "balance")],
+    }
+    return gb.RotorSystem(**{**given, **changes})
+
+
+#: A point of measurement of the default machine away from gears, bearings and nodes.
+BETWEEN = ("middle", 0.2137)
+
+
+def distance_without_play(a: gb.Gear, b: gb.Gear) -> float:
+    """Give the centre distance [m] of two helical gears with profile shift, by ISO 21771."""
+    assert a.module is not None
+    teeth, shift = a.teeth + b.teeth, a.profile_shift + b.profile_shift
+    angle = atan(tan(a.pressure_angle) / cos(a.helix_angle))
+    wanted = tan(angle) - angle + 2 * tan(a.pressure_angle) * shift / teeth
+    working = brentq(lambda x: tan(x) - x - wanted, 0.1, 1.0, xtol=1e-15)
+    return a.module * teeth / cos(a.helix_angle) / 2 * cos(angle) / cos(float(working))
 
 
 # --- pairs of gears -------------------------------------------------------------------------------

@@ -17,6 +17,7 @@ from reference.mesh_law import MeshLaw
 
 Array = NDArray[np.float64]
 Curve = Callable[[float], complex]
+Place = tuple[str, float]  # shaft, position
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class BearingSpec:
     position: float
     stiffness: Array
     damping: Array
+    support: Place | None = None  # a place on another shaft; None is the ground
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ class Train:
     rigid: Sequence[RigidSpec] = ()
     bearings: Sequence[BearingSpec] = ()
     meshes: Sequence[MeshSpec] = ()
-    torques: Sequence[tuple[str, float]] = ()
+    torques: Sequence[tuple[str | Place, float]] = ()  # at a gear, a disk or a place
     gravity: tuple[float, float] = (0.0, 0.0)
     bow_torque: bool = False  # whether bows turn with the twist
     nodes: dict[str, Array] = field(init=False)
@@ -102,7 +104,10 @@ class Train:
         self._assemble()
 
     def _positions(self, shaft: str) -> list[float]:
-        return [x.position for x in (*self.rigid, *self.bearings) if x.shaft == shaft]
+        places = [(x.shaft, x.position) for x in (*self.rigid, *self.bearings)]
+        places += [bearing.support for bearing in self.bearings if bearing.support]
+        places += [at for at, _ in self.torques if isinstance(at, tuple)]
+        return [position for name, position in places if name == shaft]
 
     def dof(self, shaft: str, position: float, coordinate: int) -> int:
         gaps = np.abs(self.nodes[shaft] - position)
@@ -117,7 +122,9 @@ class Train:
             for c in ("v", "w", "B", "G", "twist")
         ]
 
-    def place(self, name: str) -> tuple[str, float]:
+    def place(self, name: str | Place) -> Place:
+        if isinstance(name, tuple):
+            return name
         return next((r.shaft, r.position) for r in self.rigid if r.name == name)
 
     def interface(self, mesh: MeshSpec) -> NDArray[np.intp]:
@@ -154,9 +161,14 @@ class Train:
         self.grounded = self.elastic.copy()  # shafts and bearings, without meshes
         self.viscous = np.zeros((n, n))
         for bearing in self.bearings:
-            i = self.dof(bearing.shaft, bearing.position, 0)
-            self.grounded[i : i + 2, i : i + 2] += bearing.stiffness
-            self.viscous[i : i + 2, i : i + 2] += bearing.damping
+            ends = [((bearing.shaft, bearing.position), 1.0)]
+            ends += [(bearing.support, -1.0)] if bearing.support else []
+            apart = np.zeros((2, n))
+            for place, sign in ends:
+                i = self.dof(*place, 0)
+                apart[:, i : i + 2] = sign * np.eye(2)
+            self.grounded += apart.T @ bearing.stiffness @ apart
+            self.viscous += apart.T @ bearing.damping @ apart
 
     def linear(self) -> tuple[Array, Array]:
         """Give stiffness and damping with each mesh linearised at rest."""

@@ -51,12 +51,12 @@ def recorded(rows: int = 5, energy: bool = True) -> gb.Response:
             "points": [("input", 0.25, ["g1"]), ("output", 0.25, ["g2"]), ("input", 0.1, [])],
             "displacement": 1e-5 * numbers.standard_normal((rows, 3, 2)),
             "twist": numbers.standard_normal((rows, 3)),
-            "bearings": [("input", 0.0)],
-            "bearing_force": numbers.standard_normal((rows, 1, 2)),
+            "bearings": [("output", 0.3), ("input", 0.0)],
+            "bearing_force": numbers.standard_normal((rows, 2, 2)),
             "rolling_bearings": [],
             "rolling_contact": np.empty((rows, 0, 2)),
-            "meshes": [("g1", "g2")],
-            "mesh": {name: numbers.standard_normal((rows, 1)) for name in FIELDS},
+            "meshes": [("g4", "g5"), ("g1", "g2")],
+            "mesh": {name: numbers.standard_normal((rows, 2)) for name in FIELDS},
             "energy": numbers.standard_normal(rows) if energy else None,
             "energy_terms": (
                 {name: numbers.standard_normal(rows) for name in TERMS} if energy else None
@@ -146,9 +146,8 @@ def test_the_error_says_how_to_record_a_missing_quantity(ask, record):
     with pytest.raises(gb.ChannelError) as caught:
         ask(recorded(energy=False))
     assert record in str(caught.value)
-    assert "'g1', 'g2', ('input', 0.1), ('g1', 'g2'), ('bearing', 'input', 0.0)" in str(
-        caught.value
-    )
+    listed = "'g1', 'g2', ('input', 0.1), ('g4', 'g5'), ('g1', 'g2'), ('bearing', 'output', 0.3)"
+    assert listed in str(caught.value)
     assert isinstance(caught.value, KeyError)
     assert isinstance(caught.value, gb.GearbowError)
 
@@ -165,6 +164,13 @@ def test_a_mesh_has_its_gears_in_either_order():
         response.bearing_force("g1")  # type: ignore[arg-type]
     with pytest.raises(gb.SceneError, match=r"^at: must be a name or \(shaft, position\)"):
         response.displacement(("g1", "g2"))  # type: ignore[arg-type]
+
+
+def test_events_belong_to_one_mesh():
+    response = recorded()
+    assert len(set(response.mesh("g1/g2").contact)) == 3
+    assert len(set(response.mesh("g4/g5").contact)) == 1
+    assert response.contact_shares("g4/g5").drive == 1.0
 
 
 def test_a_recorded_quantity_can_be_requested_again():
@@ -359,7 +365,7 @@ def test_tables_have_units_in_their_columns():
     response = recorded()
     table = response.to_dataframe()
     assert table.index.name == "time [s]"
-    assert table.shape == (5, 3 * 3 + len(FIELDS) + 2 + 1 + len(TERMS))
+    assert table.shape == (5, 3 * 3 + 2 * len(FIELDS) + 2 * 2 + 1 + len(TERMS))
     np.testing.assert_array_equal(table["g2 z [m]"], response.displacement("g2")[:, 1])
     np.testing.assert_array_equal(table["input@0.1 twist [rad]"], response.twist(("input", 0.1)))
     np.testing.assert_array_equal(
@@ -372,6 +378,15 @@ def test_tables_have_units_in_their_columns():
     balance = response.energy_balance()
     np.testing.assert_array_equal(table["energy meshes [J]"], balance.meshes)
     np.testing.assert_array_equal(table["work damping [J]"], balance.damping)
+    means = {
+        "g4/g5 contact ratio": response.mesh("g4/g5").contact_ratio,
+        "g1/g2 contact ratio": response.mesh("g1/g2").contact_ratio,
+        "bearing input at 0 m force": np.hypot(*response.bearing_force(("input", 0.0)).T),
+    }
+    rows = {row[:30].strip(): row[30:].split() for row in response.table().splitlines()[2:]}
+    for name, values in means.items():
+        # the table has four digits
+        assert float(rows[name][0]) == pytest.approx(values.mean(), rel=1e-3)
 
 
 class TestEnergyBalance:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.machines import bowed_pair, bowed_rotor
+from reference.machines import bowed_rotor, hostile
 from test_response import recorded
 
 
@@ -26,7 +26,7 @@ def writable(value: object) -> list[np.ndarray]:
 
 
 def results():
-    system = bowed_pair()
+    system = hostile()
     speeds = np.linspace(50.0, 100.0, 3)
     bowed = bowed_rotor(disks=[gb.Disk("disk", "rotor", 0.5, 10.0, 0.1, 0.2)])
     response = recorded()
@@ -94,7 +94,7 @@ def test_a_response_from_a_file_is_read_only_too(made, tmp_path):
 
 def test_arrays_of_the_caller_stay_writable():
     speeds = np.linspace(50.0, 100.0, 3)
-    system = bowed_pair()
+    system = hostile()
     diagram, response = system.campbell(speeds, count=2), system.synchronous(speeds)
     speeds[0] = 1.0
     assert diagram.speeds[0] == response.speeds[0] == 50.0
