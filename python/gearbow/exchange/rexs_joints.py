@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from gearbow._convert import number, shown
 from gearbow._lookup import nearest
 from gearbow._shown import Shown
@@ -34,6 +36,8 @@ _LAWS = {"stiffness", "viscosity", *_CATALOGUED}
 _WITH_EVERY_LAW = ("axial_stiffness", "tilting_stiffness")
 #: Names of the radial clearance, the preferred first: the second is that of REXS 1.0.
 _CLEARANCES = ("operating_radial_bearing_clearance", "radial_backlash", "radial_bearing_clearance")
+#: Names of the entries of the stiffness at the operating point, which calculations write.
+_OPERATING = "operating_point_stiffness_f_{}_d_{}"
 _COUPLINGS = ("coupling", "switchable_coupling", "fixed_coupling")
 
 
@@ -197,6 +201,8 @@ class Joints:
         found = self._stiffness(component, "bearings")
         if "stiffness" not in carries:
             found["stiffness"] = 0.0
+        elif component.has(_OPERATING.format("v", "v")):
+            found["stiffness"] = self._operating(component, placed)
         rolls = "stiffness" not in found and side == "inner"
         geometry = self._rolling(component) if rolls else {}
         for key, value in ((joint.name, given), (OTHER, bearings.get(OTHER))):
@@ -324,6 +330,20 @@ class Joints:
                     )
             elif key and component.kind == "fixed_coupling":
                 found[key] = each.rigid
+        return found
+
+    def _operating(self, component: Component, placed: PlacedShaft) -> list[list[float]]:
+        """Give the radial stiffness at the operating point, as a matrix along y and z."""
+        matrix = np.array(
+            [
+                [component.number(_OPERATING.format(i, j), "bearings.stiffness", 0.0) for j in "vw"]
+                for i in "vw"
+            ]
+        )
+        turn = np.eye(2)
+        if placed.frame is not None:
+            turn = (placed.frame.axes @ self._shafts.reference.axes.T)[1:, 1:]
+        found: list[list[float]] = (turn.T @ matrix @ turn).tolist()
         return found
 
     def _rolling(self, bearing: Component) -> dict[str, Plain]:

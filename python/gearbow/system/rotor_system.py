@@ -41,6 +41,7 @@ from gearbow.system.linear import (
     campbell,
     critical_speed_map,
     efficiency,
+    layout_of,
     mass_properties,
     matrices,
     modes,
@@ -490,23 +491,35 @@ class RotorSystem(CheckedKeywords, Shown):
             raise SceneError(f"{os.fspath(path)}: {error}") from None
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the description to a TOML file.
+        """Write the description to a TOML file, or what REXS can hold of it to a REXS file.
 
         Parameters
         ----------
         path : str or path-like
-            The file. Its name ends with ".toml". It contains the sampled points of a bow that is
-            given as a function.
+            The file. Its name ends with ".toml" or ".rexs". A TOML file contains the sampled points
+            of a bow that is given as a function. REXS 1.4, which `read_rexs` reads, has shafts,
+            gears, stages, bearings, couplings, masses, and constant torques and forces.
 
         Raises
         ------
         SceneError
-            If the name has another ending, or a load is a function of time.
+            If the name has another ending, a load is a function of time, or REXS cannot hold an
+            essential part, for example a housing, a journal bearing or a support.
         OSError
             If the file cannot be written. An existing file is unchanged.
+
+        Warns
+        -----
+        SceneWarning
+            What a REXS file does not contain, such as damping, bows and the stiffness of meshes.
         """
-        path, _ = check_name(path, [".toml"])
+        path, ending = check_name(path, [".toml", ".rexs"])
         refuse_functions(torques=self.torques, forces=self.forces)
+        if ending == ".rexs":
+            from gearbow.exchange.rexs_writer import write_rexs  # noqa: PLC0415  # with XML
+
+            write_rexs(self.description, layout_of(self), path)
+            return
         text = self._model.to_toml()
         with replacing(path) as file:
             file.write(text.encode())
