@@ -141,7 +141,7 @@ class RexsContents(Shown):
 def read_rexs(
     path: str | os.PathLike[str],
     load_case: int | None = None,
-    bearings: Mapping[str, object] | None = None,
+    bearings: Mapping[str, object] | str | None = None,
     couplings: Mapping[str, object] | None = None,
 ) -> tuple[dict[str, Plain], RexsContents]:
     """Read a gear unit: its description, without what is missing, and its contents."""
@@ -175,7 +175,7 @@ def read_rexs(
 def read_system(
     path: str | os.PathLike[str],
     load_case: int | None,
-    bearings: Mapping[str, object] | None,
+    bearings: Mapping[str, object] | str | None,
     couplings: Mapping[str, object] | None,
 ) -> tuple[dict[str, Plain], RexsContents]:
     """Read a gear unit of which nothing is missing."""
@@ -200,12 +200,13 @@ def rexs_contents(path: str | os.PathLike[str]) -> RexsContents:
     Parameters
     ----------
     path : str or path-like
-        A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive) of version 1.0 to 2.0.
+        A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive, also ``.zip``) of
+        version 1.0 to 2.0.
 
     Returns
     -------
     RexsContents
-        Load cases, missing values and notes.
+        Load cases, missing values, notes, and what each bearing becomes.
 
     Raises
     ------
