@@ -54,10 +54,7 @@ def bearing_of_dimensions(kind: str, boundary: tuple[float, ...]) -> dict[str, P
 
 
 def bearing_of_designation(texts: Iterable[str]) -> dict[str, Plain]:
-    """Find the first designation in texts, with any prefixes and suffixes; empty without one.
-
-    The fields are those of `gearbow.RollingBearing`.
-    """
+    """Give fields of a `RollingBearing` by the first designation in texts; empty without one."""
     for text in texts:
         for pattern, make in (
             (_ROLLERS, _cylindrical),
