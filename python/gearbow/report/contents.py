@@ -19,6 +19,7 @@ from gearbow._types import Array
 from gearbow.description.assumptions import assumptions
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.places import place_label
+from gearbow.description.rolling import RollingBearing
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
 from gearbow.report import api617
 from gearbow.report.data import parts_tables
@@ -46,6 +47,9 @@ _OVERVIEW, _IN_SPACE = 6, 4
 _ORBITS, _BEARINGS, _SPECTRA = 8, 4, 3
 #: Revolutions of the slowest shaft of a run in place of a steady state, and of its figures.
 _REVOLUTIONS, _SHOWN_REVOLUTIONS = 20.0, 1.0
+#: Damping ratio below which a mode has none but round-off, and the run in revolutions of the
+#: reference shaft that then replaces the steady state.
+_NO_DAMPING, _UNSETTLED_REVOLUTIONS = 1e-9, 5.0
 #: Lines of many points keep those that are half a point of the page away from the others.
 _DENSE: Any = {"path.simplify_threshold": 0.5}
 
@@ -164,10 +168,24 @@ class Contents:
     def _motion(self) -> tuple[Response, str, SteadyState | None]:
         speed = self.need_operating()
         record = ["gears", "disks", "meshes", "bearings"]
+        least = np.min(
+            self.modes.damping_ratios, where=self.modes.frequencies_hz > 0.0, initial=1.0
+        )
+        rolling = any(isinstance(each, RollingBearing) for each in self.system.bearings)
+        if rolling and least < _NO_DAMPING:
+            # Rolling elements excite without end, and without damping nothing settles.
+            run: Response
+            duration = _UNSETTLED_REVOLUTIONS * 2.0 * math.pi / abs(speed)
+            run = self.system.simulate(duration, speed, record=record)
+            what = (
+                f"a run of {_UNSETTLED_REVOLUTIONS:g} revolutions of the reference shaft, as a "
+                "mode has no damping, so that nothing settles; give bearings and meshes damping"
+            )
+            return run, what, None
         try:
             steady = self.system.steady_state(speed, record=record)
         except (ConvergenceError, StabilityError) as error:
-            run: Response = self.system.simulate(_REVOLUTIONS * self.turn(), speed, record=record)
+            run = self.system.simulate(_REVOLUTIONS * self.turn(), speed, record=record)
             what = f"a run of {_REVOLUTIONS:g} revolutions of the slowest shaft, because {error}"
             return run, what, None
         period = (

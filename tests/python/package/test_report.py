@@ -385,3 +385,13 @@ def test_a_report_shows_oscillations_among_overdamped_modes():
     slow = (modes.eigenvalues.imag > 0.0) & (modes.damping_ratios > 0.99)
     assert slow.sum() > 4
     assert np.sum(modes.damping_ratios < 0.9) >= 4
+
+
+def test_undamped_rolling_bearings_have_a_short_run_in_place_of_a_steady_state(tmp_path):
+    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.03)
+    bearings = [gb.RollingBearing("rotor", at, "6206") for at in (0.0, 0.4)]
+    disk = gb.Disk("disk", "rotor", 0.2, 5.0, 0.01, 0.02, unbalance=1e-5)
+    system = gb.RotorSystem([shaft], bearings=bearings, disks=[disk], gravity=9.81)
+    sections = read_sections(written(system, tmp_path, operating=gb.rpm(3000)))
+    text = next(section for section in sections.values() if "Motion at 3000 rpm" in section)
+    assert "a run of 5 revolutions of the reference shaft, as a mode has no damping" in text
