@@ -276,7 +276,7 @@ _QUANTITIES = {
 
 def _read_csv(path: Path) -> list[MeasuredCurve]:
     """Read a frequency in Hz and pairs of columns such as "pinion y re [m/s²]"."""
-    with reading(path) as text:
+    with reading(path, "a table of measured curves") as text:
         rows = [row for row in csv.reader(text.splitlines()) if row and not row[0].startswith("#")]
     if len(rows) < 2 or rows[0][0].strip() not in ("frequency [Hz]", "frequency [rad/s]"):
         raise SceneError(
