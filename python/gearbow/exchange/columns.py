@@ -27,8 +27,8 @@ _NUMBER = re.compile(r"\s*[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 
 #: Heading with a unit: "speed [rpm]" or "speed (rpm)".
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
-#: Most characters of a heading. Expressions for headings take a time of the power of its length.
-_LONGEST_HEADING = 200
+#: Most characters of a heading or number; some expressions for headings take the square of it.
+_LONGEST_CELL = 400
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def _headings(
     """Give the names of the columns, and the unit of each one."""
     units: dict[str, str] = {}
     for cell in cells:
-        if len(cell) > _LONGEST_HEADING:
+        if len(cell) > _LONGEST_CELL:
             raise SceneError(f"{where}: {shown(cell)} is too long for a heading")
         heading = _HEADING.fullmatch(cell)
         name = "" if heading is None else heading[1].lower().replace(" ", "_")
@@ -196,7 +196,7 @@ def _behind(cell: str, known: Mapping[str, str]) -> str:
 def _number(cell: str, unit: str, field: str, where: str) -> float:
     """Read a number with the unit of its column; the unit is empty in SI units."""
     # Python also reads digits with underscores.
-    if not _NUMBER.fullmatch(cell):
+    if len(cell) > _LONGEST_CELL or not _NUMBER.fullmatch(cell):
         raise SceneError(f"{where}: must be a number with a decimal point, got {shown(cell)}")
     # The text, not the number: the conversion of a text is correctly rounded.
     found = parsed(f"{cell} {unit}", field) if unit else float(cell)
