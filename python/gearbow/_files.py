@@ -45,6 +45,8 @@ _RETRIES = (0.01, 0.03, 0.1, 0.3, 1.0)
 #: Age from which Windows removes a temporary file that no program has open [s]. A writer closes its
 #: file a moment before it renames it.
 _ABANDONED = 3600.0
+#: Most characters of the reason why a file is not read.
+_LONGEST_REASON = 1000
 #: First bytes of texts that editors and Excel save in an encoding other than UTF-8.
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 #: What XML and files of text lack: control characters, halves of surrogate pairs, U+FFFE, U+FFFF.
@@ -102,9 +104,16 @@ def parsing(path: str | os.PathLike[str], kind: str, *, own: bool = False) -> It
     except RecursionError:
         raise SceneError(f"{path}: is nested too deeply; the file is damaged") from None
     except Exception as error:
-        if isinstance(error, Warning) or (isinstance(error, GearbowError) and not own):
+        system = isinstance(error, OSError) and error.errno is not None and not own
+        if system or isinstance(error, Warning):
             raise
         reason = str(error) or type(error).__name__
+        if len(reason) > _LONGEST_REASON:  # names a damaged text
+            reason = f"{reason[:_LONGEST_REASON]}…"
+        if isinstance(error, GearbowError) and not own:
+            if reason == str(error):
+                raise
+            raise SceneError(reason) from None
         raise SceneError(f"{path}: is not {kind}, or damaged: {reason}") from error
 
 

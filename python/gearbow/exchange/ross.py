@@ -77,8 +77,8 @@ def read_ross(
     path: str | os.PathLike[str], meshes: Sequence[Mapping[str, Plain]] = ()
 ) -> dict[str, Plain]:
     """Read a rotor that ROSS saved; the meshes of its gears are not in the file."""
-    file = _read(path)
     with parsing(path, "a rotor of ROSS"):
+        file = _read(path)
         try:
             return _description(file, meshes)
         except KeyError as error:

@@ -30,34 +30,7 @@ MEASURED = "speed [rpm],shaft,position [mm],amplitude [um],phase [deg]\n" + "".j
     f"{v},input,100,{v / 100},{v / 50}\n" for v in (500, 1000, 1500)
 )
 CURVES = "frequency [Hz],pinion y re [m],pinion y im [m]\n10,1,2\n20,3,4\n"
-ROSS = """ross_version = "2.0.0"
-[ShaftElement_0]
-n = 0
-L = 0.5
-idl = 0.0
-odl = 0.05
-axial_force = 0
-torque = 0
-shear_effects = true
-rotary_inertia = true
-gyroscopic = true
-shear_method_calc = "cowper"
-[ShaftElement_0.material]
-name = "Steel"
-rho = 7810
-E = 211e9
-G_s = 81.2e9
-[BearingElement_0]
-n = 0
-kxx = 1e7
-cxx = 0
-kyy = 1e7
-kxy = 0
-kyx = 0
-cyy = 0
-cxy = 0
-cyx = 0
-"""
+ROSS = Path(__file__).parents[3] / "examples" / "ross_files" / "rotor.toml"
 #: What takes a part of a file to where no reader expects it.
 WORDS = (
     b"",
@@ -108,8 +81,12 @@ def named(x: float) -> float:
     return x
 
 
+def measured_value(system: float, x: float) -> float:
+    return system + x
+
+
 def sweep(path: Path) -> None:
-    gb.sweep(named, {"x": [1.0, 2.0, 3.0]}, abs).save(path)
+    gb.sweep(named, {"x": [1.0, 2.0, 3.0]}, measured_value).save(path)
 
 
 def rexs(path: Path) -> None:
@@ -143,7 +120,7 @@ KINDS: dict[str, tuple[Callable[[Path], Any], Callable[[Path], Any]]] = {
         lambda path: rotor().modes(count=2).save(path),
         lambda path: rotor().modes(count=2).compare(path),
     ),
-    "rotor.toml": (text(ROSS), gb.RotorSystem.from_ross),
+    "rotor.toml": (lambda path: path.write_bytes(ROSS.read_bytes()), gb.RotorSystem.from_ross),
     "gearbox.rexs": (rexs, gb.rexs_contents),
     "gearbox.rexsz": (rexs, gb.rexs_contents),
 }
@@ -196,7 +173,7 @@ def read_damaged(name: str, folder: Path, count: int, seed: int) -> Counter[str]
             found["read"] += 1
         except gb.GearbowError as error:
             found["refused"] += 1
-            if len(str(error)) > 3000:
+            if len(str(error)) > 1500:
                 found["long message"] += 1
         except Exception as error:  # noqa: BLE001  # counted
             found[f"{type(error).__name__}: {str(error)[:80]}"] += 1
@@ -225,6 +202,8 @@ def test_every_damaged_file_is_read_or_refused(tmp_path: Path, name: str):
         Path(name).suffix, ()
     ):
         pytest.importorskip(module)
+    if name == "rotor.toml" and not ROSS.exists():
+        pytest.skip("the examples are not installed")
     # `make fuzz` reads new files in each call.
     seed = random.randrange(10**6) if COUNT > 40 else 1
     ended = subprocess.run(
