@@ -304,7 +304,8 @@ def read_measured(
     `sources` and `plain` are the labels and plain data of the sources of the response.
     """
     if path.suffix.lower() == ".csv":
-        return _read_csv(path)
+        with parsing(path, "a table of measured curves"):
+            return _read_csv(path)
     return _read_uff(path, places or {}, sources, plain)
 
 
