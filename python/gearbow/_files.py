@@ -6,6 +6,7 @@ replaces the target when all data are on the disk. Only the store of a sweep add
 
 import errno
 import os
+import re
 import stat
 import time
 from collections.abc import Iterator, Sequence
@@ -20,9 +21,19 @@ except ImportError:  # Windows
     import msvcrt
 
 from gearbow._convert import shown
-from gearbow.errors import SceneError
+from gearbow.errors import GearbowError, SceneError
 
-__all__ = ["FileLock", "as_path", "check_name", "check_output", "reading", "replacing", "reserve"]
+__all__ = [
+    "FileLock",
+    "as_path",
+    "check_name",
+    "check_output",
+    "parsing",
+    "printable",
+    "reading",
+    "replacing",
+    "reserve",
+]
 
 #: Longest file name that temporary files and locks contain as it is [bytes]; a file system has at
 #: most 255.
@@ -34,8 +45,17 @@ _RETRIES = (0.01, 0.03, 0.1, 0.3, 1.0)
 #: Age from which Windows removes a temporary file that no program has open [s]. A writer closes its
 #: file a moment before it renames it.
 _ABANDONED = 3600.0
+#: Most characters of the reason why a file is not read.
+_LONGEST_REASON = 1000
 #: First bytes of texts that editors and Excel save in an encoding other than UTF-8.
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
+#: What XML and files of text lack: control characters, halves of surrogate pairs, U+FFFE, U+FFFF.
+_UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
+
+
+def printable(text: str) -> str:
+    """Replace the characters of a text that a file of text or XML must not have."""
+    return _UNPRINTABLE.sub("\N{REPLACEMENT CHARACTER}", text)
 
 
 def check_name(path: object, endings: Sequence[str], argument: str = "path") -> tuple[Path, str]:
@@ -72,7 +92,33 @@ def check_output(path: Path) -> None:
 
 
 @contextmanager
-def reading(path: str | os.PathLike[str]) -> Iterator[str]:
+def parsing(path: str | os.PathLike[str], kind: str, *, own: bool = False) -> Iterator[None]:
+    """Turn every error of the block into one that names the file and what it should be.
+
+    Each reader parses within this block: a damaged file makes libraries raise anything. Errors of
+    gearbow stay as they are, except for an `own` file: gearbow wrote it, so that each error means
+    damage.
+    """
+    try:
+        yield
+    except RecursionError:
+        raise SceneError(f"{path}: is nested too deeply; the file is damaged") from None
+    except Exception as error:
+        system = isinstance(error, OSError) and error.errno is not None and not own
+        if system or isinstance(error, Warning):
+            raise
+        reason = str(error) or type(error).__name__
+        if len(reason) > _LONGEST_REASON:  # names a damaged text
+            reason = f"{reason[:_LONGEST_REASON]}…"
+        if isinstance(error, GearbowError) and not own:
+            if reason == str(error):
+                raise
+            raise SceneError(reason) from None
+        raise SceneError(f"{path}: is not {kind}, or damaged: {reason}") from error
+
+
+@contextmanager
+def reading(path: str | os.PathLike[str], kind: str) -> Iterator[str]:
     """Read a text file in UTF-8, with or without a byte-order mark, and parse it in the block."""
     data = as_path(path, "path").read_bytes()
     try:
@@ -85,10 +131,8 @@ def reading(path: str | os.PathLike[str]) -> Iterator[str]:
             f"{path}: is not UTF-8 text: byte {data[error.start]:#04x} in line {line}; {guess}; "
             'save it as UTF-8 (in Excel: "CSV UTF-8")'
         ) from None
-    try:
+    with parsing(path, kind):
         yield text
-    except RecursionError:
-        raise SceneError(f"{path}: is nested too deeply; the file is damaged") from None
 
 
 @contextmanager

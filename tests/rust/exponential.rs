@@ -335,7 +335,7 @@ fn integrate(
     let substep = (longest * form.radius.min(1e6) / 0.8).log2().ceil() as usize;
     let time_grid = TimeGrid { longest, finest: substep + 4, substep };
     let selection =
-        ModeSelection { displacements: (0..n).collect(), velocities: (0..n).collect(), ..ModeSelection::default() };
+        Selection { displacements: (0..n).collect(), velocities: (0..n).collect(), ..Selection::default() };
     let mut output = OutputMap::new(&field, form, &maps, selection);
     let table = propagators(&Arc::new(form.clone()), &QuadratureRule::gauss(stages), &maps, time_grid, &field);
     let (carried, turning) = field.reference_motion(0.0);

@@ -4,35 +4,31 @@ import csv
 import math
 import os
 import re
-import struct
-import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from gearbow._convert import shown
 from gearbow._extras import extra
-from gearbow._files import as_path, reading
+from gearbow._files import as_path, parsing, reading
 from gearbow._lookup import nearest
 from gearbow._types import Array
 from gearbow.errors import SceneError
+from gearbow.exchange.mat import read_vectors
 from gearbow.units.fields import unit_of
 from gearbow.units.parse import parsed
 
 __all__ = ["Columns", "read_columns", "read_table"]
 
-_NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
+_NUMBER = re.compile(r"\s*[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 
 #: Heading with a unit: "speed [rpm]" or "speed (rpm)".
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
-
-#: What libraries raise for a damaged file.
-_DAMAGE = (ValueError, TypeError, LookupError, OSError, EOFError, zlib.error, struct.error)
+#: Most characters of a heading or number; some expressions for headings take the square of it.
+_LONGEST_CELL = 400
 
 
 @dataclass(frozen=True)
@@ -99,7 +95,7 @@ def read_table(
 
 def _from_text(path: Path) -> list[_TableLine]:
     """Read the lines of a text file, without comments."""
-    with reading(path) as text:
+    with reading(path, "a table") as text:
         lines = text.splitlines()
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip()]
     rows = [(i, line) for i, line in rows if not line.lstrip().startswith("#")]
@@ -115,11 +111,8 @@ def _from_excel(path: Path) -> list[_TableLine]:
         import pandas as pd  # noqa: PLC0415
 
         import_module("openpyxl")  # pandas would report it in its own words
-    with path.open("rb") as file:
-        try:
-            sheet = pd.read_excel(file, header=None, dtype=object)
-        except (*_DAMAGE, ET.ParseError, zipfile.BadZipFile) as error:
-            raise SceneError(f"{path}: is not an Excel file (.xlsx): {error}") from None
+    with path.open("rb") as file, parsing(path, "an Excel file (.xlsx)"):
+        sheet = pd.read_excel(file, header=None, dtype=object)
     lines = []
     for i, row in enumerate(sheet.itertuples(index=False), start=1):
         cells = ["" if pd.isna(cell) else str(cell) for cell in row]
@@ -130,25 +123,11 @@ def _from_excel(path: Path) -> list[_TableLine]:
 
 def _from_matlab(path: Path) -> list[_TableLine]:
     """Read the vectors of a MATLAB file, whose names are the headings."""
-    with extra("matlab"):
-        from scipy.io.matlab import MatReadError, loadmat  # noqa: PLC0415
-    with path.open("rb") as file:
-        try:
-            content = loadmat(file)
-        except (*_DAMAGE, MatReadError, NotImplementedError) as error:
-            raise SceneError(
-                f"{path}: is not a MATLAB file of a version before 7.3: {error}; save it with -v7"
-            ) from None
-    vectors = {name: value for name, value in content.items() if not name.startswith("__")}
-    for name, value in vectors.items():
-        if not (isinstance(value, np.ndarray) and value.dtype.kind in "iuf" and value.ndim <= 2):
-            raise SceneError(f"{path}: {name}: must be a vector of numbers, got {shown(value)}")
-        if min(value.shape, default=1) != 1:
-            raise SceneError(f"{path}: {name}: must be a vector, has the shape {value.shape}")
+    vectors = read_vectors(path)
     sizes = {value.size for value in vectors.values()}
     if len(sizes) > 1:
         raise SceneError(f"{path}: its vectors must have one length, got {sorted(sizes)}")
-    rows = zip(*(value.ravel().tolist() for value in vectors.values()), strict=True)
+    rows = zip(*(value.tolist() for value in vectors.values()), strict=True)
     lines = [
         _TableLine(f"value {i}", [repr(each) for each in row])
         for i, row in enumerate(rows, start=1)
@@ -174,6 +153,8 @@ def _headings(
     """Give the names of the columns, and the unit of each one."""
     units: dict[str, str] = {}
     for cell in cells:
+        if len(cell) > _LONGEST_CELL:
+            raise SceneError(f"{where}: {shown(cell)} is too long for a heading")
         heading = _HEADING.fullmatch(cell)
         name = "" if heading is None else heading[1].lower().replace(" ", "_")
         name = next((n for n in known if n.replace("_", "") == name.replace("_", "")), name)
@@ -215,7 +196,7 @@ def _behind(cell: str, known: Mapping[str, str]) -> str:
 def _number(cell: str, unit: str, field: str, where: str) -> float:
     """Read a number with the unit of its column; the unit is empty in SI units."""
     # Python also reads digits with underscores.
-    if not _NUMBER.fullmatch(cell):
+    if len(cell) > _LONGEST_CELL or not _NUMBER.fullmatch(cell):
         raise SceneError(f"{where}: must be a number with a decimal point, got {shown(cell)}")
     # The text, not the number: the conversion of a text is correctly rounded.
     found = parsed(f"{cell} {unit}", field) if unit else float(cell)

@@ -39,15 +39,18 @@ OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
     "bar": (Fraction(100_000), 0, (-1, 1, -2)),
 }
 SIGNS = {"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"}
-_TEXT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?", re.ASCII)
+_TEXT = re.compile(r"([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?", re.ASCII)
+#: Most characters of a text with a unit; Python converts at most 4,300 digits to a whole number.
+_LONGEST = 4000
 _FACTOR = re.compile(r"([A-Za-z%]+|1)(?:\^\(?(-?\d)\)?)?")
 
 
 def parsed(text: str, path: str, *, bare: bool = False) -> float:
     """Convert a text with a unit to SI units."""
     wanted = unit_of(path) or DIMENSIONLESS
-    found = _TEXT.fullmatch(text.strip())
+    found = _TEXT.fullmatch(text.strip()) if len(text) <= _LONGEST else None
     if found is None:
+        text = f"{text[:50]}…" if len(text) > _LONGEST else text
         raise SceneError(
             f"{path}: must be a number [{wanted}] or a text with a number and a unit, such as "
             f'"2.5 {wanted}", got {text!r}'
