@@ -49,7 +49,7 @@ _ORBITS, _BEARINGS, _SPECTRA = 8, 4, 3
 _REVOLUTIONS, _SHOWN_REVOLUTIONS = 20.0, 1.0
 #: Damping ratio below which a mode has none but round-off, and the run in revolutions of the
 #: reference shaft that then replaces the steady state.
-_NO_DAMPING, _UNSETTLED_REVOLUTIONS = 1e-9, 5.0
+_NO_DAMPING, _UNSETTLED_REVOLUTIONS = 1e-9, 2.0
 #: Lines of many points keep those that are half a point of the page away from the others.
 _DENSE: Any = {"path.simplify_threshold": 0.5}
 
