@@ -10,7 +10,7 @@ import numpy as np
 from gearbow._convert import items, shown
 from gearbow._core import Model
 from gearbow._extras import extra
-from gearbow._files import check_name, replacing
+from gearbow._files import as_path, check_name, replacing
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written
@@ -613,9 +613,10 @@ class FrequencyResponse(Result, ReadOnly):
         Parameters
         ----------
         measured : str, path-like or sequence of MeasuredCurve
-            A universal file (".uff", ".unv") with data sets 58; or a CSV file with the column
-            "frequency [Hz]" and pairs such as "pinion y re [m/s²]", "pinion y im [m/s²]" or
-            "input@0.2 z re [m]"; or the curves of another comparison.
+            A universal file (".uff", ".unv") with data sets 58; or a table, as for
+            `SpeedTable.read_table`, with the column "frequency [Hz]" and pairs such as
+            "pinion y re [m/s²]", "pinion y im [m/s²]" or "input@0.2 z re [mm]"; or the curves of
+            another comparison.
         places : mapping of int to place, optional
             Place of each node of a universal file that gearbow did not write.
 
@@ -638,8 +639,7 @@ class FrequencyResponse(Result, ReadOnly):
         if places is not None and not isinstance(places, Mapping):
             raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
         if isinstance(measured, str | os.PathLike):
-            path, _ = check_name(measured, [".uff", ".unv", ".csv"], "measured")
-            curves = read_measured(path, places)
+            curves = read_measured(as_path(measured, "measured"), places)
         else:
             curves = items(measured, "measured", "curves")
         if not curves or not all(isinstance(curve, MeasuredCurve) for curve in curves):
