@@ -102,12 +102,14 @@ _LAZY = {
     "dataset": "gearbow.sweeps.dataset",
     "examples": "gearbow.machines.examples",
     "identify": "gearbow.identification.identify",
+    "read": "gearbow.exchange.read",
     "rexs_contents": "gearbow.exchange.rexs",
     "sweep": "gearbow.sweeps.run",
 }
 
 if _typing.TYPE_CHECKING:
     from gearbow.description.thermal_bow import ThermalBow as ThermalBow
+    from gearbow.exchange.read import read as read
     from gearbow.exchange.rexs import rexs_contents as rexs_contents
     from gearbow.identification.identify import identify as identify
     from gearbow.identification.measurement import Measurement as Measurement

@@ -5,11 +5,11 @@ from pathlib import Path
 
 from gearbow.cli.answer import Answer, Drawing
 from gearbow.cli.arguments import Commands, add_command, add_scene, figure, quantity
+from gearbow.cli.systems import read_system
 from gearbow.errors import SceneError
 from gearbow.identification.identify import identify
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.unknown import parse
-from gearbow.system.rotor_system import RotorSystem
 
 __all__ = ["add"]
 
@@ -60,7 +60,7 @@ def identified(given: argparse.Namespace) -> Answer:
         except SceneError as error:
             raise SceneError(f"--{error}") from None
     measured = [Measurement.read_csv(path) for path in given.measured]
-    system = RotorSystem.load(given.scene)
+    system = read_system(given)
     found = identify(system, measured, unknowns, runout=not given.no_runout, noise=given.noise)
     data = {**found.to_dict(), "file": None if given.plot is None else str(given.plot)}
     drawing = None if given.plot is None else Drawing(found.plot, given.plot)

@@ -8,12 +8,12 @@ import numpy as np
 
 from gearbow.cli.answer import Answer, Drawing
 from gearbow.cli.arguments import Commands, add_command, add_scene, figure, item, quantity, spaced
+from gearbow.cli.systems import read_system
 from gearbow.description.couplings import Force
 from gearbow.description.loads import Torque
 from gearbow.description.places import is_pair
 from gearbow.description.sources import MeshExcitation, Source
 from gearbow.errors import SceneError
-from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
 
 __all__ = ["add"]
@@ -77,7 +77,7 @@ def source_of(text: str) -> Source:
 def response(given: argparse.Namespace) -> Answer:
     """Find the response."""
     frequencies = spaced(given, "frequencies")
-    system = RotorSystem.load(given.scene)
+    system = read_system(given)
     at = item(system, given.at)
     found = system.frequency_response(
         frequencies, source=source_of(given.source), speed=given.speed

@@ -1,0 +1,112 @@
+"""Systems that commands read: scene files, and files of other programs with what these lack."""
+
+import argparse
+from collections.abc import Iterator
+from typing import Any
+
+from gearbow.description.gears import Mesh
+from gearbow.errors import SceneError
+from gearbow.exchange.read import REXS, format_of, read
+from gearbow.system.rotor_system import RotorSystem
+from gearbow.units.parse import parsed
+
+__all__ = ["add_options", "read_system", "refuse_options"]
+
+#: Options of files of other programs, by the argument of `gearbow.read`.
+_OPTIONS = {
+    "load_case": "--load-case",
+    "bearings": "--bearing",
+    "couplings": "--coupling",
+    "meshes": "--mesh",
+}
+
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options of files of other programs."""
+    parser = command.add_argument_group("files of other programs")
+    parser.add_argument("--load-case", type=int, help="number of the load case of a REXS file")
+    for name, unit in (("bearing", "1e8 N/m"), ("coupling", "1e5 N m/rad")):
+        parser.add_argument(
+            f"--{name}",
+            action="append",
+            default=[],
+            metavar="NAME=STIFFNESS",
+            help=f'stiffness of a {name}, for example "6210={unit}"; "6210=none" leaves it out, '
+            f'"other={unit}" is for all others without one',
+        )
+    for name, value, of_ross in (
+        ("mesh", "STIFFNESS", 'gear_mesh_stiffness, for example "Gear 0/Gear 1=2e8 N/m"'),
+        ("centre-line-angle", "ANGLE", 'orientation_angle, for example "Gear 0/Gear 1=30 deg"'),
+    ):
+        parser.add_argument(
+            f"--{name}",
+            action="append",
+            default=[],
+            metavar=f"DRIVER/DRIVEN={value}",
+            help=f"two gears of a MultiRotor of ROSS with its {of_ross}",
+        )
+
+
+def read_system(given: argparse.Namespace) -> RotorSystem:
+    """Read the system of a command with its options."""
+    try:
+        return read(given.scene, **_given(given))
+    except SceneError as error:
+        name, sign, rest = str(error).partition(": ")
+        text = f"{_OPTIONS.get(name, name)}{sign}{rest}"
+        if format_of(given.scene) == REXS:
+            where = "--list" if given.command == "import" else "gearbow import --list"
+            text += f"; see {where}, and the options --load-case, --bearing and --coupling"
+        raise SceneError(text) from None
+
+
+def refuse_options(given: argparse.Namespace) -> None:
+    """Refuse the options of systems for the file of a run."""
+    for name in _given(given):
+        raise SceneError(f"{_OPTIONS[name]}: is for a system, but {given.scene} is a run")
+
+
+def _given(given: argparse.Namespace) -> dict[str, Any]:
+    """Give the options as arguments of `gearbow.read`."""
+    bearings = _stiffnesses(given.bearing, "bearings.stiffness")
+    couplings = _stiffnesses(given.coupling, "couplings.torsional_stiffness")
+    values = (given.load_case, bearings, couplings, _meshes(given))
+    pairs = zip(_OPTIONS, values, strict=True)
+    return {name: value for name, value in pairs if value not in (None, {}, [])}
+
+
+def _stiffnesses(given: list[str], path: str) -> dict[str, float | None]:
+    return {
+        name: None if value.strip() == "none" else parsed(value, path, bare=True)
+        for name, value in _pairs(given, path, "NAME=STIFFNESS")
+    }
+
+
+def _meshes(given: argparse.Namespace) -> list[Mesh]:
+    """Give the meshes of a rotor of ROSS, each with the angle of its line of centres."""
+    angles = {
+        gears: parsed(value, "meshes.centre_line_angle", bare=True)
+        for gears, value in _pairs(
+            given.centre_line_angle, "--centre-line-angle", "DRIVER/DRIVEN=ANGLE"
+        )
+    }
+    meshes = []
+    for gears, value in _pairs(given.mesh, "--mesh", "DRIVER/DRIVEN=STIFFNESS"):
+        driver, sign, driven = gears.partition("/")
+        if not sign:
+            raise SceneError(f'--mesh: must be DRIVER/DRIVEN=STIFFNESS, got "{gears}={value}"')
+        stiffness = parsed(value, "meshes.stiffness", bare=True)
+        angle = angles.pop(gears, 0.0)
+        meshes.append(Mesh(driver, driven, stiffness=stiffness, centre_line_angle=angle))
+    for gears in angles:
+        raise SceneError(f'--centre-line-angle: no --mesh is given for "{gears}"')
+    return meshes
+
+
+def _pairs(given: list[str], path: str, form: str) -> Iterator[tuple[str, str]]:
+    """Give names and values of an option."""
+    for each in given:
+        name, sign, value = each.rpartition("=")
+        if not sign:
+            raise SceneError(f'{path}: must be {form}, got "{each}"')
+        yield name, value
