@@ -102,14 +102,13 @@ _LAZY = {
     "dataset": "gearbow.sweeps.dataset",
     "examples": "gearbow.machines.examples",
     "identify": "gearbow.identification.identify",
-    "read": "gearbow.exchange.read",
+    "read": "gearbow.system.read",
     "rexs_contents": "gearbow.exchange.rexs",
     "sweep": "gearbow.sweeps.run",
 }
 
 if _typing.TYPE_CHECKING:
     from gearbow.description.thermal_bow import ThermalBow as ThermalBow
-    from gearbow.exchange.read import read as read
     from gearbow.exchange.rexs import rexs_contents as rexs_contents
     from gearbow.identification.identify import identify as identify
     from gearbow.identification.measurement import Measurement as Measurement
@@ -117,6 +116,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.sweeps.dataset import dataset as dataset
     from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep
+    from gearbow.system.read import read as read
 else:  # a type checker would accept every name
 
     def __getattr__(name: str) -> object:

@@ -6,10 +6,10 @@ from dataclasses import asdict
 from gearbow._files import check_name, replacing
 from gearbow.cli.answer import Answer
 from gearbow.cli.arguments import Commands, add_command, add_scene
-from gearbow.cli.systems import read_system
+from gearbow.cli.systems import read_options, read_system
 from gearbow.errors import SceneError
-from gearbow.exchange.read import REXS, format_of
 from gearbow.exchange.rexs import RexsContents, rexs_contents
+from gearbow.system.read import REXS, format_of
 
 __all__ = ["add"]
 
@@ -36,6 +36,7 @@ def add(commands: Commands) -> None:
 
 def import_(given: argparse.Namespace) -> Answer:
     """Print a scene, or the contents of the file."""
+    read_options(given)  # their errors come before those of the file
     found = format_of(given.scene)
     data: dict[str, object] = {"file": str(given.scene)}
     heading = f"# From {given.scene.name}, a {found.name}"

@@ -6,11 +6,11 @@ from typing import Any
 
 from gearbow.description.gears import Mesh
 from gearbow.errors import SceneError
-from gearbow.exchange.read import REXS, format_of, read
+from gearbow.system.read import REXS, format_of, read
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
 
-__all__ = ["add_options", "read_system", "refuse_options"]
+__all__ = ["add_options", "read_options", "read_system", "refuse_options"]
 
 #: Options of files of other programs, by the argument of `gearbow.read`.
 _OPTIONS = {
@@ -49,8 +49,9 @@ def add_options(command: argparse.ArgumentParser) -> None:
 
 def read_system(given: argparse.Namespace) -> RotorSystem:
     """Read the system of a command with its options."""
+    options = read_options(given)
     try:
-        return read(given.scene, **_given(given))
+        return read(given.scene, **options)
     except SceneError as error:
         name, sign, rest = str(error).partition(": ")
         text = f"{_OPTIONS.get(name, name)}{sign}{rest}"
@@ -62,11 +63,11 @@ def read_system(given: argparse.Namespace) -> RotorSystem:
 
 def refuse_options(given: argparse.Namespace) -> None:
     """Refuse the options of systems for the file of a run."""
-    for name in _given(given):
+    for name in read_options(given):
         raise SceneError(f"{_OPTIONS[name]}: is for a system, but {given.scene} is a run")
 
 
-def _given(given: argparse.Namespace) -> dict[str, Any]:
+def read_options(given: argparse.Namespace) -> dict[str, Any]:
     """Give the options as arguments of `gearbow.read`."""
     bearings = _stiffnesses(given.bearing, "bearings.stiffness")
     couplings = _stiffnesses(given.coupling, "couplings.torsional_stiffness")

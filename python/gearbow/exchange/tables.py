@@ -9,6 +9,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -57,13 +58,11 @@ _DAMAGE = (ValueError, TypeError, LookupError, OSError, EOFError, zlib.error, st
 
 @dataclass(frozen=True)
 class NamedColumns:
-    """Columns that name a part of the user's, such as "pinion y re" or "A amplitude".
+    """Columns that name a part of the user's, such as "pinion y re" or "A amplitude"."""
 
-    The two groups of the pattern are the name and the quantity, which has one field or several, of
-    which the unit chooses one.
-    """
-
+    #: Its two groups are the name and the quantity.
     pattern: re.Pattern[str]
+    #: One field for each quantity, or several, of which the unit chooses one.
     fields: Mapping[str, tuple[str, ...]]
     example: str
 
@@ -117,12 +116,8 @@ def read_table(
     units: Mapping[str, str] | None = None,
     detection: str | None = None,
 ) -> Table:
-    """Read a table.
-
-    `columns` has the field of each column, empty for texts; `units` are those of headings without
-    one. `hints` end the messages for unknown headings. `detection` says what amplitudes are whose
-    headings do not.
-    """
+    """Read a table whose columns have the given fields; an empty field is for names."""
+    # Units and the detection are for headings without them, hints end messages for unknown ones.
     path = as_path(path, "path")
     lines, separator = _lines(path)
     head, *body = _without_empty_columns(lines) or [_Line("", ())]
@@ -213,7 +208,7 @@ def _from_text(path: Path) -> tuple[list[_Line], str]:
 def _cells(line: str, separator: str, where: str) -> list[str]:
     """Split a line into its cells."""
     if separator == " ":  # a unit in brackets belongs to the heading before it
-        return re.findall(r"[^\s\[(]+(?:\s*\[[^\]]*\]|\s*\([^)]*\))?", line)
+        return re.findall(r"[^\s\[(]+(?:\s*\[[^\]]*\]|\s*\([^)]*\))?|[\[(]\S*", line)
     try:
         return next(csv.reader([line], delimiter=separator))
     except csv.Error as error:
@@ -223,22 +218,20 @@ def _cells(line: str, separator: str, where: str) -> list[str]:
 def _from_excel(path: Path) -> list[_Line]:
     """Read the rows of the first sheet."""
     with extra("dataframe"):
-        import openpyxl  # noqa: PLC0415
+        import pandas as pd  # noqa: PLC0415
+
+        import_module("openpyxl")  # pandas would report it in its own words
     with path.open("rb") as file:
         try:
-            book = openpyxl.load_workbook(file, read_only=True, data_only=True)
-            sheet = book.worksheets[0]
-            sheet.reset_dimensions()  # programs write wrong ones
-            rows = list(sheet.iter_rows(values_only=True))
+            sheet = pd.read_excel(file, header=None, dtype=object)
         except (*_DAMAGE, ET.ParseError, zipfile.BadZipFile) as error:
             raise SceneError(f"{path}: is not an Excel file (.xlsx): {error}") from None
     lines = []
-    for i, row in enumerate(rows, start=1):
-        cells = ["" if cell is None else str(cell) for cell in row]
+    for i, row in enumerate(sheet.itertuples(index=False), start=1):
+        cells = ["" if pd.isna(cell) else str(cell) for cell in row]
         if any(cells) and not _COMMENT.match(cells[0]):
             lines.append(_Line(f"row {i}", cells))
-    width = len(lines[0].cells) if lines else 0
-    return [replace(line, cells=[*line.cells, *[""] * (width - len(line.cells))]) for line in lines]
+    return lines
 
 
 def _from_matlab(path: Path) -> list[_Line]:
@@ -305,7 +298,7 @@ def _heading(
         hint = hint or nearest(name, columns)
         known = f"there are {', '.join(columns)}"
         if named:
-            known = f'no heading such as "{named.example}", and {known}'
+            known = f'no heading such as "{named.example}", and not one of {", ".join(columns)}'
         raise SceneError(
             f"{where}: {cell.strip()!r} is {'' if named else 'not a column; '}{known}{hint}"
         )

@@ -112,6 +112,8 @@ def test_a_table_is_the_same_in_every_dialect(tmp_path: Path, text: str, encodin
         ("speed [rpm];k\nrad/s;N/m\n1;2\n", 'line 2, column "speed": has rpm in its heading and rad/s below it'),
         ("speed;k\nrpm;N/m\n", "needs a line of headings and lines of numbers"),
         ("speed;k;K\n1;2;3\n", "line 1: the column 'k' occurs twice"),
+        ("speed k\n1 (2\n", "line 2, column \"k\": must be a number with a decimal point, got '(2'"),
+        ("speed k\n1 2 (3)\n", "line 2, column \"k\": must be a number with a decimal point, got '2 (3)'"),
         ("speed;;k\n1;2;3\n", "line 1: '' is not a column"),
     ],
 )  # fmt: skip
