@@ -24,7 +24,7 @@ from gearbow.errors import SceneError
 from gearbow.units.fields import is_frequency, unit_of
 from gearbow.units.parse import fits, parsed
 
-__all__ = ["DETECTIONS", "VIBRATION", "NamedColumns", "Table", "read_table"]
+__all__ = ["DETECTIONS", "ENDINGS", "VIBRATION", "NamedColumns", "Table", "read_table"]
 
 #: Field of amplitudes of vibration, which are peak, peak-to-peak or RMS values.
 VIBRATION = "measured.amplitude"
@@ -36,8 +36,8 @@ _DETECTION = re.compile(
     r"|(rms))(?![A-Za-z0-9-])",
     re.IGNORECASE,
 )
-#: Endings of tables in text files.
-_TEXTS = (".csv", ".txt", ".tsv", ".dat", ".asc", "")
+#: Endings of tables; a text file may have none.
+ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx", ".xlsm", ".mat")
 #: Bytes that other encodings than Windows-1252 use for letters: those of DOS and Mac, and UTF-8.
 _AMBIGUOUS = re.compile(rb"[\x80-\x9f]|[\xc2-\xf4][\x80-\xbf]")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
@@ -169,7 +169,7 @@ def _lines(path: Path) -> tuple[list[_Line], str]:
         return _from_excel(path), ""
     if ending == ".mat":
         return _from_matlab(path), ""
-    if ending in _TEXTS:
+    if ending in ("", *ENDINGS):
         return _from_text(path)
     kind = "an Excel file of before 2007" if ending == ".xls" else "no table that gearbow reads"
     raise SceneError(f"{path}: is {kind}; save it as .xlsx or .csv")

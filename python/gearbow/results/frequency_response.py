@@ -10,7 +10,7 @@ import numpy as np
 from gearbow._convert import items, shown
 from gearbow._core import Model
 from gearbow._extras import extra
-from gearbow._files import as_path, check_name, replacing
+from gearbow._files import check_name, replacing
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written
@@ -633,13 +633,15 @@ class FrequencyResponse(Result, ReadOnly):
             If there is no such place.
         """
         from gearbow.exchange.harmonic import MeasuredCurve, read_measured  # noqa: PLC0415
+        from gearbow.exchange.tables import ENDINGS  # noqa: PLC0415
 
         if self.axes != ("frequency",):
             raise SceneError("measured: a comparison needs a response at one speed")
         if places is not None and not isinstance(places, Mapping):
             raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
         if isinstance(measured, str | os.PathLike):
-            curves = read_measured(as_path(measured, "measured"), places)
+            path, _ = check_name(measured, [".uff", ".unv", *ENDINGS], "measured")
+            curves = read_measured(path, places)
         else:
             curves = items(measured, "measured", "curves")
         if not curves or not all(isinstance(curve, MeasuredCurve) for curve in curves):
