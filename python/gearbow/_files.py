@@ -20,9 +20,18 @@ except ImportError:  # Windows
     import msvcrt
 
 from gearbow._convert import shown
-from gearbow.errors import SceneError
+from gearbow.errors import GearbowError, SceneError
 
-__all__ = ["FileLock", "as_path", "check_name", "check_output", "reading", "replacing", "reserve"]
+__all__ = [
+    "FileLock",
+    "as_path",
+    "check_name",
+    "check_output",
+    "parsing",
+    "reading",
+    "replacing",
+    "reserve",
+]
 
 #: Longest file name that temporary files and locks contain as it is [bytes]; a file system has at
 #: most 255.
@@ -72,7 +81,26 @@ def check_output(path: Path) -> None:
 
 
 @contextmanager
-def reading(path: str | os.PathLike[str]) -> Iterator[str]:
+def parsing(path: str | os.PathLike[str], kind: str, *, own: bool = False) -> Iterator[None]:
+    """Turn every error of the block into one that names the file and what it should be.
+
+    Each reader parses within this block: a damaged file makes libraries raise anything. Errors of
+    gearbow stay as they are, except for an `own` file: gearbow wrote it, so that each error means
+    damage.
+    """
+    try:
+        yield
+    except RecursionError:
+        raise SceneError(f"{path}: is nested too deeply; the file is damaged") from None
+    except Exception as error:
+        if isinstance(error, Warning) or (isinstance(error, GearbowError) and not own):
+            raise
+        reason = str(error) or type(error).__name__
+        raise SceneError(f"{path}: is not {kind}, or damaged: {reason}") from error
+
+
+@contextmanager
+def reading(path: str | os.PathLike[str], kind: str) -> Iterator[str]:
     """Read a text file in UTF-8, with or without a byte-order mark, and parse it in the block."""
     data = as_path(path, "path").read_bytes()
     try:
@@ -85,10 +113,8 @@ def reading(path: str | os.PathLike[str]) -> Iterator[str]:
             f"{path}: is not UTF-8 text: byte {data[error.start]:#04x} in line {line}; {guess}; "
             'save it as UTF-8 (in Excel: "CSV UTF-8")'
         ) from None
-    try:
+    with parsing(path, kind):
         yield text
-    except RecursionError:
-        raise SceneError(f"{path}: is nested too deeply; the file is damaged") from None
 
 
 @contextmanager

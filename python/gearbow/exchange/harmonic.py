@@ -293,11 +293,15 @@ def _read_table(path: Path) -> list[MeasuredCurve]:
             raise SceneError(f"{path}: {curve} needs a column re and a column im of one quantity")
         if part == "re":
             real, imaginary = (table.numbers[n] for n in names)
-            place, _, direction = curve.rpartition(" ")
+            name_of_place, _, direction = curve.rpartition(" ")
+            try:
+                at = _place(name_of_place)
+            except ValueError:
+                raise SceneError(f"{path}: {curve}: the position behind @ must be in m") from None
             quantity = table.fields[name].removeprefix("measured.").replace("twist", "displacement")
             values = real + 1j * imaginary
             frequencies = table.numbers["frequency"]
-            curves.append(MeasuredCurve(_place(place), direction, quantity, frequencies, values))
+            curves.append(MeasuredCurve(at, direction, quantity, frequencies, values))
     if not curves:
         raise SceneError(f'{path}: needs columns such as "{_COLUMNS.example}"')
     return curves

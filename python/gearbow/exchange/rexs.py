@@ -3,13 +3,14 @@
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from gearbow._convert import whole
+from gearbow._files import parsing
 from gearbow._shown import Shown, Table
 from gearbow._types import Plain
 from gearbow.errors import SceneError
@@ -141,7 +142,14 @@ def read_rexs(
     """Read a gear unit: its description, without what is missing, and its contents."""
     given = [check_given(bearings, "bearings"), check_given(couplings, "couplings")]
     number = None if load_case is None else whole(load_case, "load_case")
-    file = read_rexs_file(path)
+    with parsing(path, "a REXS file"):
+        return _read(read_rexs_file(path), number, given)
+
+
+def _read(
+    file: RexsFile, number: int | None, given: Sequence[Any]
+) -> tuple[dict[str, Plain], RexsContents]:
+    """Give the description of a file, and its contents."""
     for kind, reason in _REFUSED.items():
         for component in file.components.values():
             if component.kind == kind:

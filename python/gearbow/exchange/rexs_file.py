@@ -12,7 +12,6 @@ import math
 import os
 import re
 import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
@@ -23,7 +22,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from gearbow._convert import shown
-from gearbow._files import check_name
+from gearbow._files import check_name, parsing
 from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.units.parse import parsed
@@ -168,13 +167,9 @@ def read_rexs_file(path: str | os.PathLike[str]) -> RexsFile:
     data = _read(found)
     if ending == ".rexsz":
         data, ending = _unzipped(data, found)
-    try:
+    with parsing(found, "a REXS file"):
         plain = _from_json(data) if ending == ".rexsj" else _from_xml(data)
-    except RecursionError:
-        raise SceneError(f"{found}: is nested too deeply; the file is damaged") from None
-    except (ValueError, LookupError, ET.ParseError) as error:
-        raise SceneError(f"{found}: is not a REXS file: {error}") from None
-    return _Reader(str(found)).file(plain)
+        return _Reader(str(found)).file(plain)
 
 
 def _read(path: Path) -> bytes:
@@ -191,19 +186,16 @@ def _limited(data: bytes, path: Path) -> bytes:
 
 def _unzipped(data: bytes, path: Path) -> tuple[bytes, str]:
     """Read the only model of a zip archive."""
-    try:
-        with zipfile.ZipFile(BytesIO(data)) as archive:
-            names = [n for n in archive.namelist() if n.lower().endswith(ENDINGS[:2])]
-            if len(names) != 1:
-                raise SceneError(
-                    f"{path}: must have one file with the ending {ENDINGS[0]} or {ENDINGS[1]}, got "
-                    f"{shown(archive.namelist())}"
-                )
-            # The size in the directory of the archive may be wrong.
-            with archive.open(names[0]) as file:
-                content = file.read(_MAX_SIZE + 1)
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, OSError) as error:
-        raise SceneError(f"{path}: is not a zip archive that can be read: {error}") from None
+    with parsing(path, "a zip archive"), zipfile.ZipFile(BytesIO(data)) as archive:
+        names = [n for n in archive.namelist() if n.lower().endswith(ENDINGS[:2])]
+        if len(names) != 1:
+            raise SceneError(
+                f"{path}: must have one file with the ending {ENDINGS[0]} or {ENDINGS[1]}, got "
+                f"{shown(archive.namelist())}"
+            )
+        # The size in the directory of the archive may be wrong.
+        with archive.open(names[0]) as file:
+            content = file.read(_MAX_SIZE + 1)
     return _limited(content, path), Path(names[0]).suffix.lower()
 
 

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._files import reading
+from gearbow._files import parsing, reading
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.exchange.names import cleaned
@@ -78,14 +78,15 @@ def read_ross(
 ) -> dict[str, Plain]:
     """Read a rotor that ROSS saved; the meshes of its gears are not in the file."""
     file = _read(path)
-    try:
-        return _description(file, meshes)
-    except SceneError:
-        raise
-    except KeyError as error:
-        raise SceneError(f"{path}: an element has no {error}") from None
-    except (ValueError, TypeError) as error:
-        raise SceneError(f"{path}: an element has a wrong value: {error}") from None
+    with parsing(path, "a rotor of ROSS"):
+        try:
+            return _description(file, meshes)
+        except KeyError as error:
+            raise SceneError(f"{path}: an element has no {error}") from None
+        except (ValueError, TypeError) as error:
+            if isinstance(error, SceneError):
+                raise
+            raise SceneError(f"{path}: an element has a wrong value: {error}") from None
 
 
 def _description(file: _File, meshes: Sequence[Mapping[str, Plain]]) -> dict[str, Plain]:
@@ -237,7 +238,7 @@ def _check_connections(file: _File, description: Mapping[str, Any]) -> None:
 
 
 def _read(path: str | os.PathLike[str]) -> _File:
-    with reading(path) as text:
+    with reading(path, "a rotor of ROSS") as text:
         is_json = Path(path).suffix.lower() == ".json" or text.lstrip().startswith("{")
         try:
             plain = json.loads(text) if is_json else tomllib.loads(text)

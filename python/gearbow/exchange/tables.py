@@ -4,23 +4,20 @@ import csv
 import math
 import os
 import re
-import struct
-import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from gearbow._convert import shown
 from gearbow._extras import extra
-from gearbow._files import as_path
+from gearbow._files import as_path, parsing
 from gearbow._lookup import nearest
 from gearbow._types import Array
 from gearbow.errors import SceneError
+from gearbow.exchange.mat import read_vectors
 from gearbow.units.fields import is_frequency, unit_of
 from gearbow.units.parse import fits, parsed
 
@@ -40,7 +37,7 @@ _DETECTION = re.compile(
 ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx", ".xlsm", ".mat")
 #: Bytes that other encodings than Windows-1252 use for letters: those of DOS and Mac, and UTF-8.
 _AMBIGUOUS = re.compile(rb"[\x80-\x9f]|[\xc2-\xf4][\x80-\xbf]")
-_NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
+_NUMBER = re.compile(r"\s*[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 #: A number whose commas may separate thousands.
 _THOUSANDS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(,\d{3})+\s*", re.ASCII)
 #: A comment; errors of Excel begin with the same sign.
@@ -52,8 +49,8 @@ _SPACE = re.compile(r"[\s_-]+")
 #: What stands in a row of units below a column without one.
 _NO_UNIT = ("", "-", "–", "—")
 
-#: What libraries raise for a damaged file.
-_DAMAGE = (ValueError, TypeError, LookupError, OSError, EOFError, zlib.error, struct.error)
+#: Most characters of a heading or number; some expressions for headings take the square of it.
+_LONGEST_CELL = 400
 
 
 @dataclass(frozen=True)
@@ -178,13 +175,11 @@ def _lines(path: Path) -> tuple[list[_Line], str]:
 def _decoded(path: Path) -> str:
     """Read a text in UTF-8, UTF-16 or, where no other encoding is likely, Windows-1252."""
     data = path.read_bytes()
+    encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     try:
-        if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-            text = data.decode("utf-16")
-        else:
-            text = data.decode("utf-8-sig")
+        text = data.decode(encoding)
     except UnicodeDecodeError as error:
-        if error.encoding != "utf-8" or _AMBIGUOUS.search(data):
+        if encoding == "utf-16" or _AMBIGUOUS.search(data):
             line = data.count(b"\n", 0, error.start) + 1
             raise SceneError(
                 f"{path}: line {line}: byte {data[error.start]:#04x} is neither UTF-8, UTF-16 nor "
@@ -221,11 +216,8 @@ def _from_excel(path: Path) -> list[_Line]:
         import pandas as pd  # noqa: PLC0415
 
         import_module("openpyxl")  # pandas would report it in its own words
-    with path.open("rb") as file:
-        try:
-            sheet = pd.read_excel(file, header=None, dtype=object)
-        except (*_DAMAGE, ET.ParseError, zipfile.BadZipFile) as error:
-            raise SceneError(f"{path}: is not an Excel file (.xlsx): {error}") from None
+    with path.open("rb") as file, parsing(path, "an Excel file (.xlsx)"):
+        sheet = pd.read_excel(file, header=None, dtype=object)
     lines = []
     for i, row in enumerate(sheet.itertuples(index=False), start=1):
         cells = ["" if pd.isna(cell) else str(cell) for cell in row]
@@ -236,25 +228,11 @@ def _from_excel(path: Path) -> list[_Line]:
 
 def _from_matlab(path: Path) -> list[_Line]:
     """Read the vectors of a MATLAB file, whose names are the headings."""
-    with extra("matlab"):
-        from scipy.io.matlab import MatReadError, loadmat  # noqa: PLC0415
-    with path.open("rb") as file:
-        try:
-            content = loadmat(file)
-        except (*_DAMAGE, MatReadError, NotImplementedError) as error:
-            raise SceneError(
-                f"{path}: is not a MATLAB file of a version before 7.3: {error}; save it with -v7"
-            ) from None
-    vectors = {name: value for name, value in content.items() if not name.startswith("__")}
-    for name, value in vectors.items():
-        if not (isinstance(value, np.ndarray) and value.dtype.kind in "iuf" and value.ndim <= 2):
-            raise SceneError(f"{path}: {name}: must be a vector of numbers, got {shown(value)}")
-        if min(value.shape, default=1) != 1:
-            raise SceneError(f"{path}: {name}: must be a vector, has the shape {value.shape}")
+    vectors = read_vectors(path)
     sizes = {value.size for value in vectors.values()}
     if len(sizes) > 1:
         raise SceneError(f"{path}: its vectors must have one length, got {sorted(sizes)}")
-    rows = zip(*(value.ravel().tolist() for value in vectors.values()), strict=True)
+    rows = zip(*(value.tolist() for value in vectors.values()), strict=True)
     lines = [_Line(f"value {i}", [repr(each) for each in row]) for i, row in enumerate(rows, 1)]
     return [_Line("names", list(vectors)), *lines]
 
@@ -278,6 +256,8 @@ def _heading(
     where: str,
 ) -> _Heading:
     """Read the heading of a column."""
+    if len(cell) > _LONGEST_CELL:
+        raise SceneError(f"{where}: {shown(cell)} is too long for a heading")
     words: set[str] = set()
     text = cell
     if VIBRATION in columns.values():
@@ -398,7 +378,7 @@ def _number(cell: str, unit: str, field: str, where: str, *, commas: bool) -> fl
     """Read a number with the unit of its column; the unit is empty in SI units."""
     plain = cell.replace(",", ".", 1) if commas and "." not in cell else cell
     # Python also reads digits with underscores, "nan" and "inf".
-    if not _NUMBER.fullmatch(plain):
+    if len(cell) > _LONGEST_CELL or not _NUMBER.fullmatch(plain):
         wanted = "comma" if commas else "point"
         raise SceneError(f"{where}: must be a number with a decimal {wanted}, got {shown(cell)}")
     # The text, not the number: the conversion of a text is correctly rounded.

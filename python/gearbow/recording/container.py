@@ -19,14 +19,13 @@ from contextlib import contextmanager
 from io import BufferedRandom, RawIOBase
 from math import prod
 from pathlib import Path
-from tokenize import TokenError
 from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
-from gearbow._files import check_name, reserve
+from gearbow._files import check_name, parsing, reserve
 from gearbow.errors import GearbowError
 
 if TYPE_CHECKING:
@@ -39,13 +38,6 @@ ENDINGS = (".npz", ".nc")
 
 #: Declaration of an array in a file.
 Header: TypeAlias = tuple[tuple[int, ...], np.dtype[Any]]
-
-#: Exceptions of the libraries for an invalid file. A number that is too large for the format is an
-#: OverflowError. An encrypted or too new archive is a RuntimeError.
-_INVALID = (
-    *(ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, RuntimeError),
-    *(OSError, EOFError, SyntaxError, TokenError, zipfile.BadZipFile),
-)
 
 _METADATA = "metadata"
 #: First bytes of the seal of a netCDF file; the digest follows.
@@ -84,18 +76,12 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Container]:
     """Open a file for reading."""
     file, ending = suffix(path)
     kind = _NetCdf if ending == ".nc" else _Npz
-    with file.open("rb") as stream:
-        try:
-            with kind.open(stream) as container:
-                yield container
-        except GearbowError as error:
-            raise GearbowError(f"{path}: not a response of gearbow, or damaged: {error}") from None
-        except _INVALID as error:
-            reason = str(error) or type(error).__name__
-            raise GearbowError(f"{path}: not a response of gearbow, or damaged: {reason}") from None
-        except RecursionError:
-            message = f"{path}: not a response of gearbow: its metadata are nested too deeply"
-            raise GearbowError(message) from None
+    with (
+        file.open("rb") as stream,
+        parsing(path, "a response of gearbow", own=True),
+        kind.open(stream) as container,
+    ):
+        yield container
 
 
 class _Npz:

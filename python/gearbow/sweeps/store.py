@@ -29,7 +29,7 @@ import numpy as np
 
 from gearbow._compare import differences, short
 from gearbow._core import __version__
-from gearbow._files import FileLock, check_name, replacing
+from gearbow._files import FileLock, check_name, parsing, replacing
 from gearbow._types import Plain
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording.schema import anything, each, entries, record, row, text, whole
@@ -213,17 +213,17 @@ def read(path: str | os.PathLike[str]) -> Contents:
     """Read a file of a sweep."""
     with Path(path).open("rb"):  # an error of the system names the cause
         pass
-    try:
-        with closing(_connect(Path(path))) as database:
-            tables = database.execute("SELECT sql FROM sqlite_master").fetchall()
-            if tables != [(table,) for table in _TABLES]:
-                raise GearbowError("it has other tables")
-            content, digest = database.execute("SELECT content, digest FROM head").fetchone()
-            if digest != _digest(content):
-                raise GearbowError("its head has changed since it was written")
-            return _points(database, _head(content))
-    except (GearbowError, sqlite3.Error, ValueError, TypeError, RecursionError) as error:
-        raise GearbowError(f"{path}: not a sweep of gearbow, or damaged: {error}") from None
+    with (
+        parsing(path, "a sweep of gearbow", own=True),
+        closing(_connect(Path(path))) as database,
+    ):
+        tables = database.execute("SELECT sql FROM sqlite_master").fetchall()
+        if tables != [(table,) for table in _TABLES]:
+            raise GearbowError("it has other tables")
+        content, digest = database.execute("SELECT content, digest FROM head").fetchone()
+        if digest != _digest(content):
+            raise GearbowError("its head has changed since it was written")
+        return _points(database, _head(content))
 
 
 def _connect(path: Path, options: str = "") -> sqlite3.Connection:

@@ -31,7 +31,7 @@ class Scene(NamedTuple):
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:
     """Read a scene file."""
-    with reading(path) as document:
+    with reading(path, "a scene file") as document:
         try:
             plain = tomllib.loads(document)
         except tomllib.TOMLDecodeError:

@@ -53,7 +53,9 @@ OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
 #: Units of a frequency, which are ambiguous for a speed: factor and power of π.
 FREQUENCIES = {"Hz": (Fraction(2), 1), "kHz": (Fraction(2000), 1)}
 SIGNS = {"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"}
-_TEXT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?", re.ASCII)
+_TEXT = re.compile(r"([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?", re.ASCII)
+#: Most characters of a text with a unit; Python converts at most 4,300 digits to a whole number.
+_LONGEST = 4000
 #: A hyphen between two units, as in "N-s/m", stands for a product.
 _HYPHEN = re.compile(r"(?<=[A-Za-z])-(?=[A-Za-z])")
 _FACTOR = re.compile(r"([A-Za-z%]+|1)(?:\^\(?(-?\d)\)?)?")
@@ -62,8 +64,9 @@ _FACTOR = re.compile(r"([A-Za-z%]+|1)(?:\^\(?(-?\d)\)?)?")
 def parsed(text: str, path: str, *, bare: bool = False) -> float:
     """Convert a text with a unit to SI units."""
     wanted = unit_of(path) or DIMENSIONLESS
-    found = _TEXT.fullmatch(text.strip())
+    found = _TEXT.fullmatch(text.strip()) if len(text) <= _LONGEST else None
     if found is None:
+        text = f"{text[:50]}…" if len(text) > _LONGEST else text
         raise SceneError(
             f"{path}: must be a number [{wanted}] or a text with a number and a unit, such as "
             f'"2.5 {wanted}", got {text!r}'

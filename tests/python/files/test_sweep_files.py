@@ -145,7 +145,7 @@ def test_a_sweep_killed_at_any_instant_keeps_every_reported_point(tmp_path):
 def test_a_file_that_is_no_sweep_is_refused(tmp_path, content):
     path = tmp_path / "map.sweep"
     path.write_bytes(content)
-    with pytest.raises(gb.GearbowError, match=r"map.sweep: not a sweep of gearbow, or damaged"):
+    with pytest.raises(gb.GearbowError, match=r"map.sweep: is not a sweep of gearbow, or damaged"):
         gb.Sweep.load(path)
     with pytest.raises(gb.SceneError, match=r"^store: .*not a sweep.*; remove it or give another"):
         gb.sweep(plain, AB, number, store=path)

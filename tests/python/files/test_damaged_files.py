@@ -1,0 +1,306 @@
+"""Damaged files of every kind: each is read or is an error of gearbow that names the file."""
+
+from __future__ import annotations
+
+import ast
+import os
+import random
+import subprocess
+import sys
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from gearbow.exchange.mat import read_vectors
+from test_response import recorded
+
+PACKAGE = Path(gb.__file__).parent
+#: Damaged files of each kind in `make test`; `make fuzz` reads 50 times as many.
+COUNT = 40 * int(os.environ.get("GEARBOW_CASES", "1"))
+TABLE = "speed [rpm],k [N/um]\n0,10\n1000,12.5\n2000,1.4e1\n"
+MEASURED = "speed [rpm],shaft,position [mm],amplitude [um],phase [deg]\n" + "".join(
+    f"{v},input,100,{v / 100},{v / 50}\n" for v in (500, 1000, 1500)
+)
+CURVES = "frequency [Hz],pinion y re [m],pinion y im [m]\n10,1,2\n20,3,4\n"
+ROSS = """ross_version = "2.0.0"
+[ShaftElement_0]
+n = 0
+L = 0.5
+idl = 0.0
+odl = 0.05
+axial_force = 0
+torque = 0
+shear_effects = true
+rotary_inertia = true
+gyroscopic = true
+shear_method_calc = "cowper"
+[ShaftElement_0.material]
+name = "Steel"
+rho = 7810
+E = 211e9
+G_s = 81.2e9
+[BearingElement_0]
+n = 0
+kxx = 1e7
+cxx = 0
+kyy = 1e7
+kxy = 0
+kyx = 0
+cyy = 0
+cxy = 0
+cyx = 0
+"""
+#: What takes a part of a file to where no reader expects it.
+WORDS = (
+    b"",
+    b"-1",
+    b"1e400",
+    b"nan",
+    b"9" * 5000,
+    b"\xff\xfe",
+    b"\0",
+    b"=1+1",
+    b"[",
+    b'"',
+    b"1e-9",
+)
+
+
+@cache
+def response() -> Any:
+    force = gb.Force("pinion", 1.0)
+    return rotor().frequency_response(np.array([10.0, 20.0]), source=force, speed=10.0)
+
+
+@cache
+def rotor() -> gb.RotorSystem:
+    shaft = gb.Shaft("input", length=0.3, outer_diameter=0.03, elements=2)
+    disk = gb.Disk("pinion", "input", 0.1, mass=1.0, polar_inertia=1e-3, diametral_inertia=1e-3)
+    bearings = [gb.Bearing("input", x, stiffness=1e7, damping=1e2) for x in (0.0, 0.3)]
+    return gb.RotorSystem(shafts=[shaft], disks=[disk], bearings=bearings)
+
+
+def table(path: Path) -> None:
+    if path.suffix == ".xlsx":
+        import openpyxl
+
+        book = openpyxl.Workbook()
+        for line in TABLE.splitlines():
+            book.active.append([float(c) if c[0].isdigit() else c for c in line.split(",")])
+        book.save(path)
+    elif path.suffix == ".mat":
+        from scipy.io import savemat
+
+        savemat(path, {"speed": np.array([0.0, 100.0]), "k": np.array([1e7, 2e7])})
+    else:
+        path.write_text(TABLE)
+
+
+def sweep(path: Path) -> None:
+    gb.sweep(float, {"x": [1.0, 2.0, 3.0]}, abs, progress=False).save(path)
+
+
+def rexs(path: Path) -> None:
+    data = (Path(__file__).parent / "gearbox.rexs").read_bytes()
+    if path.suffix == ".rexsz":
+        import zipfile
+
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("a.rexs", data)
+    else:
+        path.write_bytes(data)
+
+
+def text(content: str) -> Callable[[Path], None]:
+    return lambda path: path.write_text(content) and None
+
+
+#: Each kind of file: how it is written, and how it is read.
+KINDS: dict[str, tuple[Callable[[Path], Any], Callable[[Path], Any]]] = {
+    "scene.toml": (lambda path: rotor().save(path), gb.RotorSystem.load),
+    "run.npz": (lambda path: recorded(rows=2).save(path), gb.Response.load),
+    "run.nc": (lambda path: recorded(rows=2).save(path), gb.Response.load),
+    "map.sweep": (sweep, gb.results.Sweep.load),
+    "table.csv": (table, gb.SpeedTable.read_table),
+    "table.xlsx": (table, gb.SpeedTable.read_table),
+    "table.mat": (table, gb.SpeedTable.read_table),
+    "measured.csv": (text(MEASURED), gb.Measurement.read_csv),
+    "curves.csv": (text(CURVES), lambda path: response().compare(path)),
+    "curves.uff": (lambda path: response().save(path), lambda path: response().compare(path)),
+    "modes.uff": (
+        lambda path: rotor().modes(count=2).save(path),
+        lambda path: rotor().modes(count=2).compare(path),
+    ),
+    "rotor.toml": (text(ROSS), gb.RotorSystem.from_ross),
+    "gearbox.rexs": (rexs, gb.rexs_contents),
+    "gearbox.rexsz": (rexs, gb.rexs_contents),
+}
+#: Functions of the package that read bytes of a file. Each parses in `parsing`, and each kind that
+#: it reads is above. Those of the command line, of locks and of checks before reading are not here.
+READERS = {
+    "_files.reading",
+    "exchange.tables._from_excel",
+    "exchange.mat.read_vectors",
+    "exchange.rexs_file._read",
+    "exchange.universal.data_sets",
+    "recording.container.opened",
+    "sweeps.store.read",
+}
+
+
+def damaged(data: bytes, dice: random.Random) -> bytes:
+    """Change, remove or insert bytes, or cut the file."""
+    for _ in range(dice.choice((1, 1, 1, 2, 4))):
+        at = dice.randrange(len(data) + 1)
+        kind = dice.randrange(6)
+        if kind < 2:
+            data = data[:at] + bytes([dice.randrange(256)]) + data[at + 1 :]
+        elif kind == 2:
+            data = data[:at]
+        elif kind == 3:
+            data = data[:at] + data[at + dice.choice((1, 4, 30)) :]
+        elif kind == 4:
+            data = data[:at] + dice.choice(WORDS) + data[at + dice.choice((0, 1, 8)) :]
+        else:
+            other = dice.randrange(len(data) + 1)
+            data = data[:at] + data[other : other + dice.choice((4, 40))] + data[at:]
+    return data
+
+
+def read_damaged(name: str, folder: Path, count: int, seed: int) -> Counter[str]:
+    """Read damaged files of a kind; give the number of those read, refused and changed."""
+    write, read = KINDS[name]
+    path, dice = folder / name, random.Random(f"{name} {seed}")
+    write(path)
+    data, found = path.read_bytes(), Counter[str]()
+    for _ in range(count):
+        content = damaged(data, dice)
+        path.write_bytes(content)
+        begin = time.process_time()
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                read(path)
+            found["read"] += 1
+        except gb.GearbowError as error:
+            found["refused"] += 1
+            if len(str(error)) > 3000:
+                found["long message"] += 1
+        except Exception as error:  # noqa: BLE001  # counted
+            found[f"{type(error).__name__}: {str(error)[:80]}"] += 1
+        if time.process_time() - begin > 5.0:
+            found["slow"] += 1
+        # A reader leaves the file as it was.
+        if path.read_bytes() != content:
+            found["changed"] += 1
+    return found
+
+
+WORKER = """
+import pathlib, sys
+from test_damaged_files import read_damaged
+
+name, folder, count, seed = sys.argv[1:]
+print(dict(read_damaged(name, pathlib.Path(folder), int(count), int(seed))))
+"""
+
+
+@pytest.mark.implausible
+@pytest.mark.parametrize("name", KINDS)
+def test_every_damaged_file_is_read_or_refused(tmp_path: Path, name: str):
+    """A process of its own: a crash of a library is a failure of this test, not its end."""
+    for module in {".xlsx": ("openpyxl",), ".mat": ("scipy",), ".nc": ("h5netcdf",)}.get(
+        Path(name).suffix, ()
+    ):
+        pytest.importorskip(module)
+    # `make fuzz` reads new files in each call.
+    seed = random.randrange(10**6) if COUNT > 40 else 1
+    ended = subprocess.run(
+        [sys.executable, "-c", WORKER, name, tmp_path, str(COUNT), str(seed)],
+        cwd=Path(__file__).parent,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert ended.returncode == 0, (seed, ended.stderr[-2000:])
+    found = ast.literal_eval(ended.stdout.splitlines()[-1])
+    print(name, found)
+    assert set(found) <= {"read", "refused"}, (seed, found)
+
+
+def functions_with(*calls: str) -> set[str]:
+    """Give the functions of the package that call one of these names."""
+    found = set()
+    for path in PACKAGE.rglob("*.py"):
+        module = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for function in ast.walk(tree):
+            if isinstance(function, ast.FunctionDef):
+                for node in ast.walk(function):
+                    if isinstance(node, ast.Call):
+                        called = node.func
+                        name = getattr(called, "attr", getattr(called, "id", ""))
+                        if name in calls:
+                            found.add(f"{module}.{function.name}")
+    return found
+
+
+def test_every_reader_is_tested():
+    """A function that takes the bytes of a file or opens one is a reader of this list."""
+    found = functions_with("read_bytes", "read_text", "open", "_connect", "loadmat", "UFF")
+    others = {
+        *(name for name in found if name.startswith(("_files.", "cli.", "plotting."))),
+        *(f"recording.container.{name}" for name in ("open", "header", "read")),  # of `opened`
+        "exchange.rexs_file._unzipped",  # of bytes
+        "report.page.write",  # the template of the package
+        *(f"sweeps.store.{name}" for name in ("_open", "write")),
+    }
+    assert found - others == READERS - {"_files.reading"}
+    parse = functions_with("parsing", "reading")
+    assert READERS - {"exchange.rexs_file._read"} <= parse
+    assert "exchange.rexs_file.read_rexs_file" in parse
+
+
+def test_vectors_of_matlab_are_those_of_scipy(tmp_path: Path):
+    scipy = pytest.importorskip("scipy.io")
+    given = {
+        "speed": np.linspace(0.0, 5.0, 7),
+        "k": np.arange(7.0)[:, None],
+        "n": np.arange(7, dtype=np.int16),
+        "x": np.array([1.5, 2.5], dtype=np.float32),
+    }
+    for format_, packed in (("4", False), ("5", False), ("5", True)):
+        path = tmp_path / "a.mat"
+        scipy.savemat(path, given, format=format_, do_compression=packed)
+        found = read_vectors(path)
+        assert list(found) == list(given)
+        for name, values in scipy.loadmat(path).items():
+            if not name.startswith("__"):
+                np.testing.assert_array_equal(found[name], values.ravel())
+    for wrong in ({"t": "text"}, {"z": np.array([1j, 2.0])}, {"s": {"a": 1.0}}, {"m": np.eye(2)}):
+        scipy.savemat(path, wrong)
+        with pytest.raises(gb.SceneError, match="a.mat: .: must be a vector"):
+            read_vectors(path)
+
+
+def test_a_long_cell_takes_no_time(tmp_path: Path):
+    begin = time.process_time()
+    for cell in ("1" * 50_000 + "x", "1." * 20_000, "1" * 50_000):
+        path = tmp_path / "a.csv"
+        path.write_text(f"speed [rpm],k [N/um]\n0,{cell}\n")
+        with pytest.raises(gb.SceneError, match=r"a\.csv"):
+            gb.SpeedTable.read_table(path)
+    path.write_text(f"speed [rpm],k{' ' * 50_000}x\n0,1\n")
+    with pytest.raises(gb.SceneError, match=r"a\.csv: line 1: 'k .* is too long for a heading"):
+        gb.SpeedTable.read_table(path)
+    # Some milliseconds; with the time of the square of the length, a minute.
+    assert time.process_time() - begin < 5.0
