@@ -176,16 +176,17 @@ def _decoded(path: Path) -> str:
     """Read a text in UTF-8, UTF-16 or, where no other encoding is likely, Windows-1252."""
     data = path.read_bytes()
     encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
-    try:
-        text = data.decode(encoding)
-    except UnicodeDecodeError as error:
-        if encoding == "utf-16" or _AMBIGUOUS.search(data):
-            line = data.count(b"\n", 0, error.start) + 1
-            raise SceneError(
-                f"{path}: line {line}: byte {data[error.start]:#04x} is neither UTF-8, UTF-16 nor "
-                'clearly Windows-1252; save it as UTF-8 (in Excel: "CSV UTF-8")'
-            ) from None
-        text = data.decode("cp1252")
+    with parsing(path, "a table"):
+        try:
+            text = data.decode(encoding)
+        except UnicodeDecodeError as error:
+            if encoding == "utf-16" or _AMBIGUOUS.search(data):
+                line = data.count(b"\n", 0, error.start) + 1
+                raise SceneError(
+                    f"{path}: line {line}: byte {data[error.start]:#04x} is neither UTF-8, UTF-16 "
+                    'nor clearly Windows-1252; save it as UTF-8 (in Excel: "CSV UTF-8")'
+                ) from None
+            text = data.decode("cp1252")
     if "\0" in text:
         raise SceneError(f"{path}: is no text file; a workbook of Excel must end with .xlsx")
     return text.replace("\r\n", "\n").replace("\r", "\n")

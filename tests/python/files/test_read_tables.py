@@ -114,6 +114,8 @@ def test_a_table_is_the_same_in_every_dialect(tmp_path: Path, text: str, encodin
         ("speed;k;K\n1;2;3\n", "line 1: the column 'k' occurs twice"),
         ("speed k\n1 (2\n", "line 2, column \"k\": must be a number with a decimal point, got '(2'"),
         ("speed k\n1 2 (3)\n", "line 2, column \"k\": must be a number with a decimal point, got '2 (3)'"),
+        ("speed;k\n1;" + 5000 * "1", 'line 2, column "k": must be a number'),
+        ("speed;" + 5000 * "[", "line 1: '[[[["),
         ("speed;;k\n1;2;3\n", "line 1: '' is not a column"),
     ],
 )  # fmt: skip
@@ -293,6 +295,7 @@ def test_a_frequency_response_in_units_of_the_workshop(tmp_path: Path):
         ("frequency,hub y re [m],hub y im [m]\n1,2,3\n", 'column "frequency": needs its unit in brackets, rad/s, or Hz'),
         ("frequency [Hz],hub y re [kg],hub y im [kg]\n1,2,3\n", "must have a unit that converts to m or m/s or m/s^2"),
         ("hub y re [m],hub y im [m]\n1,2\n", ': needs the column "frequency [Hz]"'),
+        ("frequency [Hz],hub@x y re [m],hub@x y im [m]\n1,2,3\n", ": hub@x y: the position behind @ must be in m"),
         ("frequency [Hz]\n1\n", ': needs columns such as "pinion y re [m/s²]"'),
     ],
 )  # fmt: skip
