@@ -153,8 +153,8 @@ class SpeedTable(Part):
         ----------
         path : str or path-like
             A text file (``.csv``, ``.txt``, ``.tsv``, ``.dat``), an Excel file ``.xlsx`` (its first
-            sheet; extra ``dataframe``) or a MATLAB file ``.mat`` with a vector for each column
-            (extra ``matlab``). The columns are "speed" or "rpm", and for stiffness "k", or "kyy",
+            sheet; extra ``dataframe``) or a MATLAB file ``.mat`` of versions 4 to 7 with a vector
+            for each column. The columns are "speed" or "rpm", and for stiffness "k", or "kyy",
             "kzz", "kyz", "kzy", in capital or small letters; for damping the same with "c", and for
             added masses, which are left out, with "m". A heading has the unit in brackets, for
             example "speed [rpm]" or "Kyy (lbf/in)", or the line below the headings has the units. A

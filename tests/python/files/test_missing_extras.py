@@ -46,7 +46,9 @@ calls = {
         lambda: gb.Response.load(f"{folder}/run.nc"),
         lambda: system.simulate(1e300, 100.0, output_step=1e299, checkpoint=f"{folder}/run.nc"),
     ],
-    "matlab": [lambda: gb.SpeedTable.read_table("x.mat")],
+    "matlab": [
+        lambda: system.frequency_response([50.0], source=gb.Torque("g1", 1.0)).save(f"{folder}/x.mat")
+    ],
     "sweep": [sweep.to_xarray],
     "report": [lambda: system.report(f"{folder}/report.html")],
     "dataframe": [
