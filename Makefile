@@ -31,7 +31,7 @@ help:
 	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
 	@echo "make random        check general properties on 2,000 new random scenes, and run all examples and the slow cells of the fleet"
-	@echo "make fuzz          parse a million randomly changed descriptions, and 10,000 damaged REXS files"
+	@echo "make fuzz          parse a million randomly changed descriptions, 10,000 damaged REXS files, and 28,000 damaged files of all kinds"
 	@echo "make mutants       change one place of the program at a time: what share of 210 changes do the tests catch? (hours)"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
 	@echo "make docs          build the documentation site into site/; open site/index.html"
@@ -75,7 +75,7 @@ random: $(VENV)/.dev
 
 fuzz: $(VENV)/.dev
 	GEARBOW_CASES=350 $(CARGO_TEST) --test rust fuzz::
-	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/scene/test_fuzz.py tests/python/files/test_rexs.py \
+	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/scene/test_fuzz.py tests/python/files/test_rexs.py tests/python/files/test_damaged_files.py \
 		tests/python/runs/test_random_run_up.py -k "every"
 
 # Takes hours on two cores and needs cargo-mutants. All mutants of the core are compiled into one program.

@@ -18,7 +18,6 @@ _PACKAGES = {
     "matlab": {"scipy"},
     "sparse": {"scipy"},
     "identify": {"scipy"},
-    "uff": {"pyuff"},
     "units": {"pint"},
     "sweep": {"xarray", "pandas", "dask", "distributed"},
 }

@@ -6,6 +6,7 @@ replaces the target when all data are on the disk. Only the store of a sweep add
 
 import errno
 import os
+import re
 import stat
 import time
 from collections.abc import Iterator, Sequence
@@ -28,6 +29,7 @@ __all__ = [
     "check_name",
     "check_output",
     "parsing",
+    "printable",
     "reading",
     "replacing",
     "reserve",
@@ -45,6 +47,13 @@ _RETRIES = (0.01, 0.03, 0.1, 0.3, 1.0)
 _ABANDONED = 3600.0
 #: First bytes of texts that editors and Excel save in an encoding other than UTF-8.
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
+#: What XML and files of text lack: control characters, halves of surrogate pairs, U+FFFE, U+FFFF.
+_UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
+
+
+def printable(text: str) -> str:
+    """Replace the characters of a text that a file of text or XML must not have."""
+    return _UNPRINTABLE.sub("\N{REPLACEMENT CHARACTER}", text)
 
 
 def check_name(path: object, endings: Sequence[str], argument: str = "path") -> tuple[Path, str]:

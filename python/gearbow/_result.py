@@ -7,14 +7,14 @@ and `save` follow. A result of long series gives a summary there, and the series
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from io import BytesIO
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from gearbow._convert import whole
 from gearbow._extras import extra
-from gearbow._files import check_name, replacing
+from gearbow._files import check_name, printable, replacing
+from gearbow._sheets import save_table
 from gearbow._shown import Shown, Table, to_html
 from gearbow.errors import GearbowError
 from gearbow.units.speed import SpeedUnit, speed_factor
@@ -39,9 +39,6 @@ __all__ = [
 PRINTED_ROWS = 12
 #: Endings of files with the table of a result.
 TABLE_ENDINGS = (".csv", ".xlsx", ".nc")
-#: Largest numbers of rows and columns of a sheet of Excel, from its specification; one row has the
-#: headings.
-_SHEET_ROWS, _SHEET_COLUMNS = 1_048_576, 16_384
 
 
 @dataclass(frozen=True)
@@ -307,25 +304,8 @@ class Result(Shown):
             with replacing(found) as file:
                 write_netcdf(dataset, file)
         else:
-            content = self._csv() if ending == ".csv" else self._sheet()
-            with replacing(found) as file:
-                file.write(content)
-
-    def _csv(self) -> bytes:
-        return self.to_dataframe().to_csv(index=self._indexed).encode()
-
-    def _sheet(self) -> bytes:
-        frame = self.to_dataframe()
-        if len(frame) >= _SHEET_ROWS or frame.shape[1] >= _SHEET_COLUMNS:
-            raise GearbowError(
-                f"path: a sheet of Excel has at most {_SHEET_ROWS} rows and {_SHEET_COLUMNS} "
-                f"columns, but this table has {len(frame)} and {frame.shape[1]}; give .csv or .nc"
-            )
-        with extra("dataframe"):
-            import openpyxl  # noqa: F401, PLC0415
-        stream = BytesIO()
-        frame.to_excel(stream, index=self._indexed, engine="openpyxl")
-        return stream.getvalue()
+            frame = self.to_dataframe()
+            save_table(frame.reset_index() if self._indexed else frame, found, ending)
 
     def _dataset(self) -> "xr.Dataset":
         """Give the columns as variables over the rows."""
@@ -339,7 +319,9 @@ class Result(Shown):
             values = np.asarray(column.values)
             variables[column.name.replace("/", "–")] = (
                 "row",
-                values.astype(object) if values.dtype.kind == "U" else values,
+                np.array([printable(each) for each in values], object)
+                if values.dtype.kind == "U"
+                else values,
                 units,
             )
         return xr.Dataset(variables)

@@ -4,12 +4,13 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._files import replacing
+from gearbow._files import printable, replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,9 +27,14 @@ class Drawing:
 
     def save(self) -> None:
         """Draw the figure and write the file."""
-        figure = self.draw()
+        figure, ending = self.draw(), self.path.suffix[1:].lower()
         with replacing(self.path) as file:
-            figure.savefig(file, format=self.path.suffix[1:].lower())
+            if ending == "svg":  # a file of XML, which a name may not make invalid
+                stream = StringIO()
+                figure.savefig(stream, format=ending)
+                file.write(printable(stream.getvalue()).encode())
+            else:
+                figure.savefig(file, format=ending)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Curves of a frequency response as tables, data sets and files, and measured curves from files."""
 
 import re
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BufferedRandom
@@ -11,10 +12,23 @@ import numpy as np
 
 from gearbow._convert import shown
 from gearbow._extras import extra
+from gearbow._files import parsing
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
-from gearbow.errors import SceneError
+from gearbow.description.couplings import Force
+from gearbow.description.loads import Torque
+from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.exchange.tables import NamedColumns, read_table
+from gearbow.exchange.universal import (
+    Function,
+    Quantity,
+    data_sets,
+    function_lines,
+    line_of,
+    whole_line,
+    write,
+)
+from gearbow.units.parse import parsed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,6 +49,13 @@ _UFF_DIRECTIONS = {"x": 1, "y": 2, "z": 3, "twist": 4}
 #: Data types of UFF 58: displacement, velocity, acceleration, and excitation force.
 _UFF_TYPES = {"m": 8, "rad": 8, "N": 13}
 _UFF_QUANTITIES = {8: "displacement", 11: "velocity", 12: "acceleration"}
+_UNITS = {8: "m", 11: "m/s", 12: "m/s^2"}
+_DIRECTIONS = {number: name for name, number in _UFF_DIRECTIONS.items()}
+_ACCELERATION, _FORCE = 12, 13
+#: Unit "g" of accelerations, ISO 80000-3 [m/s²].
+_STANDARD_GRAVITY = 9.80665
+#: What the last line of text of a file of gearbow says.
+_OWN = "gearbow"
 #: Function types of UFF 58.
 _UFF_FRF = 4
 
@@ -146,58 +167,74 @@ def write_mat(
 def write_uff(
     path: Path,
     curves: Iterable[Curve],
+    *,
     frequencies: Array,
     speeds: Array,
     sources: Sequence[str],
+    plain: Sequence[Mapping[str, Any]],
 ) -> None:
-    """Write curves as data sets 58 of universal files, one for each source."""
-    with extra("uff"):
-        import pyuff  # noqa: PLC0415
-
-    hertz = frequencies / (2.0 * np.pi)
-    even = hertz.size > 1 and np.allclose(np.diff(hertz), np.diff(hertz)[0], rtol=1e-9, atol=0.0)
+    """Write curves for each unit of a source as data sets 58 of a universal file."""
     nodes: dict[str, int] = {}
     sets = []
     for curve in curves:
         node = nodes.setdefault(curve.place, len(nodes) + 1)
-        for number, source in enumerate(sources):
-            sets.append(
-                {
-                    "type": 58,
-                    "binary": 0,
-                    "func_type": _UFF_FRF,
-                    "id1": f"{curve.label} due to {source}"[:80],
-                    "id2": f"at {speeds.ravel()[0]:g} rad/s of the reference shaft",
-                    "id3": f"place {curve.place}"[:80],
-                    "id4": f"source {source}"[:80],
-                    "id5": "gearbow",
-                    "ver_num": 0,
-                    "load_case_id": 0,
-                    "rsp_ent_name": curve.place[:10],
-                    "rsp_node": node,
-                    "rsp_dir": _UFF_DIRECTIONS.get(curve.direction, 0),
-                    "ref_ent_name": "source",
-                    "ref_node": number + 1,
-                    "ref_dir": 0,
-                    "x": hertz,
-                    "data": curve.values[..., number],
-                    "num_pts": hertz.size,
-                    "abscissa_spacing": int(even),
-                    "abscissa_min": float(hertz[0]),
-                    "abscissa_inc": float(hertz[1] - hertz[0]) if even else 0.0,
-                    "ord_data_type": 6,
-                    "abscissa_spec_data_type": 18,
-                    "abscissa_axis_units_lab": "Hz",
-                    "ordinate_spec_data_type": _UFF_TYPES.get(curve.unit, 0),
-                    "ordinate_axis_units_lab": curve.unit,
-                    "orddenom_spec_data_type": 13,
-                    "orddenom_axis_units_lab": "N",
-                    "spec_data_type": 6,
-                    "z_axis_value": 0.0,
-                }
+        for number, (source, given) in enumerate(zip(sources, plain, strict=True)):
+            reference = reference_of(given)
+            names = [
+                line_of(f"{curve.label} due to {source}"),
+                line_of(f"at {float(speeds.ravel()[0])!r} rad/s of the reference shaft"),
+                whole_line(f"place {curve.place}"),
+                whole_line(f"source {source}"),
+                _OWN,
+            ]
+            function = Function(
+                _UFF_FRF,
+                names,
+                (node, _UFF_DIRECTIONS.get(curve.direction, 0)),
+                (number + 1, reference.direction),
+                frequencies / (2.0 * np.pi),
+                curve.values[..., number] / reference.amplitude,
+                (
+                    Quantity(18, "Hz"),
+                    Quantity(_UFF_TYPES.get(curve.unit, 0), curve.unit),
+                    reference.quantity,
+                ),
             )
-    file = pyuff.UFF(str(path))
-    file.write_sets(sets, mode="overwrite")
+            sets.append((58, function_lines(function)))
+    write(path, sets)
+
+
+@dataclass(frozen=True)
+class _Reference:
+    """What a function of a source is divided by: its amplitude, quantity and direction of UFF."""
+
+    amplitude: complex
+    quantity: Quantity
+    direction: int = 0
+
+
+def reference_of(source: Mapping[str, Any]) -> _Reference:
+    """Give amplitude, quantity and direction of the plain data of a source."""
+    kind = source["kind"]
+    if kind == "mesh_error":
+        return _Reference(complex(*source["error"]) or 1.0, Quantity(8, "m"))
+    if kind == "torque":
+        return _Reference(complex(*source["value"]) or 1.0, Quantity(13, "N m"), 4)
+    if kind == "shaft":
+        return _Reference(1.0, Quantity())
+    parts = [complex(*pair) for pair in (source["axial"], *source["value"])]
+    quantity = Quantity(13, "N")
+    if kind == "ground":
+        quantities = {name: number for number, name in _UFF_QUANTITIES.items()}
+        quantity = Quantity(quantities[source["quantity"]], _UNITS[quantities[source["quantity"]]])
+    acting = [i for i, part in enumerate(parts, start=1) if part]
+    if len(acting) != 1:
+        return _Reference(float(np.linalg.norm(parts)) or 1.0, quantity)
+    (axis,) = acting
+    amplitude = parts[axis - 1]
+    if amplitude.imag == 0.0 and amplitude.real < 0.0:
+        return _Reference(-amplitude, quantity, -axis)
+    return _Reference(amplitude, quantity, axis)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,8 +253,9 @@ class MeasuredCurve(ReadOnly):
         Frequencies [rad/s].
     values : ndarray, shape (k,)
         Phasors of the response to the source.
-    source : int
-        Number of the source in the response that it is compared with.
+    source : int, Force or Torque
+        Number of the source in the response that it is compared with; or the source itself, of
+        which the values are the response.
 
     Examples
     --------
@@ -233,7 +271,7 @@ class MeasuredCurve(ReadOnly):
     quantity: str
     frequencies: Array
     values: ComplexArray
-    source: int = 0
+    source: int | Force | Torque = 0
 
     @property
     def label(self) -> str:
@@ -252,13 +290,21 @@ def _text(at: Any) -> str:
     if isinstance(at, str):
         return at
     first, second = at
-    return f"{first}/{second}" if isinstance(second, str) else f"{first}@{second:g}"
+    return f"{first}/{second}" if isinstance(second, str) else f"{first}@{float(second)!r}"
 
 
-def read_measured(path: Path, places: Mapping[int, At] | None) -> list[MeasuredCurve]:
-    """Read measured curves from a universal file or a table."""
+def read_measured(
+    path: Path,
+    places: Mapping[int, At] | None,
+    sources: Sequence[str],
+    plain: Sequence[Mapping[str, Any]],
+) -> list[MeasuredCurve]:
+    """Read measured curves from a universal file or a table.
+
+    `sources` and `plain` are the labels and plain data of the sources of the response.
+    """
     if path.suffix.lower() in (".uff", ".unv"):
-        return _read_uff(path, places or {})
+        return _read_uff(path, places or {}, sources, plain)
     return _read_table(path)
 
 
@@ -293,15 +339,11 @@ def _read_table(path: Path) -> list[MeasuredCurve]:
             raise SceneError(f"{path}: {curve} needs a column re and a column im of one quantity")
         if part == "re":
             real, imaginary = (table.numbers[n] for n in names)
-            name_of_place, _, direction = curve.rpartition(" ")
-            try:
-                at = _place(name_of_place)
-            except ValueError:
-                raise SceneError(f"{path}: {curve}: the position behind @ must be in m") from None
+            place, _, direction = curve.rpartition(" ")
             quantity = table.fields[name].removeprefix("measured.").replace("twist", "displacement")
             values = real + 1j * imaginary
             frequencies = table.numbers["frequency"]
-            curves.append(MeasuredCurve(at, direction, quantity, frequencies, values))
+            curves.append(MeasuredCurve(_place(place), direction, quantity, frequencies, values))
     if not curves:
         raise SceneError(f'{path}: needs columns such as "{_COLUMNS.example}"')
     return curves
@@ -310,39 +352,148 @@ def _read_table(path: Path) -> list[MeasuredCurve]:
 def _place(text: str) -> At:
     """Read "pinion" or "input@0.2"."""
     name, sign, position = text.rpartition("@")
-    return (name, float(position)) if sign else text
+    try:
+        return (name, float(position)) if sign else text
+    except ValueError:  # a name with this sign
+        return text
 
 
-def _read_uff(path: Path, places: Mapping[int, At]) -> list[MeasuredCurve]:
+@dataclass(frozen=True)
+class _FileUnits:
+    """Units of a foreign universal file: how many make one of SI (data set 164)."""
+
+    length: float = 1.0
+    force: float = 1.0
+    given: bool = False
+
+    def factor(self, quantity: Quantity, kind: int, where: str, *, turns: bool = False) -> float:
+        """Give what converts a quantity of this kind to SI units; its label counts first."""
+        label = re.sub(r"(?<=[a-z])([23])\b", r"^\1", quantity.unit.strip())
+        if label == "g" and kind == _ACCELERATION:
+            return _STANDARD_GRAVITY
+        # Of a velocity or acceleration, the length in one second.
+        field, seconds = "length", {11: " s", 12: " s^2"}.get(kind, "")
+        if kind == _FORCE:
+            field = "torques.value" if turns else "forces.value"
+        elif turns:
+            field = "phase"
+        if label and label != "NONE":
+            try:
+                return parsed(f"1 {label}{seconds}", field)
+            except SceneError:
+                if not self.given:
+                    raise SceneError(
+                        f"{where}: the unit {label!r} is unknown, and the file has no data set 164"
+                    ) from None
+        if kind == _FORCE:
+            return 1.0 / (self.force * (self.length if turns else 1.0))
+        return 1.0 if turns else 1.0 / self.length
+
+
+def _read_uff(
+    path: Path,
+    places: Mapping[int, At],
+    sources: Sequence[str],
+    plain: Sequence[Mapping[str, Any]],
+) -> list[MeasuredCurve]:
     """Read the frequency response functions of a universal file."""
-    with extra("uff"):
-        import pyuff  # noqa: PLC0415
+    sets = list(data_sets(path))
+    with parsing(path, "a universal file"):
+        units = _FileUnits()
+        for one in sets:
+            if one.kind == 164:
+                length, force = one.numbers(one.lines()[1:], (25, 25, 25))[:2]
+                if not (length > 0.0 and force > 0.0):
+                    raise SceneError(f"{one.where}: factors of units must be positive")
+                units = _FileUnits(float(length), float(force), given=True)
+        curves, left = [], []
+        for one in sets:
+            if one.kind != 58:
+                continue
+            function = one.function()
+            known = function.kind == _UFF_FRF and function.quantities[0].kind in (0, 18)
+            own = function.names[4] == _OWN and function.names[2].startswith("place ")
+            kind, direction = function.quantities[1].kind, abs(function.response[1])
+            if not known or kind not in _UFF_QUANTITIES or direction not in _DIRECTIONS:
+                if not own:
+                    left.append(f"{one.where} (function type {function.kind}, ordinate {kind})")
+            elif own:
+                curves.append(_own_curve(function, one.where, sources, plain))
+            else:
+                curves.append(_foreign_curve(function, one.where, places, units))
+    if not curves:
+        what = f"; it has {'; '.join(left)}" if left else ""
+        raise SceneError(
+            f"{path}: has no frequency response function of a motion (data set 58){what[:300]}"
+        )
+    if left:
+        warnings.warn(
+            f"{path}: left out {len(left)} data sets 58 that are no frequency response functions "
+            f"of a motion, the first {left[0].removeprefix(f'{path}: ')}",
+            SceneWarning,
+            stacklevel=outside(),
+        )
+    return curves
 
-    file = pyuff.UFF(str(path))
-    types = file.get_set_types()
-    directions = {number: name for name, number in _UFF_DIRECTIONS.items()}
-    curves = []
-    for index in np.flatnonzero(np.atleast_1d(types) == 58):
-        given = file.read_sets(int(index))
-        if given["func_type"] != _UFF_FRF:
-            continue
-        own = re.match(r"place (.+\S)", str(given.get("id3", "")))
-        node = int(given["rsp_node"])
-        if node not in places and own is None:
+
+def _own_curve(
+    function: Function, where: str, sources: Sequence[str], plain: Sequence[Mapping[str, Any]]
+) -> MeasuredCurve:
+    """Give a curve of a file of gearbow, whose sources are those of the response."""
+    number, label = function.reference[0] - 1, function.names[3].removeprefix("source ")
+    if not 0 <= number < len(sources) or sources[number] != label:
+        raise SceneError(
+            f"{where}: has the source {number + 1}, {label!r}; those of the response are "
+            f"{', '.join(sources)}"
+        )
+    return MeasuredCurve(
+        _place(function.names[2].removeprefix("place ")),
+        _DIRECTIONS[function.response[1]],
+        _UFF_QUANTITIES[function.quantities[1].kind],
+        2.0 * np.pi * function.abscissa,
+        function.values * reference_of(plain[number]).amplitude,
+        number,
+    )
+
+
+def _foreign_curve(
+    function: Function, where: str, places: Mapping[int, At], units: _FileUnits
+) -> MeasuredCurve:
+    """Give a curve of another program, with the force at its reference as source."""
+
+    def placed(node: int, what: str) -> At:
+        if node not in places:
             raise SceneError(
-                f"places: needs the place of node {node} of {path}, for example "
+                f"places: needs the place of the {what} node {node} of {where}, for example "
                 f'places={{{node}: ("input", 0.2)}}, got {shown(dict(places))}'
             )
-        at = places[node] if node in places else _place(own[1])  # type: ignore[index]  # checked
-        quantity = _UFF_QUANTITIES.get(int(given["ordinate_spec_data_type"]))
-        direction = directions.get(abs(int(given["rsp_dir"])))
-        if quantity is None or direction is None:
-            continue
-        sign = 1.0 if given["rsp_dir"] > 0 else -1.0
-        hertz = np.asarray(given["x"], dtype=np.float64)
-        values = sign * np.asarray(given["data"], dtype=np.complex128)
-        source = max(0, int(given["ref_node"]) - 1) if own is not None else 0
-        curves.append(MeasuredCurve(at, direction, quantity, 2.0 * np.pi * hertz, values, source))
-    if not curves:
-        raise SceneError(f"{path}: has no frequency response function of a motion (data set 58)")
-    return curves
+        return places[node]
+
+    (node, axis), (reference, toward) = function.response, function.reference
+    kind, direction = function.quantities[1].kind, _DIRECTIONS[abs(axis)]
+    factor = units.factor(function.quantities[1], kind, where, turns=direction == "twist")
+    source: int | Force | Torque = 0
+    denominator = function.quantities[2]
+    if toward and denominator.kind in (0, 1, 9, _FORCE):
+        at, sign = placed(reference, "reference"), float(np.sign(toward))
+        if abs(toward) > 4:
+            raise SceneError(f"{where}: gearbow has no source in the direction {toward}")
+        if abs(toward) == 4:
+            source = Torque(at, sign)
+        else:
+            along = {1: 0.0, 2: 1.0, 3: 1j}[abs(toward)]
+            source = Force(at, sign * along, axial=sign * (abs(toward) == 1))
+        factor /= units.factor(denominator, _FORCE, where, turns=abs(toward) == 4)
+    abscissa = {"": 2.0 * np.pi, "NONE": 2.0 * np.pi, "HZ": 2.0 * np.pi, "RAD/S": 1.0}.get(
+        function.quantities[0].unit.upper()
+    )
+    if abscissa is None:
+        raise SceneError(f"{where}: the frequency must be in Hz, has {function.quantities[0]}")
+    return MeasuredCurve(
+        placed(node, "response"),
+        direction,
+        _UFF_QUANTITIES[kind],
+        abscissa * function.abscissa,
+        np.sign(axis) * factor * function.values.astype(np.complex128),
+        source,
+    )

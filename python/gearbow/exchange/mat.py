@@ -20,13 +20,8 @@ __all__ = ["read_vectors"]
 #: Largest content of a compressed array [bytes].
 _MAX_SIZE = 100_000_000
 #: Types of data elements, and the two that contain other elements.
-_TYPES = dict(
-    zip(
-        (1, 2, 3, 4, 5, 6, 7, 9, 12, 13),
-        ["i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8", "i8", "u8"],
-        strict=True,
-    )
-)
+_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8"}
+_TYPES |= {12: "i8", 13: "u8"}
 _MATRIX, _COMPRESSED = 14, 15
 #: Classes of arrays of numbers: double, single and whole numbers of 8 to 64 bits.
 _NUMERIC = range(6, 16)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from gearbow._extras import extra
-from gearbow._files import replacing
+from gearbow._files import printable, replacing
 from gearbow._result import Column, Result
 from gearbow.units.speed import SpeedUnit
 
@@ -148,4 +148,4 @@ def write(
         title=title, facts=facts, sections=sections, script=get_plotlyjs()
     )
     with replacing(path) as file:
-        file.write(text.encode())
+        file.write(printable(text).encode())

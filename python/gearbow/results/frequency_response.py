@@ -14,6 +14,7 @@ from gearbow._files import check_name, replacing
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written
+from gearbow._sheets import save_table
 from gearbow._shown import short, span
 from gearbow._types import (
     Array,
@@ -26,6 +27,7 @@ from gearbow._types import (
 )
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import Places, is_pair, place, place_label, places
+from gearbow.description.sources import plain_sources
 from gearbow.errors import ChannelError, GearbowError, SceneError
 from gearbow.results.frequency_comparison import FrequencyComparison
 from gearbow.sensors.sensor import SignalSensor
@@ -529,8 +531,9 @@ class FrequencyResponse(Result, ReadOnly):
         path : str or path-like
             ".nc" is netCDF (extra "netcdf"), in which a dimension "part" separates real and
             imaginary parts. ".uff" is a universal file with one data set 58 for each curve and
-            source (extra "uff"). ".mat" is for MATLAB (extra "matlab"). ".csv" and ".xlsx" hold the
-            table of `to_dataframe`.
+            source, divided by the amplitude of the source. ".mat" is for MATLAB (extra "matlab").
+            ".csv" and ".xlsx" hold the table of `to_dataframe`, with a column "re" and a column
+            "im" for each complex one.
         at : str, tuple of (str, float), or sequence of them, optional
             As for `to_dataframe`.
 
@@ -549,11 +552,14 @@ class FrequencyResponse(Result, ReadOnly):
             self._write(found, ending, at)
             return
         frame = self.to_dataframe(at)
-        with replacing(found) as file:
-            if ending == ".csv":
-                file.write(frame.to_csv(index=False).encode())
-            else:
-                frame.astype(str).to_excel(file, index=False, engine="openpyxl")
+        for position in range(frame.shape[1] - 1, -1, -1):
+            if frame.dtypes.iloc[position].kind == "c":
+                name = str(frame.columns[position])
+                label, _, unit = name.rpartition(" [")
+                values = frame.pop(name)
+                frame.insert(position, f"{label} im [{unit}", values.to_numpy().imag)
+                frame.insert(position, f"{label} re [{unit}", values.to_numpy().real)
+        save_table(frame, found, ending)
 
     def _write(self, path: Any, ending: str, at: Any) -> None:
         """Write a file with the curves of places."""
@@ -563,7 +569,14 @@ class FrequencyResponse(Result, ReadOnly):
         if ending == ".uff":
             if self.axes != ("frequency",):
                 raise SceneError("path: a universal file holds a response at one speed")
-            harmonic.write_uff(path, self._curves(at), *about)
+            harmonic.write_uff(
+                path,
+                self._curves(at),
+                frequencies=self.frequencies,
+                speeds=self.speeds,
+                sources=self.sources,
+                plain=self._sources,
+            )
         elif ending == ".mat":
             curves = self._curves(at)
             with replacing(path) as file:
@@ -618,7 +631,11 @@ class FrequencyResponse(Result, ReadOnly):
             "pinion y re [m/s²]", "pinion y im [m/s²]" or "input@0.2 z re [mm]"; or the curves of
             another comparison.
         places : mapping of int to place, optional
-            Place of each node of a universal file that gearbow did not write.
+            Place of each node of a universal file that gearbow did not write: of responses and of
+            references. The response is computed for the force of one newton at the reference node
+            in its direction; the `source` of this response counts where the file has none, or
+            another denominator than a force. Units are those of the labels, or else of data set
+            164, or else SI.
 
         Returns
         -------
@@ -641,7 +658,7 @@ class FrequencyResponse(Result, ReadOnly):
             raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
         if isinstance(measured, str | os.PathLike):
             path, _ = check_name(measured, [".uff", ".unv", *ENDINGS], "measured")
-            curves = read_measured(path, places)
+            curves = read_measured(path, places, self.sources, self._sources)
         else:
             curves = items(measured, "measured", "curves")
         if not curves or not all(isinstance(curve, MeasuredCurve) for curve in curves):
@@ -653,13 +670,16 @@ class FrequencyResponse(Result, ReadOnly):
 
     def _computed(self, curve: "MeasuredCurve") -> ComplexArray:
         """Compute a curve at the frequencies of a measured one."""
-        if not curve.source < len(self.sources):
+        if isinstance(curve.source, int) and not curve.source < len(self.sources):
             raise SceneError(
                 f"measured: there are {len(self.sources)} sources, got a curve of more"
             )
         at = np.ascontiguousarray(curve.frequencies)
         speeds = np.full(at.shape, self.speeds.ravel()[0])
-        sources = [self._sources[curve.source]]
+        if isinstance(curve.source, int):
+            sources = [self._sources[curve.source]]
+        else:
+            sources, _ = plain_sources(curve.source)
         found = Model(dict(self.description)).frequency_response(at, speeds, sources, 1)
         phasors = found["phasors"]
         if curve.direction == "twist":

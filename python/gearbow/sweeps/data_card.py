@@ -16,7 +16,10 @@ from gearbow.sweeps.result import Sweep
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["data_card"]
+__all__ = ["CARD_SIGN", "data_card"]
+
+#: A sentence by which a data card is known.
+CARD_SIGN = "The data are computed, not measured."
 
 #: Most values of a label that are listed one by one.
 _MOST_LISTED = 8
@@ -26,8 +29,8 @@ _ORDERS = (
     "of the reference shaft. They are fitted to the signals with noise; a record at a constant "
     "speed has one segment."
 )
-_LIMITS = """\
-- The data are computed, not measured. They contain what the system of `make` contains: no wear, no
+_LIMITS = f"""\
+- {CARD_SIGN} They contain what the system of `make` contains: no wear, no
   lubrication faults, no elastic casing unless it is modelled, no other machine beside it.
 - The noise is white and normally distributed. Sensors have no frequency response and no drift.
 - A model that separates these samples separates simulated machines with the labels of the table.

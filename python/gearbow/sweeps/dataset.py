@@ -9,13 +9,14 @@ import os
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gearbow._convert import number, shown, text, whole
 from gearbow._extras import extra
-from gearbow._files import check_output, replacing
+from gearbow._files import check_output, printable, replacing
 from gearbow._keywords import checked
 from gearbow._lookup import nearest
 from gearbow._types import Array, Progress
@@ -26,7 +27,7 @@ from gearbow.recording.record import Recorded
 from gearbow.results.response import Response
 from gearbow.sensors.sensor import Sensor, SignalSensor
 from gearbow.sensors.tacho import Tacho
-from gearbow.sweeps.data_card import data_card
+from gearbow.sweeps.data_card import CARD_SIGN, data_card
 from gearbow.sweeps.points import Parameters, Points
 from gearbow.sweeps.result import Sweep
 from gearbow.sweeps.run import check_call, sweep
@@ -119,7 +120,8 @@ def dataset(
     Raises
     ------
     SceneError
-        If an argument is invalid, or the store belongs to another data set or is in use.
+        If an argument is invalid, the store belongs to another data set or is in use, or the data
+        card would replace a file that is none.
     GearbowError
         If no sample has signals, or samples have other times or orders than the first one.
     MissingExtraError
@@ -149,7 +151,10 @@ def dataset(
     (2, 301) 0.0001026
     """
     file, _ = suffix(path, "path", (".nc",))
-    check_output(file)
+    card_file = file.with_suffix(".md")
+    for each in (file, card_file):
+        check_output(each)
+    _check_card(card_file)
     rows = _rows(parameters, whole(seed, "seed", least=0))
     labels = tuple(rows[0])
     own = {name: value for name, value in rows[0].items() if name != _SEED}
@@ -166,14 +171,24 @@ def dataset(
         card = data_card(
             found, data, make=make, run=run, sensors=wanted, noise=recording.noise, file=file
         )
-        with replacing(file) as stream:
+        # Both are written before one of them replaces a file.
+        with replacing(card_file) as second, replacing(file) as stream:
+            second.write(printable(card).encode())
+            second.flush()
             write_netcdf(for_netcdf(data), stream)
-        with replacing(file.with_suffix(".md")) as stream:
-            stream.write(card.encode())
     except Exception as error:
         error.sweep = found  # type: ignore[attr-defined]
         raise
     return found
+
+
+def _check_card(path: Path) -> None:
+    """Refuse to replace a file that is no data card of gearbow."""
+    if path.exists() and CARD_SIGN not in path.read_bytes().decode(errors="replace"):
+        raise SceneError(
+            f"path: the data card would replace {path}, which is no data card of gearbow; rename "
+            "it, or give another path"
+        )
 
 
 @dataclass(frozen=True, eq=False)

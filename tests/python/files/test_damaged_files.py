@@ -104,8 +104,12 @@ def table(path: Path) -> None:
         path.write_text(TABLE)
 
 
+def named(x: float) -> float:
+    return x
+
+
 def sweep(path: Path) -> None:
-    gb.sweep(float, {"x": [1.0, 2.0, 3.0]}, abs, progress=False).save(path)
+    gb.sweep(named, {"x": [1.0, 2.0, 3.0]}, abs).save(path)
 
 
 def rexs(path: Path) -> None:
@@ -263,6 +267,7 @@ def test_every_reader_is_tested():
         *(f"recording.container.{name}" for name in ("open", "header", "read")),  # of `opened`
         "exchange.rexs_file._unzipped",  # of bytes
         "system.read.format_of",  # only tells formats apart
+        "machines.examples._read",  # a file of the package
         "report.page.write",  # the template of the package
         *(f"sweeps.store.{name}" for name in ("_open", "write")),
     }

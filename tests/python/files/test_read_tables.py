@@ -295,7 +295,6 @@ def test_a_frequency_response_in_units_of_the_workshop(tmp_path: Path):
         ("frequency,hub y re [m],hub y im [m]\n1,2,3\n", 'column "frequency": needs its unit in brackets, rad/s, or Hz'),
         ("frequency [Hz],hub y re [kg],hub y im [kg]\n1,2,3\n", "must have a unit that converts to m or m/s or m/s^2"),
         ("hub y re [m],hub y im [m]\n1,2\n", ': needs the column "frequency [Hz]"'),
-        ("frequency [Hz],hub@x y re [m],hub@x y im [m]\n1,2,3\n", ": hub@x y: the position behind @ must be in m"),
         ("frequency [Hz]\n1\n", ': needs columns such as "pinion y re [m/s²]"'),
     ],
 )  # fmt: skip

@@ -72,8 +72,12 @@ def test_universal_files_are_read_again(response, tmp_path):
     compared = response.compare(tmp_path / "frf.uff")
     # places × (y, z, twist) × sources
     assert len(compared.measured) == 12
-    # the file has 7 digits
-    assert compared.frac == pytest.approx(1.0, abs=1e-9)
+    # the file has 13 digits, its frequencies have at least 8
+    assert compared.frac == pytest.approx(1.0, abs=1e-12)
+    for measured, computed in zip(compared.measured, compared.computed, strict=True):
+        np.testing.assert_allclose(
+            measured.values, computed, rtol=1e-6, atol=1e-7 * np.abs(computed).max()
+        )
     two = train().frequency_response([1.0, 2.0], source=gb.Force("pinion", 1.0), speed=[1.0, 2.0])
     with pytest.raises(gb.SceneError, match="path: a universal file holds a response at one speed"):
         two.save(tmp_path / "two.uff")
@@ -86,15 +90,22 @@ def test_pyuff_reads_the_functions_of_a_universal_file(response, tmp_path):
     sets = [each for each in sets if each["type"] == 58]
     moved = response.displacement("pinion")
     for source in range(moved.shape[1]):
+        # A file has functions for one newton and for one metre of transmission error.
+        amplitude, denominator = ((1.0, (13, "N")), (1e-6, (8, "m")))[source]
         for direction in range(2):
-            values = moved[:, source, direction]
+            values = moved[:, source, direction] / amplitude
             matches = [
                 each
                 for each in sets
                 if np.allclose(each["data"], values, rtol=1e-6, atol=1e-6 * np.abs(values).max())
             ]
             assert matches
-            np.testing.assert_allclose(2.0 * np.pi * matches[0]["x"], FREQUENCIES, rtol=1e-6)
+            assert denominator == (
+                matches[0]["orddenom_spec_data_type"],
+                matches[0]["orddenom_axis_units_lab"],
+            )
+            # A field of 13 characters
+            np.testing.assert_allclose(2.0 * np.pi * matches[0]["x"], FREQUENCIES, rtol=1e-9)
 
 
 def test_a_measured_response_is_compared(response, tmp_path):

@@ -1,0 +1,234 @@
+"""Universal files (UFF) as plain data: data sets 55, 58, 164 and 2411.
+
+A universal file consists of data sets of lines with fields of fixed widths. Fields of 13 characters
+take as many digits as they hold, which every reader of such fields accepts.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearbow._files import parsing, printable, replacing
+from gearbow._types import Array
+from gearbow.errors import SceneError
+
+__all__ = [
+    "DataSet",
+    "Function",
+    "Quantity",
+    "data_sets",
+    "function_lines",
+    "line_of",
+    "whole_line",
+    "write",
+]
+
+#: The line before and after each data set.
+_MARK = re.compile(rb"^ {4}-1[ \t]*\r?$", re.MULTILINE)
+#: The same behind binary data, where a line need not begin.
+_END = re.compile(rb"\s{0,2} {4}-1[ \t]*\r?$", re.MULTILINE)
+#: Lines of a data set 58 before its numbers.
+_HEADER = 11
+_WIDTHS = {
+    "dof": (5, 10, 5, 10, 11, 10, 4, 11, 10, 4),
+    "form": (10, 10, 10, 13, 13, 13),
+    "quantity": (10, 5, 5, 5, 21, 21),
+}
+#: Ordinate types of data set 58: width of a number, and whether it is complex.
+_ORDINATES = {2: ("f4", False), 4: ("f8", False), 5: ("f4", True), 6: ("f8", True)}
+#: Most characters of a line.
+_LINE = 80
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What the numbers of an axis are: the type of data set 58, and the unit as its label."""
+
+    kind: int = 0
+    unit: str = "NONE"
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """A data set 58: function type, names, response, reference and values."""
+
+    kind: int
+    names: Sequence[str]
+    response: tuple[int, int]
+    reference: tuple[int, int]
+    abscissa: Array
+    values: NDArray[Any]
+    quantities: tuple[Quantity, Quantity, Quantity]
+    entities: tuple[str, str] = ("NONE", "NONE")
+
+
+@dataclass(frozen=True)
+class DataSet:
+    """A data set: its number, its bytes behind the line of the number, and where it begins."""
+
+    kind: int
+    content: bytes
+    where: str
+    #: Order of bytes "<" or ">" of binary numbers; empty for text.
+    order: str = ""
+
+    def lines(self) -> list[str]:
+        """Give the lines of a data set of text."""
+        return self.content.decode("utf-8", "replace").split("\n")
+
+    def numbers(self, lines: Iterable[str], widths: Sequence[int]) -> Array:
+        """Read lines with fields of these widths, the last of which may be fewer."""
+        found = []
+        for line in lines:
+            at = 0
+            for width in widths:
+                cell = line[at : at + width].strip()
+                if cell:
+                    found.append(float(cell.upper().replace("D", "E")))
+                at += width
+        values = np.array(found)
+        if not np.isfinite(values).all():
+            raise SceneError(f"{self.where}: has numbers that are not finite")
+        return values
+
+    def function(self) -> Function:
+        """Read a data set 58."""
+        head = self.content.split(b"\n", _HEADER)
+        if len(head) <= _HEADER:
+            raise SceneError(f"{self.where}: ends within its header")
+        lines = [line.decode("utf-8", "replace").rstrip("\r") for line in head[:_HEADER]]
+        dof, form = _fields(lines[5], "dof"), _fields(lines[6], "form")
+        ordinate, count, even = (int(cell or "0") for cell in form[:3])
+        if ordinate not in _ORDINATES:
+            raise SceneError(f"{self.where}: has values of the unknown type {ordinate}")
+        number, is_complex = _ORDINATES[ordinate]
+        parts = 2 if is_complex else 1
+        wanted = max(count, 0) * (parts if even else parts + 1)
+        if self.order:
+            dtype = np.dtype(f"{self.order}{number}")
+            data = head[_HEADER]
+            found = np.frombuffer(data[: len(data) // dtype.itemsize * dtype.itemsize], dtype)
+            # Behind the numbers may be the end of a line.
+            values: Array = found[:wanted].astype(np.float64)
+            if not np.isfinite(values).all():
+                raise SceneError(f"{self.where}: has numbers that are not finite")
+        else:
+            if number == "f4":
+                widths: tuple[int, ...] = (13,) * 6
+            elif even:
+                widths = (20,) * 4
+            else:
+                widths = (13, 20, 20) if is_complex else (13, 20, 13, 20)
+            rows = head[_HEADER].decode("utf-8", "replace").split("\n")
+            values = self.numbers(rows, widths)
+        if values.size != wanted or count < 1:
+            raise SceneError(f"{self.where}: must have {wanted} numbers, has {values.size}")
+        table = values.reshape(count, -1)
+        if even:
+            begin, step = (float((cell or "0").upper().replace("D", "E")) for cell in form[3:5])
+            abscissa: Array = begin + step * np.arange(count, dtype=np.float64)
+        else:
+            abscissa, table = table[:, 0], table[:, 1:]
+        quantities = [_fields(line, "quantity") for line in lines[7:10]]
+        return Function(
+            int(dof[0]),
+            [line.strip() for line in lines[:5]],
+            (int(dof[5] or "0"), int(dof[6] or "0")),
+            (int(dof[8] or "0"), int(dof[9] or "0")),
+            abscissa,
+            table[:, 0] + 1j * table[:, 1] if is_complex else table[:, 0],
+            (
+                Quantity(int(quantities[0][0] or "0"), quantities[0][5]),
+                Quantity(int(quantities[1][0] or "0"), quantities[1][5]),
+                Quantity(int(quantities[2][0] or "0"), quantities[2][5]),
+            ),
+        )
+
+
+def data_sets(path: Path) -> Iterator[DataSet]:
+    """Read the data sets of a file, one after the other."""
+    data = path.read_bytes()
+    with parsing(path, "a universal file"):
+        at = 0
+        while (mark := _MARK.search(data, at)) is not None:
+            head, _, content = data[mark.end() + 1 :].partition(b"\n")
+            line = data.count(b"\n", 0, mark.end()) + 2
+            where = f"{path}: line {line}"
+            if not re.fullmatch(rb"\s*[0-9]{1,6}[bB]?.*", head.rstrip(b"\r")[:80]):
+                raise SceneError(f"{where}: must be the number of a data set, got {head[:20]!r}")
+            begin = mark.end() + 1 + len(head) + 1
+            order, size = "", 0
+            if head[6:7].lower() == b"b":
+                order = "<" if head[7:13].strip() == b"1" else ">"
+                size = sum(len(line) + 1 for line in content.split(b"\n", _HEADER)[:_HEADER])
+                size += int(head[31:43].strip() or b"0")
+            end = (_END if order else _MARK).search(data, min(begin + size, len(data)))
+            if end is None and order:  # a wrong size
+                end = _END.search(data, begin)
+            if end is None:
+                raise SceneError(f"{where}: the data set has no end; the file is not complete")
+            kind = int(head[:6].strip(b" \r\tbB") or b"0")
+            content = data[begin : end.start()]
+            yield DataSet(kind, content, f"{where}: data set {kind}", order)
+            at = end.end()
+
+
+def _fields(line: str, name: str) -> list[str]:
+    """Cut a line into the fields of a record."""
+    found, at = [], 0
+    for width in _WIDTHS[name]:
+        found.append(line[at : at + width].strip())
+        at += width
+    return found
+
+
+def write(path: Path, sets: Iterable[tuple[int, Iterable[str]]]) -> None:
+    """Write data sets, each with its number and its lines."""
+    with replacing(path) as file:
+        for kind, lines in sets:
+            file.write(f"    -1\n{kind:6d}\n".encode())
+            file.writelines(f"{line}\n".encode() for line in lines)
+            file.write(b"    -1\n")
+
+
+def line_of(text: str) -> str:
+    """Give a line with a text, which may be cut only where this is visible."""
+    plain = " ".join(printable(text).splitlines())
+    return plain if len(plain) <= _LINE else f"{plain[: _LINE - 1]}…"
+
+
+def whole_line(text: str) -> str:
+    """Give a line with a text that a reader needs."""
+    if len(text) > _LINE or [printable(text)] != text.splitlines():
+        raise SceneError(
+            f"path: a line of a universal file has {_LINE} printable characters, too few for "
+            f"{text!r}; give another name, or a file .nc"
+        )
+    return text
+
+
+def function_lines(given: Function) -> Iterator[str]:
+    """Give the lines of a data set 58 with complex values."""
+    yield from given.names
+    response, reference = given.response, given.reference
+    entities = [f"{name[:10]:<10}" for name in given.entities]
+    yield (
+        f"{given.kind:5d}{0:10d}{0:5d}{0:10d} {entities[0]}{response[0]:10d}{response[1]:4d}"
+        f" {entities[1]}{reference[0]:10d}{reference[1]:4d}"
+    )
+    yield f"{6:10d}{given.abscissa.size:10d}{0:10d}{0.0:13.5E}{0.0:13.5E}{0.0:13.5E}"
+    for each in (*given.quantities, Quantity()):
+        yield f"{each.kind:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {each.unit:<20}"
+    for x, value in zip(given.abscissa.tolist(), given.values.tolist(), strict=True):
+        yield f"{_fitted(x):>13}{value.real:20.12E}{value.imag:20.12E}"
+
+
+def _fitted(number: float) -> str:
+    """Give a number with all digits for which a field of 13 characters has the space."""
+    texts = (f"{number:.{digits}g}" for digits in range(12, 0, -1))
+    return next(text for text in texts if len(text) <= 12)
