@@ -105,7 +105,8 @@ def parsing(path: str | os.PathLike[str], kind: str, *, own: bool = False) -> It
         if isinstance(error, Warning) or (isinstance(error, GearbowError) and not own):
             raise
         reason = str(error) or type(error).__name__
-        raise SceneError(f"{path}: is not {kind}, or damaged: {reason}") from error
+        damage = ", or damaged" if own else ""
+        raise SceneError(f"{path}: is not {kind}{damage}: {reason}") from error
 
 
 @contextmanager

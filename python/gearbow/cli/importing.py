@@ -39,7 +39,6 @@ def import_(given: argparse.Namespace) -> Answer:
     read_options(given)  # their errors come before those of the file
     found = format_of(given.scene)
     data: dict[str, object] = {"file": str(given.scene)}
-    heading = f"# From {given.scene.name}, a {found.name}"
     if given.list and found != REXS:
         raise SceneError(f"--list: is for a {REXS.name}, but {given.scene} is a {found.name}")
     if found == REXS:
@@ -51,8 +50,10 @@ def import_(given: argparse.Namespace) -> Answer:
         }
         if given.list:
             return Answer(contents.table(), data)
-        heading = _heading(given, contents)
     system = read_system(given)
+    heading = f"# From {given.scene.name}, a {found.name}"
+    if found == REXS:
+        heading = _heading(given, contents)
     text = f"{heading}\n\n{system._model.to_toml()}"
     data |= {"scene": system.description}
     if given.out is None:

@@ -1,17 +1,21 @@
 """Systems that commands read: scene files, and files of other programs with what these lack."""
 
 import argparse
+import re
 from collections.abc import Iterator
 from typing import Any
 
 from gearbow.description.gears import Mesh
 from gearbow.errors import SceneError
+from gearbow.exchange.rexs_joints import CATALOGUE
 from gearbow.system.read import REXS, format_of, read
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
 
 __all__ = ["add_options", "read_options", "read_system", "refuse_options"]
 
+#: Words in place of the values of a bearing or coupling.
+_WORDS = {"none": None, CATALOGUE: CATALOGUE}
 #: Options of files of other programs, by the argument of `gearbow.read`.
 _OPTIONS = {
     "load_case": "--load-case",
@@ -25,14 +29,18 @@ def add_options(command: argparse.ArgumentParser) -> None:
     """Add the options of files of other programs."""
     parser = command.add_argument_group("files of other programs")
     parser.add_argument("--load-case", type=int, help="number of the load case of a REXS file")
-    for name, unit in (("bearing", "1e8 N/m"), ("coupling", "1e5 N m/rad")):
+    for name, unit, option in (
+        ("bearing", "1e8 N/m", "clearance:10 um, damping:500"),
+        ("coupling", "1e5 N m/rad", "torsional_stiffness:1e5, torsional_damping:5"),
+    ):
         parser.add_argument(
             f"--{name}",
             action="append",
             default=[],
-            metavar="NAME=STIFFNESS",
-            help=f'stiffness of a {name}, for example "6210={unit}"; "6210=none" leaves it out, '
-            f'"other={unit}" is for all others without one',
+            metavar="NAME=VALUES",
+            help=f'stiffness of a {name}, for example "6210={unit}", or its parameters, '
+            f'"6210={option}"; "6210=none" leaves it out, "other={unit}" is for all others without '
+            "one; a unique part of the name is enough",
         )
     for name, value, of_ross in (
         ("mesh", "STIFFNESS", 'gear_mesh_stiffness, for example "Gear 0/Gear 1=2e8 N/m"'),
@@ -69,18 +77,35 @@ def refuse_options(given: argparse.Namespace) -> None:
 
 def read_options(given: argparse.Namespace) -> dict[str, Any]:
     """Give the options as arguments of `gearbow.read`."""
-    bearings = _stiffnesses(given.bearing, "bearings.stiffness")
-    couplings = _stiffnesses(given.coupling, "couplings.torsional_stiffness")
+    bearings = _values(given.bearing, "bearings", "stiffness")
+    couplings = _values(given.coupling, "couplings", "torsional_stiffness")
     values = (given.load_case, bearings, couplings, _meshes(given))
     pairs = zip(_OPTIONS, values, strict=True)
     return {name: value for name, value in pairs if value not in (None, {}, [])}
 
 
-def _stiffnesses(given: list[str], path: str) -> dict[str, float | None]:
-    return {
-        name: None if value.strip() == "none" else parsed(value, path, bare=True)
-        for name, value in _pairs(given, path, "NAME=STIFFNESS")
-    }
+def _values(given: list[str], parts: str, stiffness: str) -> dict[str, Any]:
+    """Give what an option says of each part: a stiffness, parameters, a word, or None."""
+    found: dict[str, Any] = {}
+    for name, value in _pairs(given, f"--{parts.removesuffix('s')}", "NAME=VALUES"):
+        if value.strip() in _WORDS:
+            found[name] = _WORDS[value.strip()]
+        elif ":" in value:
+            pairs = (each.partition(":") for each in value.split(","))
+            found[name] = {
+                key.strip(): _value(text, f"{parts}.{key.strip()}") for key, _, text in pairs
+            }
+        else:
+            found[name] = parsed(value, f"{parts}.{stiffness}", bare=True)
+    return found
+
+
+def _value(text: str, path: str) -> float | int | str:
+    """Read a parameter of a bearing or coupling; what is no number is a text."""
+    plain = text.strip()
+    if path.endswith(".designation") or not re.match(r"[-+]?\.?\d", plain):
+        return plain
+    return int(plain) if plain.isdigit() else parsed(plain, path, bare=True)
 
 
 def _meshes(given: argparse.Namespace) -> list[Mesh]:

@@ -4,7 +4,7 @@ import math
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -69,6 +69,11 @@ class LoadCase(Shown):
     speed: float | None
     torques: dict[str, float]
 
+    def __str__(self) -> str:
+        speed = "no speed" if self.speed is None else f"{self.speed * 30.0 / math.pi:.6g} rpm"
+        torques = [f'"{name}" {torque:.6g} N m' for name, torque in self.torques.items()]
+        return f"load case {self.number}: {', '.join([speed, *torques])}"
+
 
 @dataclass(frozen=True)
 class RexsContents(Shown):
@@ -88,6 +93,8 @@ class RexsContents(Shown):
         Values that the file does not contain and gearbow needs.
     notes : tuple of str
         What gearbow assumes or leaves out.
+    bearings : dict of str to str
+        What each bearing becomes, by its name.
 
     Examples
     --------
@@ -103,21 +110,24 @@ class RexsContents(Shown):
     load_cases: tuple[LoadCase, ...]
     missing: tuple[MissingValue, ...]
     notes: tuple[str, ...]
+    bearings: dict[str, str] = field(default_factory=dict)
 
     def table(self) -> str:
-        """Format the load cases, what to add, and the notes as text.
+        """Format the load cases, what to add, the bearings, and the notes as text.
 
         Returns
         -------
         str
             One line for each.
         """
-        lines = []
-        for case in self.load_cases:
-            speed = "no speed" if case.speed is None else f"{_rpm(case.speed):.6g} rpm"
-            torques = [f'"{name}" {torque:.6g} N m' for name, torque in case.torques.items()]
-            lines.append(f"load case {case.number}: {', '.join([speed, *torques])}")
+        lines = [str(case) for case in self.load_cases]
         lines += [f"to add: {each}" for each in self.missing]
+        missing = [each.name for each in self.missing]
+        lines += [
+            f'bearing "{name}": {text}'
+            for name, text in self.bearings.items()
+            if name not in missing
+        ]
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
 
@@ -129,14 +139,10 @@ class RexsContents(Shown):
         return self.table()
 
 
-def _rpm(speed: float) -> float:
-    return speed * 30.0 / math.pi
-
-
 def read_rexs(
     path: str | os.PathLike[str],
     load_case: int | None = None,
-    bearings: Mapping[str, object] | None = None,
+    bearings: Mapping[str, object] | str | None = None,
     couplings: Mapping[str, object] | None = None,
 ) -> tuple[dict[str, Plain], RexsContents]:
     """Read a gear unit: its description, without what is missing, and its contents."""
@@ -163,13 +169,13 @@ def _read(
     unknown = {each.kind for each in file.components.values() if not _KNOWN.fullmatch(each.kind)}
     if unknown:
         train.notes.append(f"components of these types are left out: {', '.join(sorted(unknown))}")
-    chosen = _chosen(file, number, found)
-    if chosen is not None:
-        train.add_loads(description, cases[chosen - 1])
+    if number is not None and number > len(cases):
+        raise SceneError(f"load_case: must be 1 to {len(cases)} for {file.path}, got {number}")
+    train.add_loads(description, cases[(number or 1) - 1])
     reference = train.placed[train.reference.id].name
     contents = RexsContents(
         *(file.application, file.version, reference, found),
-        *(tuple(joints.missing), tuple(dict.fromkeys(train.notes))),
+        *(tuple(joints.missing), tuple(dict.fromkeys(train.notes)), joints.becomes),
     )
     return {key: value for key, value in description.items() if value not in ([], None)}, contents
 
@@ -177,14 +183,15 @@ def _read(
 def read_system(
     path: str | os.PathLike[str],
     load_case: int | None,
-    bearings: Mapping[str, object] | None,
+    bearings: Mapping[str, object] | str | None,
     couplings: Mapping[str, object] | None,
 ) -> tuple[dict[str, Plain], RexsContents]:
     """Read a gear unit of which nothing is missing."""
     description, contents = read_rexs(path, load_case, bearings, couplings)
     if load_case is None and len(contents.load_cases) > 1:
-        cases = contents.table().splitlines()[: len(contents.load_cases)]
-        raise SceneError(f"{path}: choose one with load_case: {'; '.join(cases)}")
+        first, *_, last = contents.load_cases
+        note = f"{first} acts; load_case chooses another one, up to {last.number}"
+        contents = replace(contents, notes=(note, *contents.notes))
     if contents.missing:
         missing = "; ".join(str(each) for each in contents.missing)
         name, argument = contents.missing[0].name, contents.missing[0].argument
@@ -195,27 +202,19 @@ def read_system(
     return description, contents
 
 
-def _chosen(file: RexsFile, load_case: int | None, cases: tuple[LoadCase, ...]) -> int | None:
-    """Give the number of the load case; None if there are several and none is chosen."""
-    if load_case is None:
-        return 1 if len(cases) == 1 else None
-    if load_case > len(cases):
-        raise SceneError(f"load_case: must be 1 to {len(cases)} for {file.path}, got {load_case}")
-    return load_case
-
-
 def rexs_contents(path: str | os.PathLike[str]) -> RexsContents:
     """List what a REXS file contains, and what must be added to make a system of it.
 
     Parameters
     ----------
     path : str or path-like
-        A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive) of version 1.0 to 2.0.
+        A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive, also ``.zip``) of
+        version 1.0 to 2.0.
 
     Returns
     -------
     RexsContents
-        Load cases, missing values and notes.
+        Load cases, missing values, notes, and what each bearing becomes.
 
     Raises
     ------
@@ -328,29 +327,31 @@ class _Train:
     def _shaft(self, placed: PlacedShaft) -> dict[str, Plain]:
         shaft = placed.component
         described: dict[str, Plain] = {"name": placed.name}
-        described["segments"] = [segment(each, shaft) for each, _, _ in placed.sections]
+        segments = [segment(each, placed.sense) for each, _, _ in placed.sections]
+        described["segments"] = segments
         default = self._material(shaft)
-        materials = {self._material(each) or default for each, _, _ in placed.sections}
-        if len(materials) > 1:
-            raise shaft.error("its sections have different materials; a shaft of gearbow has one")
-        (material,) = materials
-        if material is None:
+        materials = [self._material(each) or default for each, _, _ in placed.sections]
+        # A section without a material is steel, and so is then the material of the shaft.
+        common = None if None in materials else materials[0]
+        if common is None:
             self._without_material.append(placed.name)
         else:
-            keys = ("youngs_modulus", "density", "poisson_ratio")
-            described["material"] = dict(zip(keys, material, strict=True))
+            described["material"] = common
+        for each, material in zip(segments, materials, strict=True):
+            if material != common:
+                each["material"] = material
         return described
 
-    def _material(self, component: Component) -> tuple[float, float, float] | None:
-        """Give Young's modulus, density and Poisson's ratio of the material of a component."""
+    def _material(self, component: Component) -> dict[str, Plain] | None:
+        """Give the material of a component."""
         for refs in self._file.related("reference"):
             material = refs.get("referenced")
             if material and material.kind == "material" and refs.get("origin") is component:
-                return (
-                    material.number("elastic_modulus", "youngs_modulus"),
-                    material.number("density", "density"),
-                    material.number("poisson_ratio", "poisson_ratio"),
-                )
+                return {
+                    "youngs_modulus": material.number("elastic_modulus", "youngs_modulus"),
+                    "density": material.number("density", "density"),
+                    "poisson_ratio": material.number("poisson_ratio", "poisson_ratio"),
+                }
         return None
 
     def _gear(self, gear: Component) -> dict[str, Plain]:

@@ -29,8 +29,10 @@ from gearbow.units.parse import parsed
 
 __all__ = ["ENDINGS", "Attribute", "Component", "Relation", "RexsFile", "read_rexs_file"]
 
-#: Endings of the three formats.
-ENDINGS = (".rexs", ".rexsj", ".rexsz")
+#: Endings of the three formats; the last one is another name of the third.
+ENDINGS = (".rexs", ".rexsj", ".rexsz", ".zip")
+#: Folder that macOS adds to an archive, with a file of metadata for each file.
+_OF_MACOS = "__MACOSX/"
 #: Largest file, and largest content of a zip archive [bytes]. Models of gear units have about 1e5.
 _MAX_SIZE = 100_000_000
 #: Units of REXS that gearbow writes otherwise. "1 / min" is only the unit of speeds.
@@ -165,7 +167,7 @@ def read_rexs_file(path: str | os.PathLike[str]) -> RexsFile:
     """Read a file in one of the three formats."""
     found, ending = check_name(path, ENDINGS)
     data = _read(found)
-    if ending == ".rexsz":
+    if ending in ENDINGS[2:]:
         data, ending = _unzipped(data, found)
     with parsing(found, "a REXS file"):
         plain = _from_json(data) if ending == ".rexsj" else _from_xml(data)
@@ -186,8 +188,12 @@ def _limited(data: bytes, path: Path) -> bytes:
 
 def _unzipped(data: bytes, path: Path) -> tuple[bytes, str]:
     """Read the only model of a zip archive."""
-    with parsing(path, "a zip archive"), zipfile.ZipFile(BytesIO(data)) as archive:
-        names = [n for n in archive.namelist() if n.lower().endswith(ENDINGS[:2])]
+    with parsing(path, "a zip archive that can be read"), zipfile.ZipFile(BytesIO(data)) as archive:
+        names = [
+            name
+            for name in archive.namelist()
+            if name.lower().endswith(ENDINGS[:2]) and not name.startswith(_OF_MACOS)
+        ]
         if len(names) != 1:
             raise SceneError(
                 f"{path}: must have one file with the ending {ENDINGS[0]} or {ENDINGS[1]}, got "

@@ -9,11 +9,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from gearbow._convert import number, shown
 from gearbow._lookup import nearest
 from gearbow._shown import Shown
 from gearbow._types import Plain
+from gearbow.description.rolling import RollingBearing
 from gearbow.errors import SceneError
+from gearbow.exchange.designations import bearing_of_designation, bearing_of_dimensions
 from gearbow.exchange.rexs_file import Component, RexsFile
 from gearbow.exchange.rexs_shafts import PlacedShaft, Shafts
 
@@ -21,8 +25,19 @@ __all__ = ["OTHER", "Joints", "MissingValue", "check_given"]
 
 #: The entry of `bearings` for all bearings without an entry of their own.
 OTHER = "other"
+#: The value of `bearings` for rolling bearings of estimated elements, which is the default.
+CATALOGUE = "catalogue"
+#: Fields of rolling bearings whose elements gearbow estimates, those without an estimate, and the
+#: fields that say which radial law a bearing has.
+_CATALOGUED = {"designation", "kind", "boundary"}
+_ELEMENTS = {"elements", "element_diameter", "pitch_diameter"}
+_LAWS = {"stiffness", "viscosity", *_CATALOGUED}
+#: Values of the file that a given radial law does not replace.
+_WITH_EVERY_LAW = ("axial_stiffness", "tilting_stiffness")
 #: Names of the radial clearance, the preferred first: the second is that of REXS 1.0.
 _CLEARANCES = ("operating_radial_bearing_clearance", "radial_backlash", "radial_bearing_clearance")
+#: Names of the entries of the stiffness at the operating point, which calculations write.
+_OPERATING = "operating_point_stiffness_f_{}_d_{}"
 _COUPLINGS = ("coupling", "switchable_coupling", "fixed_coupling")
 
 
@@ -33,7 +48,8 @@ class _Stiffness:
     file: str
     bearing: str
     coupling: str
-    #: [N/m or N m/rad]. Programs write 1e12 to 1e23; large bearings have about 1e10 and 1e8.
+    #: [N/m or N m/rad]. Programs write 1e12 to 1e23; large bearings have about 1e10 and 1e8. This
+    #: is the stiffness of a rigid coupling.
     rigid: float
 
 
@@ -110,27 +126,44 @@ class Joints:
         self._description = description
         self._notes = notes
         self.missing: list[MissingValue] = []
+        #: What each bearing becomes.
+        self.becomes: dict[str, str] = {}
+        self._estimated: list[str] = []
 
     def add(self, bearings: Mapping[str, object], couplings: Mapping[str, object]) -> None:
         """Add all of them, with the values that are given by name."""
         joints = self._found()
         of_bearings = [each for each in joints if "bearing" in each.component.kind]
         of_couplings = [each for each in joints if each.component.kind in _COUPLINGS]
-        for argument, given, known in (
-            ("bearings", bearings, of_bearings),
-            ("couplings", couplings, of_couplings),
-        ):
-            names = [each.name for each in known]
-            for name in given:
-                if name not in (*names, OTHER):
-                    raise SceneError(
-                        f'{argument}: {self._file.path} has no "{name}", it has '
-                        f"{', '.join(names) or 'none'}{nearest(name, names)}"
-                    )
+        given = self._by_name(bearings, "bearings", of_bearings)
         for joint in of_bearings:
-            self._add_bearing(joint, bearings)
+            self._add_bearing(joint, given)
+        given = self._by_name(couplings, "couplings", of_couplings)
         for joint in of_couplings:
-            self._add_coupling(joint, couplings)
+            self._add_coupling(joint, given)
+        if self._estimated:
+            names = ", ".join(f'"{name}"' for name in self._estimated)
+            self._notes.append(
+                f"number and size of the rolling elements of {names} are estimates, which change "
+                "the stiffness by 15 to 30 %; clearance and damping are 0 unless they are given"
+            )
+
+    def _by_name(
+        self, given: Mapping[str, object], argument: str, joints: list[_Joint]
+    ) -> Mapping[str, object]:
+        """Give values by the whole names of the file; a part of a single name is enough."""
+        names = list(dict.fromkeys(each.name for each in joints))
+        found = {}
+        for name, value in given.items():
+            fitting = [name] if name in (*names, OTHER) else [one for one in names if name in one]
+            if len(fitting) != 1:
+                several = f"; it is a part of {', '.join(fitting)}" if fitting else ""
+                raise SceneError(
+                    f'{argument}: {self._file.path} has no "{name}", it has '
+                    f"{', '.join(names) or 'none'}{several or nearest(name, names)}"
+                )
+            found[fitting[0]] = value
+        return found
 
     def _found(self) -> list[_Joint]:
         joints = []
@@ -151,60 +184,109 @@ class Joints:
 
     def _add_bearing(self, joint: _Joint, bearings: Mapping[str, object]) -> None:
         component = joint.component
-        on_shafts = [
-            (side, part)
+        on_shafts = {
+            side: self._placed[part.id]
             for side, part in (("inner", joint.inner), ("outer", joint.outer))
             if part.id in self._placed
-        ]
+        }
         if not on_shafts:
             raise component.error(f"joins {joint.inner} and {joint.outer}, none of them a shaft")
-        side, part = on_shafts[0]
-        placed = self._placed[part.id]
-        between = len(on_shafts) == 2
+        (side, placed), *others = on_shafts.items()
         given = bearings.get(joint.name)
         if joint.name in bearings and given is None:
+            self.becomes[joint.name] = "left out"
             return
         position = self._shafts.locate(component, placed, f"u_coordinate_on_shaft_{side}_side")
         carries = self._carried(component)
-        found = {} if between else self._stiffness(component, "bearings")
+        found = self._stiffness(component, "bearings")
         if "stiffness" not in carries:
             found["stiffness"] = 0.0
-        if "stiffness" not in found and side == "inner":
-            found = {**found, **self._rolling(component)}
-        if given is not None:
-            found = self._replaced(found, given, carries, f'bearings["{joint.name}"]')
+        elif component.has(_OPERATING.format("v", "v")):
+            found["stiffness"] = self._operating(component, placed)
+        rolls = "stiffness" not in found and side == "inner"
+        geometry = self._rolling(component) if rolls else {}
+        for key, value in ((joint.name, given), (OTHER, bearings.get(OTHER))):
+            keys = self._required({**geometry, **found}, carries, placed.name)
+            if key == OTHER and not keys:
+                continue
+            values = self._values(value, carries, f'bearings["{key}"]')
+            if key == OTHER and keys == ("axial_stiffness",):  # the radial law stays
+                values = {each: values[each] for each in keys if each in values}
+            if _has_law(values):  # of another kind
+                rolls, geometry = False, {}
+                if key != OTHER:
+                    found = {each: found[each] for each in found if each in _WITH_EVERY_LAW}
+            # What the file gives precedes only the values for all others.
+            found = {**values, **found} if key == OTHER else {**found, **values}
+        found = {**geometry, **found}
+        if rolls:
+            found = self._rolling_on(component, found, carries, placed)
         keys = self._required(found, carries, placed.name)
-        other = None if between else bearings.get(OTHER)
-        if keys and other is not None:
-            filled = self._replaced({}, other, carries, f'bearings["{OTHER}"]')
-            found = {**{key: filled[key] for key in keys if key in filled}, **found}
-            keys = self._required(found, carries, placed.name)
-        hint = ""
-        if between and given is None:
-            hint = (
-                f'it joins the shafts "{self._placed[joint.inner.id].name}" and '
-                f'"{self._placed[joint.outer.id].name}", and a bearing of gearbow stands on the '
-                "ground: give its stiffness to the ground, or None to leave it out"
-            )
-            keys = keys or ("stiffness",)
-        bearing = {"shaft": placed.name, "position": position, **found}
+        bearing: dict[str, Plain] = {"shaft": placed.name, "position": position, **found}
+        for outer in others:
+            at = self._shafts.locate(component, outer[1], "u_coordinate_on_shaft_outer_side")
+            bearing["support"] = [outer[1].name, at]
         self._description["bearings"].append(bearing)
+        self.becomes[joint.name] = "needs values" if keys else _described(bearing)
+        self._estimated += [joint.name] if _CATALOGUED & found.keys() and not keys else []
         if keys:
-            self._miss("bearings", joint, placed, position, (keys, hint))
+            self._miss("bearings", joint, placed, position, (keys, ""))
 
-    def _replaced(
-        self, found: dict[str, Plain], given: object, carries: tuple[str, ...], path: str
+    def _rolling_on(
+        self,
+        component: Component,
+        found: dict[str, Plain],
+        carries: tuple[str, ...],
+        placed: PlacedShaft,
     ) -> dict[str, Plain]:
-        """Replace values of the file by those that are given for a bearing."""
+        """Complete a rolling bearing by what its designation says."""
+        keys = self._required(found, carries, placed.name)
+        if keys and keys != ("axial_stiffness",):
+            found = {**self._catalogue(component), **found}
+            keys = self._required(found, carries, placed.name)
+        if keys == ("axial_stiffness",):
+            found = self._with_thrust(component, found, placed.sense)
+        return found
+
+    def _catalogue(self, component: Component) -> dict[str, Plain]:
+        """Give a rolling bearing of one row by its dimensions or designation, if it is known."""
+        if component.number("number_of_bearing_rows", "teeth", 1.0) > 1.0:
+            return {}
+        sizes = ("inner_diameter", "outer_diameter", "width")
+        boundary = tuple(component.number(name, "length", 0.0) for name in sizes)
+        texts = [component.text(name) for name in ("catalogue_designation", "name")]
+        return bearing_of_dimensions(
+            component.text("bearing_type"), boundary
+        ) or bearing_of_designation((*texts, component.name))
+
+    def _with_thrust(
+        self, component: Component, found: dict[str, Plain], sense: float
+    ) -> dict[str, Plain]:
+        """Let the rolling elements carry the thrust too, if they can."""
+        if "degrees_of_freedom" in found:
+            return found
+        bearing = RollingBearing("", 0.0, **found)
+        angle, estimate = bearing.contact_angle, bearing.estimate
+        if angle is None:
+            angle = 0.0 if estimate is None else estimate.contact_angle
+        rollers = bearing.contact == "roller" or (estimate and estimate.roller_length is not None)
+        if rollers and angle == 0.0:
+            return found
+        # A positive angle carries a load of the shaft along +x.
+        if component.text("axial_force_absorption") == "negative":
+            sense = -sense
+        return {**found, "degrees_of_freedom": 5, "contact_angle": sense * abs(angle)}
+
+    def _values(self, given: object, carries: tuple[str, ...], path: str) -> dict[str, Plain]:
+        """Give the parameters that are given for a bearing."""
+        if given is None or given == CATALOGUE:
+            return {}
         if not isinstance(given, Mapping):
-            given = dict.fromkeys(carries, number(given, path))
-        for key in ("shaft", "position"):
+            return dict.fromkeys(carries, number(given, path))
+        for key in ("shaft", "position", "support"):
             if key in given:
                 raise SceneError(f"{path}: the file has its {key}; leave it out")
-        if {"stiffness", "elements", "viscosity"} & given.keys():  # a bearing of another kind
-            kept = ("axial_stiffness", "tilting_stiffness")
-            found = {key: value for key, value in found.items() if key in kept}
-        return {**found, **given}
+        return dict(given)
 
     def _carried(self, component: Component) -> tuple[str, ...]:
         """Give the stiffnesses of the directions in which the file says that a bearing carries."""
@@ -217,12 +299,14 @@ class Joints:
     ) -> tuple[str, ...]:
         """List the parameters that are missing."""
         keys: tuple[str, ...] = ("stiffness",)
-        if "elements" in found:
+        if "elements" in found and not _CATALOGUED & found.keys():
             keys = ("element_diameter", "pitch_diameter", "clearance")
             if found.get("contact") == "roller":
                 keys = (*keys, "roller_length")
-        elif "viscosity" in found:  # a journal bearing, which the core checks
+        elif _LAWS & found.keys():  # the core checks the other values
             keys = ()
+        if found.get("degrees_of_freedom") == 5:
+            return tuple(key for key in keys if key not in found)
         helical = any(
             gear["shaft"] == shaft and "helix_angle" in gear for gear in self._description["gears"]
         )
@@ -237,13 +321,29 @@ class Joints:
             key = each.bearing if argument == "bearings" else each.coupling
             if key and component.has(each.file):
                 value = component.number(each.file, f"couplings.{each.coupling}")
-                if 0.0 < value < each.rigid:
-                    found[key] = value
+                if value > 0.0 and (value < each.rigid or argument == "couplings"):
+                    found[key] = min(value, each.rigid)
                 elif key == "tilting_stiffness" and value > 0.0:
                     self._notes.append(
                         f"{component}: its {each.file} {value:g} N m/rad means rigid and is left "
                         "out"
                     )
+            elif key and component.kind == "fixed_coupling":
+                found[key] = each.rigid
+        return found
+
+    def _operating(self, component: Component, placed: PlacedShaft) -> list[list[float]]:
+        """Give the radial stiffness at the operating point, as a matrix along y and z."""
+        matrix = np.array(
+            [
+                [component.number(_OPERATING.format(i, j), "bearings.stiffness", 0.0) for j in "vw"]
+                for i in "vw"
+            ]
+        )
+        turn = np.eye(2)
+        if placed.frame is not None:
+            turn = (placed.frame.axes @ self._shafts.reference.axes.T)[1:, 1:]
+        found: list[list[float]] = (turn.T @ matrix @ turn).tolist()
         return found
 
     def _rolling(self, bearing: Component) -> dict[str, Plain]:
@@ -338,6 +438,32 @@ class Joints:
         self.missing.append(MissingValue(argument, joint.name, part, *missing))
 
 
+def _has_law(values: Mapping[str, Plain]) -> bool:
+    """Tell whether values give all of the radial law; others go over an estimate."""
+    return bool(_LAWS & values.keys()) or values.keys() >= _ELEMENTS
+
+
+def _described(bearing: Mapping[str, Plain]) -> str:
+    """Describe a bearing in a few words."""
+    between = f', on "{support[0]}"' if isinstance(support := bearing.get("support"), list) else ""
+    if "viscosity" in bearing:
+        return f"JournalBearing{between}"
+    if not {"elements", *_CATALOGUED} & bearing.keys():
+        stiffness = bearing["stiffness"]
+        text = f"{stiffness:g} N/m" if isinstance(stiffness, (int, float)) else "given stiffness"
+        return f"Bearing, {text}{between}"
+    alone = {key: value for key, value in bearing.items() if key != "support"}
+    estimate = RollingBearing(**alone).estimate
+    known = {} if estimate is None else vars(estimate)
+    elements, diameter = (
+        bearing.get(key, known.get(key)) for key in ("elements", "element_diameter")
+    )
+    kind = "" if estimate is None else f" {estimate.kind.replace('_', ' ')},"
+    error = "" if estimate is None else f", estimated within {estimate.stiffness_uncertainty:.0%}"
+    size = f"{1e3 * float(diameter):.3g} mm" if isinstance(diameter, (int, float)) else "no size"
+    return f"RollingBearing,{kind} {elements} elements of {size}{error}{between}"
+
+
 def _torsional(given: object, path: str) -> dict[str, Plain]:
     """Give the parameters of a coupling; a number is its torsional stiffness."""
     if isinstance(given, Mapping):
@@ -347,7 +473,7 @@ def _torsional(given: object, path: str) -> dict[str, Plain]:
 
 def check_given(given: object, argument: str) -> Mapping[str, object]:
     """Check the values that are given by name."""
-    if given is None:
+    if given is None or (given == CATALOGUE and argument == "bearings"):
         return {}
     if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
         raise SceneError(f"{argument}: must be a mapping of names to values, got {shown(given)}")

@@ -164,16 +164,15 @@ class Shafts:
         return complex(y, z)
 
 
-def segment(section: Component, shaft: Component) -> dict[str, Plain]:
-    """Give a segment with the diameters of a section."""
+def segment(section: Component, sense: float) -> dict[str, Plain]:
+    """Give a segment with the diameters of a section, from its left to its right end."""
     found: dict[str, Plain] = {"length": section.number("length", "length")}
     for side, default in (("outer_diameter", None), ("inner_diameter", 0.0)):
-        ends = [section.number(f"{side}_{end}", side, default) for end in ("begin", "end")]
-        if abs(ends[0] - ends[1]) > _ROUNDING:
-            raise shaft.error(
-                f"{section} is a cone: its {side.replace('_', ' ')} goes from {1e3 * ends[0]:g} to "
-                f"{1e3 * ends[1]:g} mm; divide it into steps, a segment of gearbow is cylindrical"
-            )
-        if ends[0] != 0.0:
-            found[side] = ends[0]
+        left, right = (section.number(f"{side}_{end}", side, default) for end in ("begin", "end"))
+        if sense < 0.0:
+            left, right = right, left
+        if left != 0.0:
+            found[side] = left
+        if abs(left - right) > _ROUNDING:
+            found[f"end_{side}"] = right
     return found

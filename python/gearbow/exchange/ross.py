@@ -6,8 +6,9 @@ force is positive for tension in both programs, and the sum over the layers. Tab
 over speed, frequency or both in ROSS 3; what ROSS 2 calls frequency is the speed.
 
 A ``CoAxialRotor`` and a ``MultiRotor`` have several shafts: the next one begins where a node has no
-element. The file contains the gears of a ``MultiRotor``, but not which of them mesh, the stiffness
-of the mesh and the angle of the line of centres. https://ross.readthedocs.io
+element; a ``CouplingElement`` has such a node on both sides, and joins the two shafts. The file
+contains the gears of a ``MultiRotor``, but not which of them mesh, the stiffness of the mesh and
+the angle of the line of centres. https://ross.readthedocs.io
 """
 
 import json
@@ -44,7 +45,12 @@ _FIXED = {
 }
 #: Properties that all elements of a shaft must share, and those of all shafts.
 _OF_SHAFT, _OF_ALL = ("shear_effects",), ("alpha", "beta")
-_KINDS = ("ShaftElement", "DiskElement", "GearElement", "PointMass")
+_KINDS = ("ShaftElement", "CouplingElement", "DiskElement", "GearElement", "PointMass")
+#: What ROSS takes for a value that a file does not have, by the kind of the element.
+_DEFAULTS = {
+    "ShaftElement": {"idr": "idl", "odr": "odl"},
+    "bearing": {"kyy": "kxx", "cyy": "cxx"},
+}
 #: What ROSS 2 needs to save a gear.
 _SAVE_GEARS = (
     "ROSS 2 cannot save gears in TOML, nor without their base_diameter: set "
@@ -98,6 +104,11 @@ def _description(file: _File, meshes: Sequence[Mapping[str, Plain]]) -> dict[str
     _, first = file.all("ShaftElement")[0]
     if first.get("alpha") or first.get("beta"):
         description["rayleigh"] = [first.get("alpha", 0.0), first.get("beta", 0.0)]
+    description["couplings"] = []
+    for name, coupling in file.all("CouplingElement"):
+        joint, halves = _coupling(file, name, coupling, places)
+        description["couplings"].append(joint)
+        description["disks"] += halves
     for name, disk in file.all("DiskElement"):
         inertias = {"diametral_inertia": disk["Id"], "polar_inertia": disk["Ip"]}
         at = _place(file, name, disk["n"], places)
@@ -128,6 +139,30 @@ def _description(file: _File, meshes: Sequence[Mapping[str, Plain]]) -> dict[str
     description["supports"] = list(supports.values())
     _check_connections(file, description)
     return {key: value for key, value in description.items() if value}
+
+
+def _coupling(
+    file: _File, name: str, coupling: Mapping[str, Any], places: Mapping[int, dict[str, Plain]]
+) -> tuple[dict[str, Plain], list[dict[str, Plain]]]:
+    """Give the springs and dampers of a coupling, and its halves as disks."""
+    joint: dict[str, Plain] = {}
+    disks = []
+    for side, key, n in (("l", "a", coupling["n"]), ("r", "b", coupling["n"] + 1)):
+        at = _place(file, name, n, places)
+        joint[key] = [at["shaft"], at["position"]]
+        polar = coupling[f"Ip_{side}"]
+        inertias = {"diametral_inertia": coupling.get(f"Id_{side}") or polar / 2.0}
+        body = {"mass": coupling[f"m_{side}"], **inertias, "polar_inertia": polar}
+        label = f"{_named(name, coupling)['name']} {'left' if side == 'l' else 'right'}"
+        disks.append({"name": label, **at, **body})
+    for letter, what in (("k", "stiffness"), ("c", "damping")):
+        for motion, across, along in (("t", "lateral", "axial"), ("r", "tilting", "torsional")):
+            x, y, z = (float(coupling.get(f"{letter}{motion}_{axis}") or 0.0) for axis in "xyz")
+            if x != y:
+                text = f"{letter}{motion}_x and {letter}{motion}_y must be equal, got {x:g}, {y:g}"
+                raise file.error(name, text)
+            joint |= {f"{across}_{what}": x, f"{along}_{what}": z}
+    return joint, disks
 
 
 def _gears(
@@ -219,22 +254,26 @@ def _check_connections(file: _File, description: Mapping[str, Any]) -> None:
     meshing = {mesh[key] for mesh in description["meshes"] for key in ("driver", "driven")}
     connected = {one["shaft"] for one in between} | {one["support"][0] for one in between}
     geared = {gear["shaft"] for gear in gears if gear["name"] in meshing}
-    connected |= geared
+    coupled = {one[key][0] for one in description["couplings"] for key in ("a", "b")}
+    connected |= geared | coupled
     for shaft in shafts:
         if shaft["name"] not in connected:
             raise SceneError(
-                f'{file.path}: no bearing between shafts and no mesh connects "{shaft["name"]}"; '
+                f"{file.path}: no bearing between shafts, mesh or coupling connects "
+                f'"{shaft["name"]}"; '
                 "a shaft ends at a node without a ShaftElement"
             )
-        if meshing and shaft["name"] not in geared:
+        if meshing and shaft["name"] not in geared | coupled:
             raise SceneError(
                 f'{file.path}: no mesh gives the speed of "{shaft["name"]}", which a bearing '
                 "connects to another shaft; gearbow reads coaxial shafts or geared ones, not both "
                 "in one file"
             )
     if not description["meshes"]:
+        driven = {one["b"][0] for one in description["couplings"]}  # by the shaft before it
         for shaft in shafts[1:]:
-            shaft["speed_ratio"] = 1.0
+            if shaft["name"] not in driven:
+                shaft["speed_ratio"] = 1.0
 
 
 def _read(path: str | os.PathLike[str]) -> _File:
@@ -245,12 +284,13 @@ def _read(path: str | os.PathLike[str]) -> _File:
         except ValueError as error:  # of both formats
             cause = f". {_SAVE_GEARS}" if '["GearElement' in text else ""
             raise SceneError(f"{path}: not a rotor of ROSS: {error}{cause}") from None
-    if not isinstance(plain, dict) or "ross_version" not in plain:
-        raise SceneError(f"{path}: not a rotor of ROSS: it has no ross_version")
-    major = str(plain["ross_version"]).partition(".")[0]
+    if not isinstance(plain, dict) or not any(key.startswith(_KINDS) for key in plain):
+        raise SceneError(f"{path}: not a rotor of ROSS: it has no ShaftElement")
+    # Programs before ROSS 2 write no version.
+    major = str(plain.get("ross_version", 1)).partition(".")[0]
     file = _File(str(path), int(major) if major.isdecimal() else 2)
     for key, element in plain.items():
-        if not isinstance(element, dict) or key == "parameters":
+        if not isinstance(element, dict) or key == "parameters" or key.startswith("_"):
             continue
         kind, _, name = key.partition("_")
         kind = next((known for known in _KINDS if kind.startswith(known)), kind)
@@ -258,10 +298,19 @@ def _read(path: str | os.PathLike[str]) -> _File:
             if "kxx" not in element:
                 raise file.error(name, f"gearbow cannot represent a {kind}")
             kind = "bearing"
-        file.elements.setdefault(kind, []).append((name, element))
+        file.elements.setdefault(kind, []).append((name, _complete(kind, element)))
     if not file.all("ShaftElement"):
         raise SceneError(f"{path}: has no ShaftElement")
     return file
+
+
+def _complete(kind: str, element: dict[str, Any]) -> dict[str, Any]:
+    """Add the values that ROSS takes from others where a file has none."""
+    found = dict(element)
+    for key, other in _DEFAULTS.get(kind, {}).items():
+        if found.get(key) is None:
+            found[key] = found.get(other)
+    return found
 
 
 def _shafts(

@@ -126,10 +126,10 @@ def modes(
     most = None if count is None else whole(count, "count")
     with working(progress, "modes"):
         data = self._model.modes(speed, most, truth(vibrating, "vibrating"))
-    return Modes.from_data(data, speed, self.coordinates, _layout(self), speed_unit=unit)
+    return Modes.from_data(data, speed, self.coordinates, layout_of(self), speed_unit=unit)
 
 
-def _layout(self: System) -> Layout:
+def layout_of(self: System) -> Layout:
     """Find the geometry of the train at rest."""
     return layout(
         self.shafts,
@@ -155,7 +155,7 @@ def mass_properties(self: System) -> "MassProperties":
     from gearbow.results.mass import MassProperties  # noqa: PLC0415
 
     names = [shaft.name for shaft in self.shafts]
-    origins = [_layout(self).shaft(name).origin for name in names]
+    origins = [layout_of(self).shaft(name).origin for name in names]
     return MassProperties._of(names, self._model.mass_properties(), origins)
 
 
@@ -202,7 +202,7 @@ def static(
         data,
         self.coordinates,
         self.description.get("bearings", ()),
-        layout=_layout(self),
+        layout=layout_of(self),
         speed=speed,
         speed_unit=unit,
         geometry=geometry,

@@ -3,7 +3,7 @@
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -41,6 +41,7 @@ from gearbow.system.linear import (
     campbell,
     critical_speed_map,
     efficiency,
+    layout_of,
     mass_properties,
     matrices,
     modes,
@@ -382,7 +383,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Parameters
         ----------
         path : str or path-like
-            A file of ``rotor.save`` of ROSS 2 or 3, ``.toml`` or ``.json``. That of a
+            A file of ``rotor.save`` of ROSS 1 to 3, ``.toml`` or ``.json``. That of a
             ``MultiRotor`` is ``.json``.
         meshes : sequence of Mesh
             The meshes of the gears of a ``MultiRotor``, which ROSS does not save. A gear has its
@@ -430,28 +431,31 @@ class RotorSystem(CheckedKeywords, Shown):
         path: str | os.PathLike[str],
         *,
         load_case: int | None = None,
-        bearings: Mapping[str, object] | None = None,
+        bearings: Mapping[str, object] | Literal["catalogue"] | None = None,
         couplings: Mapping[str, object] | None = None,
     ) -> "Self":
         """Read a gear unit from a REXS file.
 
         REXS is the exchange format of FVA for gear units. It contains shafts, gears, stages and
-        load cases, but seldom the stiffness of bearings, which is given by name.
+        load cases, but seldom the stiffness of bearings.
 
         Parameters
         ----------
         path : str or path-like
-            A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive) of version 1.0 to
-            2.0.
+            A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive, also ``.zip``) of
+            version 1.0 to 2.0.
         load_case : int, optional
             Number of the load case in the order of the file, from 1, whose torques and forces act.
-            None is the only one. `gearbow.rexs_contents` lists them, with their speeds.
-        bearings : mapping of str to float, mapping or None, optional
-            What the file does not contain, by the name of the bearing: a stiffness for the
-            directions in which the file says that it carries [N/m]; or parameters of
-            `gearbow.Bearing`, `gearbow.RollingBearing` or `gearbow.JournalBearing` without shaft
-            and position; or None to leave the bearing out. "other" is for all bearings without an
-            entry, except those between two shafts.
+            None is the first one. `gearbow.rexs_contents` lists them, with their speeds.
+        bearings : "catalogue" or mapping of str to float, mapping or None, optional
+            What the file does not contain, by the name of the bearing or a unique part of it: a
+            stiffness for the directions in which the file says that it carries [N/m]; parameters
+            of `gearbow.Bearing`, `gearbow.RollingBearing` or `gearbow.JournalBearing` without
+            shaft, position and support; options of the estimated rolling bearing, such as
+            ``{"clearance": 1e-5}``; or None to leave the bearing out. "other" is for all bearings
+            without an entry. Bearings that then have no stiffness are rolling bearings of
+            estimated elements, if gearbow knows their dimensions or designation; "catalogue" or
+            None is this for all.
         couplings : mapping of str to float, mapping or None, optional
             The same for couplings: a torsional stiffness [N m/rad], or parameters of
             `gearbow.Coupling`.
@@ -490,23 +494,35 @@ class RotorSystem(CheckedKeywords, Shown):
             raise SceneError(f"{os.fspath(path)}: {error}") from None
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the description to a TOML file.
+        """Write the description to a TOML file, or what REXS can hold of it to a REXS file.
 
         Parameters
         ----------
         path : str or path-like
-            The file. Its name ends with ".toml". It contains the sampled points of a bow that is
-            given as a function.
+            The file. Its name ends with ".toml" or ".rexs". A TOML file contains the sampled points
+            of a bow that is given as a function. REXS 1.4, which `read_rexs` reads, has shafts,
+            gears, stages, bearings, couplings, masses, and constant torques and forces.
 
         Raises
         ------
         SceneError
-            If the name has another ending, or a load is a function of time.
+            If the name has another ending, a load is a function of time, or REXS cannot hold an
+            essential part, for example a housing, a journal bearing or a support.
         OSError
             If the file cannot be written. An existing file is unchanged.
+
+        Warns
+        -----
+        SceneWarning
+            What a REXS file does not contain, such as damping, bows and the stiffness of meshes.
         """
-        path, _ = check_name(path, [".toml"])
+        path, ending = check_name(path, [".toml", ".rexs"])
         refuse_functions(torques=self.torques, forces=self.forces)
+        if ending == ".rexs":
+            from gearbow.exchange.rexs_writer import write_rexs  # noqa: PLC0415  # with XML
+
+            write_rexs(self.description, layout_of(self), path)
+            return
         text = self._model.to_toml()
         with replacing(path) as file:
             file.write(text.encode())

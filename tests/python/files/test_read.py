@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import zipfile
 from pathlib import Path
@@ -150,7 +151,10 @@ def test_every_command_of_a_system_has_its_options():
     [
         (["modes", "a.toml", "--load-case", "1"], "--load-case: is for a REXS file, but"),
         (["import", "c.json", "--list"], "--list: is for a REXS file, but"),
-        (["check", "f.rexs"], "see gearbow import --list, and the options --load-case, --bearing"),
+        (
+            ["check", "f.rexs", "--load-case", "9"],
+            "see gearbow import --list, and the options --load-case, --bearing",
+        ),
         (
             ["plot", "run.npz", "--bearing", "a=1"],
             "--bearing: is for a system, but run.npz is a run",
@@ -162,3 +166,13 @@ def test_a_command_refuses_what_a_file_cannot_use(files, capsys, arguments, mess
     code, _, err = called(capsys, *arguments)
     assert code == 2
     assert message in err
+
+
+def test_the_given_files_are_read():
+    folder = os.environ.get("GEARBOW_TEST_DATA")
+    if folder is None:
+        pytest.skip("GEARBOW_TEST_DATA does not name the folder of the given files")
+    cases = Path(folder, "cases")
+    for name in ("rexs_mac_archive.rexsz", "gearbox.rexs.zip"):
+        assert gb.read(cases / name, bearings={"other": 1e8}).shafts
+    assert len(gb.read(cases / "ross1_file.toml").bearings) == 2

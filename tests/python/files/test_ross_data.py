@@ -171,7 +171,7 @@ def test_rotary_inertia_is_included_with_a_warning(tmp_path: Path):
 
 def test_errors_name_the_element(tmp_path: Path):
     cases = [
-        ([element(0, 0.05), element(2, 0.05)], 'no mesh connects "rotor 1"'),
+        ([element(0, 0.05), element(2, 0.05)], 'mesh or coupling connects "rotor 1"'),
         ([element(0, 0.05), element(0, 0.08, 0.05, L=0.2)], "e1: must be as long as the other"),
         ([element(0, 0.05), element(0, 0.08, 0.05, odr=0.1)], "e1: a conical layer"),
         ([element(0, 0.05), element(1, 0.05, shear_effects=False)], "e1: shear_effects must be"),

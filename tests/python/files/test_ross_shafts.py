@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -223,7 +224,7 @@ def test_what_is_missing_is_an_error_that_names_it(tmp_path: Path):
     cases = [
         (geared_rotors(), [], r'which of its gears mesh \("wheel" on "rotor 1", "pinion" on'),
         (without(geared_rotors(), *bearings, "pedestal 7"), [MESH], "2 shafts and no bearing"),
-        (without(coaxial_rotor(), "bearing 3"), [], 'no mesh connects "rotor 1"'),
+        (without(coaxial_rotor(), "bearing 3"), [], 'mesh or coupling connects "rotor 1"'),
         (
             geared_and_coaxial,
             [MESH],
@@ -260,4 +261,39 @@ def test_a_toml_file_with_gears_says_how_to_save_them(tmp_path: Path):
     material = 'material = "Material(name="Steel", rho=7.81000e+03)"'
     path.write_text(f'ross_version = "2.3.0"\n["GearElement_Gear 0"]\nn = 1\n{material}\n')
     with pytest.raises(gb.SceneError, match=r"ROSS 2 cannot save gears in TOML.*as \.json"):
+        gb.RotorSystem.from_ross(path)
+
+
+@pytest.mark.implausible
+def test_a_coupling_joins_two_shafts(tmp_path: Path):
+    # Light and stiff shafts: the torsional frequency is that of the two halves.
+    light = {"name": "light", "rho": 1.0, "E": 1e13, "G_s": 4e12}
+    shaft = {"L": 0.1, "idl": 0.0, "idr": 0.0, "odl": 0.05, "odr": 0.05, "material": light}
+    coupling = {"n": 1, "m_l": 4.0, "m_r": 6.0, "Ip_l": 0.02, "Ip_r": 0.03, "Id_r": 0.016}
+    coupling |= {"kt_x": 2e6, "kt_y": 2e6, "kt_z": 1e6, "kr_x": 5e3, "kr_y": 5e3, "kr_z": 1e4}
+    bearing = {"kxx": [1e8], "cxx": [10.0]}
+    plain = {
+        "ShaftElement_0": {**shaft, "n": 0},
+        "ShaftElement_1": {**shaft, "n": 2},
+        "CouplingElement_flange": {**coupling, "cr_z": 2.0},
+        **{f"BearingElement_{n}": {**bearing, "n": n} for n in range(4)},
+    }
+    path = tmp_path / "rotor.json"
+    path.write_text(json.dumps(plain))
+    system = gb.RotorSystem.from_ross(path)
+    (found,) = system.couplings
+    assert (found.a, found.b) == (("rotor 1", 0.1), ("rotor 2", 0.0))
+    assert (found.lateral_stiffness, found.axial_stiffness) == (2e6, 1e6)
+    assert (found.tilting_stiffness, found.torsional_damping) == (5e3, 2.0)
+    halves = [(disk.name, disk.mass, disk.diametral_inertia) for disk in system.disks]
+    assert halves == [("flange left", 4.0, 0.01), ("flange right", 6.0, 0.016)]
+    undamped = system.replace(motion="torsion", couplings=[replace(found, torsional_damping=0.0)])
+    exact = math.sqrt(1e4 * (1.0 / 0.02 + 1.0 / 0.03)) / (2.0 * math.pi)
+    # The inertia of a shaft is 3e-6 of that of a half.
+    assert undamped.modes(count=2).frequencies_hz[1] == pytest.approx(exact, rel=1e-5)
+    plain["CouplingElement_flange"]["kt_y"] = 3e6
+    path.write_text(json.dumps(plain))
+    with pytest.raises(
+        gb.SceneError, match=r"flange: kt_x and kt_y must be equal, got 2e.06, 3e.06"
+    ):
         gb.RotorSystem.from_ross(path)
