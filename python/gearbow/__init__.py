@@ -102,6 +102,7 @@ _LAZY = {
     "dataset": "gearbow.sweeps.dataset",
     "examples": "gearbow.machines.examples",
     "identify": "gearbow.identification.identify",
+    "read": "gearbow.system.read",
     "rexs_contents": "gearbow.exchange.rexs",
     "sweep": "gearbow.sweeps.run",
 }
@@ -115,6 +116,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.sweeps.dataset import dataset as dataset
     from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep
+    from gearbow.system.read import read as read
 else:  # a type checker would accept every name
 
     def __getattr__(name: str) -> object:

@@ -114,7 +114,8 @@ def parsing(path: str | os.PathLike[str], kind: str, *, own: bool = False) -> It
             if reason == str(error):
                 raise
             raise SceneError(reason) from None
-        raise SceneError(f"{path}: is not {kind}, or damaged: {reason}") from error
+        damage = ", or damaged" if own else ""
+        raise SceneError(f"{path}: is not {kind}{damage}: {reason}") from error
 
 
 @contextmanager

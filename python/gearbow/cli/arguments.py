@@ -12,6 +12,7 @@ from gearbow._extras import extra
 from gearbow._files import check_name, check_output
 from gearbow._types import Array
 from gearbow.cli.answer import Answer
+from gearbow.cli.systems import add_options
 from gearbow.errors import GearbowError, SceneError
 from gearbow.recording import file
 from gearbow.recording.container import ENDINGS, suffix
@@ -71,12 +72,16 @@ def add_command(
     return parser
 
 
-def add_scene(parser: argparse.ArgumentParser) -> None:
-    """Add the scene file and the option for JSON."""
+def add_scene(parser: argparse.ArgumentParser, others: str = "") -> None:
+    """Add the file of the system, its options and the option for JSON."""
     parser.add_argument(
-        "scene", type=Path, help="TOML file of the system; `gearbow new` writes one"
+        "scene",
+        type=Path,
+        help="file of the system: TOML, which `gearbow new` writes, REXS or a rotor of ROSS"
+        + (f"; {others}" if others else ""),
     )
     parser.add_argument("--json", action="store_true", help="print JSON in place of text")
+    add_options(parser)
 
 
 def add_duration(parser: argparse.ArgumentParser) -> None:

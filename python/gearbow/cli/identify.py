@@ -5,11 +5,12 @@ from pathlib import Path
 
 from gearbow.cli.answer import Answer, Drawing
 from gearbow.cli.arguments import Commands, add_command, add_scene, figure, quantity
+from gearbow.cli.systems import read_system
 from gearbow.errors import SceneError
+from gearbow.exchange.tables import DETECTIONS
 from gearbow.identification.identify import identify
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.unknown import parse
-from gearbow.system.rotor_system import RotorSystem
 
 __all__ = ["add"]
 
@@ -30,7 +31,13 @@ def add(commands: Commands) -> None:
         "measured",
         type=Path,
         nargs="+",
-        help="CSV file: speed, shaft, position and angle of a probe, amplitude, phase",
+        help="table: speed, shaft, position and angle of a probe, amplitude, phase; or a line for "
+        'each speed, with columns such as "input@0.2 y amplitude [um pp]"',
+    )
+    parser.add_argument(
+        "--detection",
+        choices=DETECTIONS,
+        help="what amplitudes are whose heading does not say it; default: peak",
     )
     parser.add_argument(
         "--unknown",
@@ -59,8 +66,8 @@ def identified(given: argparse.Namespace) -> Answer:
             unknowns.append(parse(text))
         except SceneError as error:
             raise SceneError(f"--{error}") from None
-    measured = [Measurement.read_csv(path) for path in given.measured]
-    system = RotorSystem.load(given.scene)
+    measured = [Measurement.read_csv(path, detection=given.detection) for path in given.measured]
+    system = read_system(given)
     found = identify(system, measured, unknowns, runout=not given.no_runout, noise=given.noise)
     data = {**found.to_dict(), "file": None if given.plot is None else str(given.plot)}
     drawing = None if given.plot is None else Drawing(found.plot, given.plot)

@@ -3,7 +3,6 @@
 import argparse
 import warnings
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearbow.analysis.protocol import ratios_by_shaft
@@ -22,9 +21,9 @@ from gearbow.cli.arguments import (
     speed,
     speed_line,
 )
+from gearbow.cli.systems import read_system, refuse_options
 from gearbow.errors import SceneError
 from gearbow.results.steady import SteadyState
-from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.speed import RevolutionsPerMinuteArray, given_unit
 
 if TYPE_CHECKING:
@@ -52,8 +51,7 @@ def add(commands: Commands) -> None:
         "  gearbow plot scene.toml\n  gearbow plot scene.toml --out train.svg\n"
         "  gearbow plot run.npz --kind spectrum --out spectrum.png",
     )
-    parser.add_argument("scene", type=Path, help="TOML file of a system, or file of a run")
-    parser.add_argument("--json", action="store_true", help="print JSON in place of text")
+    add_scene(parser, "or the file of a run")
     add_kind(parser, default=None)
     parser.add_argument(
         "--at", nargs="+", metavar="ITEM", help="places or meshes of a run; default: all"
@@ -139,7 +137,7 @@ def check(given: argparse.Namespace) -> Answer:
     """Check a scene."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        system = RotorSystem.load(given.scene)
+        system = read_system(given)
     for warning in caught:
         warnings.showwarning(warning.message, warning.category, warning.filename, warning.lineno)
     found = [str(warning.message) for warning in caught]
@@ -165,6 +163,7 @@ _LISTS = (
 def plot(given: argparse.Namespace) -> Answer:
     """Draw the train, or the signals of a run."""
     if is_run(given.scene):
+        refuse_options(given)
         run = read_run(given.scene)
         recorded = (run.response if isinstance(run, SteadyState) else run).recorded
         at = None if given.at is None else [named_item(recorded, text) for text in given.at]
@@ -174,14 +173,14 @@ def plot(given: argparse.Namespace) -> Answer:
     for option in ("kind", "at"):
         if getattr(given, option) is not None:
             raise SceneError(f"--{option}: is for the file of a run (.npz or .nc); leave it out")
-    system: Any = RotorSystem.load(given.scene)
+    system: Any = read_system(given)
     out = given.out or figure("train.png")
     return Answer("", {"file": str(out)}, Drawing(system.plot, out))
 
 
 def modes(given: argparse.Namespace) -> Answer:
     """Find modes."""
-    system = RotorSystem.load(given.scene)
+    system = read_system(given)
     found = system.modes(given.speed, count=given.count, vibrating=given.vibrating)
     rows = zip(found.frequencies_hz, found.damping_ratios, found.whirl, found.names(), strict=True)
     keys = ("frequency_hz", "damping_ratio", "whirl", "name")
@@ -193,7 +192,7 @@ def modes(given: argparse.Namespace) -> Answer:
 def campbell(given: argparse.Namespace) -> Answer:
     """Find the Campbell diagram."""
     speeds = spaced(given, "speeds")
-    system = RotorSystem.load(given.scene)
+    system = read_system(given)
     if given_unit((given.first, given.last)) == "rpm":
         speeds = speeds.view(RevolutionsPerMinuteArray)
     found = system.campbell(speeds, count=given.count, harmonics=given.harmonics)
@@ -215,7 +214,7 @@ def campbell(given: argparse.Namespace) -> Answer:
 
 def efficiency(given: argparse.Namespace) -> Answer:
     """Find the losses of the meshes."""
-    found = RotorSystem.load(given.scene).efficiency(given.speed)
+    found = read_system(given).efficiency(given.speed)
     keys = ("speeds", "input_power", "power", "force", "coefficient", "loss", "efficiency")
     data = {
         "meshes": found.meshes,
@@ -228,7 +227,7 @@ def efficiency(given: argparse.Namespace) -> Answer:
 
 def bow_limits(given: argparse.Namespace) -> Answer:
     """Find the limits of a bow."""
-    system = RotorSystem.load(given.scene)
+    system = read_system(given)
     found = system.bow_limits(given.shaft, given.speed, phase=given.phase)
     data = {
         "shafts": found.shafts,

@@ -18,8 +18,8 @@ from gearbow._core import __version__
 from gearbow.cli import (
     completion,
     files,
-    foreign,
     identify,
+    importing,
     linear,
     new,
     report,
@@ -108,7 +108,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"gearbow {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for module in (new, report, foreign, linear, response, runs, files, identify):
+    for module in (new, report, importing, linear, response, runs, files, identify):
         module.add(commands)
     completion.add(commands, parser)
     return parser

@@ -7,9 +7,9 @@ from pathlib import Path
 from gearbow._files import check_name
 from gearbow.cli.answer import Answer
 from gearbow.cli.arguments import Commands, add_command, add_progress, add_scene, spaced, speed
+from gearbow.cli.systems import read_system
 from gearbow.errors import SceneError
 from gearbow.machines.examples import example
-from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.speed import RevolutionsPerMinuteArray, given_unit
 
 __all__ = ["add"]
@@ -83,7 +83,7 @@ def report(given: argparse.Namespace) -> Answer:
     speeds = None if given.last is None else spaced(given, "speeds")
     if speeds is not None and given_unit((given.first, given.last)) == "rpm":
         speeds = speeds.view(RevolutionsPerMinuteArray)
-    RotorSystem.load(given.scene).report(
+    read_system(given).report(
         out,
         operating=None if given.speed is None else (given.speed[0], given.speed[-1]),
         speeds=speeds,

@@ -2,28 +2,24 @@
 
 import argparse
 import math
-import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gearbow.cli.answer import Answer, Drawing
 from gearbow.cli.arguments import Commands, add_command, add_scene, figure, item, quantity, spaced
+from gearbow.cli.systems import read_system
 from gearbow.description.couplings import Force
 from gearbow.description.loads import Torque
 from gearbow.description.places import is_pair
 from gearbow.description.sources import MeshExcitation, Source
 from gearbow.errors import SceneError
-from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
 
 if TYPE_CHECKING:
     from gearbow._types import FrequencyQuantity
 
 __all__ = ["add"]
-
-#: A frequency in hertz.
-_HERTZ = re.compile(r"(.+?)\s*(k?)Hz")
 
 
 def add(commands: Commands) -> None:
@@ -48,8 +44,12 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--at", required=True, help="pinion, input@0.2, or a mesh pinion/wheel for its force"
     )
-    parser.add_argument("--from", type=frequency, default="1Hz", dest="first", help="default: 1Hz")
-    parser.add_argument("--to", type=frequency, required=True, dest="last", help="for example 5kHz")
+    parser.add_argument(
+        "--from", type=quantity("frequency"), default="1Hz", dest="first", help="default: 1Hz"
+    )
+    parser.add_argument(
+        "--to", type=quantity("frequency"), required=True, dest="last", help="for example 5kHz"
+    )
     parser.add_argument(
         "--points", type=int, default=1000, help="number of frequencies; default: 1000"
     )
@@ -57,19 +57,6 @@ def add(commands: Commands) -> None:
         "--speed", type=quantity("speed"), default=0.0, help='for example "1500 rpm"; default: 0'
     )
     parser.add_argument("--plot", type=figure, help="write a Bode plot to this file")
-
-
-def frequency(text: str) -> float:
-    """Read a frequency with its unit; a plain number is in rad/s."""
-    found = _HERTZ.fullmatch(text.strip())
-    try:
-        if found is None:
-            return parsed(text, "speed", bare=True)
-        factor = 1000.0 if found[2] else 1.0
-        return 2.0 * math.pi * factor * float(found[1])
-    except (SceneError, ValueError):
-        message = f"must be a frequency such as 50Hz, 5kHz or 300 rad/s, got {text!r}"
-        raise argparse.ArgumentTypeError(message) from None
 
 
 def source_of(text: str) -> Source:
@@ -93,7 +80,7 @@ def source_of(text: str) -> Source:
 def response(given: argparse.Namespace) -> Answer:
     """Find the response."""
     frequencies = spaced(given, "frequencies")
-    system = RotorSystem.load(given.scene)
+    system = read_system(given)
     at = item(system, given.at)
     found = system.frequency_response(
         frequencies, source=source_of(given.source), speed=given.speed

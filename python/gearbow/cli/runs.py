@@ -25,6 +25,7 @@ from gearbow.cli.arguments import (
     speed,
     speed_line,
 )
+from gearbow.cli.systems import read_system
 from gearbow.description.places import is_pair, is_place, place_label
 from gearbow.description.speed import SpeedProfile
 from gearbow.results.response import Response
@@ -111,7 +112,7 @@ def add_signals(parser: argparse.ArgumentParser) -> None:
 
 def _loaded(given: argparse.Namespace) -> RotorSystem:
     """Load the scene with the accuracy that the command gives."""
-    system = RotorSystem.load(given.scene)
+    system = read_system(given)
     if given.accuracy is None:
         return system
     # The warnings of the scene are those of `load`.
@@ -234,7 +235,7 @@ def _size(values: Array) -> dict[str, float]:
 
 def tradeoff(given: argparse.Namespace) -> Answer:
     """Measure error and CPU time of many settings."""
-    system = RotorSystem.load(given.scene)
+    system = read_system(given)
     signals = None if given.signals is None else [item(system, text) for text in given.signals]
     try:
         found = system.tradeoff(

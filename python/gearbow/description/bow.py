@@ -169,12 +169,11 @@ class Bow(Part):
         Parameters
         ----------
         path : str or path-like
-            A file ``.csv``, ``.xlsx`` (extra ``excel``) or ``.mat`` (extra ``matlab``) with the
-            columns "position", "amplitude" or "total_run_out", and optionally "phase". The total
-            run-out of a dial gauge, from its smallest to its largest reading in one turn, is twice
-            the amplitude. A heading has the unit in brackets, for example "position [mm]",
-            "total_run_out [um]" or "phase [deg]"; without one it is the SI unit. Separators of CSV
-            are commas, semicolons or tabs; lines that begin with "#" are comments.
+            A file as for `SpeedTable.read_table`, with the columns "position", "amplitude" or
+            "total_run_out", and optionally "phase". The total run-out of a dial gauge, from its
+            smallest to its largest reading in one turn, is twice the amplitude. A heading has the
+            unit in brackets, for example "position [mm]", "total_run_out [mil]" or "phase [deg]";
+            without one it is the SI unit.
 
         Returns
         -------
@@ -201,10 +200,10 @@ class Bow(Part):
         ((0.0, 0.25, 0.5), (0.0, 0.00015, 0.0))
         >>> Path("runout.csv").unlink()
         """
-        from gearbow.exchange.columns import read_columns  # noqa: PLC0415  # few scenes need it
+        from gearbow.exchange.tables import read_table  # noqa: PLC0415  # few scenes need it
 
         known = {"position": "position", "amplitude": "amplitude", "phase": "phase"}
-        found = read_columns(path, {**known, "total_run_out": "amplitude"})
+        found = read_table(path, {**known, "total_run_out": "amplitude"}).numbers
         sizes = [name for name in ("amplitude", "total_run_out") if name in found]
         if "position" not in found or len(sizes) != 1:
             raise SceneError(

@@ -1,6 +1,7 @@
 """Coefficients of a bearing that depend on the speed of its shaft or on the frequency."""
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import get_args
@@ -13,12 +14,14 @@ from gearbow._core import table_at_frequency
 from gearbow._lookup import one_of
 from gearbow._types import Array, BearingQuantity, OutsideTable, Plain, TableAxes
 from gearbow.description.part import Part, freeze
-from gearbow.errors import SceneError
+from gearbow.errors import SceneError, SceneWarning, outside
 
 __all__ = ["SpeedTable"]
 
 #: Letter of the columns of each quantity.
 _LETTERS = {"stiffness": "k", "damping": "c"}
+#: Letter of the columns of added masses.
+_MASS = "m"
 
 
 @dataclass(frozen=True)
@@ -149,13 +152,14 @@ class SpeedTable(Part):
         Parameters
         ----------
         path : str or path-like
-            A CSV file, an Excel file ``.xlsx`` (its first sheet; extra ``excel``) or a MATLAB file
-            ``.mat`` with a vector for each column (extra ``matlab``). The columns are "speed" or
-            "rpm", and for stiffness "k", or "kyy", "kzz", "kyz", "kzy", in capital or small
-            letters; for damping the same with "c". A heading has the unit in brackets, for example
-            "speed [rpm]" or "Kyy [N/um]". A cross coefficient that has no column is zero.
-            Separators of CSV are commas, semicolons or tabs; lines that begin with "#" are
-            comments.
+            A text file (``.csv``, ``.txt``, ``.tsv``, ``.dat``), an Excel file ``.xlsx`` (its first
+            sheet; extra ``dataframe``) or a MATLAB file ``.mat`` of versions 4 to 7 with a vector
+            for each column. The columns are "speed" or "rpm", and for stiffness "k", or "kyy",
+            "kzz", "kyz", "kzy", in capital or small letters; for damping the same with "c", and for
+            added masses, which are left out, with "m". A heading has the unit in brackets, for
+            example "speed [rpm]" or "Kyy (lbf/in)", or the line below the headings has the units. A
+            cross coefficient that has no column is zero. Separators of text are semicolons, tabs,
+            commas or spaces, of decimals points or commas; lines that begin with "#" are comments.
         quantity : {"stiffness", "damping"}
             Which of both to read; one file can have both.
         axes : str
@@ -182,6 +186,11 @@ class SpeedTable(Part):
         OSError
             If the file cannot be opened.
 
+        Warns
+        -----
+        SceneWarning
+            If the table has added masses that are not zero.
+
         Examples
         --------
         >>> from pathlib import Path
@@ -194,17 +203,21 @@ class SpeedTable(Part):
         (500.0, 400.0)
         >>> Path("bearing.csv").unlink()
         """
-        from gearbow.exchange.columns import read_columns  # noqa: PLC0415  # few scenes need it
+        from gearbow.exchange.tables import read_table  # noqa: PLC0415  # few scenes need it
 
         one_of(quantity, _LETTERS, "quantity")
         names = _names(axes)
         fields = {f"{_LETTERS[q]}{name}": q for q in _LETTERS for name in ("", *names)}
-        found = read_columns(
+        masses = {f"{_MASS}{name}": "mass" for name in ("", *names)}
+        found = read_table(
             path,
-            {"speed": "speed", "rpm": "speed"} | {key: f"bearings.{fields[key]}" for key in fields},
-            _other_axes(names),
-            {"rpm": "rpm"} | _units(units, {"speed": "speed", **fields}),
-        )
+            {"speed": "speed", "rpm": "speed"}
+            | {key: f"bearings.{fields[key]}" for key in fields}
+            | masses,
+            hints=_other_axes(names),
+            units={"rpm": "rpm"} | _units(units, {"speed": "speed", **fields}),
+        ).numbers
+        _warn_of_masses(path, {name: found[name] for name in masses if name in found})
         k = _LETTERS[quantity]
         speeds = [found[name] for name in ("speed", "rpm") if name in found]
         if len(speeds) != 1:
@@ -238,11 +251,22 @@ def _other_axes(names: Sequence[str]) -> dict[str, str]:
     hint = '; name the axes of the table, for example axes="xy": y here is its x, z its y'
     return {
         f"{letter}{first}{second}": hint
-        for letter in _LETTERS.values()
+        for letter in (*_LETTERS.values(), _MASS)
         for first in "xyz"
         for second in "xyz"
         if f"{first}{second}" not in names
     }
+
+
+def _warn_of_masses(path: str | os.PathLike[str], masses: Mapping[str, Array]) -> None:
+    """Warn of added masses, which a bearing of gearbow does not have."""
+    given = [f"{name} up to {max(abs(m)):.4g} kg" for name, m in masses.items() if np.any(m)]
+    if given:
+        warnings.warn(
+            f"{os.fspath(path)}: the added masses are left out: {', '.join(given)}",
+            SceneWarning,
+            stacklevel=outside(),
+        )
 
 
 def _units(units: Mapping[str, str] | None, quantities: Mapping[str, str]) -> dict[str, str]:

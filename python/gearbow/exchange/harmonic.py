@@ -1,6 +1,5 @@
 """Curves of a frequency response as tables, data sets and files, and measured curves from files."""
 
-import csv
 import re
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,12 +12,13 @@ import numpy as np
 
 from gearbow._convert import shown
 from gearbow._extras import extra
-from gearbow._files import parsing, reading
+from gearbow._files import parsing
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.couplings import Force
 from gearbow.description.loads import Torque
 from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.exchange.tables import NamedColumns, read_table
 from gearbow.exchange.universal import (
     Function,
     Quantity,
@@ -299,61 +299,53 @@ def read_measured(
     sources: Sequence[str],
     plain: Sequence[Mapping[str, Any]],
 ) -> list[MeasuredCurve]:
-    """Read measured curves from a universal file or a CSV file.
+    """Read measured curves from a universal file or a table.
 
     `sources` and `plain` are the labels and plain data of the sources of the response.
     """
-    if path.suffix.lower() == ".csv":
-        with parsing(path, "a table of measured curves"):
-            return _read_csv(path)
-    return _read_uff(path, places or {}, sources, plain)
+    if path.suffix.lower() in (".uff", ".unv"):
+        return _read_uff(path, places or {}, sources, plain)
+    return _read_table(path)
 
 
-#: A column of a CSV file: the place, the direction, the part and the unit.
-_COLUMN = re.compile(r"\s*(.+?)\s+([xyz]|twist)\s+(re|im)\s*\[(m|m/s|m/s²|m/s\^2|rad)\]\s*")
-_QUANTITIES = {
-    "m": "displacement",
-    "rad": "displacement",
-    "m/s": "velocity",
-    "m/s²": "acceleration",
-    "m/s^2": "acceleration",
-}
-
-
-def _read_csv(path: Path) -> list[MeasuredCurve]:
-    """Read a frequency in Hz and pairs of columns such as "pinion y re [m/s²]"."""
-    with reading(path, "a table of measured curves") as text:
-        rows = [row for row in csv.reader(text.splitlines()) if row and not row[0].startswith("#")]
-    if len(rows) < 2 or rows[0][0].strip() not in ("frequency [Hz]", "frequency [rad/s]"):
-        raise SceneError(
-            f'{path}: must begin with headings: "frequency [Hz]" and pairs such as '
-            '"pinion y re [m/s²]", "pinion y im [m/s²]"'
+#: Columns of a table: a place, and a direction with the real or imaginary part.
+_COLUMNS = NamedColumns(
+    re.compile(r"(.+?)\s+((?:[xyz]|twist)\s+(?:re|im))", re.IGNORECASE),
+    {
+        f"{direction} {part}": (
+            ("measured.twist",)
+            if direction == "twist"
+            else ("measured.displacement", "measured.velocity", "measured.acceleration")
         )
-    try:
-        numbers = np.array([[float(cell) for cell in row] for row in rows[1:]])
-    except ValueError as error:
-        raise SceneError(
-            f"{path}: every line must have as many numbers as headings: {error}"
-        ) from None
-    if numbers.ndim != 2 or numbers.shape[1] != len(rows[0]):
-        raise SceneError(f"{path}: every line must have {len(rows[0])} numbers")
-    factor = 2.0 * np.pi if rows[0][0].strip().endswith("[Hz]") else 1.0
-    parts: dict[tuple[At, str, str], dict[str, Array]] = {}
-    for heading, column in zip(rows[0][1:], numbers.T[1:], strict=True):
-        found = _COLUMN.fullmatch(heading)
-        if found is None:
-            raise SceneError(
-                f'{path}: {heading!r} is no heading such as "pinion y re [m/s²]" or '
-                '"input@0.2 z im [m]"'
-            )
-        key = (_place(found[1]), found[2], _QUANTITIES[found[4]])
-        parts.setdefault(key, {})[found[3]] = column
+        for direction in _UFF_DIRECTIONS
+        for part in ("re", "im")
+    },
+    "pinion y re [m/s²]",
+)
+
+
+def _read_table(path: Path) -> list[MeasuredCurve]:
+    """Read a frequency and pairs of columns such as "pinion y re [m/s²]"."""
+    table = read_table(path, {"frequency": "frequency"}, named=_COLUMNS)
+    if "frequency" not in table.numbers:
+        raise SceneError(f'{path}: needs the column "frequency [Hz]"')
     curves = []
-    for (at, direction, quantity), own in parts.items():
-        if set(own) != {"re", "im"}:
-            raise SceneError(f"{path}: {at!r} {direction} needs a column re and a column im")
-        values = own["re"] + 1j * own["im"]
-        curves.append(MeasuredCurve(at, direction, quantity, factor * numbers[:, 0], values))
+    for name in table.numbers:
+        curve, _, part = name.rpartition(" ")
+        if name == "frequency":
+            continue
+        names = [f"{curve} {each}" for each in ("re", "im")]
+        if not set(names) <= table.numbers.keys() or len({table.fields[n] for n in names}) > 1:
+            raise SceneError(f"{path}: {curve} needs a column re and a column im of one quantity")
+        if part == "re":
+            real, imaginary = (table.numbers[n] for n in names)
+            place, _, direction = curve.rpartition(" ")
+            quantity = table.fields[name].removeprefix("measured.").replace("twist", "displacement")
+            values = real + 1j * imaginary
+            frequencies = table.numbers["frequency"]
+            curves.append(MeasuredCurve(_place(place), direction, quantity, frequencies, values))
+    if not curves:
+        raise SceneError(f'{path}: needs columns such as "{_COLUMNS.example}"')
     return curves
 
 

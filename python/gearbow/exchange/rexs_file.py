@@ -188,7 +188,7 @@ def _limited(data: bytes, path: Path) -> bytes:
 
 def _unzipped(data: bytes, path: Path) -> tuple[bytes, str]:
     """Read the only model of a zip archive."""
-    with parsing(path, "a zip archive"), zipfile.ZipFile(BytesIO(data)) as archive:
+    with parsing(path, "a zip archive that can be read"), zipfile.ZipFile(BytesIO(data)) as archive:
         names = [
             name
             for name in archive.namelist()

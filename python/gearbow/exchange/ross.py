@@ -278,8 +278,9 @@ def _check_connections(file: _File, description: Mapping[str, Any]) -> None:
 
 def _read(path: str | os.PathLike[str]) -> _File:
     with reading(path, "a rotor of ROSS") as text:
+        is_json = Path(path).suffix.lower() == ".json" or text.lstrip().startswith("{")
         try:
-            plain = json.loads(text) if Path(path).suffix == ".json" else tomllib.loads(text)
+            plain = json.loads(text) if is_json else tomllib.loads(text)
         except ValueError as error:  # of both formats
             cause = f". {_SAVE_GEARS}" if '["GearElement' in text else ""
             raise SceneError(f"{path}: not a rotor of ROSS: {error}{cause}") from None

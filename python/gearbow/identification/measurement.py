@@ -1,8 +1,10 @@
 """Measured once-per-revolution vibration: amplitudes and phases of probes over the speed."""
 
+import math
 import os
+import re
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -18,8 +20,10 @@ from gearbow._shown import span
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.places import place
 from gearbow.errors import AccuracyWarning, SceneError, outside
+from gearbow.exchange.tables import DETECTIONS, VIBRATION, NamedColumns, Table, read_table
 from gearbow.sensors.probe import Probe
 from gearbow.sensors.tacho import Tacho
+from gearbow.units.parse import parsed
 from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 
 if TYPE_CHECKING:
@@ -27,19 +31,28 @@ if TYPE_CHECKING:
 
 __all__ = ["Measurement"]
 
-#: Columns of a file with numbers, and the fields that give their units.
-_NUMBERS = {
-    "speed": "speed",
-    "position": "position",
-    "angle": "angle",
-    "amplitude": "amplitude",
+#: What the columns of a probe contain, and the fields that give their units.
+_QUANTITIES = {
+    "amplitude": VIBRATION,
     "phase": "phase",
     "phase_lag": "phase",
-    "real": "amplitude",
-    "imaginary": "amplitude",
+    "real": VIBRATION,
+    "imaginary": VIBRATION,
 }
-#: Columns of a file with names.
-_NAMES = ("probe", "shaft", "reference")
+#: Columns of a file with a line for each speed and probe; those with an empty field have names.
+_COLUMNS = {
+    **{name: name for name in ("speed", "position", "angle")},
+    **_QUANTITIES,
+    **dict.fromkeys(("probe", "shaft", "reference"), ""),
+}
+#: Columns of a file with a line for each speed.
+_OF_PROBES = NamedColumns(
+    re.compile(rf"(.+?)[\s_]+({'|'.join(_QUANTITIES).replace('_', '[ _-]')})", re.IGNORECASE),
+    {name: (field,) for name, field in _QUANTITIES.items()},
+    "A amplitude [um]",
+)
+#: Name of a probe that says where it is: "input@0.2 y".
+_PLACE = re.compile(r"(.+)@(.+) ([yz])")
 #: Largest phase of a file in radians [rad]: one turn and some round-off.
 _LARGEST_PHASE = 7.0
 
@@ -153,33 +166,43 @@ class Measurement(Result, ReadOnly):
         cls,
         path: str | os.PathLike[str],
         probes: Mapping[str, Probe] | None = None,
+        *,
+        detection: str | None = None,
         **options: Any,
     ) -> "Measurement":
-        r"""Read amplitudes and phases from a CSV file, a line for each speed and probe.
+        r"""Read amplitudes and phases from a table.
 
         Parameters
         ----------
         path : str or path-like
-            A file with the column "speed"; "shaft", "position" and optionally "angle" of a probe,
-            or its name "probe"; and "amplitude" with "phase" (lead) or "phase_lag", or "real" with
-            "imaginary". The column "reference" is the shaft of the phase reference. A heading has
-            the unit in brackets: "speed [rpm]", "amplitude [um]", "phase [deg]"; without one it is
-            the SI unit. Amplitudes are from zero to peak.
+            A file as for `SpeedTable.read_table` with the column "speed" and a line for each speed
+            and probe, or one line for each speed. The former has the columns "shaft", "position"
+            and optionally "angle" of a probe, or its name "probe"; and "amplitude" with "phase"
+            (lead) or "phase_lag", or "real" with "imaginary". The column "reference" is the shaft
+            of the phase reference. The latter has these two columns for each probe, behind its
+            name: "A amplitude [um]", "A phase [deg]". A heading has the unit in brackets; without
+            one it is the SI unit. It says what its amplitudes are by "pp", "p-p" or "pk-pk" (peak
+            to peak), "pk" or "0-pk" (zero to peak) or "rms": "amplitude p-p [mil]".
         probes : mapping, optional
-            Probes by the names in the column "probe".
+            Probes by their names in the table. The name "input@0.2 y" or "input@200 mm z" says
+            where a probe is.
+        detection : {"peak", "peak-to-peak", "rms"}, optional
+            What amplitudes are whose heading does not say it; None is zero to peak.
         **options
             `phase_angle`, `speed_shaft`, `trial_weights` or `slow_roll` of `Measurement`.
 
         Returns
         -------
         Measurement
-            The measurement, ordered by speed.
+            The measurement, ordered by speed; its amplitudes are from zero to peak.
 
         Raises
         ------
         SceneError
             If a heading, a unit or a number is invalid, a column is missing, a probe occurs twice
             at one speed, or phases without a unit are no radians.
+        MissingExtraError
+            If the format needs a library that is not installed.
         OSError
             If the file cannot be opened.
 
@@ -192,37 +215,44 @@ class Measurement(Result, ReadOnly):
         --------
         >>> from pathlib import Path
         >>> import gearbow as gb
-        >>> lines = ["speed [rpm], shaft, position [mm], amplitude [um], phase [deg]"]
-        >>> lines += ["500, input, 300, 80, 0", "1000, input, 300, 84, -2"]
+        >>> lines = ["speed [rpm], shaft, position [mm], amplitude [um pp], phase [deg]"]
+        >>> lines += ["500, input, 300, 160, 0", "1000, input, 300, 168, -2"]
         >>> written = Path("run_down.csv").write_text("\n".join(lines))
         >>> gb.Measurement.read_csv("run_down.csv")
         Measurement(speeds=2, 500 to 1000 rpm, probes=1)
         >>> Path("run_down.csv").unlink()
         """
-        from gearbow.exchange.columns import read_table  # noqa: PLC0415  # few runs need it
-
         if probes is not None and not isinstance(probes, Mapping):
             raise SceneError(f"probes: must be a mapping of names to gb.Probe, got {shown(probes)}")
-        found = read_table(path, _NUMBERS, _NAMES)
-        vectors = _vectors(found.numbers, found.units, str(path))
+        if detection is not None:
+            one_of(detection, tuple(DETECTIONS), "detection")
+        found = read_table(path, _COLUMNS, named=_OF_PROBES, detection=detection)
+        if "speed" not in found.numbers:
+            raise SceneError(f'{path}: needs the column "speed", got {", ".join(found.units)}')
+        zero = np.flatnonzero(found.numbers["speed"] == 0.0)
+        if zero.size:
+            where = found.where(zero[0], "speed")
+            raise SceneError(f"{where}: must not be zero, a shaft at rest has no phase")
         channels: dict[tuple[Any, ...], int] = {}
         known: list[Probe] = []
         references: list[str] = []
-        columns = []
-        for i in range(vectors.size):
-            probe, key = _probe_of(found.names, found.numbers, i, probes, str(path))
-            named = found.names.get("reference")
-            reference = probe.shaft if named is None else named[i]
-            own = (*key, reference)
-            if own not in channels:
-                channels[own] = len(known)
-                known.append(probe)
-                references.append(reference)
-            columns.append(channels[own])
+        readings = []
+        for of_probe, vectors in _vectors(found):
+            for i, vector in enumerate(vectors.tolist()):
+                probe, key = _probe_of(found, i, of_probe, probes)
+                named = found.texts.get("reference")
+                reference = probe.shaft if named is None else named[i]
+                own = (*key, reference)
+                if own not in channels:
+                    channels[own] = len(known)
+                    known.append(probe)
+                    references.append(reference)
+                readings.append((i, channels[own], vector))
         speeds, rows = np.unique(found.numbers["speed"], return_inverse=True)
         table = np.full((speeds.size, len(known)), np.nan, dtype=np.complex128)
         lines: dict[tuple[int, int], int] = {}
-        for i, (row, column) in enumerate(zip(rows.tolist(), columns, strict=True)):
+        for i, column, vector in readings:
+            row = int(rows[i])
             if (row, column) in lines:
                 raise SceneError(
                     f"{path}: {found.lines[lines[row, column]]} and {found.lines[i]}: "
@@ -230,7 +260,7 @@ class Measurement(Result, ReadOnly):
                     "second series into a file of its own, and give both to identify"
                 )
             lines[row, column] = i
-            table[row, column] = vectors[i]
+            table[row, column] = vector
         _warn_of_missing(table, speeds, known, str(path))
         unit: SpeedUnit = "rpm" if found.units["speed"].strip() == "rpm" else "rad/s"
         return cls(speeds, table, known, references=references, speed_unit=unit, **options)
@@ -405,55 +435,79 @@ def _checked_weights(given: Mapping[At, complex] | None) -> dict[At, complex]:
     return weights
 
 
-def _vectors(numbers: Mapping[str, Array], units: Mapping[str, str], path: str) -> ComplexArray:
-    """Make complex amplitudes of the columns of a file."""
-    if "speed" not in numbers:
-        raise SceneError(f'{path}: needs the column "speed", got {", ".join(numbers)}')
-    phases = [name for name in ("phase", "phase_lag") if name in numbers]
-    if {"real", "imaginary"} <= numbers.keys() and not phases and "amplitude" not in numbers:
-        return numbers["real"] + 1j * numbers["imaginary"]
-    if "amplitude" not in numbers or len(phases) != 1:
+def _vectors(table: Table) -> Iterator[tuple[str | None, ComplexArray]]:
+    """Give the complex amplitudes of each probe with its name; None is a line for each probe."""
+    quantities: dict[str | None, list[str]] = {}
+    for name in table.numbers:
+        own, _, quantity = name.rpartition(" ")
+        if quantity in _QUANTITIES:
+            quantities.setdefault(own or None, []).append(quantity)
+    if None in quantities and len(quantities) > 1:
+        first = next(filter(None, quantities))
         raise SceneError(
-            f'{path}: needs the columns "amplitude" and one of "phase" and "phase_lag", or "real" '
-            f'and "imaginary", got {", ".join(numbers)}'
+            f'{table.path}: has columns of the probe "{first}" beside "{quantities[None][0]}"; '
+            "give columns for each probe, or a line for each probe"
+        )
+    for probe, names in (quantities or {None: []}).items():
+        yield probe, _vector(table, "" if probe is None else f"{probe} ", names)
+
+
+def _vector(table: Table, prefix: str, names: Sequence[str]) -> ComplexArray:
+    """Make complex amplitudes of two columns."""
+    numbers = {name: table.numbers[f"{prefix}{name}"] for name in names}
+    if sorted(names) == ["imaginary", "real"]:
+        return numbers["real"] + 1j * numbers["imaginary"]
+    phases = [name for name in names if name != "amplitude"]
+    if "amplitude" not in numbers or len(names) != 2 or phases[0] not in ("phase", "phase_lag"):
+        raise SceneError(
+            f'{table.path}: needs the columns "{prefix}amplitude" and one of "{prefix}phase" and '
+            f'"{prefix}phase_lag", or "{prefix}real" and "{prefix}imaginary", got '
+            f"{', '.join(table.units)}"
         )
     phase = numbers[phases[0]]
-    largest = float(np.abs(phase).max())
-    if not units[phases[0]] and largest > _LARGEST_PHASE:
+    largest = int(np.abs(phase).argmax())
+    if not table.units[f"{prefix}{phases[0]}"] and abs(phase[largest]) > _LARGEST_PHASE:
         raise SceneError(
-            f'{path}: column "{phases[0]}": has no unit, which means rad, but reaches {largest:g}; '
-            f'write "{phases[0]} [deg]" if these are degrees'
+            f"{table.where(largest, prefix + phases[0])}: has no unit, which means rad, but "
+            f'reaches {abs(phase[largest]):g}; write "{prefix}{phases[0]} [deg]" if these are '
+            "degrees"
         )
     negative = np.flatnonzero(numbers["amplitude"] < 0.0)
     if negative.size:
+        where = table.where(negative[0], f"{prefix}amplitude")
         value = numbers["amplitude"][negative[0]]
-        raise SceneError(f'{path}: column "amplitude": must not be negative, got {value:g} m')
+        raise SceneError(f"{where}: must not be negative, got {value:g} m")
     sense = -1.0 if phases[0] == "phase_lag" else 1.0
     vectors: ComplexArray = numbers["amplitude"] * np.exp(1j * sense * phase)
     return vectors
 
 
 def _probe_of(
-    names: Mapping[str, Sequence[str]],
-    numbers: Mapping[str, Array],
-    row: int,
-    probes: Mapping[str, Probe] | None,
-    path: str,
+    table: Table, row: int, name: str | None, probes: Mapping[str, Probe] | None
 ) -> tuple[Probe, tuple[Any, ...]]:
-    """Find the probe of a line, and what tells it from others."""
-    if "shaft" in names and "position" in numbers:
+    """Find the probe of a line, and what tells it from others; `name` is that in the headings."""
+    texts, numbers = table.texts, table.numbers
+    place = f"{table.path}: {table.lines[row]}"
+    if name is None and "shaft" in texts and "position" in numbers:
         angle = float(numbers["angle"][row]) if "angle" in numbers else 0.0
-        key = (names["shaft"][row], float(numbers["position"][row]), angle)
-        return Probe(key[0], key[1], angle=angle), key
-    if "probe" not in names:
-        raise SceneError(f'{path}: needs the columns "shaft" and "position", or "probe"')
-    name = names["probe"][row]
-    if probes is None or name not in probes:
+        key = (texts["shaft"][row], float(numbers["position"][row]), angle)
+        try:
+            return Probe(key[0], key[1], angle=angle), key
+        except SceneError as error:
+            raise SceneError(f"{place}: {error}") from None
+    if name is None and "probe" not in texts:
+        raise SceneError(f'{table.path}: needs the columns "shaft" and "position", or "probe"')
+    own = texts["probe"][row] if name is None else name
+    found = _PLACE.fullmatch(own)
+    if probes is not None and own in probes:
+        return probes[own], (own,)
+    if found is None:
         raise SceneError(
-            f"{path}: the place of probe {name!r} is unknown; give "
-            f"probes={{{name!r}: gb.Probe(shaft, position)}}, or the columns shaft and position"
+            f"{place}: the place of probe {own!r} is unknown; give "
+            f"probes={{{own!r}: gb.Probe(shaft, position)}}, or the columns shaft and position"
         )
-    return probes[name], (name,)
+    position = parsed(found[2], "position", bare=True)
+    return Probe(found[1], position, angle={"y": 0.0, "z": math.pi / 2.0}[found[3]]), (own,)
 
 
 def _warn_of_missing(table: ComplexArray, speeds: Array, probes: list[Probe], path: str) -> None:

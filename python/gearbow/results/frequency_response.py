@@ -627,9 +627,10 @@ class FrequencyResponse(Result, ReadOnly):
         Parameters
         ----------
         measured : str, path-like or sequence of MeasuredCurve
-            A universal file (".uff", ".unv") with data sets 58; or a CSV file with the column
-            "frequency [Hz]" and pairs such as "pinion y re [m/s²]", "pinion y im [m/s²]" or
-            "input@0.2 z re [m]"; or the curves of another comparison.
+            A universal file (".uff", ".unv") with data sets 58; or a table, as for
+            `SpeedTable.read_table`, with the column "frequency [Hz]" and pairs such as
+            "pinion y re [m/s²]", "pinion y im [m/s²]" or "input@0.2 z re [mm]"; or the curves of
+            another comparison.
         places : mapping of int to place, optional
             Place of each node of a universal file that gearbow did not write: of responses and of
             references. The response is computed for the force of one newton at the reference node
@@ -650,13 +651,14 @@ class FrequencyResponse(Result, ReadOnly):
             If there is no such place.
         """
         from gearbow.exchange.harmonic import MeasuredCurve, read_measured  # noqa: PLC0415
+        from gearbow.exchange.tables import ENDINGS  # noqa: PLC0415
 
         if self.axes != ("frequency",):
             raise SceneError("measured: a comparison needs a response at one speed")
         if places is not None and not isinstance(places, Mapping):
             raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
         if isinstance(measured, str | os.PathLike):
-            path, _ = check_name(measured, [".uff", ".unv", ".csv"], "measured")
+            path, _ = check_name(measured, [".uff", ".unv", *ENDINGS], "measured")
             curves = read_measured(path, places, self.sources, self._sources)
         else:
             curves = items(measured, "measured", "curves")

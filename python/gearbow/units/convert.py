@@ -3,12 +3,13 @@
 This module does not import pint: a value can only be a quantity of pint if the user imported it.
 """
 
+import math
 import sys
 from collections.abc import Mapping
 from typing import Any
 
 from gearbow.errors import SceneError
-from gearbow.units.fields import unit_of
+from gearbow.units.fields import is_frequency, unit_of
 
 __all__ = ["has_quantity", "is_quantity", "magnitude", "quantities_exist", "without_texts"]
 
@@ -41,8 +42,10 @@ def magnitude(quantity: Any, path: str) -> Any:
     unit = unit_of(path)
     if unit is None:
         raise SceneError(f"{path}: must not be one quantity, got {quantity}")
+    # pint converts 50 Hz to 50 rad/s, although 50 cycles or turns per second are 314 rad/s.
     if unit == "rad/s" and "hertz" in str(quantity.units):
-        # pint converts 50 Hz to 50 rad/s, although a shaft with 50 turns per second has 314 rad/s.
+        if is_frequency(path):
+            return 2.0 * math.pi * quantity.to("Hz").magnitude
         raise SceneError(
             f"{path}: a speed in Hz is ambiguous, got {quantity}; give rad/s, rpm or turns/s"
         )

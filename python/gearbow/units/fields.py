@@ -7,7 +7,7 @@ files, and speeds on the command line are converted with it.
 import re
 from functools import cache
 
-__all__ = ["DIMENSIONLESS", "FIELDS", "unit_of"]
+__all__ = ["DIMENSIONLESS", "FIELDS", "is_frequency", "unit_of"]
 
 #: Unit of a field without a unit.
 DIMENSIONLESS = "1"
@@ -119,9 +119,15 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "modal_damping.ratios": DIMENSIONLESS,
     "rayleigh": ("1/s", "s"),
     "gravity": "m/s^2",
+    # Columns of measured tables
+    "measured.velocity": "m/s",
+    "measured.acceleration": "m/s^2",
+    "measured.displacement": "m",
+    "measured.twist": "rad",
     # Arguments of analyses
     "speed": "rad/s",
     "speeds": "rad/s",
+    "frequency": "rad/s",
     "frequencies": "rad/s",
     "speed.start": "rad/s",
     "speed.end": "rad/s",
@@ -166,3 +172,8 @@ def unit_of(path: str) -> str | None:
     index = re.search(r"\[(\d+)\]$", path)
     i = None if index is None else int(index[1])
     return None if i is None or i >= len(found) else found[i]
+
+
+def is_frequency(path: str) -> bool:
+    """Tell whether a field in rad/s is the frequency of a vibration, which may be in Hz."""
+    return re.search(r"\b(frequency|frequencies)(\[\d+\])*$", path) is not None

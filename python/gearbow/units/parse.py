@@ -6,9 +6,9 @@ from fractions import Fraction
 from functools import cache
 
 from gearbow.errors import SceneError
-from gearbow.units.fields import DIMENSIONLESS, unit_of
+from gearbow.units.fields import DIMENSIONLESS, is_frequency, unit_of
 
-__all__ = ["OTHERS", "PREFIXES", "SIGNS", "WITH_PREFIX", "parsed"]
+__all__ = ["FREQUENCIES", "OTHERS", "PREFIXES", "SIGNS", "WITH_PREFIX", "fits", "parsed"]
 
 #: Exponents of m, kg and s.
 _Dimension = tuple[int, int, int]
@@ -26,6 +26,9 @@ WITH_PREFIX: dict[str, tuple[int, _Dimension]] = {
     "J": (0, (2, 1, -2)),
     "rad": (0, (0, 0, 0)),
 }
+#: Inch [m], pound [kg] and standard acceleration of gravity [m/s²]. All are exact: A. Thompson and
+#: B. N. Taylor, NIST Special Publication 811 (2008), appendix B.
+_INCH, _POUND, _GRAVITY = Fraction("0.0254"), Fraction("0.45359237"), Fraction("9.80665")
 #: Factor, power of π and exponents of the other units.
 OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
     "1": (Fraction(1), 0, (0, 0, 0)),
@@ -37,11 +40,24 @@ OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
     "h": (Fraction(3600), 0, (0, 0, 1)),
     "t": (Fraction(1000), 0, (0, 1, 0)),
     "bar": (Fraction(100_000), 0, (-1, 1, -2)),
+    "cP": (Fraction(1, 1000), 0, (-1, 1, -1)),
+    "cpm": (Fraction(1, 30), 1, (0, 0, -1)),
+    "in": (_INCH, 0, (1, 0, 0)),
+    "mil": (_INCH / 1000, 0, (1, 0, 0)),
+    "mils": (_INCH / 1000, 0, (1, 0, 0)),
+    "ft": (12 * _INCH, 0, (1, 0, 0)),
+    "lbm": (_POUND, 0, (0, 1, 0)),
+    "lbf": (_POUND * _GRAVITY, 0, (1, 1, -2)),
+    "psi": (_POUND * _GRAVITY / _INCH**2, 0, (-1, 1, -2)),
 }
+#: Units of a frequency, which are ambiguous for a speed: factor and power of π.
+FREQUENCIES = {"Hz": (Fraction(2), 1), "kHz": (Fraction(2000), 1)}
 SIGNS = {"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"}
 _TEXT = re.compile(r"([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)(?![\d.])\s*(\S.*)?", re.ASCII)
 #: Most characters of a text with a unit; Python converts at most 4,300 digits to a whole number.
 _LONGEST = 4000
+#: A hyphen between two units, as in "N-s/m", stands for a product.
+_HYPHEN = re.compile(r"(?<=[A-Za-z])-(?=[A-Za-z])")
 _FACTOR = re.compile(r"([A-Za-z%]+|1)(?:\^\(?(-?\d)\)?)?")
 
 
@@ -79,19 +95,26 @@ def parsed(text: str, path: str, *, bare: bool = False) -> float:
         return math.copysign(math.inf, number)  # the core rejects it
 
 
+def fits(unit: str, path: str) -> bool:
+    """Tell whether a unit converts to that of a field; an unknown one is an error."""
+    return _unit(unit, path)[2] == _unit(unit_of(path) or DIMENSIONLESS, path)[2]
+
+
 @cache
 def _unit(text: str, path: str) -> tuple[Fraction, int, _Dimension]:
     """Read a product of units: factor, power of π and dimension."""
     factor, pi = Fraction(1), 0
     dimension = (0, 0, 0)
-    plain = text.replace("**", "^")
+    plain = _HYPHEN.sub(" ", text.replace("**", "^"))
     for sign, replacement in SIGNS.items():
         plain = plain.replace(sign, replacement)
     for word in re.findall(r"/?\s*[^\s/^]+(?:\^[^\s/]+)?|\S", plain):
         one = _FACTOR.fullmatch(word.lstrip("/ "))
-        known = None if one is None else _single(one[1])
+        known = None if one is None else _single(one[1], path)
         if one is None or known is None:
-            raise SceneError(f"{path}: {word.lstrip('/ ')!r} is not a known unit; {_known(word)}")
+            raise SceneError(
+                f"{path}: {word.lstrip('/ ')!r} is not a known unit; {_known(word, path)}"
+            )
         power = int(one[2] or 1) * (-1 if word.startswith("/") else 1)
         factor *= known[0] ** power
         pi += known[1] * power
@@ -100,10 +123,12 @@ def _unit(text: str, path: str) -> tuple[Fraction, int, _Dimension]:
     return factor, pi, dimension
 
 
-def _single(name: str) -> tuple[Fraction, int, _Dimension] | None:
-    """Find one unit, with or without a prefix."""
+def _single(name: str, path: str) -> tuple[Fraction, int, _Dimension] | None:
+    """Find one unit of a field, with or without a prefix."""
     if name in OTHERS:
         return OTHERS[name]
+    if name in FREQUENCIES and is_frequency(path):
+        return (*FREQUENCIES[name], (0, 0, -1))
     for unit, (ten, dimension) in WITH_PREFIX.items():
         prefix = name.removesuffix(unit)
         if name.endswith(unit) and prefix in PREFIXES:
@@ -111,14 +136,17 @@ def _single(name: str) -> tuple[Fraction, int, _Dimension] | None:
     return None
 
 
-def _known(word: str) -> str:
+def _known(word: str, path: str) -> str:
     """Say which units are known."""
-    if "Hz" in word:
-        return "a speed is in rad/s, rpm or rev/s"
-    small = word.lstrip("/ ").lower()
-    if _single(small) is not None:
-        return f'did you mean "{small}"? Capital and small letters differ'
+    name = word.lstrip("/ ")
+    if "Hz" in name and unit_of(path) == "rad/s":
+        return "a speed is in rad/s, rpm or rev/s; 50 Hz could be 50 rad/s or 50 rev/s"
+    if name in ("lb", "lbs"):
+        return "a force is in lbf, a mass in lbm"
+    for small in (name.lower(), name.lower().removesuffix("hz") + "Hz"):
+        if _single(small, path) is not None:
+            return f'did you mean "{small}"? Capital and small letters differ'
     return (
-        f"known are {', '.join([*WITH_PREFIX, *(name for name in OTHERS if name != '1')])} and "
-        f"the prefixes {' '.join(prefix for prefix in PREFIXES if prefix)}"
+        f"known are {', '.join([*WITH_PREFIX, *(name for name in OTHERS if name != '1')])}, Hz for "
+        f"a frequency, and the prefixes {' '.join(prefix for prefix in PREFIXES if prefix)}"
     )

@@ -128,7 +128,8 @@ KINDS: dict[str, tuple[Callable[[Path], Any], Callable[[Path], Any]]] = {
 #: it reads is above. Those of the command line, of locks and of checks before reading are not here.
 READERS = {
     "_files.reading",
-    "exchange.columns._from_excel",
+    "exchange.tables._decoded",
+    "exchange.tables._from_excel",
     "exchange.mat.read_vectors",
     "exchange.rexs_file._read",
     "exchange.universal.data_sets",
@@ -242,6 +243,7 @@ def test_every_reader_is_tested():
         *(name for name in found if name.startswith(("_files.", "cli.", "plotting."))),
         *(f"recording.container.{name}" for name in ("open", "header", "read")),  # of `opened`
         "exchange.rexs_file._unzipped",  # of bytes
+        "system.read.format_of",  # only tells formats apart
         "machines.examples._read",  # a file of the package
         "_sheets._write_sheet",  # opens a member of an archive that it writes
         "sweeps.dataset._check_card",  # any text

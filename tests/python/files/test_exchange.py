@@ -341,7 +341,6 @@ def test_measured_runout(tmp_path: Path):
 
 # --- text files of other programs -----------------------------------------------------------------
 
-TABLE = "speed [rpm];stiffness [N/µm]\n0;10\n100;20\n"
 DEEP = b"a = " + 20_000 * b"["
 
 
@@ -349,10 +348,16 @@ DEEP = b"a = " + 20_000 * b"["
     ("content", "message"),
     [
         (
-            TABLE.encode("cp1252"),
-            "is not UTF-8 text: byte 0xb5 in line 1; perhaps it is Windows-1252, as of Excel; save it",
+            "speed;k [N/µm]\n0;10 # \x84\n".encode("latin1"),
+            "line 1: byte 0xb5 is neither UTF-8, UTF-16 nor clearly Windows-1252; save it as UTF-8",
         ),
-        (TABLE.encode("utf-16"), "is not UTF-8 text: byte 0xff in line 1; it is UTF-16; save it"),
+        (
+            "speed;k [N/µm]\n0;10\n".encode() + b"\xff",
+            "line 3: byte 0xff is neither UTF-8, UTF-16 nor clearly Windows-1252; save it as UTF-8",
+        ),
+        (b"\xff\xfes\0\n", "line 1: byte 0x0a is neither UTF-8, UTF-16 nor clearly"),
+        (b"PK\0\0", "is no text file; a workbook of Excel must end with .xlsx"),
+        (b"", "needs a line of headings and lines of numbers"),
         (b"speed;stiffness\n0;" + 140_000 * b"1", "line 2: is no line of a CSV file: field larger"),
     ],
 )

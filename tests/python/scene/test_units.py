@@ -13,6 +13,7 @@ import pytest
 
 import gearbow as gb
 from gearbow.description.part import Part
+from gearbow.units.convert import magnitude
 from gearbow.units.fields import FIELDS, unit_of
 from gearbow.units.parse import parsed
 from reference.cases import each_case
@@ -59,6 +60,60 @@ def test_a_text_with_a_unit(text: str, path: str, value: float):
     # factors are exact, except for the power of pi
     exact = not re.search("deg|°|rpm|rev", text)
     assert parsed(text, path) == (value if exact else pytest.approx(value, rel=1e-15))
+
+
+#: Units of the workshop: field, factor as NIST SP 811 (2008) prints it or follows from its exact
+#: entries by hand, and name in pint (whose "mil" is an angle).
+WORKSHOP = {
+    "in": ("length", 0.0254, "inch"),
+    "mil": ("length", 2.54e-5, "thou"),
+    "ft": ("length", 0.3048, "foot"),
+    "mm": ("length", 1e-3, "mm"),
+    "µm": ("length", 1e-6, "um"),
+    "lbm": ("mass", 0.45359237, "pound"),
+    "lbf": ("forces[0].value", 4.4482216152605, "lbf"),
+    "psi": ("youngs_modulus", 6894.757293168361, "psi"),
+    "lbf/in": ("bearings[0].stiffness", 175.12683524647637, "lbf/inch"),
+    "kN/mm": ("bearings[0].stiffness", 1e6, "kN/mm"),
+    "N-s/m": ("bearings[0].damping", 1.0, "N*s/m"),
+    "lbf-s/in": ("bearings[0].damping", 175.12683524647637, "lbf*s/inch"),
+    "lbf s/in": ("bearings[0].damping", 175.12683524647637, "lbf*s/inch"),
+    "lbf-in": ("torques[0].value", 0.1129848290276167, "lbf*inch"),
+    "lbm-in^2": ("inertia", 2.9263965343e-4, "pound*inch**2"),
+    "lbm/in^3": ("density", 27679.904710203125, "pound/inch**3"),
+    "cP": ("viscosity", 1e-3, "centipoise"),
+    "deg": ("phase", 0.017453292519943295, "degree"),
+    "cpm": ("speed", 0.10471975511965977, "revolution/minute"),
+    "rpm": ("frequency", 0.10471975511965977, "rpm"),
+    "Hz": ("frequency", 6.283185307179586, "hertz"),
+    "kHz": ("modal_damping.frequencies[1]", 6283.185307179586, "kilohertz"),
+}
+
+
+@each_case("unit", WORKSHOP)
+def test_units_of_the_workshop_agree_with_two_other_tables(unit: str):
+    path, factor, name = WORKSHOP[unit]
+    # both tables and the factor here are rounded once, that of pint for each of its factors
+    assert parsed(f"1 {unit}", path) == pytest.approx(factor, rel=3e-16)
+    quantity = pytest.importorskip("pint").Quantity(8e4, name)
+    assert parsed(f"8e4 {unit}", path) == pytest.approx(magnitude(quantity, path), rel=1e-15)
+
+
+@each_case(
+    ("text", "path", "message"),
+    [
+        ("50 Hz", "bearings[0].stiffness.speeds[1]", "50 Hz could be 50 rad/s or 50 rev/s"),
+        ("50 Hz", "shafts[0].length", "'Hz' is not a known unit; known are"),
+        ("50 khz", "frequencies", 'did you mean "kHz"?'),
+        ("5 lb", "mass", "'lb' is not a known unit; a force is in lbf, a mass in lbm"),
+        ("5 lbf", "mass", "must have a unit that converts to kg, got '5 lbf'"),
+        ("5 N-", "forces[0].value", "is not a known unit"),
+        ("5 mil pp", "amplitude", "'pp' is not a known unit"),
+    ],
+)
+def test_a_wrong_unit_of_the_workshop_names_the_remedy(text: str, path: str, message: str):
+    with pytest.raises(gb.SceneError, match=re.escape(message)):
+        parsed(text, path)
 
 
 @each_case(

@@ -377,6 +377,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         {"path": "x.rexs", "load_case": 1, "bearings": {"other": 1e8}},
     ),
     "rexs_contents": (gb.rexs_contents, {"path": "x.rexs"}),
+    "read": (gb.read, {"path": "x.rexs", "load_case": 1, "bearings": {"other": 1e8}}),
     "examples": (gb.examples, {}),
     "RotorSystem.load": (gb.RotorSystem.load, {"path": "x.toml"}),
     "RotorSystem.replace": (lambda **given: system().replace(**given), {}),

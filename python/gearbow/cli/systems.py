@@ -1,46 +1,33 @@
-"""``gearbow import``: print the scene file of a system that another program wrote."""
+"""Systems that commands read: scene files, and files of other programs with what these lack."""
 
 import argparse
 import re
 from collections.abc import Iterator
-from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
-from gearbow._files import check_name, replacing
-from gearbow.cli.answer import Answer
-from gearbow.cli.arguments import Commands, add_command
 from gearbow.description.gears import Mesh
 from gearbow.errors import SceneError
-from gearbow.exchange.rexs import RexsContents, rexs_contents
-from gearbow.exchange.rexs_file import ENDINGS
 from gearbow.exchange.rexs_joints import CATALOGUE
+from gearbow.system.read import REXS, format_of, read
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
 
-__all__ = ["add"]
+__all__ = ["add_options", "read_options", "read_system", "refuse_options"]
 
 #: Words in place of the values of a bearing or coupling.
 _WORDS = {"none": None, CATALOGUE: CATALOGUE}
+#: Options of files of other programs, by the argument of `gearbow.read`.
+_OPTIONS = {
+    "load_case": "--load-case",
+    "bearings": "--bearing",
+    "couplings": "--coupling",
+    "meshes": "--mesh",
+}
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = add_command(
-        commands,
-        "import",
-        import_,
-        "print the scene of a REXS file (.rexs, .rexsj, .rexsz) or a rotor of ROSS (.toml, .json)",
-        "  gearbow import gearbox.rexs --list\n"
-        '  gearbow import gearbox.rexs --load-case 2 --bearing "other=1e8" --out train.toml\n'
-        "  gearbow import rotor.json > rotor.toml\n"
-        '  gearbow import geared.json --mesh "Gear 0/Gear 1=2e8" \\\n'
-        '      --centre-line-angle "Gear 0/Gear 1=30 deg" --out geared.toml',
-    )
-    parser.add_argument("file", type=Path, help="file of another program")
-    parser.add_argument(
-        "--list", action="store_true", help="print load cases, missing values and notes instead"
-    )
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options of files of other programs."""
+    parser = command.add_argument_group("files of other programs")
     parser.add_argument("--load-case", type=int, help="number of the load case of a REXS file")
     for name, unit, option in (
         ("bearing", "1e8 N/m", "clearance:10 um, damping:500"),
@@ -66,42 +53,35 @@ def add(commands: Commands) -> None:
             metavar=f"DRIVER/DRIVEN={value}",
             help=f"two gears of a MultiRotor of ROSS with its {of_ross}",
         )
-    parser.add_argument("--out", help="write the scene to this file .toml, in UTF-8 on all systems")
-    parser.add_argument("--json", action="store_true", help="print JSON in place of text")
 
 
-def import_(given: argparse.Namespace) -> Answer:
-    """Print a scene, or the contents of the file."""
-    data: dict[str, object] = {"file": str(given.file)}
-    if given.file.suffix.lower() not in ENDINGS:
-        if given.list or given.load_case is not None or given.bearing or given.coupling:
-            options = "--list, --load-case, --bearing and --coupling"
-            raise SceneError(f"{given.file}: only REXS files have {options}, and end with .rexs")
-        system = RotorSystem.from_ross(given.file, meshes=_meshes(given))
-        return _answer(given, system, f"# From {given.file.name}, a rotor of ROSS", data)
-    if given.mesh or given.centre_line_angle:
-        options = "--mesh and --centre-line-angle"
-        raise SceneError(
-            f"{given.file}: only rotors of ROSS have {options}; REXS files have stages"
-        )
-    contents = rexs_contents(given.file)
-    data |= {
-        "load_cases": [asdict(case) for case in contents.load_cases],
-        "missing": [asdict(each) for each in contents.missing],
-        "notes": list(contents.notes),
-    }
-    if given.list:
-        return Answer(contents.table(), data)
+def read_system(given: argparse.Namespace) -> RotorSystem:
+    """Read the system of a command with its options."""
+    options = read_options(given)
+    try:
+        return read(given.scene, **options)
+    except SceneError as error:
+        name, sign, rest = str(error).partition(": ")
+        text = f"{_OPTIONS.get(name, name)}{sign}{rest}"
+        if format_of(given.scene) == REXS:
+            where = "--list" if given.command == "import" else "gearbow import --list"
+            text += f"; see {where}, and the options --load-case, --bearing and --coupling"
+        raise SceneError(text) from None
+
+
+def refuse_options(given: argparse.Namespace) -> None:
+    """Refuse the options of systems for the file of a run."""
+    for name in read_options(given):
+        raise SceneError(f"{_OPTIONS[name]}: is for a system, but {given.scene} is a run")
+
+
+def read_options(given: argparse.Namespace) -> dict[str, Any]:
+    """Give the options as arguments of `gearbow.read`."""
     bearings = _values(given.bearing, "bearings", "stiffness")
     couplings = _values(given.coupling, "couplings", "torsional_stiffness")
-    try:
-        system = RotorSystem.read_rexs(
-            given.file, load_case=given.load_case, bearings=bearings, couplings=couplings
-        )
-    except SceneError as error:
-        options = "the options --load-case, --bearing and --coupling"
-        raise SceneError(f"{error}; see --list, and {options}") from None
-    return _answer(given, system, _heading(given, contents), data)
+    values = (given.load_case, bearings, couplings, _meshes(given))
+    pairs = zip(_OPTIONS, values, strict=True)
+    return {name: value for name, value in pairs if value not in (None, {}, [])}
 
 
 def _values(given: list[str], parts: str, stiffness: str) -> dict[str, Any]:
@@ -156,24 +136,3 @@ def _pairs(given: list[str], path: str, form: str) -> Iterator[tuple[str, str]]:
         if not sign:
             raise SceneError(f'{path}: must be {form}, got "{each}"')
         yield name, value
-
-
-def _heading(given: argparse.Namespace, contents: RexsContents) -> str:
-    heading = f"# From {given.file.name}, REXS {contents.version} of {contents.application}"
-    case = contents.load_cases[(given.load_case or 1) - 1]
-    if case.speed is None:
-        return heading
-    return f'{heading}\n# Load case {case.number}: {case.speed!r} rad/s of "{contents.reference}"'
-
-
-def _answer(
-    given: argparse.Namespace, system: RotorSystem, heading: str, data: dict[str, object]
-) -> Answer:
-    text = f"{heading}\n\n{system._model.to_toml()}"
-    data = data | {"scene": system.description}
-    if given.out is None:
-        return Answer(text, data)
-    path, _ = check_name(given.out, [".toml"], "--out")
-    with replacing(path) as file:
-        file.write(text.encode())
-    return Answer(f"wrote {path}; next: gearbow check {path}", data)
