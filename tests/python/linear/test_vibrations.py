@@ -94,9 +94,11 @@ def test_the_lowest_modes_are_those_of_smallest_magnitude(name):
 
 
 def test_strong_dampers_leave_the_vibrations_among_the_lowest_modes():
-    # The dampers of the bearings hold the ends: overdamped motions far from the origin are not among the lowest modes.
-    system = rotor(*stiff(3e5))
-    assert np.sum(system.modes(200.0, count=12).eigenvalues.imag > 1.0) == 12
+    # The dampers hold the ends, which relax with −k/c = −167 rad/s in both planes, two
+    # slowly turning pairs below the first vibration. The fast
+    # motions of the dampers, −1e5 rad/s, are not among the lowest modes.
+    found = rotor(*stiff(3e5)).modes(200.0, count=12)
+    assert np.sum(found.eigenvalues.imag > 0.05 * np.abs(found.eigenvalues)) == 10
 
 
 def test_a_vibration_slower_than_the_relaxation_of_its_shaft_is_found():
@@ -122,9 +124,8 @@ def test_internal_damping_without_other_speed_dependence_has_modal_damping():
     system = rotor(*stiff(1e3), internal_damping=1e-6).replace(modal_damping=0.01)
     assert len(system.dofs) > 100
     assert system.modes(200.0, count=6, vibrating=True).residuals.max() < 1e-6
-    assert np.isfinite(
-        system.replace(unbalances=[gb.Unbalance("d", 1e-4)]).synchronous([200.0]).phasors
-    ).all()
+    disk = replace(system.disks[0], unbalance=1e-4)
+    assert np.isfinite(system.replace(disks=[disk]).synchronous([200.0]).displacement("d")).all()
 
 
 def test_a_panic_of_the_core_is_an_error_to_report():
