@@ -93,12 +93,10 @@ def check_output(path: Path) -> None:
 
 @contextmanager
 def parsing(path: str | os.PathLike[str], kind: str, *, own: bool = False) -> Iterator[None]:
-    """Turn every error of the block into one that names the file and what it should be.
-
-    Each reader parses within this block: a damaged file makes libraries raise anything. Errors of
-    gearbow stay as they are, except for an `own` file: gearbow wrote it, so that each error means
-    damage.
-    """
+    """Turn every error of the block into one that names the file and what it should be."""
+    # Each reader parses within this block: a damaged file makes libraries raise anything. Errors of
+    # gearbow stay as they are, except for an `own` file: gearbow wrote it, so that each error means
+    # damage.
     try:
         yield
     except RecursionError:

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::common::{Noise, cached, everything, largest, motion, train};
 use gearbow::analysis::{ExcitationPart, equilibrium, synchronous};
 use gearbow::exponential::{
-    InterfaceMaps, LevelControl, Loads, Selection, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule,
-    Stepper, TimeGrid, run,
+    InterfaceMaps, LevelControl, Loads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection, Stepper,
+    TimeGrid, run,
 };
 use gearbow::integrate::{Halt, Observer, State, Statistics, Trajectory};
 use gearbow::mesh::Geometry;
@@ -334,8 +334,7 @@ fn integrate(
     let longest = 5e-5;
     let substep = (longest * form.radius.min(1e6) / 0.8).log2().ceil() as usize;
     let time_grid = TimeGrid { longest, finest: substep + 4, substep };
-    let selection =
-        Selection { displacements: (0..n).collect(), velocities: (0..n).collect(), ..Selection::default() };
+    let selection = Selection { displacements: (0..n).collect(), velocities: (0..n).collect(), ..Selection::default() };
     let mut output = OutputMap::new(&field, form, &maps, selection);
     let table = propagators(&Arc::new(form.clone()), &QuadratureRule::gauss(stages), &maps, time_grid, &field);
     let (carried, turning) = field.reference_motion(0.0);

@@ -7,7 +7,7 @@ use allocation_counter::{AllocationInfo, measure};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, simulate};
 use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, synchronous};
 use gearbow::exponential::{
-    self, Loads, Selection, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Stepper, TimeGrid,
+    self, Loads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection, Stepper, TimeGrid,
 };
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{

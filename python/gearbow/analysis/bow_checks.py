@@ -64,16 +64,13 @@ class Check:
 
 @dataclass(frozen=True, eq=False)
 class _Teeth:
-    """Geometry of a mesh, and the motion of its teeth.
-
-    `motion` has three components [m]: the displacement of the base circle of the driven gear
-    relative to that of the driver along y and z, and the deflection of the drive flanks without
-    transmission error. Methods take their values, (..., 3).
-    """
+    """Geometry of a mesh, and the motion of its teeth; methods take values of it, (..., 3)."""
 
     mesh: Mesh
     gears: tuple[Gear, Gear]
     geometry: MeshGeometry
+    #: Displacement of the base circle of the driven gear relative to that of the driver along y and
+    #: z, and deflection of the drive flanks without transmission error [m], three components.
     motion: BowSignal
 
     @property

@@ -55,10 +55,8 @@ class BowSignal:
     units: tuple[ComplexArray, ...]
 
     def curves(self, bow: float, phases: Array) -> list[Array]:
-        """Give the motion of each group, (phases, instants, c).
-
-        With a phase of NaN, a bow has every angle to the others: it is a group of its own.
-        """
+        """Give the motion of each group, (phases, instants, c)."""
+        # With a phase of NaN, a bow has every angle to the others: it is a group of its own.
         found = [each[None] for each in self.others]
         for shaft, (group, unit) in enumerate(zip(self.groups, self.units, strict=True)):
             if np.isnan(phases[0, shaft]):
@@ -209,10 +207,8 @@ class BowMotion:
         return self._of(self.static.bearing_force(at), lambda each: each.bearing_force(at))
 
     def rows(self, static: Array, rows: Array, added: ComplexArray) -> BowSignal:
-        """Give static values, and linear combinations of all coordinates, (c, n).
-
-        `added` turns with each shaft and is no displacement, (shafts, c).
-        """
+        """Give static values and linear combinations `rows` of all coordinates, (c, n)."""
+        # `added` turns with each shaft and is no displacement, (shafts, c).
         return self._of(static, lambda each: each.amplitudes @ rows.T, added)
 
     def _of(
@@ -245,10 +241,7 @@ class BowMotion:
         return float(margin(bow, phases[None])[0])
 
     def worst(self, margin: Margin, bow: float) -> tuple[float, Array]:
-        """Find the smallest margin over the phases, and the phase of each bowed shaft.
-
-        A phase that does not matter is NaN.
-        """
+        """Find the smallest margin, and the phase of each bowed shaft, NaN if it has no effect."""
         given = self.variants.phases
         phases = np.array(given or np.zeros(len(self._bowed)))
         smallest = float(margin(bow, phases[None])[0])

@@ -117,10 +117,8 @@ def variant(system: S, **changes: Any) -> S:
 
 
 def silent(system: System) -> dict[str, Any]:
-    """Give the parts of a system without what turns and excites.
-
-    They keep their places, which are nodes: all variants have the same coordinates.
-    """
+    """Give the parts of a system without what turns and excites, at the same places."""
+    # Their places are nodes: all variants have the same coordinates.
     return {
         "shafts": [replace(shaft, bow=None) for shaft in system.shafts],
         "gears": [replace(gear, unbalance=0.0, runout=0.0) for gear in system.gears],

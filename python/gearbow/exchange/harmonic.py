@@ -299,10 +299,7 @@ def read_measured(
     sources: Sequence[str],
     plain: Sequence[Mapping[str, Any]],
 ) -> list[MeasuredCurve]:
-    """Read measured curves from a universal file or a table.
-
-    `sources` and `plain` are the labels and plain data of the sources of the response.
-    """
+    """Read measured curves, with the labels and plain data of the sources of the response."""
     if path.suffix.lower() in (".uff", ".unv"):
         return _read_uff(path, places or {}, sources, plain)
     return _read_table(path)
