@@ -6,6 +6,8 @@
 //! eigenvalues are. They are sampled at frequencies of the tables, and each change of sign is closed: by Newton's method for
 //! the mode, with the coefficients at the frequency found before, or by the method of Illinois on μ_k.
 
+use num_complex::Complex64;
+
 use super::AnalysisError;
 use super::modes::{FURTHER_MODES, highest_damped, linear_modes};
 use crate::modal::{self, CachedModel, Eigenpair, Highest, Mode, ModeAtSpeed, ModeSelection, ascending};
@@ -87,24 +89,24 @@ fn lowest(cached: &CachedModel, speed: f64, count: usize, outside: Outside) -> R
     let samples = search.samples()?;
     let known = samples.iter().map(|sample| sample.modes.len()).min().unwrap_or(0);
     let mut found: Vec<Mode> = Vec::new();
-    let mut end = |sample: &LinearModes, index: usize| -> Result<(), AnalysisError> {
+    let mut refused: Vec<(Complex64, AnalysisError)> = Vec::new();
+    let mut end = |sample: &LinearModes, index: usize| {
         let mode = &sample.modes[index];
         // The coefficients have no effect on a rigid-body motion.
         let is_inside = mode.eigenvalue.norm() == 0.0 || mode.eigenvalue.im == sample.frequency;
         match if is_inside { Ok(()) } else { cached.at(speed, mode.eigenvalue.im).map(drop) } {
             Ok(()) => found.push(mode.clone()),
             Err(error) if outside == Outside::Refuse => {
-                return Err(search.named(error.into(), index));
+                refused.push((mode.eigenvalue, search.named(error.into(), index)));
             }
             Err(_) => {}
         }
-        Ok(())
     };
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
         return Ok(Vec::new());
     };
-    (0..known).filter(|index| first.distance(*index) <= 0.0).try_for_each(|index| end(first, index))?;
-    (0..known).filter(|index| last.distance(*index) > 0.0).try_for_each(|index| end(last, index))?;
+    (0..known).filter(|index| first.distance(*index) <= 0.0).for_each(|index| end(first, index));
+    (0..known).filter(|index| last.distance(*index) > 0.0).for_each(|index| end(last, index));
     for pair in samples.windows(2) {
         let mut index = 0;
         while index < known {
@@ -119,7 +121,12 @@ fn lowest(cached: &CachedModel, speed: f64, count: usize, outside: Outside) -> R
     }
     found.sort_by(|a, b| ascending(a.eigenvalue, b.eigenvalue));
     found.truncate(count);
-    Ok(found)
+    let last = found.last().filter(|_| found.len() == count).map(|mode| mode.eigenvalue);
+    let is_wanted = |value: Complex64| last.is_none_or(|last| ascending(value, last).is_lt());
+    match refused.into_iter().find(|(value, _)| is_wanted(*value)) {
+        Some((_, error)) => Err(error),
+        None => Ok(found),
+    }
 }
 
 /// A mode near `start` at its speed, with the coefficients of bearings at its own frequency; `None` if the iteration does not

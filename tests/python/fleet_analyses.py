@@ -140,8 +140,10 @@ def check_modes(system: gb.RotorSystem, speed: float, modes: gb.results.Modes) -
     for value, shape in zip(modes.eigenvalues, modes.shapes, strict=True):
         # 1e-9 is reached with films, whose eigenvalues range from 1e1 to 1e8
         assert equations.mode_residual(value, shape) < 1e-7, value
-    assert np.all(np.diff(modes.frequencies_hz) >= -1e-9)
-    highest = float(modes.eigenvalues.imag.max())
+    sizes = np.abs(modes.eigenvalues)
+    assert np.all(np.diff(sizes) >= -1e-9 * sizes.max())
+    # the circle lies in the disk of all modes that are not greater than the last one
+    highest = float(sizes.max())
     if highest > 0.0:
         for value in equations.eigenvalues_below(highest):
             # round-off splits the double eigenvalue 0 of the rotation of a train: 1.4e-3 is reached, and √ε times the highest
@@ -184,6 +186,13 @@ def check_map(system: gb.RotorSystem, _: float, found: gb.results.CriticalSpeedM
             equations.damping = speed * without.matrices(speed).gyroscopic
             # the elements of the map are finer or coarser: frequencies differ by their error, 1e-4
             assert equations.eigenvalue_residual(1j * speed) < 1e-3, (stiffness, speed)
+
+
+def without_tooth_errors(system: gb.RotorSystem) -> gb.RotorSystem:
+    """Leave out what `rotating_force` does not contain; random machines have their responses to it checked beside runs."""
+    gears = [replace(gear, runout=0.0) for gear in system.gears]
+    meshes = [replace(mesh, error=None) for mesh in system.meshes]
+    return system.replace(gears=gears, meshes=meshes)
 
 
 def check_synchronous(system: gb.RotorSystem, _: float, found: gb.results.Synchronous) -> None:
@@ -574,7 +583,7 @@ ANALYSES = {
     ),
     "map": Analysis(lambda s, _: s.critical_speed_map(STIFFNESSES, count=2), check_map, (1,), 500),
     "synchronous": Analysis(
-        lambda s, speed: s.synchronous(SHARES * speed),
+        lambda s, speed: without_tooth_errors(s).synchronous(SHARES * speed),
         check_synchronous,
         largest=1000,
         applies=lateral,

@@ -381,10 +381,9 @@ def test_titles_of_modes_say_what_does_not_oscillate():
     first = [panel.get_title().split("\n")[0] for panel in figure.axes]
     assert first == [
         "mode 1",
+        "mode 2: overdamped, time constant 20 ms",
         "mode 3: growth without oscillation, time constant 50 ms",
         "mode 4: 3.183 kHz, forward, damping 0.05 %",
-        # overdamped modes come last
-        "mode 2: overdamped, time constant 20 ms",
     ]
     check_texts(figure)
 

@@ -75,7 +75,7 @@ def objects() -> dict[str, object]:
     )
     sweep = gb.sweep(dict, {"number": list(range(300))}, lambda system, number: number)  # noqa: ARG005
     measured = gb.Measurement(MANY[1:], np.ones(MANY.size - 1), [gb.Probe("s", 0.5)])
-    identified = gb.identify(rotor, measured, [gb.unknown.bow("s")], runout=False)
+    identified = gb.identify(rotor, measured, [gb.unknown.bow("s")], runout=False, noise=1.0)
     found = [
         measured,
         identified,

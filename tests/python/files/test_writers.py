@@ -96,7 +96,8 @@ WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
     "report.page.write": {"page.html": lambda path: rotor().report(path, modes=2)},
     "results.motion.animate": {"run.gif": animation},
     "cli.answer.save": {"modes.svg": drawing, "modes.png": drawing},
-    "cli.foreign._answer": {"train.toml": imported},
+    "cli.importing.import_": {"train.toml": imported},
+    "exchange.rexs_writer.write_rexs": {"train.rexs": lambda path: rotor().save(path)},
     "cli.new.new": {},  # it replaces no file
 }
 
