@@ -6,7 +6,7 @@
 
 use nalgebra::{Complex, DVector};
 
-use super::residual::{Residual, Residuals};
+use super::residual::{LARGEST_RESIDUAL, Residual, Residuals};
 use super::structural::{with_all_structural_damping, with_structural_damping};
 use super::whirl::{Classifier, Whirl};
 use crate::linalg::DecompositionError;
@@ -132,7 +132,8 @@ pub fn modes_of(
     let classifier = Classifier::new(&cached.model, speed);
     let mut residuals = Residuals::new(cached, speed, EquationForces::All(modal))?;
     let mode = |Eigenpair { value, shape }: Eigenpair| {
-        let residual = residuals.of(value, &shape)?;
+        let mut residual = residuals.of(value, &shape)?;
+        residual.limit = residual.limit.min(LARGEST_RESIDUAL);
         let shape = normalized(shape);
         Ok(Mode { eigenvalue: value, whirl: classifier.classify(value, &shape), shape, residual })
     };

@@ -25,8 +25,9 @@ const MAX_RESIDUAL: f64 = 1e-4;
 const LEAST_SHIFT: f64 = 1e-6;
 /// Largest residual from round-off, in units of εω_max/|λ|.
 const ROUND_OFF: f64 = 100.0;
-/// Largest residual of a mode with any round-off: no digit is certain beyond it.
-const LARGEST_RESIDUAL: f64 = 0.1;
+/// Largest residual of a mode of a list with any round-off: no digit is certain beyond it. An intersection close to standstill
+/// has the frequency zero up to round-off.
+pub(super) const LARGEST_RESIDUAL: f64 = 0.1;
 /// Largest ratio of the shift s and |λ|, and of |λ| and s: modes within it share the factors of K + s²M.
 const SHARED: f64 = 2.0;
 
@@ -106,10 +107,7 @@ impl<'m> Residuals<'m> {
         let energy =
             part(|value| value.re) + part(|value| value.im) + shift * shift * self.model.complex_kinetic_form(shape);
         let round_off = ROUND_OFF * f64::EPSILON * self.fastest / size;
-        Ok(Residual {
-            value: (force.dotc(&solved).norm() / energy).sqrt(),
-            limit: round_off.clamp(MAX_RESIDUAL, LARGEST_RESIDUAL),
-        })
+        Ok(Residual { value: (force.dotc(&solved).norm() / energy).sqrt(), limit: MAX_RESIDUAL.max(round_off) })
     }
 }
 
