@@ -3,9 +3,8 @@
 Describe a `RotorSystem` of shafts, gears, meshes and bearings. Then ask for modes, critical speeds,
 the static equilibrium, the response to bow and unbalance, or a run in time.
 
-Numbers are in SI units and radians. `mm`, `rpm` and `degrees` convert, and quantities of pint and
-texts in scene files have units. `help(gearbow.Gear)` describes a part, `help(gearbow.RotorSystem)`
-the analyses. `gearbow.results` has the types of results. ``gearbow --help`` lists the commands.
+Numbers are in SI units and radians; `mm`, `rpm` and `degrees` convert. `help(gearbow.Gear)`
+describes a part, `help(gearbow.RotorSystem)` the analyses. ``gearbow --help`` lists the commands.
 
 Examples
 --------

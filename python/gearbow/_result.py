@@ -14,7 +14,6 @@ import numpy as np
 from gearbow._convert import whole
 from gearbow._extras import extra
 from gearbow._files import check_name, printable, replacing
-from gearbow._sheets import save_table
 from gearbow._shown import Shown, Table, to_html
 from gearbow.errors import GearbowError
 from gearbow.units.speed import SpeedUnit, speed_factor
@@ -310,6 +309,8 @@ class Result(Shown):
                 write_netcdf(dataset, file)
         else:
             frame = self.to_dataframe()
+            from gearbow._sheets import save_table  # noqa: PLC0415  # few runs need it
+
             save_table(frame.reset_index() if self._indexed else frame, found, ending)
 
     def _dataset(self) -> "xr.Dataset":

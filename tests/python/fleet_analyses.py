@@ -18,6 +18,7 @@ import pytest
 
 import gearbow as gb
 from reference.equations import Balance, Equations, rotating_force
+from reference.machines import without_tooth_errors
 
 #: Number of modes.
 COUNT = 6
@@ -186,13 +187,6 @@ def check_map(system: gb.RotorSystem, _: float, found: gb.results.CriticalSpeedM
             equations.damping = speed * without.matrices(speed).gyroscopic
             # the elements of the map are finer or coarser: frequencies differ by their error, 1e-4
             assert equations.eigenvalue_residual(1j * speed) < 1e-3, (stiffness, speed)
-
-
-def without_tooth_errors(system: gb.RotorSystem) -> gb.RotorSystem:
-    """Leave out what `rotating_force` does not contain; random machines have their responses to it checked beside runs."""
-    gears = [replace(gear, runout=0.0) for gear in system.gears]
-    meshes = [replace(mesh, error=None) for mesh in system.meshes]
-    return system.replace(gears=gears, meshes=meshes)
 
 
 def check_synchronous(system: gb.RotorSystem, _: float, found: gb.results.Synchronous) -> None:

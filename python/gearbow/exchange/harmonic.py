@@ -443,12 +443,15 @@ def _own_curve(
             f"{where}: has the source {number + 1}, {label!r}; those of the response are "
             f"{', '.join(sources)}"
         )
+    axis = function.response[1]
+    amplitude = reference_of(plain[number]).amplitude
     return MeasuredCurve(
         _place(function.names[2].removeprefix("place ")),
-        _DIRECTIONS[function.response[1]],
+        _DIRECTIONS[abs(axis)],
         _UFF_QUANTITIES[function.quantities[1].kind],
         2.0 * np.pi * function.abscissa,
-        function.values * reference_of(plain[number]).amplitude,
+        # A sensor along −y measures the opposite.
+        function.values * (amplitude if axis > 0 else -amplitude),
         number,
     )
 

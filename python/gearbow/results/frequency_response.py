@@ -14,7 +14,6 @@ from gearbow._files import check_name, replacing
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, Written
-from gearbow._sheets import save_table
 from gearbow._shown import short, span
 from gearbow._types import (
     Array,
@@ -560,6 +559,8 @@ class FrequencyResponse(Result, ReadOnly):
                 values = frame.pop(name)
                 frame.insert(position, f"{label} im [{unit}", values.to_numpy().imag)
                 frame.insert(position, f"{label} re [{unit}", values.to_numpy().real)
+        from gearbow._sheets import save_table  # noqa: PLC0415  # few runs need it
+
         save_table(frame, found, ending)
 
     def _write(self, path: Any, ending: str, at: Any) -> None:

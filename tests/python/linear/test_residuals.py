@@ -112,4 +112,5 @@ def test_equal_overdamped_modes_do_not_oscillate_by_round_off(elements: int) -> 
     values = gb.RotorSystem([shaft], bearings=bearings).modes(0.0, count=10).eigenvalues
     # The planes are equal, and nothing turns: eigenvalues are real in pairs. Round-off had left 1e-13 of them.
     assert not np.any((values.imag != 0.0) & (values.imag < 1e-9 * np.abs(values)))
-    assert np.count_nonzero(values.imag == 0.0) >= 8
+    # Each plane relaxes at both bearings; its faster motions are not among the ten lowest.
+    assert np.count_nonzero(values.imag == 0.0) == 4

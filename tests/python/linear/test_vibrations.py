@@ -76,7 +76,8 @@ def test_vibrations_are_those_of_all_modes(name, count):
     system, speed = CASES[name], 200.0
     found = system.modes(speed, count=count, vibrating=True).eigenvalues
     every = eigenvalues(system, speed)
-    wanted = every[vibrating(system, speed, every)][:count]
+    # Round-off leaves 2e-6 rad/s of a rigid-body motion.
+    wanted = every[vibrating(system, speed, every) & (np.abs(every) > 1e-3)][:count]
     assert len(found) == len(wanted)
     # NumPy leaves 1e-8 of the highest eigenvalues, which are up to 1e3 times the wanted ones.
     np.testing.assert_allclose(np.abs(found), np.abs(wanted), rtol=1e-5)
