@@ -138,9 +138,12 @@ def check_static(system: gb.RotorSystem, speed: float, static: gb.results.Static
 def check_modes(system: gb.RotorSystem, speed: float, modes: gb.results.Modes) -> None:
     equations = Equations(system, speed)
     assert len(modes.eigenvalues) == COUNT
+    # 1e-9 is reached with films, whose eigenvalues range from 1e1 to 1e8; of large trains, only modes of low frequency have modal
+    # damping, which leaves 2e-7
+    is_partial = system.modal_damping is not None and len(system.dofs) >= 100
+    limit = 1e-6 if is_partial else 1e-7
     for value, shape in zip(modes.eigenvalues, modes.shapes, strict=True):
-        # 1e-9 is reached with films, whose eigenvalues range from 1e1 to 1e8
-        assert equations.mode_residual(value, shape) < 1e-7, value
+        assert equations.mode_residual(value, shape) < limit, value
     sizes = np.abs(modes.eigenvalues)
     assert np.all(np.diff(sizes) >= -1e-9 * sizes.max())
     # the circle lies in the disk of all modes that are not greater than the last one
