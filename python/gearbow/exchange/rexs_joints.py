@@ -279,7 +279,7 @@ class Joints:
 
     def _values(self, given: object, carries: tuple[str, ...], path: str) -> dict[str, Plain]:
         """Give the parameters that are given for a bearing."""
-        if given is None or given == CATALOGUE:
+        if given is None or (isinstance(given, str) and given == CATALOGUE):
             return {}
         if not isinstance(given, Mapping):
             return dict.fromkeys(carries, number(given, path))
@@ -473,7 +473,7 @@ def _torsional(given: object, path: str) -> dict[str, Plain]:
 
 def check_given(given: object, argument: str) -> Mapping[str, object]:
     """Check the values that are given by name."""
-    if given is None or (given == CATALOGUE and argument == "bearings"):
+    if given is None or (isinstance(given, str) and given == CATALOGUE and argument == "bearings"):
         return {}
     if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
         raise SceneError(f"{argument}: must be a mapping of names to values, got {shown(given)}")
