@@ -320,7 +320,7 @@ def test_bows_of_all_shafts_shift_both_means_alike():
         # the shafts of the run bend by inertia and by the tooth force: 3 % of the motion
         assert found[0] == pytest.approx(expected[0], rel=0.05)
         assert found[2] == pytest.approx(expected[1], rel=0.05)
-        # the same bending is a first-order effect beside means of the second order, which it does not reverse
+        # This bending changes the means, which are of second order, by up to their own size, but not their sign.
         assert 0.0 < found[1] < 2.0 * expected[2]
         assert 2.0 * expected[3] < found[3] < 0.0
     first, second = kinematic_shifts(0.01 * 0.025).values()
