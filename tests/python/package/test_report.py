@@ -381,10 +381,10 @@ def test_a_report_shows_oscillations_among_overdamped_modes():
         disks=[gb.Disk("d", "s", 0.6, 10.0, diametral_inertia=0.05, polar_inertia=0.1)],
         bearings=[gb.Bearing("s", x, stiffness=5e7, damping=2e4) for x in (0.0, 0.5)],
     )
-    modes = Contents(rotor, Options("", (300.0, 300.0), None, 4, (), "rad/s")).modes
+    modes = Contents(rotor, Options("", (300.0, 300.0), None, 8, (), "rad/s")).modes
     slow = (modes.eigenvalues.imag > 0.0) & (modes.damping_ratios > 0.99)
     assert slow.sum() > 4
-    assert np.sum(modes.damping_ratios < 0.9) >= 4
+    assert np.sum(modes.damping_ratios < 0.9) >= 8
 
 
 def test_undamped_rolling_bearings_have_a_short_run_in_place_of_a_steady_state(tmp_path):
