@@ -25,12 +25,13 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use super::band::{Band, BandLu, Number, Singular};
+use super::blocks::{BlockFactors, Blocks};
 use super::couplings::{Couplings, chain_of};
-use super::dense::{ComplexLu, ENTRY_ROUND_OFF};
+use super::dense::ENTRY_ROUND_OFF;
 use super::determinant::Determinant;
 
 /// Which system of equations is solved.
@@ -101,8 +102,8 @@ impl CoupledBands {
     pub fn factor(self, sense: f64) -> Result<CoupledFactors, Singular> {
         let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::new(0.0, sense));
         let chains = couplings.factor_chains(self.chains.clone())?;
-        let columns = couplings.columns(&chains, |_| 0);
-        let capacity = couplings.capacity(&columns)?;
+        let columns = couplings.columns(&chains, true);
+        let capacity = couplings.factor_capacity(&columns, false)?;
         let row_sizes = self.row_sizes();
         Ok(CoupledFactors { matrix: self, row_sizes, chains, couplings, columns, capacity })
     }
@@ -114,8 +115,8 @@ impl CoupledBands {
     pub fn determinant(self, sense: f64) -> Result<Determinant, Singular> {
         let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::new(0.0, sense));
         let chains = couplings.factor_chains(self.chains)?;
-        let columns = couplings.columns(&chains, |chain| couplings.first_row(chain));
-        let capacity = couplings.capacity(&columns)?;
+        let columns = couplings.columns(&chains, false);
+        let capacity = couplings.factor_capacity(&columns, false)?;
         let chains = chains.iter().flat_map(BandLu::pivots);
         Ok(Determinant::product(chains.chain(capacity.pivots())))
     }
@@ -142,8 +143,9 @@ impl CoupledBands {
         let Some(chains) = chains.into_iter().map(factors).collect::<Option<Vec<_>>>() else {
             return false;
         };
-        let receptance = self.receptance(&chains);
-        negative_pivots(self.form(&receptance)) == Some(0)
+        let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::ZERO);
+        let receptances = couplings.receptances(&couplings.columns(&chains, false));
+        negative_eigenvalues(couplings.form(&receptances)) == Some(0)
     }
 
     /// Number of negative eigenvalues of the matrix, Hermitian but for the scale of the coordinates; `None` where a pivot does not
@@ -166,27 +168,10 @@ impl CoupledBands {
         for pivot in chains.iter().flat_map(BandLu::pivots) {
             count += usize::from(is_negative(pivot)?);
         }
-        let receptance = self.receptance(&chains);
-        (count + negative_pivots(self.form(&receptance))?).checked_sub(negative_pivots(receptance)?)
-    }
-
-    /// Z.
-    fn receptance<T: Number>(&self, chains: &[BandLu<T>]) -> DMatrix<Complex64> {
         let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::ZERO);
-        let columns = couplings.columns(chains, |chain| couplings.first_row(chain));
-        let mut receptance = DMatrix::zeros(columns.len(), columns.len());
-        for (j, column) in columns.iter().enumerate() {
-            for (i, row) in couplings.in_chain(couplings.places[j].0) {
-                receptance[(i, j)] = Complex64::new(column[row].real(), column[row].imaginary());
-            }
-        }
-        receptance
-    }
-
-    /// Z + ZΔZ.
-    fn form(&self, receptance: &DMatrix<Complex64>) -> DMatrix<Complex64> {
-        let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::ZERO);
-        receptance + receptance * &couplings.matrix * receptance
+        let receptances = couplings.receptances(&couplings.columns(&chains, false));
+        let own: usize = receptances.iter().map(|block| negative_pivots(block.clone())).sum::<Option<usize>>()?;
+        (count + negative_eigenvalues(couplings.form(&receptances))?).checked_sub(own)
     }
 
     /// Sum of the magnitudes of the entries of each row.
@@ -198,8 +183,15 @@ impl CoupledBands {
     }
 }
 
-/// Number of negative eigenvalues of a matrix, Hermitian but for the scale of the coordinates, of which the pivots of Gaussian
-/// elimination do not depend.
+/// Number of negative eigenvalues of a matrix whose blocks on the diagonal are Hermitian, and the others but for the scale of
+/// the coordinates: that of all blocks on the diagonal when the blocks before them are eliminated.
+fn negative_eigenvalues(form: Blocks) -> Option<usize> {
+    let mut count = Some(0);
+    form.factor(|pivot| count = count.and_then(|sum| Some(sum + negative_pivots(pivot.clone())?))).ok()?;
+    count
+}
+
+/// Number of negative eigenvalues of a Hermitian matrix; `None` where a pivot does not tell its sign.
 fn negative_pivots(mut form: DMatrix<Complex64>) -> Option<usize> {
     let mut count = 0;
     for k in 0..form.nrows() {
@@ -238,7 +230,7 @@ pub struct CoupledFactors {
     /// Columns of A⁻¹E, each over the coordinates of its chain.
     columns: Vec<Vec<Complex64>>,
     /// Factors of I + Z Δ, r × r.
-    capacity: ComplexLu,
+    capacity: BlockFactors,
 }
 
 impl CoupledFactors {
@@ -257,10 +249,19 @@ impl CoupledFactors {
     /// As [`Self::solve`].
     pub fn solve_to(&self, side: Side, tolerance: f64, x: &mut [Complex64]) -> Result<f64, Singular> {
         let right = x.to_vec();
+        self.refine(side, tolerance, &right, x).or_else(|_| {
+            let capacity = self.couplings.factor_capacity(&self.columns, true)?;
+            x.copy_from_slice(&right);
+            Self { capacity, ..self.clone() }.refine(side, tolerance, &right, x)
+        })
+    }
+
+    /// The same, with the exchanges of rows of these factors.
+    fn refine(&self, side: Side, tolerance: f64, right: &[Complex64], x: &mut [Complex64]) -> Result<f64, Singular> {
         self.solve_once(side, x);
         let mut previous = f64::INFINITY;
         for _ in 0..=MAX_REFINEMENTS {
-            let (mut residual, error) = self.residual(side, &right, x);
+            let (mut residual, error) = self.residual(side, right, x);
             if error <= tolerance.max(ROUND_OFF) || (error >= previous / 2.0 && error <= MAX_BACKWARD_ERROR) {
                 return Ok(error);
             }
@@ -287,13 +288,9 @@ impl CoupledFactors {
             chain.solve(&mut x[*start..start + chain.size()]);
         }
         let Couplings { coordinates, matrix, .. } = &self.couplings;
-        if coordinates.is_empty() {
-            return;
-        }
-        let mut coupled =
-            DMatrix::from_iterator(coordinates.len(), 1, coordinates.iter().map(|coordinate| x[*coordinate]));
+        let mut coupled: Vec<Complex64> = coordinates.iter().map(|coordinate| x[*coordinate]).collect();
         self.capacity.solve(&mut coupled);
-        let forces = matrix * coupled;
+        let forces = matrix.multiply(&coupled);
         for ((place, column), force) in self.couplings.places.iter().zip(&self.columns).zip(forces.iter()) {
             for (x, value) in x[starts[place.0]..].iter_mut().zip(column) {
                 *x -= value * force;
@@ -305,15 +302,13 @@ impl CoupledFactors {
     fn solve_transposed(&self, x: &mut [Complex64]) {
         let starts = &self.matrix.starts;
         let Couplings { coordinates, places, matrix, .. } = &self.couplings;
-        if !coordinates.is_empty() {
-            let product = |(place, column): (&(usize, usize), &Vec<Complex64>)| {
-                x[starts[place.0]..].iter().zip(column).map(|(x, value)| x * value).sum::<Complex64>()
-            };
-            let read = DVector::from_iterator(places.len(), places.iter().zip(&self.columns).map(product));
-            let mut forces = DMatrix::from_column_slice(places.len(), 1, matrix.tr_mul(&read).as_slice());
-            self.capacity.solve_transposed(&mut forces);
-            coordinates.iter().zip(forces.iter()).for_each(|(coordinate, force)| x[*coordinate] -= force);
-        }
+        let product = |(place, column): (&(usize, usize), &Vec<Complex64>)| {
+            x[starts[place.0]..].iter().zip(column).map(|(x, value)| x * value).sum::<Complex64>()
+        };
+        let read: Vec<Complex64> = places.iter().zip(&self.columns).map(product).collect();
+        let mut forces = matrix.multiply_transposed(&read);
+        self.capacity.solve_transposed(&mut forces);
+        coordinates.iter().zip(forces).for_each(|(coordinate, force)| x[*coordinate] -= force);
         for (chain, start) in self.chains.iter().zip(starts) {
             chain.solve_transposed(&mut x[*start..start + chain.size()]);
         }

@@ -1,12 +1,13 @@
 //! The coordinates at which band matrices are coupled, and the matrices of Woodbury's formula ([`super::coupled_bands`]).
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use super::band::{Band, BandLu, Number, Singular};
-use super::dense::ComplexLu;
+use super::blocks::{BlockFactors, Blocks};
 
 /// Number of the chain of a coordinate, for chains with the first coordinates `starts`.
 pub(super) fn chain_of(starts: &[usize], coordinate: usize) -> usize {
@@ -22,8 +23,10 @@ pub(super) struct Couplings {
     pub places: Vec<(usize, usize)>,
     /// Damper on each of them in the matrix of the chain.
     dampers: Vec<Complex64>,
-    /// Δ, r × r: the couplings without the dampers.
-    pub matrix: DMatrix<Complex64>,
+    /// Numbers of the coordinates of each chain that has some.
+    parts: Vec<Range<usize>>,
+    /// Δ, r × r: the couplings without the dampers. A block belongs to two chains.
+    pub matrix: Blocks,
 }
 
 impl Couplings {
@@ -38,21 +41,25 @@ impl Couplings {
         }
         let coordinates: Vec<usize> = sizes.keys().copied().collect();
         let dampers: Vec<Complex64> = sizes.values().map(|size| damper * *size).collect();
-        let mut matrix = DMatrix::zeros(coordinates.len(), coordinates.len());
-        let index = |coordinate: &usize| coordinates.binary_search(coordinate);
-        for ((row, column), value) in entries {
-            if let (Ok(i), Ok(j)) = (index(row), index(column)) {
-                matrix[(i, j)] += value;
-            }
-        }
-        for (i, damper) in dampers.iter().enumerate() {
-            matrix[(i, i)] -= damper;
-        }
         let place = |coordinate: &usize| {
             let chain = chain_of(starts, *coordinate);
             (chain, coordinate - starts[chain])
         };
-        Self { places: coordinates.iter().map(place).collect(), coordinates, dampers, matrix }
+        let places: Vec<(usize, usize)> = coordinates.iter().map(place).collect();
+        let mut first = 0;
+        let parts = places.chunk_by(|(a, _), (b, _)| a == b).map(|chain| {
+            first += chain.len();
+            first - chain.len()..first
+        });
+        let parts: Vec<Range<usize>> = parts.collect();
+        let mut matrix = Blocks::zeros(parts.clone());
+        for ((row, column), value) in entries.iter().filter(|(_, value)| **value != Complex64::ZERO) {
+            if let (Ok(i), Ok(j)) = (coordinates.binary_search(row), coordinates.binary_search(column)) {
+                matrix.add(i, j, *value);
+            }
+        }
+        dampers.iter().enumerate().for_each(|(i, damper)| matrix.add(i, i, -damper));
+        Self { coordinates, places, dampers, parts, matrix }
     }
 
     /// Factors of the chains with the dampers.
@@ -63,43 +70,65 @@ impl Couplings {
         chains.into_iter().map(Band::factor).collect()
     }
 
-    /// Numbers and rows of the coordinates in a chain.
-    pub fn in_chain(&self, chain: usize) -> impl Iterator<Item = (usize, usize)> {
-        let places = self.places.iter().enumerate();
-        places.filter(move |(_, place)| place.0 == chain).map(|(number, place)| (number, place.1))
-    }
-
-    /// First coupled row of a chain.
-    pub fn first_row(&self, chain: usize) -> usize {
-        self.in_chain(chain).map(|(_, row)| row).min().unwrap_or_default()
-    }
-
-    /// Columns of A⁻¹E, each over the rows of its chain; those before `first(chain)` are not computed.
-    pub fn columns<T: Number>(&self, chains: &[BandLu<T>], first: impl Fn(usize) -> usize) -> Vec<Vec<T>> {
-        let column = |(chain, row): &(usize, usize)| {
-            let mut column = vec![T::zero(); chains[*chain].size()];
-            column[*row] = T::one();
-            chains[*chain].solve_part(&mut column, *row, first(*chain));
-            column
-        };
-        self.places.iter().map(column).collect()
-    }
-
-    /// Factors of I + Z Δ, where Z has the entries of the `columns` of A⁻¹E at the coupled coordinates.
-    pub fn capacity(&self, columns: &[Vec<Complex64>]) -> Result<ComplexLu, Singular> {
-        let size = self.places.len();
-        let mut capacity = DMatrix::identity(size, size);
-        for (k, column) in columns.iter().enumerate() {
-            for (i, row) in self.in_chain(self.places[k].0) {
-                for j in 0..size {
-                    // Few coordinates are coupled to each other.
-                    if self.matrix[(k, j)] != Complex64::ZERO {
-                        capacity[(i, j)] += column[row] * self.matrix[(k, j)];
-                    }
-                }
+    /// Columns of A⁻¹E, each over the rows of its chain; of the rows before the first coupled one, only if they are `complete`.
+    pub fn columns<T: Number>(&self, chains: &[BandLu<T>], complete: bool) -> Vec<Vec<T>> {
+        let mut columns = Vec::with_capacity(self.places.len());
+        for part in &self.parts {
+            let places = &self.places[part.clone()];
+            let first = if complete { 0 } else { places[0].1 };
+            for (chain, row) in places {
+                let mut column = vec![T::zero(); chains[*chain].size()];
+                column[*row] = T::one();
+                chains[*chain].solve_part(&mut column, *row, first);
+                columns.push(column);
             }
         }
-        let capacity = ComplexLu::new(&capacity);
-        if capacity.is_regular() { Ok(capacity) } else { Err(Singular) }
+        columns
+    }
+
+    /// Z of each chain, from the `columns` of A⁻¹E.
+    pub fn receptances<T: Number>(&self, columns: &[Vec<T>]) -> Vec<DMatrix<Complex64>> {
+        let receptance = |part: &Range<usize>| {
+            DMatrix::from_fn(part.len(), part.len(), |i, j| {
+                let value = columns[part.start + j][self.places[part.start + i].1];
+                Complex64::new(value.real(), value.imaginary())
+            })
+        };
+        self.parts.iter().map(receptance).collect()
+    }
+
+    /// I + Z Δ.
+    fn capacity(&self, receptances: &[DMatrix<Complex64>]) -> Blocks {
+        let mut capacity = Blocks::zeros(self.parts.clone());
+        (0..receptances.len()).for_each(|part| capacity.block(part, part).fill_with_identity());
+        self.matrix.for_each(|row, column, block| {
+            capacity.block(row, column).gemm(Complex64::ONE, &receptances[row], block, Complex64::ONE);
+        });
+        capacity
+    }
+
+    /// Factors of I + Z Δ. A chain that is singular until others are eliminated needs `all_exchanges` of rows, which take
+    /// time proportional to r³.
+    pub fn factor_capacity(&self, columns: &[Vec<Complex64>], all_exchanges: bool) -> Result<BlockFactors, Singular> {
+        let capacity = self.capacity(&self.receptances(columns));
+        if !all_exchanges && let Ok(factors) = capacity.clone().factor(|_| {}) {
+            return Ok(factors);
+        }
+        capacity.merged().factor(|_| {})
+    }
+
+    /// Z + Z Δ Z.
+    pub fn form(&self, receptances: &[DMatrix<Complex64>]) -> Blocks {
+        let mut form = Blocks::zeros(self.parts.clone());
+        receptances.iter().enumerate().for_each(|(part, receptance)| form.block(part, part).copy_from(receptance));
+        self.matrix.for_each(|row, column, block| {
+            form.block(row, column).gemm(
+                Complex64::ONE,
+                &(&receptances[row] * block),
+                &receptances[column],
+                Complex64::ONE,
+            );
+        });
+        form
     }
 }

@@ -2,13 +2,14 @@
 //! faer, which no other folder imports.
 //!
 //! - Chains: `block_tridiagonal`, `chain` (with internal unknowns of elements).
-//! - Bands: `band_order`, `band`, `couplings`, `coupled_bands`, `determinant`.
+//! - Bands: `band_order`, `band`, `blocks`, `couplings`, `coupled_bands`, `determinant`.
 //! - Dense: `dense`, `pencil`, `inverse_iteration`, `convert`.
 //! - Krylov spaces and iterations: `krylov` with `columns`, `conjugate_residuals`, `tridiagonal`; `sparse` matrices.
 
 mod band;
 mod band_order;
 mod block_tridiagonal;
+mod blocks;
 mod chain;
 mod columns;
 mod conjugate_residuals;

@@ -12,7 +12,8 @@ use super::{Model, RodChain};
 use crate::linalg::{BandOrder, CoupledBands, CoupledFactors, Side, Singular};
 
 /// The coordinates of one chain of a shaft.
-struct Part {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
     /// Index, in the order of the core, of the first coordinate.
     start: usize,
     /// Order of the unknowns, (v, w), θ or the axial displacement, in a band matrix.
@@ -29,8 +30,8 @@ impl Part {
 }
 
 impl Model {
-    /// Chains of all shafts, and the coordinates of supports and housings.
-    fn parts(&self) -> impl Iterator<Item = Part> + '_ {
+    /// Chains of all shafts, and the coordinates of supports and housings, in the order of the core.
+    pub(super) fn find_parts(&self) -> Vec<Part> {
         let shafts = self.shafts.iter().flat_map(|shaft| {
             let bending = shaft.bending.as_ref();
             let bending =
@@ -40,16 +41,18 @@ impl Model {
             bending.into_iter().chain(shaft.rods().map(rod))
         });
         let housings = Part { start: self.housings.start, order: self.housings.band_order(), lateral: false };
-        shafts.chain((!self.housings.inertia.is_empty()).then_some(housings))
+        shafts.chain((!self.housings.inertia.is_empty()).then_some(housings)).collect()
     }
 
     /// Circular coordinates of a coordinate, with the force on each for a unit force on the coordinate, and the part of
     /// each in the displacement of the coordinate. A force along v or w is f_p = 1 or i and f_m = 1 or −i; v = (p + m)/2
     /// and w = (p − m)/2i.
     pub(super) fn circular(&self, index: usize) -> [Option<(usize, Complex64, Complex64)>; 2] {
-        let Some(Part { start, order, lateral }) = self.parts().find(|part| part.contains(index)) else {
+        let after = self.parts.partition_point(|part| part.start <= index);
+        let Some(part) = self.parts[..after].last().filter(|part| part.contains(index)) else {
             return [None; 2];
         };
+        let Part { start, order, lateral } = *part;
         let offset = index - start;
         if !lateral {
             return [Some((start + order.row(offset), Complex64::ONE, Complex64::ONE)), None];
@@ -75,7 +78,7 @@ impl Model {
     /// Converts a vector of displacements or forces from the order of the core to circular coordinates.
     pub fn to_circular(&self, x: &[Complex64]) -> Vec<Complex64> {
         let mut out = x.to_vec();
-        for Part { start, order, lateral } in self.parts() {
+        for Part { start, order, lateral } in self.parts.iter().copied() {
             for unknown in 0..order.len() {
                 let row = start + order.row(unknown);
                 if lateral {
@@ -92,7 +95,7 @@ impl Model {
     /// Converts a vector from circular coordinates to the order of the core.
     pub fn from_circular(&self, x: &[Complex64]) -> Vec<Complex64> {
         let mut out = x.to_vec();
-        for Part { start, order, lateral } in self.parts() {
+        for Part { start, order, lateral } in self.parts.iter().copied() {
             for unknown in 0..order.len() {
                 let row = start + order.row(unknown);
                 if lateral {
@@ -109,8 +112,8 @@ impl Model {
 
     /// Multiplies the circular coordinates p and m by a factor.
     pub fn scale_circular(&self, x: &mut [Complex64], factor: f64) {
-        for Part { start, order, .. } in self.parts().filter(|part| part.lateral) {
-            x[start..start + 2 * order.len()].iter_mut().for_each(|value| *value *= factor);
+        for Part { start, order, .. } in self.parts.iter().filter(|part| part.lateral) {
+            x[*start..start + 2 * order.len()].iter_mut().for_each(|value| *value *= factor);
         }
     }
 

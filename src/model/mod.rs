@@ -178,6 +178,8 @@ pub struct Model {
     pub circulation: Option<f64>,
     /// σ of every mesh at speed zero.
     sigma_standing: Vec<f64>,
+    /// Chains of all shafts, and the coordinates of supports and housings, ascending.
+    parts: Vec<circular::Part>,
 }
 
 impl Model {
@@ -224,7 +226,9 @@ impl Model {
             loads: Vec::new(),
             circulation: None,
             bows: Vec::new(),
+            parts: Vec::new(),
         };
+        model.parts = model.find_parts();
         model.set_initial_stiffness();
         model.add_loads();
         model.check_buckling()?;

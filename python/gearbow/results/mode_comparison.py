@@ -34,7 +34,8 @@ class ModeComparison(Result, ReadOnly):
     -----
     MAC is abs(Σ conj(φ_m) φ_c)²/(Σ abs(φ_m)² Σ abs(φ_c)²) over the measured places and directions
     (R. J. Allemang, D. L. Brown, *A correlation coefficient for modal vector analysis*, IMAC 1982):
-    1 for proportional shapes, 0 for orthogonal ones.
+    1 for proportional shapes, 0 for orthogonal ones and for a shape without motion there, such as
+    a rotation.
 
     Examples
     --------

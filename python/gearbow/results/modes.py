@@ -34,6 +34,8 @@ __all__ = ["Modes"]
 
 #: A smaller damping ratio [%] is round-off of the eigenvalue.
 _ROUND_OFF_PERCENT = 1e-10
+#: A smaller share of the largest displacement or rotation of a shape is round-off.
+_ROUND_OFF = 1e-12
 #: Name of the motion to which each direction contributes: bending has the name of its translation.
 _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"}
 
@@ -256,7 +258,7 @@ class Modes(Result, ReadOnly):
         if isinstance(measured, Modes):
             common: Sequence[At] = list(self.coordinates.bodies) or self._nodes()
             measured = MeasuredShapes(
-                tuple(common), measured.frequencies_hz, measured.shapes_at(common)
+                tuple(common), measured.frequencies_hz, measured._translations(common)
             )
         if not isinstance(measured, MeasuredShapes):
             raise SceneError(
@@ -264,13 +266,23 @@ class Modes(Result, ReadOnly):
                 f"{shown(measured)}"
             )
         known = np.isfinite(measured.displacements)
-        shapes = [np.where(known, measured.displacements, 0.0), self.shapes_at(measured.places)]
+        shapes = [
+            np.where(known, measured.displacements, 0.0),
+            self._translations(measured.places),
+        ]
         given, own = (each.reshape(len(each), -1) for each in shapes)
         counted = known.reshape(len(known), -1)
         cross = np.abs(own @ np.conj(given).T) ** 2
         sizes = (np.abs(own) ** 2 @ counted.T) * np.sum(np.abs(given) ** 2, axis=1)
         mac = np.divide(cross, sizes, out=np.zeros_like(sizes), where=sizes > 0.0)
         return ModeComparison(mac, self.frequencies_hz, measured.frequencies_hz)
+
+    def _translations(self, places: Sequence[At]) -> Array:
+        """Give `shapes_at`, and zeros where round-off alone moves a shape there."""
+        found = self.shapes_at(places)
+        largest = np.abs(self.shapes).max(axis=1, initial=0.0)
+        moved = np.abs(found).max(axis=(1, 2), initial=0.0) > _ROUND_OFF * largest
+        return np.where(moved[:, None, None], found, 0.0)
 
     def _nodes(self) -> list[tuple[str, float]]:
         """Give the places of the nodes with lateral motion."""

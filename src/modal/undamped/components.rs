@@ -10,7 +10,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::real::{RealModes, rigid_body_modes, rigid_motions, spring_deflections};
+use super::real::{RealModes, RigidMotion, rigid_body_modes, rigid_motions, spring_deflections};
 use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
 use crate::model::Model;
 
@@ -41,12 +41,10 @@ impl ComponentModes {
         let kinetic = |motions: &DMatrix<f64>| motions.transpose() * model.mass_times(motions);
         let (rigid, deflections) = (rigid_motions(model), spring_deflections(model, None));
         let modes_of = |coordinates: Vec<usize>| -> Result<Component, DecompositionError> {
-            let inside = |column: &usize| {
-                let moving = (0..model.len()).filter(|row| rigid[(*row, *column)] != 0.0);
-                moving.into_iter().all(|row| coordinates.binary_search(&row).is_ok())
-            };
-            let own: Vec<usize> = (0..rigid.ncols()).filter(inside).collect();
-            let null = rigid_body_modes(&rigid.select_columns(&own), &deflections, kinetic)?;
+            let is_own = |index: &usize| coordinates.binary_search(index).is_ok();
+            let is_inside = |motion: &&RigidMotion| motion.displacements.iter().all(|(index, _)| is_own(index));
+            let inside: Vec<RigidMotion> = rigid.iter().filter(is_inside).cloned().collect();
+            let null = rigid_body_modes(model, &inside, &deflections, kinetic)?;
             let null = null.select_rows(&coordinates);
             let pencil = symmetric_pencil(&block(&stiffness, &coordinates), &block(&mass, &coordinates), &null)?;
             Ok(Component { coordinates, null: null.ncols(), values: pencil.values, vectors: pencil.vectors })

@@ -187,17 +187,21 @@ impl Interfaces {
     }
 
     /// Static displacements of the modes that are not `kept`, scaled by ω and orthonormal: at most `count` of them, those of
-    /// the interfaces with the largest rest first, until each rest is below `smallest`.
+    /// the interfaces with the largest rest first, the last interface where rests are equal, until each rest is below
+    /// `smallest`.
     fn static_shapes(&self, kept: &[usize], count: usize, smallest: f64) -> Vec<DVector<f64>> {
         let mut rests = self.energies.clone();
         kept.iter().for_each(|mode| rests.row_mut(*mode).fill(0.0));
         let mut shapes: Vec<DVector<f64>> = Vec::new();
         while shapes.len() < count {
             let sizes: Vec<f64> = rests.column_iter().map(|rest| rest.norm_squared()).collect();
-            let largest = (0..sizes.len()).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b]));
-            let Some(largest) = largest.filter(|index| sizes[*index] > smallest.max(DEPENDENCE_TOLERANCE)) else {
+            let largest = sizes.iter().copied().fold(0.0, f64::max);
+            if largest <= smallest.max(DEPENDENCE_TOLERANCE) {
                 break;
-            };
+            }
+            // Round-off does not choose among equal rests: the last interface has priority.
+            let is_largest = |size: &f64| *size >= (1.0 - DEPENDENCE_TOLERANCE) * largest;
+            let Some(largest) = sizes.iter().rposition(is_largest) else { break };
             let mut shape = rests.column(largest).into_owned();
             for known in &shapes {
                 shape.axpy(-known.dot(&shape), known, 1.0);

@@ -14,13 +14,14 @@
 //! φᵀKφ/φᵀMφ, whose error is of second order in the error of φ. The elastic energy φᵀKφ is a sum over the strains of
 //! the elements.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-use crate::connection::Connection;
-use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
-use crate::model::{DofKind, Link, Model};
+use crate::connection::{Connection, Row};
+use crate::linalg::{DecompositionError, Sparse, symmetric_eigen, symmetric_pencil};
+use crate::model::{DofKind, Link, Model, Support};
 use crate::scene::Node;
 
 /// A rigid motion is a rigid-body mode if its eigenvalue with springs of unit stiffness is below this. Round-off leaves
@@ -45,7 +46,7 @@ impl RealModes {
     pub(in crate::modal) fn new(model: &Model, speed: f64) -> Result<Self, DecompositionError> {
         let mass = model.mass_matrix();
         let kinetic = |motions: &DMatrix<f64>| motions.transpose() * &mass * motions;
-        let null = rigid_body_modes(&rigid_motions(model), &spring_deflections(model, Some(speed)), kinetic)?;
+        let null = rigid_body_modes(model, &rigid_motions(model), &spring_deflections(model, Some(speed)), kinetic)?;
         let stiffness =
             model.shaft_stiffness_matrix() + model.symmetric_part_matrix() + model.connection_stiffness_matrix(speed);
         let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
@@ -59,10 +60,10 @@ impl RealModes {
         let stiffness = model.shaft_stiffness_matrix() + model.symmetric_part_matrix();
         let (rigid, deflections) = (rigid_motions(model), spring_deflections(model, None));
         let modes_of_part = |part: Range<usize>| {
-            let in_part: Vec<usize> =
-                (0..rigid.ncols()).filter(|i| rigid.column(*i).rows_range(part.clone()).amax() > 0.0).collect();
+            let is_inside = |motion: &&RigidMotion| motion.displacements.iter().all(|(index, _)| part.contains(index));
+            let inside: Vec<RigidMotion> = rigid.iter().filter(is_inside).cloned().collect();
             let kinetic = |motions: &DMatrix<f64>| motions.transpose() * &mass * motions;
-            let null = rigid_body_modes(&rigid.select_columns(&in_part), &deflections, kinetic)?;
+            let null = rigid_body_modes(model, &inside, &deflections, kinetic)?;
             let block = |matrix: &DMatrix<f64>| matrix.view_range(part.clone(), part.clone()).into_owned();
             let null_in_part = null.rows_range(part.clone()).into_owned();
             let shapes = symmetric_pencil(&block(&stiffness), &block(&mass), &null_in_part)?.vectors;
@@ -103,8 +104,8 @@ impl RealModes {
         elastic_form: impl Fn(&[f64]) -> f64,
     ) -> Self {
         let rayleigh = |shape: &[f64]| elastic_form(shape) / model.kinetic_form(shape);
-        let vectors = separate_equal_modes(model, vectors, known, rayleigh);
-        let frequency = |column: usize| rayleigh(vectors.column(column).as_slice()).max(0.0).sqrt();
+        let (vectors, squares) = separate_equal_modes(model, vectors, known, rayleigh);
+        let frequency = |column: usize| squares[column].max(0.0).sqrt();
         let mut order: Vec<(f64, usize)> = (known..vectors.ncols()).map(|column| (frequency(column), column)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let columns: Vec<usize> = (0..known).chain(order.iter().map(|(_, column)| *column)).collect();
@@ -154,7 +155,7 @@ impl RealModes {
 /// [`DecompositionError`] if a decomposition fails.
 pub fn null_motions(model: &Model, speed: f64) -> Result<DMatrix<f64>, DecompositionError> {
     let kinetic = |motions: &DMatrix<f64>| motions.transpose() * model.mass_times(motions);
-    rigid_body_modes(&rigid_motions(model), &spring_deflections(model, Some(speed)), kinetic)
+    rigid_body_modes(model, &rigid_motions(model), &spring_deflections(model, Some(speed)), kinetic)
 }
 
 /// Product of a sparse matrix and the columns of a dense one.
@@ -167,17 +168,19 @@ pub fn times(matrix: &Sparse, columns: &DMatrix<f64>) -> DMatrix<f64> {
     product
 }
 
-/// Combines modes of equal frequency so that each lies in one plane of one shaft, if possible.
+/// Combines modes of equal frequency so that each lies in one plane of one shaft, if possible. Returns them with ω², which is
+/// one number for modes of equal frequency.
 ///
 /// An eigensolver returns arbitrary combinations, which would couple planes and shafts that are uncoupled. The first
-/// `known` modes stay unchanged; `rayleigh` gives ω².
+/// `known` modes stay unchanged; `rayleigh` gives ω². Modes of equal frequency are in the order of the shafts and planes, so
+/// that round-off does not choose among them.
 fn separate_equal_modes(
     model: &Model,
     mut vectors: DMatrix<f64>,
     known: usize,
     rayleigh: impl Fn(&[f64]) -> f64,
-) -> DMatrix<f64> {
-    let squares: Vec<f64> = vectors.column_iter().map(|column| rayleigh(column.as_slice())).collect();
+) -> (DMatrix<f64>, Vec<f64>) {
+    let mut squares: Vec<f64> = vectors.column_iter().map(|column| rayleigh(column.as_slice())).collect();
     // A matrix with a different weight for each shaft and plane is diagonalized within the modes of equal frequency.
     let mut weights = DVector::zeros(model.len());
     for dof in model.numbering.dofs() {
@@ -196,93 +199,130 @@ fn separate_equal_modes(
             let cluster = vectors.columns(first, count).into_owned();
             let weighted = DMatrix::from_fn(model.len(), count, |row, column| weights[row] * cluster[(row, column)]);
             let form = cluster.transpose() * model.mass_times(&weighted);
-            let rotation = ((&form + form.transpose()) / 2.0).symmetric_eigen().eigenvectors;
+            let found = ((&form + form.transpose()) / 2.0).symmetric_eigen();
+            let mut order: Vec<usize> = (0..count).collect();
+            order.sort_by(|a, b| found.eigenvalues[*a].total_cmp(&found.eigenvalues[*b]));
+            let rotation = found.eigenvectors.select_columns(&order);
             vectors.columns_mut(first, count).copy_from(&(cluster * rotation));
+            let square = squares[first];
+            squares[first..first + count].fill(square);
         }
         first += count;
     }
-    vectors
+    (vectors, squares)
 }
 
-/// Rigid-body modes, one per column and orthonormal in M: the combinations of `rigid` motions (columns) that deflect no
-/// spring. Each row of `deflections` gives the deflection of one spring per coordinate; `kinetic` gives XᵀMX.
+/// A rigid motion of one shaft or housing.
+#[derive(Clone, Debug)]
+pub(in crate::modal) struct RigidMotion {
+    /// Number of the shaft; the coordinates of housings follow the shafts.
+    body: usize,
+    /// Displacements as entries (index, value).
+    pub displacements: Row,
+}
+
+/// Rigid-body modes, one per column and orthonormal in M: the combinations of `rigid` motions that deflect no spring of
+/// `springs`, whose rows give their deflections; `kinetic` gives XᵀMX.
+///
+/// The springs of one shaft leave few motions of it, so that the eigenproblem of all shafts is small.
 pub(in crate::modal) fn rigid_body_modes(
-    rigid: &DMatrix<f64>,
-    deflections: &DMatrix<f64>,
+    model: &Model,
+    rigid: &[RigidMotion],
+    springs: &[Row],
     kinetic: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
 ) -> Result<DMatrix<f64>, DecompositionError> {
-    let mut rigid = rigid.clone();
-    let mut deflections = deflections * &rigid;
+    let mut moving: Vec<Vec<(usize, f64)>> = vec![Vec::new(); model.len()];
+    for (motion, rigid) in rigid.iter().enumerate() {
+        rigid.displacements.iter().for_each(|(index, value)| moving[*index].push((motion, *value)));
+    }
+    let moved = |spring: &Row| {
+        let parts =
+            spring.iter().flat_map(|(index, coefficient)| moving[*index].iter().map(move |part| (part, coefficient)));
+        let mut sum: BTreeMap<usize, f64> = BTreeMap::new();
+        parts.for_each(|((motion, value), coefficient)| *sum.entry(*motion).or_default() += value * coefficient);
+        sum
+    };
+    let deflections: Vec<BTreeMap<usize, f64>> = springs.iter().map(moved).filter(|row| !row.is_empty()).collect();
     // Translations and rotations have different units, so each motion is scaled to a spring deflection of norm one.
-    for (mut motion, mut deflection) in rigid.column_iter_mut().zip(deflections.column_iter_mut()) {
-        let size = deflection.norm();
-        if size > 0.0 {
-            motion /= size;
-            deflection /= size;
+    let mut scales = vec![0.0; rigid.len()];
+    deflections.iter().flatten().for_each(|(motion, value)| scales[*motion] += value * value);
+    scales.iter_mut().for_each(|square| *square = if *square > 0.0 { 1.0 / square.sqrt() } else { 1.0 });
+    let scaled = |row: &BTreeMap<usize, f64>, motions: Range<usize>| {
+        RowDVector::from_iterator(motions.len(), motions.map(|i| row.get(&i).map_or(0.0, |value| value * scales[i])))
+    };
+    let mut combinations: Vec<DVector<f64>> = Vec::new();
+    let mut first = 0;
+    for body in rigid.chunk_by(|a, b| a.body == b.body) {
+        let own = first..first + body.len();
+        first = own.end;
+        let is_own = |row: &&BTreeMap<usize, f64>| row.keys().all(|motion| own.contains(motion));
+        let touching = deflections.iter().filter(|row| row.range(own.clone()).next().is_some());
+        let rows: Vec<_> = touching.filter(is_own).map(|row| scaled(row, own.clone())).collect();
+        for free in without_deflection(&rows, body.len())?.column_iter() {
+            let mut combination = DVector::zeros(rigid.len());
+            combination.rows_mut(own.start, own.len()).copy_from(&free);
+            combinations.push(combination);
         }
     }
-    let none = |size| DMatrix::zeros(size, 0);
-    let size = rigid.ncols();
-    let pencil =
-        symmetric_pencil(&(deflections.transpose() * deflections), &DMatrix::identity(size, size), &none(size))?;
-    let free: Vec<usize> = (0..size).filter(|i| pencil.values[*i] <= ZERO_STIFFNESS).collect();
-    let motions = rigid * pencil.vectors.select_columns(&free);
-    let size = free.len();
-    Ok(&motions * symmetric_pencil(&DMatrix::identity(size, size), &kinetic(&motions), &none(size))?.vectors)
+    let free = DMatrix::from_fn(rigid.len(), combinations.len(), |i, j| combinations[j][i]);
+    let rows: Vec<_> = deflections.iter().map(|row| scaled(row, 0..rigid.len()) * &free).collect();
+    let free = &free * without_deflection(&rows, free.ncols())?;
+    let mut motions = DMatrix::zeros(model.len(), free.ncols());
+    for (column, mut motion) in free.column_iter().zip(motions.column_iter_mut()) {
+        for ((factor, scale), rigid) in column.iter().zip(&scales).zip(rigid) {
+            rigid.displacements.iter().for_each(|(index, value)| motion[*index] += factor * scale * value);
+        }
+    }
+    let size = motions.ncols();
+    Ok(&motions
+        * symmetric_pencil(&DMatrix::identity(size, size), &kinetic(&motions), &DMatrix::zeros(size, 0))?.vectors)
 }
 
-/// Deflection of every bearing direction and of every mesh per coordinate, one spring per row, n columns.
+/// Orthonormal vectors of `size` entries whose products with all `rows` are zero, one per column.
+fn without_deflection(rows: &[RowDVector<f64>], size: usize) -> Result<DMatrix<f64>, DecompositionError> {
+    if rows.is_empty() || size == 0 {
+        return Ok(DMatrix::identity(size, size));
+    }
+    let rows = DMatrix::from_rows(rows);
+    let found = symmetric_eigen(&rows.tr_mul(&rows))?;
+    let free: Vec<usize> = (0..size).filter(|i| found.values[*i] <= ZERO_STIFFNESS).collect();
+    Ok(found.vectors.select_columns(&free))
+}
+
+/// Deflection of every bearing direction and of every mesh, one spring per row.
 ///
 /// `speed` (reference shaft, rad/s) selects the loaded tooth flanks; without it the meshes are left out.
-pub(in crate::modal) fn spring_deflections(model: &Model, speed: Option<f64>) -> DMatrix<f64> {
-    let mut rows = Vec::new();
-    for support in &model.supports {
-        for [along_v, along_w] in support.directions() {
-            let mut row = RowDVector::zeros(model.len());
-            (row[support.index], row[support.index + 1]) = (along_v, along_w);
-            rows.push(row);
-        }
-    }
+pub(in crate::modal) fn spring_deflections(model: &Model, speed: Option<f64>) -> Vec<Row> {
+    let of_support = |support: &Support| {
+        let index = support.index;
+        support.directions().map(move |[along_v, along_w]| vec![(index, along_v), (index + 1, along_w)])
+    };
+    let supports = model.supports.iter().flat_map(of_support);
     let connections = speed.iter().flat_map(|speed| model.connections(*speed)).filter(Connection::is_elastic);
     let connections = connections.flat_map(|connection| connection.rows());
-    for entries in model.links.iter().flat_map(Link::directions).chain(connections) {
-        let mut row = RowDVector::zeros(model.len());
-        entries.iter().for_each(|(column, coefficient)| row[*column] += coefficient);
-        rows.push(row);
-    }
-    if rows.is_empty() { DMatrix::zeros(1, model.len()) } else { DMatrix::from_rows(&rows) }
+    supports.chain(model.links.iter().flat_map(Link::directions)).chain(connections).collect()
 }
 
-/// Rigid motions of every single shaft and of every housing, one per column, n rows.
-pub(in crate::modal) fn rigid_motions(model: &Model) -> DMatrix<f64> {
-    let mut columns = Vec::new();
+/// Rigid motions of every single shaft and of every housing; those of one follow each other.
+pub(in crate::modal) fn rigid_motions(model: &Model) -> Vec<RigidMotion> {
+    let mut motions = Vec::new();
     for (shaft, given) in model.scene.shafts.iter().enumerate() {
         let middle = given.length() / 2.0;
-        let mut push = |entry: &dyn Fn(usize, f64, &mut DVector<f64>)| {
-            let mut column = DVector::zeros(model.len());
-            for (node, x) in given.nodes.iter().enumerate() {
-                entry(node, x - middle, &mut column);
-            }
-            columns.push(column);
-        };
+        let nodes = || given.nodes.iter().map(|x| x - middle).enumerate();
+        let mut push = |displacements: Row| motions.push(RigidMotion { body: shaft, displacements });
         if model.numbering.lateral(shaft).is_some() {
             for lane in 0..2 {
                 let index = |node| model.numbering.translation(Node { shaft, node }).unwrap_or_default() + lane;
-                push(&|node, _, column| column[index(node)] = 1.0);
-                push(&|node, x, column| {
-                    column[index(node)] = x;
-                    column[index(node) + 2] = 1.0;
-                });
+                push(nodes().map(|(node, _)| (index(node), 1.0)).collect());
+                push(nodes().flat_map(|(node, x)| [(index(node), x), (index(node) + 2, 1.0)]).collect());
             }
         }
         for start in model.numbering.torsion(shaft).into_iter().chain(model.numbering.axial(shaft)) {
-            push(&|node, _, column| column[start + node] = 1.0);
+            push(nodes().map(|(node, _)| (start + node, 1.0)).collect());
         }
     }
     for index in model.housings.coordinates() {
-        let mut column = DVector::zeros(model.len());
-        column[index] = 1.0;
-        columns.push(column);
+        motions.push(RigidMotion { body: model.scene.shafts.len() + index, displacements: vec![(index, 1.0)] });
     }
-    DMatrix::from_columns(&columns)
+    motions
 }

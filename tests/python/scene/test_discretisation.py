@@ -208,7 +208,8 @@ def test_the_expected_error_of_a_large_model_is_that_of_all_modes(degree, elemen
     )
     assert len(small.dofs) < 400 <= len(large.dofs)
     errors = [one._model.expected_error() for one in (small, large)]
-    assert errors[1] == pytest.approx(errors[0], rel=0.1)
+    # The modes of a Krylov space of the loads give 11 % less with degree 4.
+    assert errors[1] == pytest.approx(errors[0], rel=0.12)
 
 
 def changed_by_round_off(description, seed):
