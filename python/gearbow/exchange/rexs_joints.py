@@ -4,6 +4,7 @@ A file gives the dimensions of bearings, and a very large stiffness where a prog
 rigid. What gearbow needs then is listed, and given by name.
 """
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -275,7 +276,8 @@ class Joints:
         # A positive angle carries a load of the shaft along +x.
         if component.text("axial_force_absorption") == "negative":
             sense = -sense
-        return {**found, "degrees_of_freedom": 5, "contact_angle": sense * abs(angle)}
+        angle = math.copysign(angle, sense) if angle else 0.0
+        return {**found, "degrees_of_freedom": 5, "contact_angle": angle}
 
     def _values(self, given: object, carries: tuple[str, ...], path: str) -> dict[str, Plain]:
         """Give the parameters that are given for a bearing."""
