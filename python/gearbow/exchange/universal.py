@@ -16,14 +16,18 @@ from numpy.typing import NDArray
 from gearbow._files import parsing, printable, replacing
 from gearbow._types import Array
 from gearbow.errors import SceneError
+from gearbow.units.parse import parsed
 
 __all__ = [
+    "FORCE",
     "DataSet",
+    "FileUnits",
     "Function",
     "Quantity",
     "data_sets",
     "function_lines",
     "line_of",
+    "units_of",
     "whole_line",
     "write",
 ]
@@ -41,6 +45,10 @@ _WIDTHS = {
 }
 #: Ordinate types of data set 58: width of a number, and whether it is complex.
 _ORDINATES = {2: ("f4", False), 4: ("f8", False), 5: ("f4", True), 6: ("f8", True)}
+#: Types of the quantities of data set 58 that have units of their own.
+_ACCELERATION, FORCE = 12, 13
+#: Unit "g" of accelerations, ISO 80000-3 [m/s²].
+_STANDARD_GRAVITY = 9.80665
 #: Most characters of a line.
 _LINE = 80
 
@@ -176,6 +184,49 @@ def data_sets(path: Path) -> Iterator[DataSet]:
             content = data[begin : end.start()]
             yield DataSet(kind, content, f"{where}: data set {kind}", order)
             at = end.end()
+
+
+@dataclass(frozen=True)
+class FileUnits:
+    """Units of a foreign universal file: how many make one of SI (data set 164)."""
+
+    length: float = 1.0
+    force: float = 1.0
+    given: bool = False
+
+    def factor(self, quantity: Quantity, kind: int, where: str, *, turns: bool = False) -> float:
+        """Give what converts a quantity of this kind to SI units; its label counts first."""
+        label = re.sub(r"(?<=[a-z])([23])\b", r"^\1", quantity.unit.strip())
+        if label == "g" and kind == _ACCELERATION:
+            return _STANDARD_GRAVITY
+        # Of a velocity or acceleration, the length in one second.
+        field, seconds = "length", {11: " s", 12: " s^2"}.get(kind, "")
+        if kind == FORCE:
+            field = "torques.value" if turns else "forces.value"
+        elif turns:
+            field = "phase"
+        if label and label != "NONE":
+            try:
+                return parsed(f"1 {label}{seconds}", field)
+            except SceneError:
+                if not self.given:
+                    raise SceneError(
+                        f"{where}: the unit {label!r} is unknown, and the file has no data set 164"
+                    ) from None
+        if kind == FORCE:
+            return 1.0 / (self.force * (self.length if turns else 1.0))
+        return 1.0 if turns else 1.0 / self.length
+
+
+def units_of(sets: Iterable[DataSet]) -> FileUnits:
+    """Read the units of a file, its data set 164."""
+    for one in sets:
+        if one.kind == 164:
+            length, force = one.numbers(one.lines()[1:], (25, 25, 25))[:2]
+            if not (length > 0.0 and force > 0.0):
+                raise SceneError(f"{one.where}: factors of units must be positive")
+            return FileUnits(float(length), float(force), given=True)
+    return FileUnits()
 
 
 def _fields(line: str, name: str) -> list[str]:
