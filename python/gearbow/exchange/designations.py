@@ -8,8 +8,6 @@ from gearbow._types import Plain
 from gearbow.description.rolling import RollingBearing, RollingEstimate
 from gearbow.errors import SceneError
 
-__all__ = ["bearing_of_designation", "bearing_of_dimensions"]
-
 #: Kinds of gearbow by the `bearing_type` of REXS.
 _KINDS = {
     "radial_grooved_ball_bearing": "deep_groove",

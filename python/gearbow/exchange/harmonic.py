@@ -36,16 +36,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = [
-    "Curve",
-    "MeasuredCurve",
-    "read_measured",
-    "to_dataframe",
-    "to_xarray",
-    "write_mat",
-    "write_uff",
-]
-
 #: Directions of a response in UFF 58, and the dimension of a displacement there.
 _UFF_DIRECTIONS = {"x": 1, "y": 2, "z": 3, "twist": 4}
 #: Data types of UFF 58: displacement, velocity, acceleration, and excitation force.
@@ -53,6 +43,7 @@ _UFF_TYPES = {"m": 8, "rad": 8, "N": 13}
 _UFF_QUANTITIES = {8: "displacement", 11: "velocity", 12: "acceleration"}
 _UNITS = {8: "m", 11: "m/s", 12: "m/s^2"}
 _DIRECTIONS = {number: name for name, number in _UFF_DIRECTIONS.items()}
+_TWIST = _UFF_DIRECTIONS["twist"]
 #: What the last line of text of a file of gearbow says.
 _OWN = "gearbow"
 #: Function types of UFF 58.
@@ -144,16 +135,8 @@ def write_mat(
     with extra("matlab"):
         from scipy.io import savemat  # noqa: PLC0415
 
-    listed = [
-        {
-            "place": curve.place,
-            "kind": curve.kind,
-            "direction": curve.direction,
-            "unit": curve.unit,
-            "values": curve.values,
-        }
-        for curve in curves
-    ]
+    names = ("place", "kind", "direction", "unit", "values")
+    listed = [{name: getattr(curve, name) for name in names} for curve in curves]
     content = {
         "frequencies": frequencies,
         "speeds": speeds,
@@ -404,17 +387,8 @@ def _own_curve(
             f"{where}: has the source {number + 1}, {label!r}; those of the response are "
             f"{', '.join(sources)}"
         )
-    axis = function.response[1]
-    amplitude = reference_of(plain[number]).amplitude
-    return MeasuredCurve(
-        _place(function.names[2].removeprefix("place ")),
-        _DIRECTIONS[abs(axis)],
-        _UFF_QUANTITIES[function.quantities[1].kind],
-        2.0 * np.pi * function.abscissa,
-        # A sensor along −y measures the opposite.
-        function.values * (amplitude if axis > 0 else -amplitude),
-        number,
-    )
+    at = _place(function.names[2].removeprefix("place "))
+    return _curve(function, where, at, reference_of(plain[number]).amplitude, number)
 
 
 def _foreign_curve(
@@ -431,30 +405,33 @@ def _foreign_curve(
         return places[node]
 
     (node, axis), (reference, toward) = function.response, function.reference
-    kind, direction = function.quantities[1].kind, _DIRECTIONS[abs(axis)]
-    factor = units.factor(function.quantities[1], kind, where, turns=direction == "twist")
+    _, quantity, denominator = function.quantities
+    factor = units.factor(quantity, quantity.kind, where, turns=abs(axis) == _TWIST)
     source: int | Force | Torque = 0
-    denominator = function.quantities[2]
     if toward and denominator.kind in (0, 1, 9, FORCE):
         at, sign = placed(reference, "reference"), float(np.sign(toward))
-        if abs(toward) > 4:
+        if abs(toward) > _TWIST:
             raise SceneError(f"{where}: gearbow has no source in the direction {toward}")
-        if abs(toward) == 4:
+        if abs(toward) == _TWIST:
             source = Torque(at, sign)
         else:
             along = {1: 0.0, 2: 1.0, 3: 1j}[abs(toward)]
             source = Force(at, sign * along, axial=sign * (abs(toward) == 1))
-        factor /= units.factor(denominator, FORCE, where, turns=abs(toward) == 4)
+        factor /= units.factor(denominator, FORCE, where, turns=abs(toward) == _TWIST)
+    return _curve(function, where, placed(node, "response"), factor, source)
+
+
+def _curve(
+    function: Function, where: str, at: At, factor: complex, source: int | Force | Torque
+) -> MeasuredCurve:
+    """Give the curve of a function that becomes the response of a place by a factor."""
     abscissa = {"": 2.0 * np.pi, "NONE": 2.0 * np.pi, "HZ": 2.0 * np.pi, "RAD/S": 1.0}.get(
         function.quantities[0].unit.upper()
     )
     if abscissa is None:
         raise SceneError(f"{where}: the frequency must be in Hz, has {function.quantities[0]}")
-    return MeasuredCurve(
-        placed(node, "response"),
-        direction,
-        _UFF_QUANTITIES[kind],
-        abscissa * function.abscissa,
-        np.sign(axis) * factor * function.values.astype(np.complex128),
-        source,
-    )
+    axis = function.response[1]
+    # A sensor along −y measures the opposite.
+    values = np.sign(axis) * factor * function.values.astype(np.complex128)
+    direction, quantity = _DIRECTIONS[abs(axis)], _UFF_QUANTITIES[function.quantities[1].kind]
+    return MeasuredCurve(at, direction, quantity, abscissa * function.abscissa, values, source)

@@ -18,20 +18,6 @@ from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.units.parse import parsed
 
-__all__ = [
-    "FORCE",
-    "DataSet",
-    "FileUnits",
-    "Function",
-    "Quantity",
-    "data_sets",
-    "function_lines",
-    "line_of",
-    "units_of",
-    "whole_line",
-    "write",
-]
-
 #: The line before and after each data set.
 _MARK = re.compile(rb"^ {4}-1[ \t]*\r?$", re.MULTILINE)
 #: The same behind binary data, where a line need not begin.
@@ -71,7 +57,8 @@ class Function:
     reference: tuple[int, int]
     abscissa: Array
     values: NDArray[Any]
-    quantities: tuple[Quantity, Quantity, Quantity]
+    #: Of the abscissa, the values and what they are divided by.
+    quantities: Sequence[Quantity]
     entities: tuple[str, str] = ("NONE", "NONE")
 
 
@@ -99,7 +86,9 @@ class DataSet:
                 if cell:
                     found.append(float(cell.upper().replace("D", "E")))
                 at += width
-        values = np.array(found)
+        return self._finite(np.array(found))
+
+    def _finite(self, values: Array) -> Array:
         if not np.isfinite(values).all():
             raise SceneError(f"{self.where}: has numbers that are not finite")
         return values
@@ -122,9 +111,7 @@ class DataSet:
             data = head[_HEADER]
             found = np.frombuffer(data[: len(data) // dtype.itemsize * dtype.itemsize], dtype)
             # Behind the numbers may be the end of a line.
-            values: Array = found[:wanted].astype(np.float64)
-            if not np.isfinite(values).all():
-                raise SceneError(f"{self.where}: has numbers that are not finite")
+            values = self._finite(found[:wanted].astype(np.float64))
         else:
             if number == "f4":
                 widths: tuple[int, ...] = (13,) * 6
@@ -142,19 +129,17 @@ class DataSet:
             abscissa: Array = begin + step * np.arange(count, dtype=np.float64)
         else:
             abscissa, table = table[:, 0], table[:, 1:]
-        quantities = [_fields(line, "quantity") for line in lines[7:10]]
+        names = [line.strip() for line in lines[:5]]
+        node, axis, reference, toward = (int(dof[i] or "0") for i in (5, 6, 8, 9))
+        axes = [_fields(line, "quantity") for line in lines[7:10]]
         return Function(
             int(dof[0]),
-            [line.strip() for line in lines[:5]],
-            (int(dof[5] or "0"), int(dof[6] or "0")),
-            (int(dof[8] or "0"), int(dof[9] or "0")),
+            names,
+            (node, axis),
+            (reference, toward),
             abscissa,
             table[:, 0] + 1j * table[:, 1] if is_complex else table[:, 0],
-            (
-                Quantity(int(quantities[0][0] or "0"), quantities[0][5]),
-                Quantity(int(quantities[1][0] or "0"), quantities[1][5]),
-                Quantity(int(quantities[2][0] or "0"), quantities[2][5]),
-            ),
+            [Quantity(int(cells[0] or "0"), cells[5]) for cells in axes],
         )
 
 

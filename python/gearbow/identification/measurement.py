@@ -30,8 +30,6 @@ from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Measurement"]
-
 #: What the columns of a probe contain, and the fields that give their units.
 _QUANTITIES = {
     "amplitude": VIBRATION,
@@ -332,8 +330,10 @@ class Measurement(Result, ReadOnly):
             the direction of the node; a direction below zero reverses the signal. The pulses of a
             `Tacho` are where its signal rises through the middle of its range. Other nodes are left
             out.
-        revolutions, trial_weights
-            As for `from_signals`.
+        revolutions : int
+            Revolutions of the first shaft in a window.
+        trial_weights : mapping, optional
+            As for `Measurement`.
 
         Returns
         -------

@@ -17,8 +17,6 @@ from gearbow.exchange.universal import DataSet, data_sets, units_of
 from gearbow.sensors.probe import Probe
 from gearbow.sensors.tacho import Tacho
 
-__all__ = ["read_signals", "windows"]
-
 #: Types of data set 58: a function of time, and a displacement.
 _OVER_TIME, _DISPLACEMENT = 1, 8
 #: Angle of a probe by the direction of its node.

@@ -130,7 +130,7 @@ def write_one(name: str, path: Path) -> None:
 
 
 FAILING = """
-import os, pathlib, resource, signal, sys
+import errno, os, pathlib, resource, signal, sys
 from test_writers import WRITERS, write_one
 
 def content():
@@ -152,6 +152,19 @@ for name in WRITERS[sys.argv[1]]:
             raise SystemExit(f"{limit} bytes were enough for {name}")
         resource.setrlimit(resource.RLIMIT_FSIZE, (hard, hard))
         assert content() == before and not list(folder.glob(".*.part")), name
+    # A disk that is full when the data of the temporary file go to it.
+    def full(number):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    os.fsync, sync = full, os.fsync
+    try:
+        write_one(name, path)
+    except OSError as error:
+        assert error.errno == errno.ENOSPC and "is unchanged" in str(error), error
+    else:
+        raise SystemExit(f"{name} is not written to the disk")
+    os.fsync = sync
+    assert content() == before and not list(folder.glob(".*.part")), name
     # A kill while the data of the temporary file go to the disk.
     child = os.fork()
     if not child:
