@@ -33,8 +33,8 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--out",
-        help="write the scene to this file .toml, in UTF-8 on all systems, or .rexs, with a warning "
-        "about what REXS cannot hold",
+        help="write the scene to this file .toml, in UTF-8 on all systems, or to a file .rexs, "
+        "with a warning about what REXS cannot hold",
     )
 
 
