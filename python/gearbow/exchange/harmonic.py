@@ -27,6 +27,7 @@ from gearbow.exchange.universal import (
     data_sets,
     function_lines,
     line_of,
+    origin_of,
     units_of,
     whole_line,
     write,
@@ -346,7 +347,7 @@ def _read_uff(
     """Read the frequency response functions of a universal file."""
     sets = list(data_sets(path))
     with parsing(path, "a universal file"):
-        units = units_of(sets)
+        units, origin = units_of(sets), origin_of(sets)
         curves, left = [], []
         for one in sets:
             if one.kind != 58:
@@ -361,7 +362,7 @@ def _read_uff(
             elif own:
                 curves.append(_own_curve(function, one.where, sources, plain))
             else:
-                curves.append(_foreign_curve(function, one.where, places, units))
+                curves.append(_foreign_curve(function, f"{one.where}{origin}", places, units))
     if not curves:
         what = f"; it has {'; '.join(left)}" if left else ""
         raise SceneError(

@@ -1,4 +1,4 @@
-"""Universal files (UFF) as plain data: data sets 55, 58, 164 and 2411.
+"""Universal files (UFF) as plain data: data sets 55, 58, 151, 164 and 2411.
 
 A universal file consists of data sets of lines with fields of fixed widths. Fields of 13 characters
 take as many digits as they hold, which every reader of such fields accepts.
@@ -212,6 +212,15 @@ def units_of(sets: Iterable[DataSet]) -> FileUnits:
                 raise SceneError(f"{one.where}: factors of units must be positive")
             return FileUnits(float(length), float(force), given=True)
     return FileUnits()
+
+
+def origin_of(sets: Iterable[DataSet]) -> str:
+    """Name model, description and program of a file for messages, by its data set 151."""
+    for one in sets:
+        if one.kind == 151:
+            names = [line.strip() for line in one.lines()[:3]]
+            return f" ({', '.join(name for name in names if name not in ('', 'NONE'))})"
+    return ""
 
 
 def _fields(line: str, name: str) -> list[str]:

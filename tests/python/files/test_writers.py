@@ -321,6 +321,9 @@ def test_a_roving_hammer_is_compared_with_each_of_its_hits(tmp_path: Path):
         np.testing.assert_allclose(measured.values, computed, rtol=1e-7)
     with pytest.raises(gb.SceneError, match="needs the place of the reference node 2"):
         response().compare(path, places={1: PLACES[1]})
+    foreign(path, hits, more=((151, ["rig 7", "NONE", "Test.Lab", "", "", "", ""]),))
+    with pytest.raises(gb.SceneError, match=r"data set 58 \(rig 7, Test\.Lab\)"):
+        response().compare(path, places={1: PLACES[1]})
     # Units of the labels, and of data set 164 where there is none: mm, and kN.
     scaled = [(hit, values / 9.80665) for hit, values in hits]
     foreign(path, scaled, ("g", "N"))
