@@ -90,11 +90,15 @@ def units() -> dict[str, object]:
         name: unit(0, factor, pi, dimension)
         for name, (factor, pi, dimension) in parse.OTHERS.items()
     }
+    frequencies = {
+        name: unit(0, factor, pi, (0, 0, -1)) for name, (factor, pi) in parse.FREQUENCIES.items()
+    }
     return {
         "fields": fields.FIELDS,
         "prefixes": parse.PREFIXES,
         "with_prefix": with_prefix,
         "others": others,
+        "frequencies": frequencies,
         "signs": parse.SIGNS,
     }
 

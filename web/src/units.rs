@@ -36,6 +36,8 @@ pub struct Units {
     prefixes: HashMap<String, i32>,
     with_prefix: HashMap<String, Unit>,
     others: HashMap<String, Unit>,
+    /// Units of a frequency, which are ambiguous for a speed.
+    frequencies: HashMap<String, Unit>,
     signs: HashMap<char, String>,
 }
 
@@ -101,7 +103,8 @@ impl Units {
         if unit.trim().is_empty() {
             return fail(format!("the text has no unit; write the number without quotes [{wanted}]"));
         }
-        let (Some(found), Some(expected)) = (self.product(unit), self.product(wanted)) else {
+        let is_frequency = path.last().is_some_and(|name| name == "frequency" || name == "frequencies");
+        let (Some(found), Some(expected)) = (self.product(unit, is_frequency), self.product(wanted, false)) else {
             return fail("the unit is not known".to_owned());
         };
         if found.dimension != expected.dimension {
@@ -116,9 +119,9 @@ impl Units {
         decimal.map(|value| value * found.factor * PI.powi(found.pi)).or_else(|error| fail(error.to_string()))
     }
 
-    /// Reads a product of units, such as "kg mm^2" or "N/um".
-    fn product(&self, text: &str) -> Option<Unit> {
-        let mut text = text.replace("**", "^");
+    /// Reads a product of units, such as "kg mm^2", "N/um" or "N-s/m".
+    fn product(&self, text: &str, is_frequency: bool) -> Option<Unit> {
+        let mut text = with_hyphens_as_products(text).replace("**", "^");
         for (sign, replacement) in &self.signs {
             text = text.replace(*sign, replacement);
         }
@@ -135,7 +138,7 @@ impl Units {
             let power: i32 = power.trim_matches(['(', ')']).parse().ok()?;
             let power = if divides { -power } else { power };
             divides = false;
-            let one = self.single(name)?;
+            let one = self.single(name, is_frequency)?;
             found.ten += power * one.ten;
             found.factor *= one.factor.powi(power);
             found.pi += power * one.pi;
@@ -147,7 +150,10 @@ impl Units {
     }
 
     /// Finds one unit, with or without a prefix.
-    fn single(&self, name: &str) -> Option<Unit> {
+    fn single(&self, name: &str, is_frequency: bool) -> Option<Unit> {
+        if let Some(unit) = self.frequencies.get(name).filter(|_| is_frequency) {
+            return Some(*unit);
+        }
         let with_prefix = || {
             self.with_prefix.iter().find_map(|(unit, one)| {
                 let prefix = self.prefixes.get(name.strip_suffix(unit.as_str())?)?;
@@ -155,5 +161,47 @@ impl Units {
             })
         };
         self.others.get(name).copied().or_else(with_prefix)
+    }
+}
+
+/// Writes a space for each hyphen between two letters, which stands for a product of units.
+fn with_hyphens_as_products(text: &str) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    let is_letter = |at: usize| letters.get(at).is_some_and(char::is_ascii_alphabetic);
+    let sign = |(at, letter): (usize, &char)| match letter {
+        '-' if at > 0 && is_letter(at - 1) && is_letter(at + 1) => ' ',
+        other => *other,
+    };
+    letters.iter().enumerate().map(sign).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Units, with_hyphens_as_products};
+
+    fn unit(factor: f64, pi: i32, dimension: [i32; 3]) -> serde_json::Value {
+        serde_json::json!({"ten": 0, "factor": factor, "pi": pi, "dimension": dimension})
+    }
+
+    #[test]
+    fn hyphens_and_frequencies_are_those_of_the_package() {
+        let table = serde_json::json!({
+            "fields": {"damping": "N s/m", "frequency": "rad/s", "speed": "rad/s"},
+            "prefixes": {"": 0, "k": 3},
+            "with_prefix": {
+                "N": unit(1.0, 0, [1, 1, -2]), "m": unit(1.0, 0, [1, 0, 0]), "s": unit(1.0, 0, [0, 0, 1]),
+                "rad": unit(1.0, 0, [0, 0, 0]),
+            },
+            "others": {},
+            "frequencies": {"Hz": unit(2.0, 1, [0, 0, -1])},
+            "signs": {},
+        });
+        let units: Units = serde_json::from_value(table).unwrap();
+        let parsed = |text: &str, field: &str, wanted: &str| units.parsed(text, wanted, &[field.to_owned()]);
+        assert_eq!(parsed("2 kN-s/m", "damping", "N s/m"), Ok(2000.0));
+        assert_eq!(parsed("2 N s m^-1", "damping", "N s/m"), Ok(2.0));
+        assert_eq!(parsed("3 Hz", "frequency", "rad/s"), Ok(6.0 * std::f64::consts::PI));
+        assert!(parsed("3 Hz", "speed", "rad/s").is_err());
+        assert_eq!(with_hyphens_as_products("lbf-s/in m^-1 -"), "lbf s/in m^-1 -");
     }
 }

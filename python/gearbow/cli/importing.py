@@ -31,7 +31,11 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--list", action="store_true", help="print load cases, missing values and notes instead"
     )
-    parser.add_argument("--out", help="write the scene to this file .toml, in UTF-8 on all systems")
+    parser.add_argument(
+        "--out",
+        help="write the scene to this file .toml, in UTF-8 on all systems, or to a file .rexs, "
+        "with a warning about what REXS cannot hold",
+    )
 
 
 def import_(given: argparse.Namespace) -> Answer:
@@ -58,9 +62,12 @@ def import_(given: argparse.Namespace) -> Answer:
     data |= {"scene": system.description}
     if given.out is None:
         return Answer(text, data)
-    path, _ = check_name(given.out, [".toml"], "--out")
-    with replacing(path) as file:
-        file.write(text.encode())
+    path, ending = check_name(given.out, [".toml", ".rexs"], "--out")
+    if ending == ".rexs":
+        system.save(path)
+    else:
+        with replacing(path) as file:
+            file.write(text.encode())
     return Answer(f"wrote {path}; next: gearbow check {path}", data)
 
 

@@ -1,8 +1,11 @@
 """What a system assumes where its description says nothing: defaults of physical models."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from gearbow.description.gears import Gear, Mesh
+from gearbow.description.places import place_label
+from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import STEEL, Shaft, segments_of
 from gearbow.description.stiffness import Stiffness
 
@@ -24,7 +27,7 @@ def _uses_steel(shaft: Shaft) -> bool:
 
 
 def assumptions(
-    shafts: Sequence[Shaft], gears: Sequence[Gear], meshes: Sequence[Mesh]
+    shafts: Sequence[Shaft], gears: Sequence[Gear], meshes: Sequence[Mesh], bearings: Sequence[Any]
 ) -> list[str]:
     """List the defaults of physical models that these parts use, with the parts that use them."""
     steel = [shaft.name for shaft in shafts if _uses_steel(shaft)]
@@ -48,6 +51,15 @@ def assumptions(
         ("gears", "tip radius of full-depth teeth", tips, len(gears)),
         ("gears", "mass and inertia of solid steel disks", disks, len(gears)),
     ]
+    estimated = {
+        place_label((each.shaft, each.position)): estimate.stiffness_uncertainty
+        for each in bearings
+        if isinstance(each, RollingBearing) and (estimate := each.estimate) is not None
+    }
+    if estimated:
+        error = f"{max(estimated.values()):.0%}"
+        text = f"number and size of rolling elements by estimates, stiffness within {error}"
+        found.append(("bearings", text, list(estimated), len(bearings)))
     for text, used in chosen.items():
         own = [name for name, is_used in zip(names, used, strict=True) if is_used]
         found.append(("meshes", text, own, len(meshes)))

@@ -1,6 +1,7 @@
 """Motion within a shaft element, between its two nodes."""
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -57,6 +58,7 @@ def _product(function: "np.polynomial.Legendre", xi: Array, values: Any) -> Any:
     return product
 
 
+@cache
 def _integrated(n: int) -> "np.polynomial.Legendre":
     """Give the integrated Legendre polynomial ψ_n = (P_n − P_{n−2})/√(4n − 2)."""
     basis = np.polynomial.Legendre.basis

@@ -8,8 +8,6 @@ from gearbow._types import Plain
 from gearbow.description.rolling import RollingBearing, RollingEstimate
 from gearbow.errors import SceneError
 
-__all__ = ["bearing_of_designation", "bearing_of_dimensions"]
-
 #: Kinds of gearbow by the `bearing_type` of REXS.
 _KINDS = {
     "radial_grooved_ball_bearing": "deep_groove",
@@ -19,6 +17,8 @@ _KINDS = {
 }
 #: The dimension series of ISO 15 by the series of a designation of gearbow that has it.
 _DIMENSIONS = {"0": "60", "10": "60", "2": "62", "3": "63"}
+#: Kinds of ball bearings by the first digit of the designation.
+_BALL_KINDS = {"6": "deep_groove", "7": "angular_contact"}
 _BALLS = re.compile(r"(?<![0-9A-Z])(?P<kind>[67])(?P<series>[023])(?P<code>\d\d)(?!\d)")
 _ROLLERS = re.compile(r"(?<![A-Z])(?P<kind>NUP|NU|NJ|NF|N)(?P<series>10|2|3)(?P<code>\d\d)(?!\d)")
 _TAPERED = re.compile(r"(?<![0-9A-Z])32(0\d\d)X?(?!\d)")
@@ -57,10 +57,10 @@ def bearing_of_designation(texts: Iterable[str]) -> dict[str, Plain]:
     """Give fields of a `RollingBearing` by the first designation in texts; empty without one."""
     for text in texts:
         for pattern, make in (
-            (_ROLLERS, _cylindrical),
+            (_ROLLERS, _of_series),
             (_TAPERED_330, _tapered_330),
             (_TAPERED, _tapered),
-            (_BALLS, _balls),
+            (_BALLS, _of_series),
             (_NEEDLES, _needles),
         ):
             for found in pattern.finditer(text.upper()):
@@ -69,12 +69,13 @@ def bearing_of_designation(texts: Iterable[str]) -> dict[str, Plain]:
     return {}
 
 
-def _of_series(kind: str, series: str, code: str) -> dict[str, Plain]:
+def _of_series(found: re.Match[str]) -> dict[str, Plain]:
     """Give a bearing with the dimensions of a ball bearing that gearbow knows."""
-    known = _estimate(f"{_DIMENSIONS[series]}{code}")
-    return (
-        {} if known is None else {"kind": kind, "boundary": [known.bore, known.outer, known.width]}
-    )
+    known = _estimate(f"{_DIMENSIONS[found['series']]}{found['code']}")
+    if known is None:
+        return {}
+    kind = _BALL_KINDS.get(found["kind"], "cylindrical_roller")
+    return {"kind": kind, "boundary": [known.bore, known.outer, known.width]}
 
 
 def _estimate(designation: str) -> RollingEstimate | None:
@@ -88,15 +89,6 @@ def _estimate(designation: str) -> RollingEstimate | None:
 def _tapered(found: re.Match[str]) -> dict[str, Plain]:
     designation = f"32{found[1]}"
     return {} if _estimate(designation) is None else {"designation": designation}
-
-
-def _cylindrical(found: re.Match[str]) -> dict[str, Plain]:
-    return _of_series("cylindrical_roller", found["series"], found["code"])
-
-
-def _balls(found: re.Match[str]) -> dict[str, Plain]:
-    kind = "deep_groove" if found["kind"] == "6" else "angular_contact"
-    return _of_series(kind, found["series"], found["code"])
 
 
 def _tapered_330(found: re.Match[str]) -> dict[str, Plain]:

@@ -20,29 +20,22 @@ from gearbow.description.loads import Torque
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.exchange.tables import NamedColumns, read_table
 from gearbow.exchange.universal import (
+    FORCE,
+    FileUnits,
     Function,
     Quantity,
     data_sets,
     function_lines,
     line_of,
+    origin_of,
+    units_of,
     whole_line,
     write,
 )
-from gearbow.units.parse import parsed
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-__all__ = [
-    "Curve",
-    "MeasuredCurve",
-    "read_measured",
-    "to_dataframe",
-    "to_xarray",
-    "write_mat",
-    "write_uff",
-]
 
 #: Directions of a response in UFF 58, and the dimension of a displacement there.
 _UFF_DIRECTIONS = {"x": 1, "y": 2, "z": 3, "twist": 4}
@@ -51,9 +44,7 @@ _UFF_TYPES = {"m": 8, "rad": 8, "N": 13}
 _UFF_QUANTITIES = {8: "displacement", 11: "velocity", 12: "acceleration"}
 _UNITS = {8: "m", 11: "m/s", 12: "m/s^2"}
 _DIRECTIONS = {number: name for name, number in _UFF_DIRECTIONS.items()}
-_ACCELERATION, _FORCE = 12, 13
-#: Unit "g" of accelerations, ISO 80000-3 [m/s²].
-_STANDARD_GRAVITY = 9.80665
+_TWIST = _UFF_DIRECTIONS["twist"]
 #: What the last line of text of a file of gearbow says.
 _OWN = "gearbow"
 #: Function types of UFF 58.
@@ -145,16 +136,8 @@ def write_mat(
     with extra("matlab"):
         from scipy.io import savemat  # noqa: PLC0415
 
-    listed = [
-        {
-            "place": curve.place,
-            "kind": curve.kind,
-            "direction": curve.direction,
-            "unit": curve.unit,
-            "values": curve.values,
-        }
-        for curve in curves
-    ]
+    names = ("place", "kind", "direction", "unit", "values")
+    listed = [{name: getattr(curve, name) for name in names} for curve in curves]
     content = {
         "frequencies": frequencies,
         "speeds": speeds,
@@ -355,38 +338,6 @@ def _place(text: str) -> At:
         return text
 
 
-@dataclass(frozen=True)
-class _FileUnits:
-    """Units of a foreign universal file: how many make one of SI (data set 164)."""
-
-    length: float = 1.0
-    force: float = 1.0
-    given: bool = False
-
-    def factor(self, quantity: Quantity, kind: int, where: str, *, turns: bool = False) -> float:
-        """Give what converts a quantity of this kind to SI units; its label counts first."""
-        label = re.sub(r"(?<=[a-z])([23])\b", r"^\1", quantity.unit.strip())
-        if label == "g" and kind == _ACCELERATION:
-            return _STANDARD_GRAVITY
-        # Of a velocity or acceleration, the length in one second.
-        field, seconds = "length", {11: " s", 12: " s^2"}.get(kind, "")
-        if kind == _FORCE:
-            field = "torques.value" if turns else "forces.value"
-        elif turns:
-            field = "phase"
-        if label and label != "NONE":
-            try:
-                return parsed(f"1 {label}{seconds}", field)
-            except SceneError:
-                if not self.given:
-                    raise SceneError(
-                        f"{where}: the unit {label!r} is unknown, and the file has no data set 164"
-                    ) from None
-        if kind == _FORCE:
-            return 1.0 / (self.force * (self.length if turns else 1.0))
-        return 1.0 if turns else 1.0 / self.length
-
-
 def _read_uff(
     path: Path,
     places: Mapping[int, At],
@@ -396,13 +347,7 @@ def _read_uff(
     """Read the frequency response functions of a universal file."""
     sets = list(data_sets(path))
     with parsing(path, "a universal file"):
-        units = _FileUnits()
-        for one in sets:
-            if one.kind == 164:
-                length, force = one.numbers(one.lines()[1:], (25, 25, 25))[:2]
-                if not (length > 0.0 and force > 0.0):
-                    raise SceneError(f"{one.where}: factors of units must be positive")
-                units = _FileUnits(float(length), float(force), given=True)
+        units, origin = units_of(sets), origin_of(sets)
         curves, left = [], []
         for one in sets:
             if one.kind != 58:
@@ -417,7 +362,7 @@ def _read_uff(
             elif own:
                 curves.append(_own_curve(function, one.where, sources, plain))
             else:
-                curves.append(_foreign_curve(function, one.where, places, units))
+                curves.append(_foreign_curve(function, f"{one.where}{origin}", places, units))
     if not curves:
         what = f"; it has {'; '.join(left)}" if left else ""
         raise SceneError(
@@ -443,21 +388,12 @@ def _own_curve(
             f"{where}: has the source {number + 1}, {label!r}; those of the response are "
             f"{', '.join(sources)}"
         )
-    axis = function.response[1]
-    amplitude = reference_of(plain[number]).amplitude
-    return MeasuredCurve(
-        _place(function.names[2].removeprefix("place ")),
-        _DIRECTIONS[abs(axis)],
-        _UFF_QUANTITIES[function.quantities[1].kind],
-        2.0 * np.pi * function.abscissa,
-        # A sensor along −y measures the opposite.
-        function.values * (amplitude if axis > 0 else -amplitude),
-        number,
-    )
+    at = _place(function.names[2].removeprefix("place "))
+    return _curve(function, where, at, reference_of(plain[number]).amplitude, number)
 
 
 def _foreign_curve(
-    function: Function, where: str, places: Mapping[int, At], units: _FileUnits
+    function: Function, where: str, places: Mapping[int, At], units: FileUnits
 ) -> MeasuredCurve:
     """Give a curve of another program, with the force at its reference as source."""
 
@@ -470,30 +406,33 @@ def _foreign_curve(
         return places[node]
 
     (node, axis), (reference, toward) = function.response, function.reference
-    kind, direction = function.quantities[1].kind, _DIRECTIONS[abs(axis)]
-    factor = units.factor(function.quantities[1], kind, where, turns=direction == "twist")
+    _, quantity, denominator = function.quantities
+    factor = units.factor(quantity, quantity.kind, where, turns=abs(axis) == _TWIST)
     source: int | Force | Torque = 0
-    denominator = function.quantities[2]
-    if toward and denominator.kind in (0, 1, 9, _FORCE):
+    if toward and denominator.kind in (0, 1, 9, FORCE):
         at, sign = placed(reference, "reference"), float(np.sign(toward))
-        if abs(toward) > 4:
+        if abs(toward) > _TWIST:
             raise SceneError(f"{where}: gearbow has no source in the direction {toward}")
-        if abs(toward) == 4:
+        if abs(toward) == _TWIST:
             source = Torque(at, sign)
         else:
             along = {1: 0.0, 2: 1.0, 3: 1j}[abs(toward)]
             source = Force(at, sign * along, axial=sign * (abs(toward) == 1))
-        factor /= units.factor(denominator, _FORCE, where, turns=abs(toward) == 4)
+        factor /= units.factor(denominator, FORCE, where, turns=abs(toward) == _TWIST)
+    return _curve(function, where, placed(node, "response"), factor, source)
+
+
+def _curve(
+    function: Function, where: str, at: At, factor: complex, source: int | Force | Torque
+) -> MeasuredCurve:
+    """Give the curve of a function that becomes the response of a place by a factor."""
     abscissa = {"": 2.0 * np.pi, "NONE": 2.0 * np.pi, "HZ": 2.0 * np.pi, "RAD/S": 1.0}.get(
         function.quantities[0].unit.upper()
     )
     if abscissa is None:
         raise SceneError(f"{where}: the frequency must be in Hz, has {function.quantities[0]}")
-    return MeasuredCurve(
-        placed(node, "response"),
-        direction,
-        _UFF_QUANTITIES[kind],
-        abscissa * function.abscissa,
-        np.sign(axis) * factor * function.values.astype(np.complex128),
-        source,
-    )
+    axis = function.response[1]
+    # A sensor along −y measures the opposite.
+    values = np.sign(axis) * factor * function.values.astype(np.complex128)
+    direction, quantity = _DIRECTIONS[abs(axis)], _UFF_QUANTITIES[function.quantities[1].kind]
+    return MeasuredCurve(at, direction, quantity, abscissa * function.abscissa, values, source)

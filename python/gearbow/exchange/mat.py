@@ -15,8 +15,6 @@ from gearbow._files import parsing
 from gearbow._types import Array
 from gearbow.errors import SceneError
 
-__all__ = ["read_vectors"]
-
 #: Largest content of a compressed array [bytes].
 _MAX_SIZE = 100_000_000
 #: Types of data elements, and the two that contain other elements.

@@ -13,8 +13,6 @@ from gearbow._types import Array, At, ComplexArray
 from gearbow.errors import SceneError
 from gearbow.exchange.universal import DataSet, data_sets, line_of, write
 
-__all__ = ["MeasuredShapes", "read_uff", "write_uff"]
-
 #: Analysis types of data set 55: normal modes, and complex modes of displacements and velocities.
 _NORMAL, _COMPLEX, _VELOCITY = 2, 3, 7
 #: What id5 says of a file of gearbow, whose nodes are those of the system in their order.

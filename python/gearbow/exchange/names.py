@@ -3,8 +3,6 @@
 import re
 from collections.abc import Container
 
-__all__ = ["cleaned", "unique"]
-
 
 def cleaned(name: str) -> str:
     """Replace what names of gearbow do not contain: "/" and ":"."""

@@ -19,8 +19,6 @@ from gearbow.exchange.rexs_file import Component, RexsFile, read_rexs_file
 from gearbow.exchange.rexs_joints import Joints, MissingValue, check_given
 from gearbow.exchange.rexs_shafts import PlacedShaft, Shafts, segment
 
-__all__ = ["LoadCase", "RexsContents", "read_rexs", "read_system", "rexs_contents"]
-
 #: Components that gearbow cannot represent, and why. The first that a file has is reported.
 _REFUSED = {
     "ring_gear": "it has internal teeth",

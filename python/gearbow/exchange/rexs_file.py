@@ -27,8 +27,6 @@ from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.units.parse import parsed
 
-__all__ = ["ENDINGS", "Attribute", "Component", "Relation", "RexsFile", "read_rexs_file"]
-
 #: Endings of the three formats; the last one is another name of the third.
 ENDINGS = (".rexs", ".rexsj", ".rexsz", ".zip")
 #: Folder that macOS adds to an archive, with a file of metadata for each file.

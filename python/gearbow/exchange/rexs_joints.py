@@ -4,6 +4,7 @@ A file gives the dimensions of bearings, and a very large stiffness where a prog
 rigid. What gearbow needs then is listed, and given by name.
 """
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,8 +22,6 @@ from gearbow.exchange.designations import bearing_of_designation, bearing_of_dim
 from gearbow.exchange.rexs_file import Component, RexsFile
 from gearbow.exchange.rexs_shafts import PlacedShaft, Shafts
 
-__all__ = ["OTHER", "Joints", "MissingValue", "check_given"]
-
 #: The entry of `bearings` for all bearings without an entry of their own.
 OTHER = "other"
 #: The value of `bearings` for rolling bearings of estimated elements, which is the default.
@@ -37,7 +36,7 @@ _WITH_EVERY_LAW = ("axial_stiffness", "tilting_stiffness")
 #: Names of the radial clearance, the preferred first: the second is that of REXS 1.0.
 _CLEARANCES = ("operating_radial_bearing_clearance", "radial_backlash", "radial_bearing_clearance")
 #: Names of the entries of the stiffness at the operating point, which calculations write.
-_OPERATING = "operating_point_stiffness_f_{}_d_{}"
+OPERATING = "operating_point_stiffness_f_{}_d_{}"
 _COUPLINGS = ("coupling", "switchable_coupling", "fixed_coupling")
 
 
@@ -48,16 +47,17 @@ class _Stiffness:
     file: str
     bearing: str
     coupling: str
+    unit: str
     #: [N/m or N m/rad]. Programs write 1e12 to 1e23; large bearings have about 1e10 and 1e8. This
     #: is the stiffness of a rigid coupling.
     rigid: float
 
 
-_STIFFNESSES = (
-    _Stiffness("radial_stiffness", "stiffness", "lateral_stiffness", 1e12),
-    _Stiffness("axial_stiffness", "axial_stiffness", "axial_stiffness", 1e12),
-    _Stiffness("bending_stiffness", "tilting_stiffness", "tilting_stiffness", 1e10),
-    _Stiffness("rotational_stiffness", "", "torsional_stiffness", 1e10),
+STIFFNESSES = (
+    _Stiffness("radial_stiffness", "stiffness", "lateral_stiffness", "N / m", 1e12),
+    _Stiffness("axial_stiffness", "axial_stiffness", "axial_stiffness", "N / m", 1e12),
+    _Stiffness("bending_stiffness", "tilting_stiffness", "tilting_stiffness", "N mm / rad", 1e10),
+    _Stiffness("rotational_stiffness", "", "torsional_stiffness", "N mm / rad", 1e10),
 )
 
 
@@ -201,7 +201,7 @@ class Joints:
         found = self._stiffness(component, "bearings")
         if "stiffness" not in carries:
             found["stiffness"] = 0.0
-        elif component.has(_OPERATING.format("v", "v")):
+        elif component.has(OPERATING.format("v", "v")):
             found["stiffness"] = self._operating(component, placed)
         rolls = "stiffness" not in found and side == "inner"
         geometry = self._rolling(component) if rolls else {}
@@ -275,7 +275,8 @@ class Joints:
         # A positive angle carries a load of the shaft along +x.
         if component.text("axial_force_absorption") == "negative":
             sense = -sense
-        return {**found, "degrees_of_freedom": 5, "contact_angle": sense * abs(angle)}
+        angle = math.copysign(angle, sense) if angle else 0.0
+        return {**found, "degrees_of_freedom": 5, "contact_angle": angle}
 
     def _values(self, given: object, carries: tuple[str, ...], path: str) -> dict[str, Plain]:
         """Give the parameters that are given for a bearing."""
@@ -317,7 +318,7 @@ class Joints:
     def _stiffness(self, component: Component, argument: str) -> dict[str, Plain]:
         """Give the stiffnesses of the file that are neither zero nor rigid."""
         found: dict[str, Plain] = {}
-        for each in _STIFFNESSES:
+        for each in STIFFNESSES:
             key = each.bearing if argument == "bearings" else each.coupling
             if key and component.has(each.file):
                 value = component.number(each.file, f"couplings.{each.coupling}")
@@ -336,7 +337,7 @@ class Joints:
         """Give the radial stiffness at the operating point, as a matrix along y and z."""
         matrix = np.array(
             [
-                [component.number(_OPERATING.format(i, j), "bearings.stiffness", 0.0) for j in "vw"]
+                [component.number(OPERATING.format(i, j), "bearings.stiffness", 0.0) for j in "vw"]
                 for i in "vw"
             ]
         )

@@ -13,8 +13,6 @@ import numpy as np
 from gearbow._types import Array, Plain
 from gearbow.exchange.rexs_file import Component, RexsFile
 
-__all__ = ["Frame", "PlacedShaft", "Shafts"]
-
 #: Largest difference of positions that counts as rounding of the file [m].
 _ROUNDING = 1e-6
 #: Most components that refer to the position of the next one; a gear unit has two or three.

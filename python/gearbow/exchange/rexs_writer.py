@@ -19,11 +19,10 @@ from gearbow._types import Array
 from gearbow.description.rolling import RollingBearing
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.exchange.rexs_file import ENDINGS
+from gearbow.exchange.rexs_joints import OPERATING, STIFFNESSES
 
 if TYPE_CHECKING:
     from gearbow.description.layout import Layout
-
-__all__ = ["write_rexs"]
 
 #: Units of REXS with the power of ten of their value over that in SI units.
 _UNITS = {"mm": 3, "mum": 6, "N / m": 0, "N mm / rad": 3, "kg": 0, "kg m^2": 0, "N / mm^2": -6}
@@ -32,13 +31,6 @@ _UNITS |= {"kg / dm^3": -3, "N m": 0, "N": 0, "m / s^2": 0, "none": 0}
 _REFUSED = ("sleeves", "housings")
 #: Numbers of the gear unit and of its casing.
 _UNIT, _CASING = 1, 2
-#: Stiffnesses of couplings and the axial and tilting ones of bearings, with their unit.
-_STIFFNESSES = {
-    "axial_stiffness": ("axial_stiffness", "N / m"),
-    "lateral_stiffness": ("radial_stiffness", "N / m"),
-    "tilting_stiffness": ("bending_stiffness", "N mm / rad"),
-    "torsional_stiffness": ("rotational_stiffness", "N mm / rad"),
-}
 
 
 def write_rexs(description: dict[str, Any], layout: "Layout", path: str | os.PathLike[str]) -> None:
@@ -295,9 +287,9 @@ class _Writer:
         self._springs(component, bearing)
 
     def _springs(self, component: ET.Element, part: dict[str, Any]) -> None:
-        for key, (name, unit) in _STIFFNESSES.items():
-            if key in part:
-                self._number(component, name, part.pop(key), unit)
+        for each in STIFFNESSES:
+            if each.coupling in part:
+                self._number(component, each.file, part.pop(each.coupling), each.unit)
 
     def _radial(self, component: ET.Element, stiffness: Any) -> None:
         """Write a radial stiffness, which may differ along both axes."""
@@ -308,8 +300,7 @@ class _Writer:
         self._number(component, "radial_stiffness", float(np.trace(matrix)) / 2.0, "N / m")
         if given.ndim > 0:
             for (i, j), value in np.ndenumerate(matrix):
-                key = f"operating_point_stiffness_f_{'vw'[i]}_d_{'vw'[j]}"
-                self._number(component, key, value, "N / m")
+                self._number(component, OPERATING.format("vw"[i], "vw"[j]), value, "N / m")
 
     def _rolling(self, component: ET.Element, bearing: dict[str, Any], along: str) -> str:
         """Write the rolling elements, and give the directions in which they carry thrust."""
@@ -318,13 +309,9 @@ class _Writer:
         sizes = {} if estimate is None else vars(estimate)
         for key in ("designation", "kind", "boundary"):
             bearing.pop(key, None)
-        if estimate is not None:
-            for name, value in (
-                ("inner_diameter", estimate.bore),
-                ("outer_diameter", estimate.outer),
-                ("width", estimate.width),
-            ):
-                self._number(component, name, value, "mm")
+        sides = {"bore": "inner_diameter", "outer": "outer_diameter", "width": "width"}
+        for key, name in sides.items() if sizes else ():
+            self._number(component, name, sizes[key], "mm")
         rollers = known.contact == "roller" or sizes.get("roller_length") is not None
         tapered = "tapered_" if sizes.get("kind") == "tapered_roller" else ""
         self._text(

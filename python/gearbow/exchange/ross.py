@@ -33,8 +33,6 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-__all__ = ["read_ross"]
-
 #: Name of the shaft; several shafts have a number behind it.
 SHAFT = "rotor"
 #: Values of a shaft element that the elements of gearbow have.

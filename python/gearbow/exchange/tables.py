@@ -21,8 +21,6 @@ from gearbow.exchange.mat import read_vectors
 from gearbow.units.fields import is_frequency, unit_of
 from gearbow.units.parse import fits, parsed
 
-__all__ = ["DETECTIONS", "ENDINGS", "VIBRATION", "NamedColumns", "Table", "read_table"]
-
 #: Field of amplitudes of vibration, which are peak, peak-to-peak or RMS values.
 VIBRATION = "measured.amplitude"
 #: What multiplies a value of a sinusoidal vibration to give its amplitude, from zero to peak.

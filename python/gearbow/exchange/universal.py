@@ -1,4 +1,4 @@
-"""Universal files (UFF) as plain data: data sets 55, 58, 164 and 2411.
+"""Universal files (UFF) as plain data: data sets 55, 58, 151, 164 and 2411.
 
 A universal file consists of data sets of lines with fields of fixed widths. Fields of 13 characters
 take as many digits as they hold, which every reader of such fields accepts.
@@ -16,17 +16,7 @@ from numpy.typing import NDArray
 from gearbow._files import parsing, printable, replacing
 from gearbow._types import Array
 from gearbow.errors import SceneError
-
-__all__ = [
-    "DataSet",
-    "Function",
-    "Quantity",
-    "data_sets",
-    "function_lines",
-    "line_of",
-    "whole_line",
-    "write",
-]
+from gearbow.units.parse import parsed
 
 #: The line before and after each data set.
 _MARK = re.compile(rb"^ {4}-1[ \t]*\r?$", re.MULTILINE)
@@ -41,6 +31,10 @@ _WIDTHS = {
 }
 #: Ordinate types of data set 58: width of a number, and whether it is complex.
 _ORDINATES = {2: ("f4", False), 4: ("f8", False), 5: ("f4", True), 6: ("f8", True)}
+#: Types of the quantities of data set 58 that have units of their own.
+_ACCELERATION, FORCE = 12, 13
+#: Unit "g" of accelerations, ISO 80000-3 [m/s²].
+_STANDARD_GRAVITY = 9.80665
 #: Most characters of a line.
 _LINE = 80
 
@@ -63,7 +57,8 @@ class Function:
     reference: tuple[int, int]
     abscissa: Array
     values: NDArray[Any]
-    quantities: tuple[Quantity, Quantity, Quantity]
+    #: Of the abscissa, the values and what they are divided by.
+    quantities: Sequence[Quantity]
     entities: tuple[str, str] = ("NONE", "NONE")
 
 
@@ -91,7 +86,9 @@ class DataSet:
                 if cell:
                     found.append(float(cell.upper().replace("D", "E")))
                 at += width
-        values = np.array(found)
+        return self._finite(np.array(found))
+
+    def _finite(self, values: Array) -> Array:
         if not np.isfinite(values).all():
             raise SceneError(f"{self.where}: has numbers that are not finite")
         return values
@@ -114,9 +111,7 @@ class DataSet:
             data = head[_HEADER]
             found = np.frombuffer(data[: len(data) // dtype.itemsize * dtype.itemsize], dtype)
             # Behind the numbers may be the end of a line.
-            values: Array = found[:wanted].astype(np.float64)
-            if not np.isfinite(values).all():
-                raise SceneError(f"{self.where}: has numbers that are not finite")
+            values = self._finite(found[:wanted].astype(np.float64))
         else:
             if number == "f4":
                 widths: tuple[int, ...] = (13,) * 6
@@ -134,19 +129,17 @@ class DataSet:
             abscissa: Array = begin + step * np.arange(count, dtype=np.float64)
         else:
             abscissa, table = table[:, 0], table[:, 1:]
-        quantities = [_fields(line, "quantity") for line in lines[7:10]]
+        names = [line.strip() for line in lines[:5]]
+        node, axis, reference, toward = (int(dof[i] or "0") for i in (5, 6, 8, 9))
+        axes = [_fields(line, "quantity") for line in lines[7:10]]
         return Function(
             int(dof[0]),
-            [line.strip() for line in lines[:5]],
-            (int(dof[5] or "0"), int(dof[6] or "0")),
-            (int(dof[8] or "0"), int(dof[9] or "0")),
+            names,
+            (node, axis),
+            (reference, toward),
             abscissa,
             table[:, 0] + 1j * table[:, 1] if is_complex else table[:, 0],
-            (
-                Quantity(int(quantities[0][0] or "0"), quantities[0][5]),
-                Quantity(int(quantities[1][0] or "0"), quantities[1][5]),
-                Quantity(int(quantities[2][0] or "0"), quantities[2][5]),
-            ),
+            [Quantity(int(cells[0] or "0"), cells[5]) for cells in axes],
         )
 
 
@@ -176,6 +169,58 @@ def data_sets(path: Path) -> Iterator[DataSet]:
             content = data[begin : end.start()]
             yield DataSet(kind, content, f"{where}: data set {kind}", order)
             at = end.end()
+
+
+@dataclass(frozen=True)
+class FileUnits:
+    """Units of a foreign universal file: how many make one of SI (data set 164)."""
+
+    length: float = 1.0
+    force: float = 1.0
+    given: bool = False
+
+    def factor(self, quantity: Quantity, kind: int, where: str, *, turns: bool = False) -> float:
+        """Give what converts a quantity of this kind to SI units; its label counts first."""
+        label = re.sub(r"(?<=[a-z])([23])\b", r"^\1", quantity.unit.strip())
+        if label == "g" and kind == _ACCELERATION:
+            return _STANDARD_GRAVITY
+        # Of a velocity or acceleration, the length in one second.
+        field, seconds = "length", {11: " s", 12: " s^2"}.get(kind, "")
+        if kind == FORCE:
+            field = "torques.value" if turns else "forces.value"
+        elif turns:
+            field = "phase"
+        if label and label != "NONE":
+            try:
+                return parsed(f"1 {label}{seconds}", field)
+            except SceneError:
+                if not self.given:
+                    raise SceneError(
+                        f"{where}: the unit {label!r} is unknown, and the file has no data set 164"
+                    ) from None
+        if kind == FORCE:
+            return 1.0 / (self.force * (self.length if turns else 1.0))
+        return 1.0 if turns else 1.0 / self.length
+
+
+def units_of(sets: Iterable[DataSet]) -> FileUnits:
+    """Read the units of a file, its data set 164."""
+    for one in sets:
+        if one.kind == 164:
+            length, force = one.numbers(one.lines()[1:], (25, 25, 25))[:2]
+            if not (length > 0.0 and force > 0.0):
+                raise SceneError(f"{one.where}: factors of units must be positive")
+            return FileUnits(float(length), float(force), given=True)
+    return FileUnits()
+
+
+def origin_of(sets: Iterable[DataSet]) -> str:
+    """Name model, description and program of a file for messages, by its data set 151."""
+    for one in sets:
+        if one.kind == 151:
+            names = [line.strip() for line in one.lines()[:3]]
+            return f" ({', '.join(name for name in names if name not in ('', 'NONE'))})"
+    return ""
 
 
 def _fields(line: str, name: str) -> list[str]:

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
     from gearbow.identification.result import Identification
 
-__all__ = ["Correction", "correct"]
-
 #: Samples of the estimates, with a fixed seed: they give limits of 95 % within 0.7 %.
 _SAMPLES = 4000
 

@@ -17,16 +17,6 @@ from gearbow._types import Array, ComplexArray
 from gearbow.errors import ConvergenceError, GearbowError
 from gearbow.identification.responses import LinearModel
 
-__all__ = [
-    "RELATIVE_STEP",
-    "UNSEEN",
-    "WeightedFit",
-    "chi_squared_tail",
-    "fit",
-    "solve",
-    "student",
-]
-
 #: Relative step of the differences by parameters: central differences of responses with 1e-11 of
 #: round-off have the smallest error near the cube root of it.
 RELATIVE_STEP = 2e-4

@@ -20,8 +20,6 @@ from gearbow.identification.separation import component_groups, inseparable
 from gearbow.identification.unknown import RunoutUnknown, Unknown, runout as unknown_runout
 from gearbow.units.fields import unit_of
 
-__all__ = ["identify", "result_of"]
-
 #: Amplitudes over the standard deviation that a test of 5 % finds in 95 %: the square is the
 #: noncentrality 15.44 of χ² with two degrees of freedom, or (1.960 + 1.645)² with one.
 _DETECTABLE = {2: 3.930, 1: 3.605}

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import array, complex_number, items, number, shown, text
 from gearbow._extras import extra
+from gearbow._files import as_path
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_degrees, in_micrometres
@@ -28,8 +29,6 @@ from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["Measurement"]
 
 #: What the columns of a probe contain, and the fields that give their units.
 _QUANTITIES = {
@@ -309,6 +308,55 @@ class Measurement(Result, ReadOnly):
         from gearbow.identification.signals import windows  # noqa: PLC0415  # few runs need it
 
         return cls(**windows(time, signals, pulses, revolutions), trial_weights=trial_weights)
+
+    @classmethod
+    def read_uff(
+        cls,
+        path: str | os.PathLike[str],
+        channels: Mapping[int, Probe | Tacho | tuple[str, float]],
+        *,
+        revolutions: int = 20,
+        trial_weights: Mapping[At, complex] | None = None,
+    ) -> "Measurement":
+        """Find the 1× vibration in the time histories of a universal file.
+
+        Parameters
+        ----------
+        path : str or path-like
+            A file with data sets 58 of function type 1: displacements and a tachometer. Units are
+            those of the labels, or of data set 164.
+        channels : mapping of int to Probe, Tacho or (str, float)
+            What each node of the file is. A place (shaft, position [m]) is a probe along y or z, as
+            the direction of the node; a direction below zero reverses the signal. The pulses of a
+            `Tacho` are where its signal rises through the middle of its range. Other nodes are left
+            out.
+        revolutions : int
+            Revolutions of the first shaft in a window.
+        trial_weights : mapping, optional
+            As for `Measurement`.
+
+        Returns
+        -------
+        Measurement
+            One row for each window of revolutions.
+
+        Raises
+        ------
+        SceneError
+            If the file is damaged, has no such signal, or a signal has no pulses.
+        OSError
+            If the file cannot be opened.
+
+        See Also
+        --------
+        from_signals : The same with arrays.
+        """
+        from gearbow.identification.signals import read_signals  # noqa: PLC0415  # few runs need it
+
+        if not isinstance(channels, Mapping):
+            raise SceneError(f"channels: must be a mapping of nodes, got {shown(channels)}")
+        signals = read_signals(as_path(path, "path"), channels)
+        return cls.from_signals(*signals, revolutions=revolutions, trial_weights=trial_weights)
 
     def subtract_slow_roll(self, speed: float) -> "Measurement":
         """Subtract the amplitudes at the measured speed that is nearest to a slow-roll speed.

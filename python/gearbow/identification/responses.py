@@ -33,8 +33,6 @@ from gearbow.identification.unknown import (
 from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.probe import Probe
 
-__all__ = ["LinearModel", "MeasuredChannel", "Term", "assembled", "with_numbers"]
-
 #: Reads amplitudes of a response that some shafts cause, turned by a complex factor.
 Reader: TypeAlias = Callable[[Synchronous, Sequence[str], complex], ComplexArray]
 #: Amplitudes of the unit excitations [m] and [kg m]. The response is linear; these are small on

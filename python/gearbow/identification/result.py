@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from gearbow.identification.correction import Correction
     from gearbow.identification.responses import LinearModel
 
-__all__ = ["Identification", "ProbeResidual"]
-
 #: Units in which tables write estimates, and their factors.
 _WRITTEN = {"m": ("µm", 1e6), "kg m": ("g mm", 1e6)}
 #: Smallest probability of the χ² of a probe without a remark.

@@ -10,8 +10,6 @@ from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.identification.fit import UNSEEN, WeightedFit
 from gearbow.identification.responses import LinearModel
 
-__all__ = ["component_groups", "inseparable"]
-
 #: Smallest share of an unknown, or of a link of two unknowns, in a combination that is named.
 _NAMED_SHARE = 0.05
 #: Largest ratio of a speed to the first natural frequency at which the response to a bow is

@@ -1,19 +1,26 @@
 """1× vibration in signals, in windows of whole revolutions."""
 
+import math
 from collections.abc import Mapping
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array, shown, whole
+from gearbow._files import parsing
 from gearbow._types import Array
 from gearbow.errors import SceneError
+from gearbow.exchange.universal import DataSet, data_sets, units_of
 from gearbow.sensors.probe import Probe
 from gearbow.sensors.tacho import Tacho
 
-__all__ = ["windows"]
+#: Types of data set 58: a function of time, and a displacement.
+_OVER_TIME, _DISPLACEMENT = 1, 8
+#: Angle of a probe by the direction of its node.
+_ANGLES = {2: 0.0, 3: math.pi / 2.0}
 
 #: Degree of the polynomial of the angle over time within a window: its speed may change with the
 #: square of the time.
@@ -97,3 +104,64 @@ def _angle(shaft: str, pulses: Array, begin: float, end: float, times: Array) ->
     polynomial = np.polynomial.Polynomial.fit(near, np.arange(near.size), _ANGLE_DEGREE)
     angle: Array = 2.0 * np.pi * polynomial(times)
     return angle
+
+
+def read_signals(
+    path: Path, channels: Mapping[int, Any]
+) -> tuple[Array, dict[Probe, Array], dict[Tacho, Array]]:
+    """Read time, signals and pulses of a universal file by the nodes of its time histories."""
+    times: list[Array] = []
+    signals: dict[Probe, Array] = {}
+    pulses: dict[Tacho, Array] = {}
+    sets = list(data_sets(path))
+    with parsing(path, "a universal file"):
+        units = units_of(sets)
+        for one in sets:
+            function = one.function() if one.kind == 58 else None
+            if function is None or function.kind != _OVER_TIME:
+                continue
+            node, axis = function.response
+            given, values = channels.get(node), function.values.real
+            if isinstance(given, Tacho):
+                pulses[given] = _pulses(one, function.abscissa, values)
+            elif given is not None:
+                quantity = function.quantities[1]
+                if quantity.kind != _DISPLACEMENT:
+                    raise SceneError(
+                        f"{one.where}: must be a displacement (ordinate {_DISPLACEMENT}), has "
+                        f"{quantity.kind}; leave node {node} out, or integrate it before"
+                    )
+                if not isinstance(given, Probe):
+                    if abs(axis) not in _ANGLES:
+                        raise SceneError(
+                            f"{one.where}: the direction {axis} is neither y nor z; give a gb.Probe"
+                        )
+                    given = Probe(*given, angle=_ANGLES[abs(axis)])
+                if times and not np.array_equal(times[0], function.abscissa):
+                    raise SceneError(f"{one.where}: must have the times of the first signal")
+                if any(given.label == other.label for other in signals):
+                    raise SceneError(f"{one.where}: is a second signal of {given.label}")
+                times.append(function.abscissa)
+                factor = units.factor(quantity, _DISPLACEMENT, one.where)
+                signals[given] = math.copysign(factor, axis) * values
+    if not signals:
+        raise SceneError(
+            f"{path}: has no time history (data set 58, function type {_OVER_TIME}) of the nodes "
+            f"in channels={shown(dict(channels))}"
+        )
+    return times[0], signals, pulses
+
+
+def _pulses(given: DataSet, time: Array, signal: Array) -> Array:
+    """Find where a signal rises through the middle of its range."""
+    level = 0.5 * float(signal.min() + signal.max())
+    before = np.flatnonzero((signal[:-1] < level) & (signal[1:] >= level))
+    part = (level - signal[before]) / (signal[before + 1] - signal[before])
+    found: Array = time[before] + part * (time[before + 1] - time[before])
+    turns = np.diff(found)
+    if turns.size and turns.min() < 0.5 * float(np.median(turns)):
+        raise SceneError(
+            f"{given.where}: pulses at unequal distances, the shortest {turns.min():.3g} s; the "
+            "signal needs one clean rise per revolution"
+        )
+    return found

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from gearbow.identification.result import Identification
 
-__all__ = ["TrialInfluence", "trial_influence"]
-
 #: Largest relative difference of the speeds of two runs that are compared. The vibration that both
 #: share then cancels in their difference, unless the speed is that of a sharp resonance.
 _SAME_SPEED = 0.01

@@ -21,19 +21,6 @@ from gearbow._types import At
 from gearbow.description.places import place
 from gearbow.errors import SceneError
 
-__all__ = [
-    "BowUnknown",
-    "ParameterUnknown",
-    "RunoutUnknown",
-    "UnbalanceUnknown",
-    "Unknown",
-    "bow",
-    "parameter",
-    "parse",
-    "runout",
-    "unbalance",
-]
-
 
 @dataclass(frozen=True)
 class BowUnknown(Shown):

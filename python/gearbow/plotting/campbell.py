@@ -147,7 +147,8 @@ def _scale(panel: Axes, damping: Array, *, signed: bool) -> None:
         panel.axhline(0.0, color="black", linewidth=1.0)
     if sizes.size == 0 or sizes.max() < _DECADES * sizes.min():
         bottom, top = 1.1 * float(damping.min(initial=0.0)), 1.1 * float(damping.max(initial=0.0))
-        panel.set_ylim(bottom, top if top > bottom else 1.0)
+        # Without damping, round-off is no line of its own.
+        panel.set_ylim(bottom, max(top, _LEAST_DAMPING))
     elif signed:  # an unstable mode: its negative ratio has to be visible
         _signed_scale(panel, damping)
     else:

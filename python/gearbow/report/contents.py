@@ -47,9 +47,8 @@ _OVERVIEW, _IN_SPACE = 6, 4
 _ORBITS, _BEARINGS, _SPECTRA = 8, 4, 3
 #: Revolutions of the slowest shaft of a run in place of a steady state, and of its figures.
 _REVOLUTIONS, _SHOWN_REVOLUTIONS = 20.0, 1.0
-#: Damping ratio below which a mode has none but round-off, and the run in revolutions of the
-#: reference shaft that then replaces the steady state.
-_NO_DAMPING, _UNSETTLED_REVOLUTIONS = 1e-9, 2.0
+#: Damping ratio below which a mode has none but round-off.
+_NO_DAMPING = 1e-9
 #: Lines of many points keep those that are half a point of the page away from the others.
 _DENSE: Any = {"path.simplify_threshold": 0.5}
 
@@ -175,11 +174,11 @@ class Contents:
         if rolling and least < _NO_DAMPING:
             # Rolling elements excite without end, and without damping nothing settles.
             run: Response
-            duration = _UNSETTLED_REVOLUTIONS * 2.0 * math.pi / abs(speed)
-            run = self.system.simulate(duration, speed, record=record)
+            turns = self._tooth_turns()
+            run = self.system.simulate(turns * 2.0 * math.pi / abs(speed), speed, record=record)
             what = (
-                f"a run of {_UNSETTLED_REVOLUTIONS:g} revolutions of the reference shaft, as a "
-                "mode has no damping, so that nothing settles; give bearings and meshes damping"
+                f"a run over {360.0 * turns:.0f}° of the reference shaft, as a mode has no "
+                "damping, so that nothing settles; give bearings and meshes damping"
             )
             return run, what, None
         try:
@@ -193,6 +192,13 @@ class Contents:
         )
         what = f"the steady state, {steady.method}, period {period}, residual {steady.residual:.1e}"
         return steady.response, what, steady
+
+    def _tooth_turns(self) -> float:
+        """Give a revolution of the reference shaft, or those in which each mesh has a tooth."""
+        names = [shaft.name for shaft in self.system.shafts]
+        ratios = dict(zip(names, np.abs(self.system.speed_ratios), strict=True))
+        orders = [ratios[gear.shaft] * gear.teeth for gear in self.system.gears]
+        return max(1.0, 1.0 / min(orders, default=1.0))
 
     def section(self, name: str, title: str, make: "Make") -> Section:
         """Make a section, with a sentence in place of what cannot be computed."""
@@ -256,7 +262,7 @@ def data(contents: Contents) -> Iterator[Block]:
         "Positions count from the left end of a shaft."
     )
     yield from parts_tables(system)
-    assumed = assumptions(system.shafts, system.gears, system.meshes)
+    assumed = assumptions(system.shafts, system.gears, system.meshes, system.bearings)
     if assumed:
         yield Table(
             "Assumed where the description says nothing",
@@ -334,7 +340,10 @@ def campbell(contents: Contents) -> Iterator[Block]:
             "The diagram is that of positive speeds; it shades the size of the operating speed."
         )
     yield picture(found.plot(operating=operating), "Campbell diagram. Grey: operating speed.")
-    yield Table.of_result(found)
+    if found.intersections or found.thresholds:
+        yield Table.of_result(found)
+    else:
+        yield Note("No line of excitation crosses a mode, and no mode changes its stability.")
 
 
 def criticals(contents: Contents) -> Iterator[Block]:
@@ -684,7 +693,8 @@ def accuracy(contents: Contents) -> Iterator[Block]:
     yield Table(
         "Residuals of the equations", ("result", "residual"), residuals, numeric=(False, True)
     )
-    given = [("description", text) for text in system._model.warnings]
+    given = [("file", text) for text in system._notes]
+    given += [("description", text) for text in system._model.warnings]
     every = [*given, *contents.warned]
     if every:
         yield Table("Warnings", ("section", "warning"), every, numeric=(False, False))

@@ -229,6 +229,8 @@ class RotorSystem(CheckedKeywords, Shown):
     accuracy: str
     #: Unit of speeds in tables and figures: rpm if the texts of the scene have it.
     _speed_unit: SpeedUnit = "rad/s"
+    #: What the reader of a file assumed or left out.
+    _notes: tuple[str, ...] = ()
 
     def __init__(
         self,
@@ -491,9 +493,11 @@ class RotorSystem(CheckedKeywords, Shown):
         for note in contents.notes:
             warnings.warn(f"{os.fspath(path)}: {note}", SceneWarning, stacklevel=outside())
         try:
-            return cls.from_dict(description)
+            system = cls.from_dict(description)
         except SceneError as error:
             raise SceneError(f"{os.fspath(path)}: {error}") from None
+        system._notes = contents.notes
+        return system
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the description to a TOML file, or what REXS can hold of it to a REXS file.
@@ -729,7 +733,7 @@ class RotorSystem(CheckedKeywords, Shown):
         return f"{type(self).__name__}({text}; accuracy {self.accuracy!r})"
 
     def __str__(self) -> str:
-        assumed = assumptions(self.shafts, self.gears, self.meshes)
+        assumed = assumptions(self.shafts, self.gears, self.meshes, self.bearings)
         return "\n".join([repr(self), *(f"  assumed for {text}" for text in assumed)])
 
     def _rows(self) -> Table:

@@ -202,3 +202,12 @@ def test_a_small_orbit_has_its_own_scale_and_a_place_without_twist_no_panel():
     assert len(response.plot("twist", names).axes) == 3
     (panel,) = response.plot("twist").axes
     assert panel.get_ylabel() == "g1 [mrad]"
+
+
+def test_round_off_is_no_line_of_a_campbell_diagram():
+    shaft = gb.Shaft("rotor", length=0.5, outer_diameter=0.03, elements=4)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e7) for x in (0.0, 0.5)]
+    diagram = gb.RotorSystem([shaft], bearings=bearings).campbell(np.linspace(0.0, 300.0, 5))
+    lower = diagram.plot().axes[1]
+    # Undamped modes have ratios of about 1e-17.
+    assert lower.get_ylim()[1] >= 1e-3

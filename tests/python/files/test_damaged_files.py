@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import os
 import random
 import subprocess
@@ -20,7 +21,14 @@ import pytest
 
 import gearbow as gb
 from gearbow.exchange.mat import read_vectors
+from gearbow.exchange.rexs_file import _from_xml
+from gearbow.exchange.universal import Function, Quantity, function_lines, write
 from test_response import recorded
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 PACKAGE = Path(gb.__file__).parent
 #: Damaged files of each kind in `make test`; `make fuzz` reads 50 times as many.
@@ -91,6 +99,8 @@ def sweep(path: Path) -> None:
 
 def rexs(path: Path) -> None:
     data = (Path(__file__).parent / "gearbox.rexs").read_bytes()
+    if path.suffix == ".rexsj":
+        data = json.dumps({"model": _from_xml(data)}).encode()
     if path.suffix == ".rexsz":
         import zipfile
 
@@ -98,6 +108,51 @@ def rexs(path: Path) -> None:
             archive.writestr("a.rexs", data)
     else:
         path.write_bytes(data)
+
+
+TIME = np.arange(4000) * 2.5e-4
+#: Directions of nodes, quantities with units, and signals of time histories: 20 revolutions per
+#: second, 30 µm along −y and 40 µm along z with leads of 0.5 and −0.3 rad; pulses at angle 0.
+HISTORIES = [
+    ((1, -2), (8, "um"), 5.0 - 30.0 * np.cos(40.0 * np.pi * TIME + 0.5)),
+    ((1, 3), (8, "mm"), 0.04 * np.cos(40.0 * np.pi * TIME - 0.3)),
+    ((7, 0), (0, "V"), np.where((20.0 * TIME + 0.001) % 1.0 < 0.1, 5.0, 0.0)),
+    ((9, 1), (12, "g"), 0.0 * TIME),
+]
+
+
+def histories(path: Path, given: Any = HISTORIES, time: Any = TIME) -> Path:
+    """Write real signals at equal intervals, as programs of instruments do."""
+    sets = []
+    for response_, quantity, values in given:
+        quantities = (Quantity(17, "s"), Quantity(*quantity), Quantity())
+        lines = list(
+            function_lines(Function(1, ["run"] * 5, response_, (0, 0), time, values, quantities))
+        )[:11]
+        lines[6] = f"{4:10d}{time.size:10d}{1:10d}{0.0:13.5E}{time[1]:13.5E}{0.0:13.5E}"
+        lines += ["".join(f"{x:20.12E}" for x in values[i : i + 4]) for i in range(0, time.size, 4)]
+        sets.append((58, lines))
+    write(path, sets)
+    return path
+
+
+def ross(path: Path) -> None:
+    data = ROSS.read_bytes()
+    if path.suffix == ".json":
+        data = json.dumps(tomllib.loads(data.decode())).encode()
+    path.write_bytes(data)
+
+
+def unbalanced() -> gb.RotorSystem:
+    return rotor().replace(disks=[gb.Disk("pinion", "input", 0.1, 1.0, 1e-3, 1e-3, unbalance=1e-5)])
+
+
+def steady(path: Path) -> None:
+    unbalanced().steady_state(100.0).save(path)
+
+
+def branch(path: Path) -> None:
+    unbalanced().continuation("speed", 100.0, 110.0).save(path)
 
 
 def text(content: str) -> Callable[[Path], None]:
@@ -109,6 +164,8 @@ KINDS: dict[str, tuple[Callable[[Path], Any], Callable[[Path], Any]]] = {
     "scene.toml": (lambda path: rotor().save(path), gb.RotorSystem.load),
     "run.npz": (lambda path: recorded(rows=2).save(path), gb.Response.load),
     "run.nc": (lambda path: recorded(rows=2).save(path), gb.Response.load),
+    "steady.npz": (steady, gb.SteadyState.load),
+    "branch.npz": (branch, gb.results.Continuation.load),
     "map.sweep": (sweep, gb.results.Sweep.load),
     "table.csv": (table, gb.SpeedTable.read_table),
     "table.xlsx": (table, gb.SpeedTable.read_table),
@@ -120,8 +177,16 @@ KINDS: dict[str, tuple[Callable[[Path], Any], Callable[[Path], Any]]] = {
         lambda path: rotor().modes(count=2).save(path),
         lambda path: rotor().modes(count=2).compare(path),
     ),
-    "rotor.toml": (lambda path: path.write_bytes(ROSS.read_bytes()), gb.RotorSystem.from_ross),
+    "histories.uff": (
+        histories,
+        lambda path: gb.Measurement.read_uff(
+            path, {1: ("input", 0.1), 7: gb.Tacho("input")}, revolutions=6
+        ),
+    ),
+    "rotor.toml": (ross, gb.RotorSystem.from_ross),
+    "rotor.json": (ross, gb.RotorSystem.from_ross),
     "gearbox.rexs": (rexs, gb.rexs_contents),
+    "gearbox.rexsj": (rexs, gb.rexs_contents),
     "gearbox.rexsz": (rexs, gb.rexs_contents),
 }
 #: Functions of the package that read bytes of a file. Each parses in `parsing`, and each kind that
@@ -201,7 +266,7 @@ def test_every_damaged_file_is_read_or_refused(tmp_path: Path, name: str):
         Path(name).suffix, ()
     ):
         pytest.importorskip(module)
-    if name == "rotor.toml" and not ROSS.exists():
+    if name.startswith("rotor.") and not ROSS.exists():
         pytest.skip("the examples are not installed")
     # `make fuzz` reads new files in each call.
     seed = random.randrange(10**6) if COUNT > 40 else 1

@@ -8,6 +8,7 @@ import re
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import gearbow as gb
@@ -168,11 +169,43 @@ def test_a_command_refuses_what_a_file_cannot_use(files, capsys, arguments, mess
     assert message in err
 
 
-def test_the_given_files_are_read():
+def test_the_given_files_are_read(tmp_path: Path):
     folder = os.environ.get("GEARBOW_TEST_DATA")
     if folder is None:
         pytest.skip("GEARBOW_TEST_DATA does not name the folder of the given files")
     cases = Path(folder, "cases")
     for name in ("rexs_mac_archive.rexsz", "gearbox.rexs.zip"):
         assert gb.read(cases / name, bearings={"other": 1e8}).shafts
-    assert len(gb.read(cases / "ross1_file.toml").bearings) == 2
+    old = gb.read(cases / "ross1_file.toml")
+    text = (cases / "ross1_file.toml").read_text(encoding="utf-8")
+    (tmp_path / "new.toml").write_text(f'ross_version = "2.0.0"\n{text}', encoding="utf-8")
+    np.testing.assert_array_equal(
+        old.modes(count=6).frequencies_hz,
+        gb.read(tmp_path / "new.toml").modes(count=6).frequencies_hz,
+    )
+    # The rigid coupling is 1e12 N/m instead of 1e15 N/m, in series with 1e7 N/m.
+    for name in ("rexs_rigid_coupling", "rexs_stiff_coupling"):
+        train = gb.read(cases / f"{name}.rexs", couplings={"flange": 1e9})
+        found = train.modes(count=6).frequencies_hz
+        assert found[1:5] == pytest.approx([354.99, 354.99, 647.57, 647.57], rel=2e-5)
+    cone, plain = gb.read(cases / "rexs_cone.rexs", couplings={"flange": 1e9}).shafts
+    assert (cone.segments[0].outer_diameter, cone.segments[0].end_outer_diameter) == (0.05, 0.04)
+    assert plain.segments[0].end_outer_diameter is None
+
+
+def test_the_given_roving_hammer_is_the_response_of_its_rotor():
+    folder = os.environ.get("GEARBOW_TEST_DATA")
+    if folder is None:
+        pytest.skip("GEARBOW_TEST_DATA does not name the folder of the given files")
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+    disk = gb.Disk("disk", "rotor", 0.3, 10.0, diametral_inertia=0.05, polar_inertia=0.1)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e7, damping=500.0) for x in (0.0, 1.0)]
+    rotor = gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
+    places = {1: ("rotor", 0.3), 2: ("rotor", 0.7)}
+    force = gb.Force(places[1], 1j)
+    response = rotor.frequency_response([10.0, 20.0], source=force, speed=0.0)
+    found = response.compare(Path(folder, "cases", "roving.uff"), places=places)
+    assert found.frac == pytest.approx([1.0, 1.0], abs=1e-6)
+    for measured, computed in zip(found.measured, found.computed, strict=True):
+        # The phase of what both have in common; the elements of the file are not known.
+        assert abs(np.angle(np.vdot(computed, measured.values))) < 1e-3

@@ -852,7 +852,7 @@ CASE = ("--load-case", "1", "--bearing", "other=1e8")
             "see --list, and the options --load-case, --bearing and --coupling",
         ),
         ([str(FILE), "--bearing", "1e8", "--load-case", "1"], 'must be NAME=VALUES, got "1e8"'),
-        ([str(FILE), *CASE, "--out", "a.json"], "--out: must end with .toml"),
+        ([str(FILE), *CASE, "--out", "a.json"], "--out: must end with .toml or .rexs"),
         ([str(FILE), "--mesh", "a/b=1e8"], "--mesh: is for a rotor of ROSS, but"),
         (["a.json", "--mesh", "a/b"], '--mesh: must be DRIVER/DRIVEN=STIFFNESS, got "a/b"'),
         (["a.json", "--mesh", "a=1e8"], '--mesh: must be DRIVER/DRIVEN=STIFFNESS, got "a=1e8"'),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.cli.main import main
 from gearbow.exchange.rexs import read_system
 
 #: Machines that REXS cannot hold, with the part that it cannot.
@@ -99,6 +100,17 @@ def test_what_rexs_cannot_hold_is_named(tmp_path: Path):
     assert written(system, tmp_path / "a.rexs") == ["bearings.damping"]
     with pytest.raises(gb.SceneError, match=r"must end with \.toml or \.rexs"):
         system.save(tmp_path / "a.rexsz")
+
+
+def test_the_command_writes_a_gear_unit(tmp_path: Path):
+    given, path = Path(__file__).with_name("gearbox.rexs"), tmp_path / "again.rexs"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with pytest.raises(SystemExit) as ended:
+            main(["import", str(given), "--bearing", "other=1e8", "--out", str(path)])
+        assert ended.value.code == 0
+        again, first = gb.read(path), gb.read(given, bearings={"other": 1e8})
+    assert [gear.teeth for gear in again.gears] == [gear.teeth for gear in first.gears]
 
 
 def test_a_stiffness_with_cross_coupling_is_that_of_the_operating_point(tmp_path: Path):

@@ -16,7 +16,16 @@ import pytest
 import gearbow as gb
 from gearbow._files import printable
 from gearbow.exchange.universal import Function, Quantity, function_lines, write
-from test_damaged_files import functions_with, measured_value, named, response, rotor
+from test_damaged_files import (
+    HISTORIES,
+    TIME,
+    functions_with,
+    histories,
+    measured_value,
+    named,
+    response,
+    rotor,
+)
 from test_response import recorded
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and limits of a process")
@@ -121,7 +130,7 @@ def write_one(name: str, path: Path) -> None:
 
 
 FAILING = """
-import os, pathlib, resource, signal, sys
+import errno, os, pathlib, resource, signal, sys
 from test_writers import WRITERS, write_one
 
 def content():
@@ -143,6 +152,19 @@ for name in WRITERS[sys.argv[1]]:
             raise SystemExit(f"{limit} bytes were enough for {name}")
         resource.setrlimit(resource.RLIMIT_FSIZE, (hard, hard))
         assert content() == before and not list(folder.glob(".*.part")), name
+    # A disk that is full when the data of the temporary file go to it.
+    def full(number):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    os.fsync, sync = full, os.fsync
+    try:
+        write_one(name, path)
+    except OSError as error:
+        assert error.errno == errno.ENOSPC and "is unchanged" in str(error), error
+    else:
+        raise SystemExit(f"{name} is not written to the disk")
+    os.fsync = sync
+    assert content() == before and not list(folder.glob(".*.part")), name
     # A kill while the data of the temporary file go to the disk.
     child = os.fork()
     if not child:
@@ -299,6 +321,9 @@ def test_a_roving_hammer_is_compared_with_each_of_its_hits(tmp_path: Path):
         np.testing.assert_allclose(measured.values, computed, rtol=1e-7)
     with pytest.raises(gb.SceneError, match="needs the place of the reference node 2"):
         response().compare(path, places={1: PLACES[1]})
+    foreign(path, hits, more=((151, ["rig 7", "NONE", "Test.Lab", "", "", "", ""]),))
+    with pytest.raises(gb.SceneError, match=r"data set 58 \(rig 7, Test\.Lab\)"):
+        response().compare(path, places={1: PLACES[1]})
     # Units of the labels, and of data set 164 where there is none: mm, and kN.
     scaled = [(hit, values / 9.80665) for hit, values in hits]
     foreign(path, scaled, ("g", "N"))
@@ -318,6 +343,42 @@ def test_a_roving_hammer_is_compared_with_each_of_its_hits(tmp_path: Path):
     foreign(path, hits, kind=1)
     with pytest.raises(gb.SceneError, match=r"no frequency response .*function type 1"):
         response().compare(path, places=PLACES)
+
+
+def test_time_histories_are_a_measurement(tmp_path: Path):
+    path = histories(tmp_path / "run.uff")
+    tacho = gb.Tacho("input")
+    found = gb.Measurement.read_uff(path, {1: ("input", 0.1), 7: tacho}, revolutions=6)
+    assert [(probe.position, probe.angle) for probe in found.probes] == [
+        (0.1, 0.0),
+        (0.1, np.pi / 2.0),
+    ]
+    assert found.speeds == pytest.approx(40.0 * np.pi, rel=1e-9)
+    # The pulse rises between two samples: half of an interval is 40π · 1.25e-4 = 0.016 rad.
+    assert np.abs(found.amplitudes) == pytest.approx(np.tile([30e-6, 40e-6], (3, 1)), rel=1e-9)
+    assert np.angle(found.amplitudes) == pytest.approx(np.tile([0.5, -0.3], (3, 1)), abs=0.016)
+    probe = gb.Probe("input", 0.1, angle=0.7)
+    turned = gb.Measurement.read_uff(
+        histories(path, HISTORIES[1:3]), {1: probe, 7: tacho}, revolutions=6
+    )
+    assert turned.probes == (probe,)
+    for given, channels, message in (
+        (HISTORIES, {7: tacho}, r"has no time history \(data set 58, function type 1\)"),
+        (
+            HISTORIES,
+            {9: ("input", 0.1), 7: tacho},
+            r"line \d+: data set 58: must be a displacement .*has 12",
+        ),
+        (HISTORIES, {1: ("input", 0.1)}, "pulses: needs one tachometer"),
+        ([((1, 1), *HISTORIES[0][1:])], {1: ("input", 0.1)}, "direction 1 is neither y nor z"),
+        (HISTORIES[:1] * 2, {1: ("input", 0.1)}, "is a second signal of probe input"),
+    ):
+        with pytest.raises(gb.SceneError, match=message):
+            gb.Measurement.read_uff(histories(path, given), channels, revolutions=6)
+    noisy = HISTORIES[2][2] * np.where(np.arange(TIME.size) % 7 == 0, 0.0, 1.0)
+    histories(path, [HISTORIES[1], (*HISTORIES[2][:2], noisy)])
+    with pytest.raises(gb.SceneError, match="pulses at unequal distances"):
+        gb.Measurement.read_uff(path, {1: ("input", 0.1), 7: tacho}, revolutions=6)
 
 
 def test_an_incomplete_universal_file_is_refused(tmp_path: Path):

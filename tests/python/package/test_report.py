@@ -7,6 +7,7 @@ import html
 import json
 import re
 import shutil
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.report.contents import Contents, Options
+from gearbow.report.contents import Contents, Options, accuracy, campbell, data
 from gearbow.report.data import parts_tables
 from reference.machines import bowed_pair, bowed_rotor_with_disk, rotor_with_two_disks
 
@@ -394,4 +395,39 @@ def test_undamped_rolling_bearings_have_a_short_run_in_place_of_a_steady_state(t
     system = gb.RotorSystem([shaft], bearings=bearings, disks=[disk], gravity=9.81)
     sections = read_sections(written(system, tmp_path, operating=gb.rpm(3000)))
     text = next(section for section in sections.values() if "Motion at 3000 rpm" in section)
-    assert "a run of 2 revolutions of the reference shaft, as a mode has no damping" in text
+    assert "a run over 360° of the reference shaft, as a mode has no damping" in text
+
+
+def test_a_report_of_a_file_says_what_its_reader_assumed():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        train = gb.read(
+            Path(__file__).parents[1] / "files" / "gearbox.rexs", bearings={"other": 1e8}
+        )
+    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.03)
+    bearings = [gb.RollingBearing("rotor", at, "6206") for at in (0.0, 0.4)]
+    rotor = gb.RotorSystem([shaft], bearings=bearings)
+    options = Options("", (157.0, 157.0), np.linspace(10.0, 20.0, 3), 4, (), "rad/s")
+    warned = list(accuracy(Contents(train, options)))[-1]
+    assert [row for row in warned.rows if row[0] == "file"] == [("file", n) for n in train._notes]
+    assert train._notes
+    assumed = [
+        block
+        for block in data(Contents(rotor, options))
+        if "Assumed" in getattr(block, "title", "")
+    ]
+    text = "number and size of rolling elements by estimates, stiffness within 15%"
+    assert ["bearings", text] in [list(row) for row in assumed[0].rows]
+    # Between 10 and 20 rad/s no line crosses a mode of this rotor.
+    *_, note = campbell(Contents(rotor, options))
+    assert note.text.startswith("No line of excitation crosses a mode")
+
+
+def test_a_run_without_damping_has_a_tooth_of_every_mesh():
+    system = gb.examples()["coaxial_reducer"].load()
+    options = Options("", (100.0, 100.0), None, 4, (), "rad/s")
+    turns = Contents(system, options)._tooth_turns()
+    ratios = dict(zip([shaft.name for shaft in system.shafts], system.speed_ratios, strict=True))
+    teeth = [turns * abs(ratios[gear.shaft]) * gear.teeth for gear in system.gears]
+    assert turns >= 1.0
+    assert min(teeth) >= 1.0 - 1e-12  # round-off
