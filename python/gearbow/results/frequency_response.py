@@ -74,6 +74,9 @@ class FrequencyResponse(Result, ReadOnly):
         The plain system.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables.
+    left_out : tuple of str
+        Excitations of the system that a response to a `gb.ShaftExcitation` does not contain; empty
+        without such a source.
 
     Examples
     --------
@@ -104,6 +107,7 @@ class FrequencyResponse(Result, ReadOnly):
     _meshes: tuple[tuple[str, str], ...] = field(repr=False)
     _mesh_force: ComplexArray = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
+    left_out: tuple[str, ...] = ()
 
     _own_endings: ClassVar[tuple[str, ...]] = (".nc", ".uff", ".mat")
 
