@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from itertools import pairwise
-from math import sqrt
+from math import pi, sqrt
 from typing import Any
 
 import pytest
@@ -97,7 +97,7 @@ def test_unbalances_of_examples_have_the_grade_that_they_state(name: str, grade:
 
 
 @pytest.mark.parametrize("shaft", ["input", "output"])
-def test_a_life_is_that_at_the_speed_of_the_bearing(shaft):
+def test_life_and_displacement_are_those_at_the_speed_of_their_shaft(shaft):
     system, speed, capacity = bowed_pair(), 150.0, 44e3
     ratio = dict(zip((each.name for each in system.shafts), system.speed_ratios, strict=True))[
         shaft
@@ -107,6 +107,10 @@ def test_a_life_is_that_at_the_speed_of_the_bearing(shaft):
     hours = standards.rated_hours(4e3, capacity, 30.0, ratio * speed)
     # with a large exponent, the mean force is nearly the largest one, for which a limit exists too
     life = gb.BowLimit.bearing_life(bearing, hours, capacity=capacity, exponent=30.0)
-    found = system.bow_limits("input", speed, limits=[force, life], phase=0.0)
+    zone = gb.BowLimit.displacement((shaft, 0.25), "ISO 20816-3 B/C")
+    found = system.bow_limits("input", speed, limits=[force, life, zone], phase=0.0)
     texts = {one.limit: one for one in found.limits}
     assert "mean force 4000 N" in str(texts["bearing life"])
+    turns = abs(ratio) * speed * 30.0 / pi
+    largest = standards.ZONES_OF_DISPLACEMENT["B/C"] / sqrt(turns)
+    assert texts["displacement"].why.startswith(f"{largest:.4g} µm")
