@@ -126,6 +126,7 @@ def of_identify(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
     # an unknown would replace the unbalance of a gear
     unknowns = [gb.unknown.unbalance(plane) for plane in ("rotor", ("output", 0.31))]
     found = gb.identify(system, measured, unknowns, runout=False, noise=1e-6)
+    assert found.balance("rotor", SPEED).left_out == found.left_out
     return found.values, str(found)
 
 
