@@ -288,6 +288,9 @@ def test_limits_that_are_not_reached_say_why():
     straight = rigid_pair().replace(meshes=[gb.Mesh("g1", "g2", **MESH)])
     found = limit(straight.bow_limits("input", 1.0), "backlash used up")
     assert (found.bow, found.why) == (math.inf, "the mesh has no backlash")
+    unloaded = rigid_pair().bow_limits("input", 1.0, limits=[gb.BowLimit.mesh_force("g1/g2", 1.5)])
+    found = limit(unloaded, "mesh force")
+    assert (found.bow, found.why) == (math.inf, "the mesh carries no static force")
     probe = gb.BowLimit.displacement("g2", 1e-4)
     still = bowed_pair(mesh=MESH).bow_limits("input", 10.0, limits=[probe])
     assert limit(still, "displacement").is_reached
