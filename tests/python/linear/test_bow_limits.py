@@ -310,6 +310,7 @@ def test_the_table_has_the_worst_speed_and_the_frame_all_of_them():
     printed = str(found)
     assert printed.startswith("limits of the bow of input at 600 rpm to 1500 rpm, worst phase")
     assert printed.endswith(f"at {1e6 * found.deciding.bow:.4g} µm")
+    assert "phase [°]  why" in printed
     frame = found.to_dataframe()
     assert len(frame) == 8
     assert frame["bow [m]"].min() == found.deciding.bow
@@ -410,7 +411,9 @@ def test_bows_of_hunting_shafts_meet_in_every_position(teeth: tuple[int, int]):
 def test_each_named_shaft_has_its_own_worst_phase():
     system = rigid_gears((25, 25))
     alone = used_up(rigid_gears((25, 25), output={"bow": None}), "input")
-    found = limit(system.bow_limits(("input", "output"), 1.0), "backlash used up")
+    both = system.bow_limits(("input", "output"), 1.0)
+    assert "phase input [°]  phase output [°]  why" in str(both)
+    found = limit(both, "backlash used up")
     assert 2.0 * found.bow == pytest.approx(alone, rel=5e-3)
     # At equal and opposite speeds the bows point to each other once in a turn or never: 0.4 % for
     # the instants and phases.
