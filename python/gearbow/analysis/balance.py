@@ -18,6 +18,7 @@ from gearbow._result import Column, Result, Written, in_degrees
 from gearbow._shown import listed
 from gearbow._types import Array, At, BalanceTarget, ComplexArray, Excitation
 from gearbow.analysis.protocol import S, System, variant
+from gearbow.description.excitation import left_out
 from gearbow.description.gears import Disk, Gear
 from gearbow.description.places import place_label, places
 from gearbow.errors import SceneError
@@ -67,6 +68,8 @@ class Balance(Result, ReadOnly, Generic[S]):
         The system with the correction.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
+    left_out : tuple of str
+        Excitations of the system that this result does not contain.
 
     Notes
     -----
@@ -101,6 +104,7 @@ class Balance(Result, ReadOnly, Generic[S]):
     influence: ComplexArray
     system: S = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
+    left_out: tuple[str, ...] = ()
 
     @property
     def shaft(self) -> str:
@@ -120,9 +124,10 @@ class Balance(Result, ReadOnly, Generic[S]):
         Returns
         -------
         float
-            Ratio of the root sums of squares over speeds and points.
+            Ratio of the root sums of squares over speeds and points; 0 without vibration.
         """
-        return float(np.linalg.norm(self.residual) / np.linalg.norm(self.before))
+        before = float(np.linalg.norm(self.before))
+        return float(np.linalg.norm(self.residual)) / before if before else 0.0
 
     def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
         """Draw the deflection at the measuring points before and after the correction.
@@ -260,6 +265,7 @@ def balance(  # numpydoc ignore=PR01
         influence=influence,
         system=with_unbalances(base, dict(zip(chosen, unbalances.tolist(), strict=True))),
         speed_unit=given_unit(speed) or self._speed_unit,
+        left_out=left_out(self),
     )
 
 

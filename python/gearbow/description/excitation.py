@@ -1,14 +1,11 @@
 """The excitations of a system, and those that the result of an analysis does not contain."""
 
 from collections.abc import Iterable
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
-__all__ = ["Analysis", "left_out"]
+__all__ = ["left_out"]
 
-#: An analysis that names what it leaves out.
-Analysis: TypeAlias = Literal["synchronous", "bow_limits", "efficiency"]
-
-#: Excitations that turn once with a shaft.
+#: Excitations that turn once with a shaft, which the synchronous vibration contains.
 _TURNING = (
     "bow",
     "unbalance",
@@ -17,17 +14,11 @@ _TURNING = (
     "forces of order 1",
     "transmission errors of order 1",
 )
-_CONTAINED: dict[Analysis, tuple[str, ...]] = {
-    "synchronous": _TURNING,
-    "bow_limits": _TURNING,
-    "efficiency": (),
-}
 
 
-def left_out(system: Any, analysis: Analysis) -> tuple[str, ...]:
+def left_out(system: Any, contained: Iterable[str] = _TURNING) -> tuple[str, ...]:
     """Name the vibration sources of a system that an analysis does not contain."""
-    given = dict(_excitations(system))
-    return tuple(name for name, acts in given.items() if acts and name not in _CONTAINED[analysis])
+    return tuple(name for name, acts in _excitations(system) if acts and name not in contained)
 
 
 def _excitations(system: Any) -> Iterable[tuple[str, bool]]:

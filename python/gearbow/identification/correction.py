@@ -69,6 +69,8 @@ class Correction(Result, ReadOnly, Generic[S]):
     trials : TrialInfluence, optional
         Influence coefficients of the trial runs beside those of the model; None without runs that
         have one trial weight each.
+    left_out : tuple of str
+        Excitations of the system that the model of the vibration does not contain.
 
     Examples
     --------
@@ -98,6 +100,7 @@ class Correction(Result, ReadOnly, Generic[S]):
     system: S = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
     trials: TrialInfluence | None = field(repr=False, default=None)
+    left_out: tuple[str, ...] = ()
 
     @property
     def remaining_share(self) -> float:
@@ -294,6 +297,7 @@ def _with_limits(
             dict(zip(correction.planes, correction.unbalances.tolist(), strict=True)),
         ),
         speed_unit=speed_unit,
+        left_out=found.left_out,
         trials=trial_influence(found, speed_unit),
     )
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, items, shown, truth
 from gearbow._types import Array
 from gearbow.analysis.protocol import S
+from gearbow.description.excitation import left_out
 from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.identification.fit import WeightedFit, chi_squared_tail, fit, solve, student
 from gearbow.identification.measurement import Measurement
@@ -195,6 +196,7 @@ def result_of(
         fitted=tuple(fitted),
         system=assembled(identified, model, values[:terms].tolist()),
         speed_unit=given[0].speed_unit,
+        left_out=left_out(system),
         _model=model,
     )
 

@@ -109,6 +109,8 @@ class Identification(Result, ReadOnly, Generic[S]):
         The system with the identified values.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures.
+    left_out : tuple of str
+        Excitations of the system that the model of the vibration does not contain.
 
     Notes
     -----
@@ -147,6 +149,7 @@ class Identification(Result, ReadOnly, Generic[S]):
     fitted: tuple[ComplexArray, ...]
     system: S = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
+    left_out: tuple[str, ...] = ()
     _model: "LinearModel[S] | None" = field(repr=False, default=None)
 
     @property

@@ -74,6 +74,9 @@ class FrequencyResponse(Result, ReadOnly):
         The plain system.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables.
+    left_out : tuple of str
+        Excitations of the system that a response to a `gb.ShaftExcitation` does not contain; empty
+        without such a source.
 
     Examples
     --------
@@ -104,6 +107,7 @@ class FrequencyResponse(Result, ReadOnly):
     _meshes: tuple[tuple[str, str], ...] = field(repr=False)
     _mesh_force: ComplexArray = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
+    left_out: tuple[str, ...] = ()
 
     _own_endings: ClassVar[tuple[str, ...]] = (".nc", ".uff", ".mat")
 
@@ -552,16 +556,18 @@ class FrequencyResponse(Result, ReadOnly):
             self._write(found, ending, at)
             return
         frame = self.to_dataframe(at)
-        for position in range(frame.shape[1] - 1, -1, -1):
-            if frame.dtypes.iloc[position].kind == "c":
-                name = str(frame.columns[position])
+        columns: dict[str, Any] = {}
+        for name in map(str, frame.columns):
+            values = frame[name].to_numpy()
+            if values.dtype.kind == "c":
                 label, _, unit = name.rpartition(" [")
-                values = frame.pop(name)
-                frame.insert(position, f"{label} im [{unit}", values.to_numpy().imag)
-                frame.insert(position, f"{label} re [{unit}", values.to_numpy().real)
+                columns[f"{label} re [{unit}"] = values.real
+                columns[f"{label} im [{unit}"] = values.imag
+            else:
+                columns[name] = values
         from gearbow._sheets import save_table  # noqa: PLC0415  # few runs need it
 
-        save_table(frame, found, ending)
+        save_table(type(frame)(columns, index=frame.index), found, ending)
 
     def _write(self, path: Any, ending: str, at: Any) -> None:
         """Write a file with the curves of places."""

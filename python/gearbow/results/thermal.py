@@ -41,6 +41,8 @@ class ThermalStability(Result, ReadOnly):
         Forward vibration at the journal without thermal bow [m].
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
+    left_out : tuple of str
+        Excitations of the system that this result does not contain.
 
     Notes
     -----
@@ -69,6 +71,7 @@ class ThermalStability(Result, ReadOnly):
     response: ComplexArray
     vibration: ComplexArray
     speed_unit: SpeedUnit = "rad/s"
+    left_out: tuple[str, ...] = ()
 
     @property
     def loop_gain(self) -> ComplexArray:

@@ -126,7 +126,7 @@ def bow_limits(
         checks = [*mesh_checks(teeth.values()), *(added_check(motion, x, teeth) for x in added)]
         found.append([_reached(motion, check) for check in checks])
     by_limit = tuple(one for own in zip(*found, strict=True) for one in own)
-    lacks = left_out(self, "bow_limits")
+    lacks = left_out(self)
     return BowLimits(names, present, speeds, by_limit, turned, unit, lacks)
 
 

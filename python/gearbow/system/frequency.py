@@ -10,6 +10,7 @@ from gearbow._convert import array, items, number, whole
 from gearbow._parallel import thread_count
 from gearbow._types import Array
 from gearbow.analysis.protocol import System
+from gearbow.description.excitation import left_out
 from gearbow.description.places import Places
 from gearbow.description.sources import MeshExcitation, Source, plain_sources
 from gearbow.errors import ChannelError, SceneError
@@ -118,6 +119,7 @@ def frequency_response(
         _bearing_force=shaped(data["bearing_force"]),
         _meshes=tuple(data["meshes"]),
         _mesh_force=shaped(data["mesh_force"]),
+        left_out=left_out(self) if any(one.get("excitation") == "both" for one in plain) else (),
     )
 
 

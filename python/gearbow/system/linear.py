@@ -276,7 +276,7 @@ def efficiency(
         coefficient=coefficient,
         loss=loss,
         speed_unit=given_unit(speeds) or self._speed_unit,
-        left_out=left_out(self, "efficiency"),
+        left_out=left_out(self, ()),
     )
 
 
@@ -454,7 +454,7 @@ def synchronous(
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
         speed_unit=given_unit(speeds) or self._speed_unit,
-        left_out=left_out(self, "synchronous") if excitation == "both" else (),
+        left_out=left_out(self) if excitation == "both" else (),
     )
 
 

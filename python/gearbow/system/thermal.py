@@ -10,6 +10,7 @@ from gearbow._lookup import nearest
 from gearbow._types import At, ComplexArray
 from gearbow.analysis.balance import shafts_of_bodies
 from gearbow.analysis.protocol import System, variant
+from gearbow.description.excitation import left_out
 from gearbow.description.part import expect
 from gearbow.description.places import place
 from gearbow.description.thermal_bow import ThermalBow
@@ -46,6 +47,7 @@ def thermal_stability(self: System, bow: ThermalBow, speeds: "ArrayLike") -> The
         response=_forward(by_heat, bow.at, index),
         vibration=_forward(self.synchronous(wanted), bow.at, index),
         speed_unit=given_unit(speeds) or self._speed_unit,
+        left_out=left_out(self),
     )
 
 

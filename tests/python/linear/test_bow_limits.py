@@ -8,10 +8,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from scipy.optimize import brentq
 
 import gearbow as gb
 from reference.cases import each_case
-from reference.machines import bowed_pair, inertia, pair, rotor, rotor_on_films
+from reference.machines import (
+    bowed_pair,
+    distance_without_play,
+    hostile,
+    inertia,
+    pair,
+    rotor,
+    rotor_on_films,
+)
+from test_profile_shift import Teeth
 
 MESH = {"stiffness": 2e8, "damping_ratio": 0.05}
 BACKLASH = 1.5e-4
@@ -84,15 +94,56 @@ def test_the_bows_at_both_gears_share_the_backlash():
     assert limit(together, "backlash used up").bow <= 0.61 * alone.bow
 
 
-def test_the_contact_ratio_of_rigid_shafts_is_one_at_the_centre_distance_of_the_path():
-    found = limit(rigid_pair().bow_limits("input", 1.0), "contact ratio")
-    base, tips = np.array([37.5, 75.0]) * 1e-3 * math.cos(math.radians(20.0)), [40.5e-3, 78e-3]
-    reach = np.sqrt(np.square(tips) - base**2).sum()
-    pitch = 2.0 * math.pi * base[0] / 25
-    distance = math.hypot(reach - pitch, base.sum())
-    assert found.bow == pytest.approx(distance - 112.5e-3, rel=1e-3)
-    tip = limit(rigid_pair().bow_limits("input", 1.0), "tips touch roots")
-    assert tip.bow == pytest.approx(0.25 * 3e-3, rel=1e-3)
+@pytest.mark.parametrize("speed", [100.0, -100.0])
+def test_limits_of_helical_teeth_are_those_of_the_extreme_centre_distances(speed: float):
+    """No two speeds have a common period, so that all angles of the shafts meet.
+
+    The centres then reach every point of a sum of ellipses. It is convex, and its extreme distances
+    are those of a support function.
+    """
+    system, mesh = hostile(), ("g4", "g5")
+    ratio = gb.BowLimit.contact_ratio(mesh, 2.0)
+    found = system.bow_limits("middle", speed, limits=[ratio], phase=0.0)
+    gears = [next(gear for gear in system.gears if gear.name == name) for name in mesh]
+    teeth = Teeth(
+        (gears[0].teeth, gears[1].teeth),
+        (gears[0].profile_shift, gears[1].profile_shift),
+        3e-3,
+        abs(gears[0].helix_angle),
+    )
+    width = min(gear.face_width for gear in gears)
+    tips, roots = (
+        [r + 3e-3 * (x + depth) for r, x in zip(teeth.radii, teeth.shifts, strict=True)]
+        for depth in (1.0, -1.25)
+    )
+    reached = {
+        "tips touch roots": max(tips[0] + roots[1], tips[1] + roots[0]),
+        "contact ratio": brentq(lambda a: teeth.contact_ratio(a, width) - 2.0, 0.126, 0.13),
+    }
+    static = system.static(speed)
+    at_rest = static.displacement("g5") - static.displacement("g4")
+    angle = system.meshes[2].centre_line_angle
+    distance = distance_without_play(*gears)
+    at_rest = at_rest + distance * np.array([np.cos(angle), np.sin(angle)])
+    angles = np.linspace(0.0, 2.0 * np.pi, 20001)
+    directions = np.array([np.cos(angles), np.sin(angles)])
+    for name, expected in reached.items():
+        own = next(
+            one
+            for one in found.limits
+            if (one.limit, one.at) == (name, "g4/g5") and one.why != "contact ratio below 1"
+        )
+        bow = gb.Bow.half_sine(own.bow, phase=-2.0)
+        shafts = [replace(s, bow=bow) if s.name == "middle" else s for s in system.shafts]
+        moved = system.replace(shafts=shafts).synchronous([speed])
+        ellipses = (moved.displacement("g5") - moved.displacement("g4"))[0]
+        reach = np.abs(ellipses @ directions).sum(axis=0)
+        extreme = {
+            "tips touch roots": (at_rest @ directions - reach).max(),
+            "contact ratio": (at_rest @ directions + reach).max(),
+        }
+        # 72 instants of a turn meet the extreme of an ellipse to 1 - cos 2.5° of its size
+        assert abs(extreme[name] - expected) < 1e-3 * reach.max(), name
 
 
 @pytest.mark.parametrize(
@@ -237,6 +288,9 @@ def test_limits_that_are_not_reached_say_why():
     straight = rigid_pair().replace(meshes=[gb.Mesh("g1", "g2", **MESH)])
     found = limit(straight.bow_limits("input", 1.0), "backlash used up")
     assert (found.bow, found.why) == (math.inf, "the mesh has no backlash")
+    unloaded = rigid_pair().bow_limits("input", 1.0, limits=[gb.BowLimit.mesh_force("g1/g2", 1.5)])
+    found = limit(unloaded, "mesh force")
+    assert (found.bow, found.why) == (math.inf, "the mesh carries no static force")
     probe = gb.BowLimit.displacement("g2", 1e-4)
     still = bowed_pair(mesh=MESH).bow_limits("input", 10.0, limits=[probe])
     assert limit(still, "displacement").is_reached
@@ -256,6 +310,7 @@ def test_the_table_has_the_worst_speed_and_the_frame_all_of_them():
     printed = str(found)
     assert printed.startswith("limits of the bow of input at 600 rpm to 1500 rpm, worst phase")
     assert printed.endswith(f"at {1e6 * found.deciding.bow:.4g} µm")
+    assert "phase [°]  why" in printed
     frame = found.to_dataframe()
     assert len(frame) == 8
     assert frame["bow [m]"].min() == found.deciding.bow
@@ -356,7 +411,9 @@ def test_bows_of_hunting_shafts_meet_in_every_position(teeth: tuple[int, int]):
 def test_each_named_shaft_has_its_own_worst_phase():
     system = rigid_gears((25, 25))
     alone = used_up(rigid_gears((25, 25), output={"bow": None}), "input")
-    found = limit(system.bow_limits(("input", "output"), 1.0), "backlash used up")
+    both = system.bow_limits(("input", "output"), 1.0)
+    assert "phase input [°]  phase output [°]  why" in str(both)
+    found = limit(both, "backlash used up")
     assert 2.0 * found.bow == pytest.approx(alone, rel=5e-3)
     # At equal and opposite speeds the bows point to each other once in a turn or never: 0.4 % for
     # the instants and phases.

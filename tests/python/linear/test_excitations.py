@@ -14,6 +14,8 @@ import gearbow as gb
 
 TABLE = Path(__file__).parents[3] / "docs" / "limits.md"
 SPEED = 80.0
+#: A place on each of two shafts of different speeds.
+PLANES = ("rotor", "g2")
 
 
 def machine(**changes: Any) -> gb.RotorSystem:
@@ -25,8 +27,8 @@ def machine(**changes: Any) -> gb.RotorSystem:
             gb.Shaft(name, length=x, outer_diameter=0.05, elements=2) for name, x in lengths.items()
         ],
         "gears": [
-            gb.Gear("g1", "input", 0.18, teeth=23, **tooth),
-            gb.Gear("g2", "output", 0.22, teeth=41, **tooth),
+            gb.Gear("g1", "input", 0.18, teeth=20, **tooth),
+            gb.Gear("g2", "output", 0.22, teeth=40, **tooth),
         ],
         "meshes": [
             gb.Mesh(
@@ -104,6 +106,46 @@ def of_bow_limits(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
     return np.array([one.bow for one in found.found]), str(found)
 
 
+def of_balance(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
+    # a balance contains what turns with the shaft of its planes
+    found = [system.balance([plane], SPEED, points=[plane]) for plane in PLANES]
+    return np.concatenate([one.unbalances for one in found]), str(found[0])
+
+
+def of_thermal_bow(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
+    found = [
+        system.thermal_bow(gb.ThermalBow(at, 1e5, 100.0, shape=gb.Bow.half_sine(1e-6)), [SPEED])
+        for at in PLANES
+    ]
+    return np.concatenate([one.vibration for one in found]), str(found[0])
+
+
+def of_identify(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
+    probes = [gb.Probe("motor", 0.15), gb.Probe("output", 0.3)]
+    measured = gb.Measurement([60.0, SPEED], [[5e-5, 2e-5j], [6e-5, 1e-5]], probes)
+    # an unknown would replace the unbalance of a gear
+    unknowns = [gb.unknown.unbalance(plane) for plane in ("rotor", ("output", 0.31))]
+    found = gb.identify(system, measured, unknowns, runout=False, noise=1e-6)
+    assert found.balance("rotor", SPEED).left_out == found.left_out
+    return found.values, str(found)
+
+
+def of_frequency_response(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
+    sources = [gb.ShaftExcitation(shaft.name) for shaft in system.shafts]
+    found = system.frequency_response(order=1.0, speeds=[SPEED], source=sources)
+    return found.phasors, str(found)
+
+
+def of_steady_state(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
+    # two turns of the input shaft; linear teeth have their motion after a few periods
+    meshes = [replace(mesh, backlash=None, friction=None) for mesh in system.meshes]
+    found = system.replace(meshes=meshes).steady_state(
+        SPEED, geometry="frozen", period=4.0 * np.pi / SPEED, record=["gears", "rotor"]
+    )
+    places = ("g1", "g2", "rotor")
+    return np.concatenate([found.response.displacement(place) for place in places]), ""
+
+
 def of_run(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
     run = system.simulate(0.01, SPEED, initial="static", record=["g1", "rotor"])
     return np.concatenate([run.displacement("g1"), run.displacement("rotor")]), ""
@@ -122,6 +164,11 @@ COLUMNS: dict[str, Callable[[gb.RotorSystem], tuple[np.ndarray, str]]] = {
     ),
     "synchronous": lambda system: ((found := system.synchronous(SPEED)).amplitudes, str(found)),
     "bow_limits": of_bow_limits,
+    "balance": of_balance,
+    "thermal_bow": of_thermal_bow,
+    "identify": of_identify,
+    "frequency_response": of_frequency_response,
+    "steady_state": of_steady_state,
     "simulate": of_run,
 }
 

@@ -9,36 +9,37 @@ import pytest
 
 import gearbow as gb
 from gearbow.cli.main import main
+from reference.machines import BETWEEN, hostile
 from test_frequency_response import train
 
 FREQUENCIES = 2.0 * np.pi * np.linspace(20.0, 800.0, 40)
 
 
-@pytest.fixture(scope="module")
-def response():
-    sources = [gb.Force(("in", 0.1), 1.0), gb.MeshExcitation("pinion/wheel")]
-    return train().frequency_response(FREQUENCIES, source=sources, speed=70.0)
+@pytest.fixture(scope="module", params=[70.0, -70.0])
+def response(request):
+    sources = [gb.Force(("input", 0.1), 1.0), gb.MeshExcitation("g4/g5")]
+    return hostile().frequency_response(FREQUENCIES, source=sources, speed=request.param)
 
 
 def test_tables_have_every_place_frequency_and_source(response):
     table = response.to_dataframe()
     assert len(table) == 2 * FREQUENCIES.size
-    own = table[table["source"] == "mesh pinion/wheel"]
-    assert own["pinion/wheel mesh force [N]"].to_numpy() == pytest.approx(
-        response.mesh_force("pinion/wheel")[:, 1]
-    )
-    assert own["in@0.4 bearing force z [N]"].to_numpy() == pytest.approx(
-        response.bearing_force(("in", 0.4))[:, 1, 1]
-    )
-    assert list(response.to_dataframe(("out", 0.33)).columns[3:]) == [
-        "out@0.33 y [m]",
-        "out@0.33 z [m]",
-        "out@0.33 twist [rad]",
+    own = table[table["source"] == "mesh g4/g5"]
+    for mesh in ("g1/g2", "g2/g3", "g4/g5"):
+        assert own[f"{mesh} mesh force [N]"].to_numpy() == pytest.approx(
+            response.mesh_force(mesh)[:, 1]
+        )
+    for shaft, x in (("input", 0.3), ("output", 0.0)):
+        assert own[f"{shaft}@{x} bearing force z [N]"].to_numpy() == pytest.approx(
+            response.bearing_force((shaft, x))[:, 1, 1]
+        )
+    assert list(response.to_dataframe(BETWEEN).columns[3:]) == [
+        f"middle@0.2137 {name}" for name in ("y [m]", "z [m]", "twist [rad]", "x [m]")
     ]
     data = response.to_xarray()
-    assert data["wheel y"].dims == ("frequency", "source")
-    assert data["wheel y"].sel(source="force at in at 0.1 m").values == pytest.approx(
-        response.displacement("wheel")[:, 0, 0]
+    assert data["g5 y"].dims == ("frequency", "source")
+    assert data["g5 y"].sel(source="force at input at 0.1 m").values == pytest.approx(
+        response.displacement("g5")[:, 0, 0]
     )
     rows = train().mesh_response("pinion/wheel", speeds=[10.0, 20.0, 30.0], harmonics=[1, 2])
     assert rows.to_xarray()["pedestal y"].shape == (3, 2, 1)
@@ -50,28 +51,30 @@ def test_files_keep_the_values(response, tmp_path):
 
     response.save(tmp_path / "frf.nc")
     data = xr.open_dataset(tmp_path / "frf.nc", engine="h5netcdf")
-    assert data["pinion z"].sel(
-        part="imaginary", source="mesh pinion/wheel"
-    ).values == pytest.approx(response.displacement("pinion")[:, 1, 1].imag)
+    assert data["g4 z"].sel(part="imaginary", source="mesh g4/g5").values == pytest.approx(
+        response.displacement("g4")[:, 1, 1].imag
+    )
     response.save(tmp_path / "frf.mat")
     found = loadmat(tmp_path / "frf.mat", simplify_cells=True)
-    curve = next(
-        one for one in found["curves"] if (one["place"], one["direction"]) == ("wheel", "y")
-    )
-    assert curve["values"] == pytest.approx(response.displacement("wheel")[..., 0])
-    response.save(tmp_path / "frf.csv", at="pinion")
-    assert (tmp_path / "frf.csv").read_text(encoding="utf-8").count("\n") == 2 * 40 + 1
-    assert "pinion amplitude" in response.table(3)
+    curve = next(one for one in found["curves"] if (one["place"], one["direction"]) == ("g5", "y"))
+    assert curve["values"] == pytest.approx(response.displacement("g5")[..., 0])
+    response.save(tmp_path / "frf.csv")
+    head, *lines = (tmp_path / "frf.csv").read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 2 * 40
+    column = head.split(",").index("g5 y im [m]")
+    found = [float(line.split(",")[column]) for line in lines[1::2]]
+    assert found == pytest.approx(response.displacement("g5")[:, 1, 0].imag)
+    assert "g4 amplitude" in response.table(3)
     with pytest.raises(gb.SceneError, match="path: must end with"):
         response.save(tmp_path / "frf.txt")
 
 
 def test_universal_files_are_read_again(response, tmp_path):
     pytest.importorskip("pyuff")
-    response.save(tmp_path / "frf.uff", at=["pinion", ("in", 0.33)])
+    response.save(tmp_path / "frf.uff", at=["g4", BETWEEN])
     compared = response.compare(tmp_path / "frf.uff")
-    # places × (y, z, twist) × sources
-    assert len(compared.measured) == 12
+    # places × (x, y, z, twist) × sources
+    assert len(compared.measured) == 16
     # the file has 13 digits, its frequencies have at least 8
     assert compared.frac == pytest.approx(1.0, abs=1e-12)
     for measured, computed in zip(compared.measured, compared.computed, strict=True):
@@ -85,10 +88,10 @@ def test_universal_files_are_read_again(response, tmp_path):
 
 def test_pyuff_reads_the_functions_of_a_universal_file(response, tmp_path):
     pyuff = pytest.importorskip("pyuff")
-    response.save(tmp_path / "frf.uff", at="pinion")
+    response.save(tmp_path / "frf.uff", at="g4")
     sets = pyuff.UFF(str(tmp_path / "frf.uff")).read_sets()
     sets = [each for each in sets if each["type"] == 58]
-    moved = response.displacement("pinion")
+    moved = response.displacement("g4")
     for source in range(moved.shape[1]):
         # A file has functions for one newton and for one metre of transmission error.
         amplitude, denominator = ((1.0, (13, "N")), (1e-6, (8, "m")))[source]
@@ -111,11 +114,11 @@ def test_pyuff_reads_the_functions_of_a_universal_file(response, tmp_path):
 def test_directions_of_universal_files_have_numbers_and_signs(response, tmp_path):
     pyuff = pytest.importorskip("pyuff")
     path = tmp_path / "frf.uff"
-    response.save(path, at="pinion")
+    response.save(path, at="g4")
     file = pyuff.UFF(str(path))
     sets = [each for each in file.read_sets() if each["type"] == 58]
-    moved = response.displacement("pinion")
-    expected = {2: moved[:, 0, 0], 3: moved[:, 0, 1], 4: response.twist("pinion")[:, 0]}
+    moved = response.displacement("g4")
+    expected = {2: moved[:, 0, 0], 3: moved[:, 0, 1], 4: response.twist("g4")[:, 0]}
     for number, values in expected.items():
         (own,) = [each for each in sets if (each["rsp_dir"], each["ref_node"]) == (number, 1)]
         # the file has 7 digits
@@ -134,10 +137,9 @@ def test_directions_of_universal_files_have_numbers_and_signs(response, tmp_path
 
 
 def test_a_measured_response_is_compared(response, tmp_path):
-    acceleration = response.acceleration(("in", 0.33))[:, 0]
-    lines = [
-        "frequency [Hz],in@0.33 y re [m/s²],in@0.33 y im [m/s²],in@0.33 z re [m/s²],in@0.33 z im [m/s²]"
-    ]
+    acceleration = response.acceleration(BETWEEN)[:, 0]
+    parts = [f"middle@0.2137 {axis} {part} [m/s²]" for axis in "yz" for part in ("re", "im")]
+    lines = [",".join(["frequency [Hz]", *parts])]
     for w, (y, z) in zip(FREQUENCIES, acceleration, strict=True):
         values = (w / (2.0 * np.pi), 2.0 * y.real, 2.0 * y.imag, z.real, -z.imag)
         lines.append(",".join(repr(float(value)) for value in values))
@@ -159,18 +161,18 @@ def test_a_measured_response_is_compared(response, tmp_path):
 
 
 def test_figures(response):
-    upper, lower = response.plot(["pinion", "wheel"], direction="y").axes
+    upper, lower = response.plot(["g4", "g5"], direction="y").axes
     assert len(upper.lines) == 4
     assert upper.lines[0].get_ydata() == pytest.approx(
-        1e6 * np.abs(response.displacement("pinion")[:, 0, 0])
+        1e6 * np.abs(response.displacement("g4")[:, 0, 0])
     )
     assert upper.get_ylabel() == "displacement [µm]"
     assert lower.get_xlabel() == "frequency [Hz]"
-    assert response.plot("pinion/wheel").axes[0].get_ylabel() == "force [N]"
-    nyquist = response.plot(gb.Accelerometer("pedestal"), kind="nyquist").axes[0]
+    assert response.plot("g4/g5").axes[0].get_ylabel() == "force [N]"
+    nyquist = response.plot(gb.Accelerometer(BETWEEN), kind="nyquist").axes[0]
     assert nyquist.get_xlabel() == "real part [m/s²]"
     with pytest.raises(gb.GearbowError, match="a waterfall needs a response at several speeds"):
-        response.plot("pinion", kind="waterfall")
+        response.plot("g4", kind="waterfall")
     speeds = [10.0, 50.0, 90.0]
     several = train().frequency_response(FREQUENCIES, source=gb.Force("pinion", 1.0), speed=speeds)
     assert several.displacement("wheel").shape == (3, 40, 1, 2)

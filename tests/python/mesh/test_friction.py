@@ -31,8 +31,10 @@ def gears(
     stiffness: Any = SHARP,
     torque: float = 100.0,
     teeth: tuple[int, int] = (25, 50),
+    helix: float = 0.0,
     **more: Any,
 ) -> gb.RotorSystem:
+    own = {MESH[0]: {"helix_angle": helix}, MESH[1]: {"helix_angle": -helix}}
     return pair(
         ("input", "output"),
         MESH,
@@ -41,8 +43,9 @@ def gears(
         position=0.1,
         mesh={"stiffness": stiffness, "damping_ratio": 0.1, "friction": friction}
         | more.pop("mesh", {}),
-        bearing={"stiffness": 1e9, "damping": 1e4},
+        bearing={"stiffness": 1e9, "damping": 1e4, "axial_stiffness": 1e9 if helix else 0.0},
         torque=torque,
+        own=own,
         **more,
     )
 
@@ -73,10 +76,14 @@ def test_published_example():
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
-@pytest.mark.parametrize("stiffness", [SHARP, gb.Stiffness.parabolic(2e8), 2e8])
-def test_slow_run_of_stiff_teeth_dissipates_the_loss(stiffness: Any, sense: float):
+@pytest.mark.parametrize(
+    ("stiffness", "helix"),
+    [(SHARP, 0.0), (gb.Stiffness.parabolic(2e8), 0.0), (2e8, 0.0), (SHARP, 0.5), (2e8, 0.3)],
+)
+def test_slow_run_of_stiff_teeth_dissipates_the_loss(stiffness: Any, helix: float, sense: float):
     # 0.1 µm of deflection; larger ones change the sliding velocities
-    system = gears(mu(1e-3, 0.1), stiffness, 1.0 * sense, mesh={"damping_ratio": 0.7})
+    friction = mu(1e-3, 0.1)
+    system = gears(friction, stiffness, 1.0 * sense, helix=helix, mesh={"damping_ratio": 0.7})
     period = 2 * np.pi / 25
     times = np.linspace(2 * period, 3 * period, 8001)
     run = system.simulate(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
-from math import sqrt
+from math import pi, sqrt
 from typing import Any
 
 import pytest
@@ -58,8 +59,45 @@ def test_boundary_dimensions_grow_with_the_bore():
         assert all(0.1 * d < outer - d < 2.6 * d for d, outer, _ in sizes)
 
 
+def test_published_dimensions_are_those_of_the_standard():
+    for name, boundary in standards.PUBLISHED_BOUNDARIES.items():
+        assert standards.BOUNDARIES[name] == boundary, name
+    for code, diameter in standards.PUBLISHED_DIAMETERS_2.items():
+        assert standards.BOUNDARIES[f"62{code:02d}"][1] == diameter, code
+
+
+def test_balance_grades_are_rounded_steps_of_four_tenths_of_a_decade():
+    # ISO 21940-11, 7.2: neighbouring grades differ by the factor 2.5; two digits are rounded by 1.5 %
+    for fine, coarse in pairwise(standards.BALANCE_GRADES):
+        assert coarse / fine == pytest.approx(10.0**0.4, rel=0.015)
+
+
+def graded() -> dict[str, float]:
+    """Give the examples whose header states a balance quality grade."""
+    found = {}
+    for name, example in gb.examples().items():
+        stated = re.search(r"G (\d\.\d)", example.path.read_text(encoding="utf-8"))
+        if stated and float(stated[1]) in standards.BALANCE_GRADES:
+            found[name] = float(stated[1])
+    return found
+
+
+@pytest.mark.parametrize(("name", "grade"), graded().items())
+def test_unbalances_of_examples_have_the_grade_that_they_state(name: str, grade: float):
+    example = gb.examples()[name]
+    system = example.load()
+    ratios = dict(zip((s.name for s in system.shafts), system.speed_ratios, strict=True))
+    found = [
+        1e3 * abs(body.unbalance) / body.mass * abs(ratios[body.shaft] * example.speed)
+        for body in (*system.gears, *system.disks)
+        if body.unbalance
+    ]
+    # unbalances have two or three digits
+    assert max(found) == pytest.approx(grade, rel=0.03)
+
+
 @pytest.mark.parametrize("shaft", ["input", "output"])
-def test_a_life_is_that_at_the_speed_of_the_bearing(shaft):
+def test_life_and_displacement_are_those_at_the_speed_of_their_shaft(shaft):
     system, speed, capacity = bowed_pair(), 150.0, 44e3
     ratio = dict(zip((each.name for each in system.shafts), system.speed_ratios, strict=True))[
         shaft
@@ -69,6 +107,10 @@ def test_a_life_is_that_at_the_speed_of_the_bearing(shaft):
     hours = standards.rated_hours(4e3, capacity, 30.0, ratio * speed)
     # with a large exponent, the mean force is nearly the largest one, for which a limit exists too
     life = gb.BowLimit.bearing_life(bearing, hours, capacity=capacity, exponent=30.0)
-    found = system.bow_limits("input", speed, limits=[force, life], phase=0.0)
+    zone = gb.BowLimit.displacement((shaft, 0.25), "ISO 20816-3 B/C")
+    found = system.bow_limits("input", speed, limits=[force, life, zone], phase=0.0)
     texts = {one.limit: one for one in found.limits}
     assert "mean force 4000 N" in str(texts["bearing life"])
+    turns = abs(ratio) * speed * 30.0 / pi
+    largest = standards.ZONES_OF_DISPLACEMENT["B/C"] / sqrt(turns)
+    assert texts["displacement"].why.startswith(f"{largest:.4g} µm")

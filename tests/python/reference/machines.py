@@ -145,8 +145,8 @@ def hostile(**changes: Any) -> gb.RotorSystem:
     """Build the default machine of the tests, no two parts of which are alike.
 
     "input" drives "idler", "middle" and "output". The latter lies on the axis of "input" and has a
-    bearing on its end. Tooth numbers are primes, and no speed ratio is 1. Every bow, unbalance,
-    bearing and angle has a value of its own. One mesh has run-out, another profile shift and
+    bearing on its end. Tooth numbers are primes, and no speed ratio is 1. Every bow, unbalance, face
+    width, bearing and angle has a value of its own. One mesh has run-out, another profile shift and
     transmission error. The torques act at places without gear or bearing.
     """
     bows = {
@@ -168,15 +168,24 @@ def hostile(**changes: Any) -> gb.RotorSystem:
         for name, (length, diameter, elements) in (sizes | {"output": (0.3, 0.06, 2)}).items()
     ]
     geared = [
-        ("g1", "input", 0.21, 23, {"helix_angle": 0.3, "runout": 3e-6 + 2.5e-6j}),
-        ("g2", "idler", 0.13, 31, {"helix_angle": -0.3}),
-        ("g3", "middle", 0.12, 47, {"helix_angle": 0.3}),
-        ("g4", "middle", 0.35, 29, {"helix_angle": -0.2, "profile_shift": 0.4}),
-        ("g5", "output", 0.08, 53, {"helix_angle": 0.2, "profile_shift": 0.15}),
+        ("g1", "input", 0.21, 23, 0.034, {"helix_angle": 0.3, "runout": 3e-6 + 2.5e-6j}),
+        ("g2", "idler", 0.13, 31, 0.03, {"helix_angle": -0.3}),
+        ("g3", "middle", 0.12, 47, 0.027, {"helix_angle": 0.3}),
+        ("g4", "middle", 0.35, 29, 0.04, {"helix_angle": -0.2, "profile_shift": 0.4}),
+        ("g5", "output", 0.08, 53, 0.036, {"helix_angle": 0.2, "profile_shift": 0.15}),
     ]
     gears = {
-        name: gb.Gear(name, on, x, teeth, **TOOTH, **more, unbalance=1e-4 * i * np.exp(1j * i))
-        for i, (name, on, x, teeth, more) in enumerate(geared, 1)
+        name: gb.Gear(
+            name,
+            on,
+            x,
+            teeth,
+            module=3e-3,
+            face_width=width,
+            unbalance=1e-4 * i * np.exp(1j * i),
+            **more,
+        )
+        for i, (name, on, x, teeth, width, more) in enumerate(geared, 1)
     }
     meshed = (("g1", "g2"), ("g2", "g3"), ("g4", "g5"))
     a, b, c = (distance_without_play(gears[one], gears[other]) for one, other in meshed)

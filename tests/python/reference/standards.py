@@ -26,6 +26,9 @@ API_617_UNBALANCE = 6350.0
 #: Exponents of the life and turns at the basic rating: ISO 281:2007, 5.1 and 7.1.
 LIFE_OF_BALLS, LIFE_OF_ROLLERS, RATED_TURNS = 3.0, 10.0 / 3.0, 1e6
 
+#: Balance quality grades: the product of permissible eccentricity and speed [mm/s]. ISO 21940-11:2016, 7.2 and table 1.
+BALANCE_GRADES = [0.4, 1.0, 2.5, 6.3, 16.0, 40.0, 100.0, 250.0, 630.0, 1600.0, 4000.0]
+
 _TENS = "10 12 15 17 20 25 30 35 40 45 50 55 60 65 70 75 80 85 90 95 100 105 110 120 130 140 150"
 
 
@@ -39,8 +42,8 @@ def _boundary(prefix: str, outer: str, width: str, bores: str = _TENS) -> dict[s
     }
 
 
-#: Outside diameters and widths of ISO 15:2017, dimension series 10, 02 and 03, from 10 mm to 150 mm; the widths T of tapered roller
-#: bearings 320..X are those of ISO 355:2019.
+#: Outside diameters and widths of ISO 15:2017, clause 5, dimension series 10, 02 and 03, from 10 mm to 150 mm; the widths T of
+#: tapered roller bearings 320..X are those of ISO 355:2019, clause 6.
 _OUTER_02 = "30 32 35 40 47 52 62 72 80 85 90 100 110 120 125 130 140 150 160 170 180 190 200 215 230 250 270"
 _WIDTH_02 = "9 10 11 12 14 15 16 17 18 19 20 21 22 23 24 25 26 28 30 32 34 36 38 40 40 42 45"
 _OUTER_10 = (
@@ -59,6 +62,46 @@ BOUNDARIES = {
     **_boundary("NU2", _OUTER_02, _WIDTH_02),
     **_boundary("320", " ".join(_OUTER_10.split()[4:]), _WIDTH_T, " ".join(_TENS.split()[4:])),
 }
+
+#: Boundary dimensions that others published: bearings of DIN 625-1 in the library BOLTS (https://github.com/boltsparts/BOLTS_archive,
+#: data/bearings.blt), tapered ones of the catalogue of Nachi, and those of a gear unit of SEW-Eurodrive in a file of REXS.
+PUBLISHED_BOUNDARIES = {
+    "6000": [10, 26, 8],
+    "6001": [12, 28, 8],
+    "6002": [15, 32, 9],
+    "6003": [17, 35, 10],
+    "6004": [20, 42, 12],
+    "6005": [25, 47, 12],
+    "6006": [30, 55, 13],
+    "6007": [35, 62, 14],
+    "6200": [10, 30, 9],
+    "6201": [12, 32, 10],
+    "6202": [15, 35, 11],
+    "6203": [17, 40, 12],
+    "6204": [20, 47, 14],
+    "6205": [25, 52, 15],
+    "6206": [30, 62, 16],
+    "6207": [35, 72, 17],
+    "6300": [10, 35, 11],
+    "6301": [12, 37, 12],
+    "6302": [15, 42, 13],
+    "6303": [17, 47, 14],
+    "6304": [20, 52, 15],
+    "6305": [25, 62, 17],
+    "6308": [40, 90, 23],
+    "32004": [20, 42, 15],
+    "32005": [25, 47, 15],
+    "32006": [30, 55, 17],
+    "32007": [35, 62, 18],
+}
+#: Outside diameters of the diameter series 2, which the double-row ball bearings 42.. of DIN 625-3 share: library BOLTS.
+PUBLISHED_DIAMETERS_2 = dict(
+    zip(
+        range(19),
+        [30, 32, 35, 40, 47, 52, 62, 72, 80, 85, 90, 100, 110, 120, 125, 130, 140, 150, 160],
+        strict=True,
+    )
+)
 
 
 def rated_hours(load: float, capacity: float, exponent: float, rad_per_second: float) -> float:

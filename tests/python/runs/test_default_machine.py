@@ -10,7 +10,7 @@ import pytest
 
 import gearbow as gb
 from reference.equations import Balance
-from reference.helical import HelicalTrain
+from reference.helical import HelicalMesh, HelicalTrain
 from reference.machines import hostile, without_tooth_errors
 
 SPEEDS = [100.0, -250.0]
@@ -55,6 +55,32 @@ def test_matrices_and_responses(speed: float):
     own[at] = force
     expected = whole.response(-700.0, speed, own)[at]
     assert moved == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_a_transmission_error_of_one_mesh_moves_all(speed: float):
+    system, whole, _ = both(speed)
+    w, error = 900.0, 1e-6 * np.exp(0.4j)
+    source = gb.MeshExcitation("g4/g5", error)
+    found = system.frequency_response([w], source=source, speed=speed)
+
+    def impedance(mesh: HelicalMesh) -> complex:
+        return mesh.stiffness + 1j * w * mesh.damping
+
+    linear = [
+        (mesh, at, replace(mesh, runout=(0j, 0j)).linear(np.zeros(14), live=False)[1][:12])
+        for mesh, at, _ in whole.meshes
+    ]
+    force = np.zeros(whole.size, dtype=complex)
+    mesh, at, gradient = linear[2]
+    force[at] = impedance(mesh) * np.cos(mesh.base) * error * gradient
+    q = whole.response(w, speed, force)
+    forces = [impedance(mesh) * (gradient @ q[at]) for mesh, at, gradient in linear]
+    forces[2] -= impedance(mesh) * np.cos(mesh.base) * error
+    for name, expected in zip(("g1/g2", "g2/g3", "g4/g5"), forces, strict=True):
+        # round-off times the condition of the matrix with a free rotation
+        scale = 1e-7 * abs(impedance(mesh) * error)
+        assert found.mesh_force(name)[0, 0] == pytest.approx(expected, abs=scale), name
 
 
 @pytest.mark.parametrize("speed", SPEEDS)
