@@ -110,7 +110,8 @@ def simulate(
     initial : {"synchronous", "static", "rest"}, Response or SteadyState
         Initial state: static equilibrium plus linear synchronous response, static equilibrium,
         or q = q̇ = 0. Transmission errors and run-out do not contribute to the equilibrium, but
-        to the synchronous response if they turn once with a shaft. This response is linear: where a bow uses up the backlash, the flanks of this
+        to the synchronous response if they turn once with a shaft. This response is linear:
+        where a bow uses up the backlash, the flanks of this
         state overlap, and the run begins with large forces that are no motion of the machine
         (`MeshResponse.contact` is then 3 at the start). Skip the transient, or use
         `steady_state`. A
