@@ -286,7 +286,7 @@ impl Scene {
     }
 
     /// The nodes of a shaft at which bearings hold it, with the index of each bearing.
-    pub fn held_nodes(&self, shaft: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+    pub fn held_nodes(&self, shaft: usize) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
         let nodes = |(index, bearing): (usize, &Bearing)| bearing.nodes().map(move |node| (index, node));
         self.bearings
             .iter()

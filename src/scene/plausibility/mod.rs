@@ -13,8 +13,8 @@ use super::description::{self, SceneDescription, SleeveStiffness, SleeveStiffnes
 use super::gear::PUBLISHED_DATA_TOLERANCE;
 use super::number::short;
 use super::{
-    BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Node, Nonlinear, STANDARD_GRAVITY, Scene,
-    SceneError, Shaft,
+    Bearing, BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Node, Nonlinear, STANDARD_GRAVITY,
+    Scene, SceneError, Shaft,
 };
 use findings::Findings;
 use ranges::{
@@ -289,10 +289,11 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
 
 /// Warns of a shaft that nothing but one bearing without tilting stiffness holds: it may swing about the bearing.
 fn check_tilting(scene: &Scene, shaft: usize, found: &mut Findings) {
-    let mut held = scene.held_nodes(shaft);
-    let Some((bearing, node)) = held.next() else { return };
-    let holds_tilt = |index: usize| scene.bearings[index].tilting[0] > 0.0 || scene.bearings[index].ring().is_some();
-    if holds_tilt(bearing) || held.any(|(index, other)| other != node || holds_tilt(index)) {
+    let holds = |bearing: &Bearing| bearing.nonlinear.is_some() || largest_stiffness(&bearing.stiffness) > 0.0;
+    let holds_tilt = |bearing: &Bearing| bearing.tilting[0] > 0.0 || bearing.ring().is_some();
+    let mut held = scene.held_nodes(shaft).map(|(index, node)| (&scene.bearings[index], node));
+    let Some((_, node)) = held.clone().find(|(bearing, _)| holds(bearing)) else { return };
+    if held.any(|(bearing, other)| holds_tilt(bearing) || other != node && holds(bearing)) {
         return;
     }
     let is_on = |node: &Node| node.shaft == shaft;
