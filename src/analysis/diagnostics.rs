@@ -6,9 +6,10 @@
 use nalgebra::DVector;
 
 use super::AnalysisError;
+use super::simulate::{Event, EventKind};
 use crate::modal::{CachedModel, MAX_CONDITION};
 use crate::model::{Model, Support};
-use crate::scene::{Bearing, Shaft};
+use crate::scene::{Bearing, Shaft, short};
 
 /// Relative error of the slowest mode above which a warning is given.
 const ROUND_OFF_LIMIT: f64 = 1e-6;
@@ -80,6 +81,16 @@ pub fn small_displacement_check(model: &Model, largest: f64) -> Option<String> {
     let length = model.scene.shafts.iter().map(Shaft::length).fold(0.0, f64::max);
     (largest > length && model.local_elements().next().is_some()).then(|| {
         format!("a displacement is {largest:.1e} m, more than the length of the longest shaft, {length} m: the equations assume small displacements")
+    })
+}
+
+/// Returns a warning for each mesh whose contact ratio falls below one in a run with these `events`, at the first time.
+pub fn contact_ratio_check<'a>(model: &'a Model, events: &'a [Event]) -> impl Iterator<Item = String> + 'a {
+    (0..model.meshes.len()).filter_map(move |mesh| {
+        let lost = |event: &&Event| event.mesh == mesh && event.kind == EventKind::RatioBelowOne;
+        let Event { time, .. } = events.iter().find(lost)?;
+        let [driver, driven] = model.gear_names(mesh);
+        Some(format!("contact ratio: that of \"{driver}\" and \"{driven}\" falls below 1 at {} s: at times no teeth are in contact, and only a stiffness of tooth pairs is then zero; reduce the bow or the displacement of the gears", short(*time)))
     })
 }
 

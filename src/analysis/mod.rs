@@ -37,7 +37,7 @@ mod thrust;
 
 pub use campbell::{Campbell, ExcitationLine, ExcitationSource, Intersection, Threshold, campbell, lines};
 pub use critical::{Critical, CriticalPoint, critical_speed_map, critical_speeds, memory_of_critical_speeds};
-pub use diagnostics::{ill_conditioning, parallel_modes_check, small_displacement_check};
+pub use diagnostics::{contact_ratio_check, ill_conditioning, parallel_modes_check, small_displacement_check};
 pub use discretisation::{Choice, ElementErrors, Resolved, resolve, resolve_variation};
 pub use efficiency::{Losses, losses};
 pub use equilibrium::{equilibrium, equilibrium_residuals};

@@ -11,7 +11,7 @@ use super::handle::PyModel;
 use super::options::RecordEntry;
 use super::response::response_dict;
 use crate::analysis::simulate::{self, Method, Options, RecordPlan};
-use crate::analysis::{AnalysisError, parallel_modes_check, small_displacement_check};
+use crate::analysis::{AnalysisError, contact_ratio_check, parallel_modes_check, small_displacement_check};
 
 /// Runs a simulation and calls `progress` with the completed fraction.
 ///
@@ -37,10 +37,12 @@ pub fn simulate<'py>(
         Ok(response) => {
             let largest = response.record.displacement.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             let parallel = parallel_modes_check(response.condition).filter(|_| is_exponential);
+            let texts = small_displacement_check(owner.model(), largest).into_iter().chain(parallel);
+            let texts: Vec<_> = texts.chain(contact_ratio_check(owner.model(), &response.record.events)).collect();
             let response = response_dict(owner, py, &plan, response)?;
             // Python may raise after the last report.
             let mut reported = raised.map_or(Ok(()), Err);
-            for text in small_displacement_check(owner.model(), largest).into_iter().chain(parallel) {
+            for text in texts {
                 reported = reported.and_then(|()| warn(py, text));
             }
             if let Some(progress) = progress.filter(|_| reported.is_ok()) {

@@ -37,7 +37,7 @@ impl Bearing {
     }
 
     /// Its nodes: that of its shaft and, for a bearing between two shafts, that of the other one.
-    pub fn nodes(&self) -> impl Iterator<Item = Node> + use<> {
+    pub fn nodes(&self) -> impl Iterator<Item = Node> + Clone + use<> {
         let other = match self.attachment {
             Some(Attachment::Shaft(node)) => Some(node),
             Some(Attachment::Housing { .. }) | None => None,

@@ -8,7 +8,7 @@
 //! - Parts: `shaft`, `material`, `bow`, `gear`, `mesh`, `teeth`, `stiffness`, `bearing`, `nonlinear`, `journal`,
 //!   `rolling` (`catalogue` estimates its elements), `housing`, `loads`.
 //! - The train: `train` (speed ratios, balance of the torques), `centre_distance` (gears with profile shift), `contact`
-//!   (path of contact at rest), `place` (names and positions).
+//!   (path of contact at rest), `place` (names and positions), `rigid` (the largest stiffness of springs).
 //! - Values: `curve` and `speed_table` (tables), `modal_damping` (ratios of modes), `hertz` (stiffness of rolling elements), `accuracy` (the promised errors
 //!   and the settings that keep them).
 //! - Messages: `error`, `number`; `plausibility` warns of values that no real machine has.
@@ -35,6 +35,7 @@ mod nonlinear;
 mod number;
 mod place;
 mod plausibility;
+mod rigid;
 mod rolling;
 mod shaft;
 mod speed_table;
@@ -206,6 +207,7 @@ impl Scene {
         scene.axial = scene.has_axial_motion(system.motion);
         let implausible = plausibility::check(system, &scene)?;
         scene.warnings.extend(implausible);
+        scene.limit_stiffness();
         Ok(scene)
     }
 
@@ -284,7 +286,7 @@ impl Scene {
     }
 
     /// The nodes of a shaft at which bearings hold it, with the index of each bearing.
-    pub fn held_nodes(&self, shaft: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+    pub fn held_nodes(&self, shaft: usize) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
         let nodes = |(index, bearing): (usize, &Bearing)| bearing.nodes().map(move |node| (index, node));
         self.bearings
             .iter()

@@ -84,6 +84,17 @@ impl Element {
         std::iter::once(&self.body).chain(&self.sleeves)
     }
 
+    /// EA, N, EI and GJ, N m², in the middle.
+    pub(super) fn rigidities(&self) -> [f64; 3] {
+        self.tubes().fold([0.0; 3], |[axial, bending, torsion], tube| {
+            let [outer, inner] = tube.radii(0.5);
+            let area = tube.stiffness * PI * (outer * outer - inner * inner);
+            let inertia = area * (outer * outer + inner * inner) / 4.0;
+            let Material { youngs_modulus, shear_modulus, .. } = tube.material;
+            [axial + youngs_modulus * area, bending + youngs_modulus * inertia, torsion + 2.0 * shear_modulus * inertia]
+        })
+    }
+
     /// Mass with sleeves, kg.
     pub fn mass(&self) -> f64 {
         self.tubes().map(|tube| tube.mass(self.length)).sum()

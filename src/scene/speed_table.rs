@@ -5,6 +5,7 @@
 //! monotone, so no stiffness lies outside the values of its neighbours.
 
 use super::description::{self, Coefficient, Outside, TableValue};
+use super::rigid::limited;
 use super::{EntryPath, SceneError};
 use crate::numerics::{PiecewiseCubic, Place, ROUND_OFF, monotone_slopes};
 
@@ -205,6 +206,24 @@ impl BearingCoefficient {
         match self {
             Self::Constant(constant) => std::slice::from_ref(constant),
             Self::Table(SpeedTable { values, .. }) | Self::OverFrequency(FrequencyTable { values, .. }) => values,
+        }
+    }
+
+    /// Limits the diagonal of every value, see [`limited`].
+    pub(super) fn limit(&mut self, largest: f64) {
+        let exceeds = |value: &Matrix2| value[0][0] > largest || value[1][1] > largest;
+        if !self.extremes().iter().any(exceeds) {
+            return;
+        }
+        let within = |values: &[Matrix2]| values.iter().map(|value| limited(*value, largest)).collect::<Vec<_>>();
+        match self {
+            Self::Constant(value) => *value = limited(*value, largest),
+            Self::Table(table) => *table = SpeedTable::new(table.curve.x.clone(), within(&table.values), table.holds),
+            Self::OverFrequency(table) => {
+                table.values = within(&table.values);
+                let rows = table.values.chunks_exact(table.curves[0].x.len());
+                table.curves = table.curves.iter().zip(rows).map(|(old, row)| curve(old.x.clone(), row)).collect();
+            }
         }
     }
 

@@ -15,6 +15,8 @@ import gearbow as gb
 from reference.teeth import TeethLaw, Toothed, propagate, tips
 from systems import Hold, apart, train
 
+pytestmark = pytest.mark.filterwarnings("ignore:contact ratio:gearbow.AccuracyWarning")
+
 SPEED, PAIR = 600.0, 1.5e8
 TORSION = Toothed(torque=80.0, mesh={"damping_ratio": 0.03})
 

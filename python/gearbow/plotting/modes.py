@@ -26,6 +26,8 @@ def overview(
     """Draw mode shapes along the shafts."""
     shafts = [shaft.name for shaft in layout.shafts]
     places = {base.name: float(np.mean([x for _, x in base.feet])) for base in layout.bases}
+    if not titles:
+        return _without_modes(ax)
     with panels(len(titles), 3.5, columns=2, width=13.0, ax=ax) as (figure, axes):
         for mode, (panel, title) in enumerate(zip(axes, titles, strict=True)):
             lines = {"v": "-", "w": "--"} if drawn[mode] == "lateral" else {drawn[mode]: "-"}
@@ -57,8 +59,17 @@ def _real(shape: ComplexArray, drawn: Sequence[bool]) -> Array:
     return np.real(shape / largest) if largest != 0.0 else np.real(shape)
 
 
+def _without_modes(ax: GivenAxes) -> Figure:
+    """Say that there is no mode to draw."""
+    with panels(1, 3.5, columns=1, width=6.5, ax=ax) as (figure, (panel,)):
+        panel.set_title("no modes", fontsize=text_size(1.0))
+    return figure
+
+
 def assurance(mac: Array, computed: Array, measured: Array, *, ax: GivenAxes = None) -> Figure:
     """Draw MAC of computed and measured modes as a table of colours."""
+    if mac.size == 0:
+        return _without_modes(ax)
     with panels(1, 6.0, columns=1, width=8.0, ax=ax) as (figure, (panel,)):
         image = panel.imshow(mac.T, vmin=0.0, vmax=1.0, origin="lower", cmap="Blues", aspect="auto")
         figure.colorbar(image, ax=panel, label="MAC")

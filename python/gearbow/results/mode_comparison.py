@@ -64,7 +64,7 @@ class ModeComparison(Result, ReadOnly):
         tuple of (int, int)
             Numbers of the computed and the measured mode, from 1.
         """
-        best = np.argmax(self.mac, axis=0).tolist()
+        best = np.argmax(self.mac, axis=0).tolist() if self.mac.size else []
         return tuple((i + 1, j + 1) for j, i in enumerate(best))
 
     def plot(self, *, ax: Any = None) -> "Figure":
@@ -87,14 +87,13 @@ class ModeComparison(Result, ReadOnly):
 
     def _columns(self) -> list[Column]:
         """Give a row for each measured mode."""
-        computed = np.array([i - 1 for i, _ in self.pairs], dtype=np.intp)
-        own = np.arange(self.measured_hz.size)
-        found = self.computed_hz[computed]
+        computed, own = np.reshape(np.array(self.pairs, dtype=np.intp), (-1, 2)).T - 1
+        found, measured = self.computed_hz[computed], self.measured_hz[own]
         with np.errstate(invalid="ignore", divide="ignore"):
-            difference = 100.0 * (found / self.measured_hz - 1.0)
+            difference = 100.0 * (found / measured - 1.0)
         return [
             Column("measured mode", own + 1),
-            Column("measured", self.measured_hz, "Hz", ".3f"),
+            Column("measured", measured, "Hz", ".3f"),
             Column("computed mode", computed + 1),
             Column("computed", found, "Hz", ".3f"),
             Column("difference", difference, "%", ".2f"),

@@ -270,8 +270,8 @@ class Modes(Result, ReadOnly):
             np.where(known, measured.displacements, 0.0),
             self._translations(measured.places),
         ]
-        given, own = (each.reshape(len(each), -1) for each in shapes)
-        counted = known.reshape(len(known), -1)
+        given, own = (each.reshape(len(each), 2 * each.shape[1]) for each in shapes)
+        counted = known.reshape(len(known), 2 * known.shape[1])
         cross = np.abs(own @ np.conj(given).T) ** 2
         sizes = (np.abs(own) ** 2 @ counted.T) * np.sum(np.abs(given) ** 2, axis=1)
         mac = np.divide(cross, sizes, out=np.zeros_like(sizes), where=sizes > 0.0)

@@ -109,8 +109,9 @@ def simulate(
         `Statistics.modes_error` gives the error.
     initial : {"synchronous", "static", "rest"}, Response or SteadyState
         Initial state: static equilibrium plus linear synchronous response, static equilibrium,
-        or q = q̇ = 0. Transmission errors and run-out do not contribute to the equilibrium. The
-        synchronous response is linear: where a bow uses up the backlash, the flanks of this
+        or q = q̇ = 0. Transmission errors and run-out do not contribute to the equilibrium, but
+        to the synchronous response if they turn once with a shaft. This response is linear:
+        where a bow uses up the backlash, the flanks of this
         state overlap, and the run begins with large forces that are no motion of the machine
         (`MeshResponse.contact` is then 3 at the start). Skip the transient, or use
         `steady_state`. A

@@ -7,7 +7,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
 use super::super::synchronous::{motion, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart, Spectrum};
-use super::run_cache::{Amplitudes, RunCache, StartKey};
+use super::run_cache::{Amplitudes, RunCache, SynchronousKey};
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
 use crate::integrate::{
@@ -177,26 +177,24 @@ fn equilibrium_at(
 }
 
 /// Complex amplitudes of the synchronous motion of a key, one column for each source shaft.
-fn amplitudes(cached: &CachedModel, key: StartKey) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    let StartKey { speed, flank_speed, uses_components } = key;
+fn amplitudes(cached: &CachedModel, key: SynchronousKey) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
+    let SynchronousKey { speed, flank_speed, uses_components, part } = key;
     let model = &cached.model;
     let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
-    let sources: Vec<usize> =
-        (0..model.shafts.len()).filter(|shaft| !model.shafts[*shaft].excitations.is_empty()).collect();
     // A reduced run has modal damping on few modes.
     let fastest = model.max_speed_ratio() * speed.abs();
     let highest = Highest::Frequency(if uses_components { fastest } else { f64::INFINITY });
-    for shaft in sources {
-        let found = synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::Loads, highest)?;
+    for shaft in 0..model.shafts.len() {
+        let found = synchronous_of(cached, speed, flank_speed, shaft, part, highest)?;
         amplitudes.set_column(shaft, &found.phasors);
     }
     Ok(amplitudes)
 }
 
 /// The synchronous motion of a key, which the runs of a system share.
-pub(super) fn start_amplitudes(cached: &CachedModel, key: StartKey) -> Result<Amplitudes, AnalysisError> {
+pub(super) fn synchronous_amplitudes(cached: &CachedModel, key: SynchronousKey) -> Result<Amplitudes, AnalysisError> {
     let known = cached.run_results::<RunCache>();
-    known.start_amplitudes.get_or_try(key, || amplitudes(cached, key).map(Arc::new))
+    known.synchronous.get_or_try(key, || amplitudes(cached, key).map(Arc::new))
 }
 
 /// Displacements and velocities of the equilibrium `found` plus the linear synchronous motion at the origin of `rotation`.
@@ -209,7 +207,8 @@ fn synchronous(
     let time = rotation.origin;
     let speed = options.speed.at(time);
     let uses_components = options.uses_components(&cached.model);
-    let amplitudes = start_amplitudes(cached, StartKey { speed, flank_speed: options.fastest(), uses_components })?;
+    let (flank_speed, part) = (options.fastest(), ExcitationPart::All);
+    let amplitudes = synchronous_amplitudes(cached, SynchronousKey { speed, flank_speed, uses_components, part })?;
     check_size(cached, &amplitudes)?;
     let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
     let (q, v) = motion(cached, speed, &amplitudes, &phasors);

@@ -6,8 +6,8 @@ use nalgebra::{Complex, DMatrix};
 
 use super::super::synchronous::synchronous_of;
 use super::super::{AnalysisError, ExcitationPart};
-use super::initial::{Start, start_amplitudes};
-use super::run_cache::{ResponseKey, RunCache, StartKey};
+use super::initial::{Start, synchronous_amplitudes};
+use super::run_cache::{ResponseKey, RunCache, SynchronousKey};
 use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, Loads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
@@ -76,8 +76,10 @@ impl<'m> ModalSetup<'m> {
                 match response {
                     Some(found) => amplitudes.set_column(*shaft, found),
                     None => {
-                        let key = StartKey { speed, flank_speed: speed, uses_components: false };
-                        amplitudes.set_column(*shaft, &start_amplitudes(cached, key)?.column(*shaft));
+                        // The meshes of the run contain run-out and transmission errors.
+                        let part = ExcitationPart::Loads;
+                        let key = SynchronousKey { speed, flank_speed: speed, uses_components: false, part };
+                        amplitudes.set_column(*shaft, &synchronous_amplitudes(cached, key)?.column(*shaft));
                     }
                 }
             }

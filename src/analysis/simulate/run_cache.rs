@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::super::ExcitationPart;
 use super::known_reduction::{KnownReduction, ReductionKey};
 use crate::exponential::{PropagatorCache, PropagatorKey};
 use crate::modal::{ModalStateSpace, Recent};
@@ -13,15 +14,17 @@ use crate::modal::{ModalStateSpace, Recent};
 /// Number of settings whose propagators and reductions are kept: they take most of the memory, see docs/limits.md.
 const KEPT_SETTINGS: usize = 2;
 
-/// What the synchronous motion at the start of a run reads beside its model.
+/// What a synchronous motion that a run uses reads beside its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct StartKey {
+pub(super) struct SynchronousKey {
     /// Speed of the reference shaft, rad/s.
     pub speed: f64,
     /// Speed of the reference shaft that determines the flanks in contact, rad/s.
     pub flank_speed: f64,
     /// Whether modal damping acts on the modes of the components.
     pub uses_components: bool,
+    /// What excites.
+    pub part: ExcitationPart,
 }
 
 /// What the synchronous responses of a linear motion read: the arguments of [`ModalStateSpace::synchronous`].
@@ -61,8 +64,8 @@ pub(super) type SourceResponses = Arc<Vec<Option<DVector<Complex<f64>>>>>;
 pub(super) struct RunCache {
     /// Propagators.
     pub propagators: Recent<Arc<PropagatorKey>, Arc<PropagatorCache>, KEPT_SETTINGS>,
-    /// Synchronous motions at the start.
-    pub start_amplitudes: Recent<StartKey, Amplitudes>,
+    /// Synchronous motions.
+    pub synchronous: Recent<SynchronousKey, Amplitudes>,
     /// Synchronous responses of the linear motion; they keep this in memory, as the propagators do.
     pub responses: Recent<ResponseKey, SourceResponses, KEPT_SETTINGS>,
     /// Reductions with their measured errors; none for a run that keeps all modes.

@@ -13,8 +13,8 @@ use super::description::{self, SceneDescription, SleeveStiffness, SleeveStiffnes
 use super::gear::PUBLISHED_DATA_TOLERANCE;
 use super::number::short;
 use super::{
-    BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Nonlinear, STANDARD_GRAVITY, Scene, SceneError,
-    Shaft,
+    Bearing, BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Node, Nonlinear, STANDARD_GRAVITY,
+    Scene, SceneError, Shaft,
 };
 use findings::Findings;
 use ranges::{
@@ -94,7 +94,10 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
         found.check(&EntryPath::entry("torques", index), strain, &SHAFT_TORSION);
     }
     if scene.lateral {
-        (0..scene.shafts.len()).for_each(|shaft| check_supports(scene, shaft, &mut found));
+        for shaft in 0..scene.shafts.len() {
+            check_tilting(scene, shaft, &mut found);
+            check_supports(scene, shaft, &mut found);
+        }
     }
     found.check(&EntryPath::root("modal_damping"), scene.modal_damping.largest(), &MODAL_DAMPING);
     found.check(&EntryPath::root("gravity"), scene.gravity[0].hypot(scene.gravity[1]), &GRAVITY);
@@ -284,6 +287,33 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
     }
 }
 
+/// Warns of a shaft that nothing but one bearing without tilting stiffness holds: it may swing about the bearing.
+fn check_tilting(scene: &Scene, shaft: usize, found: &mut Findings) {
+    let holds = |bearing: &Bearing| bearing.nonlinear.is_some() || largest_stiffness(&bearing.stiffness) > 0.0;
+    let holds_tilt = |bearing: &Bearing| bearing.tilting[0] > 0.0 || bearing.ring().is_some();
+    let mut held = scene.held_nodes(shaft).map(|(index, node)| (&scene.bearings[index], node));
+    let Some((_, node)) = held.clone().find(|(bearing, _)| holds(bearing)) else { return };
+    if held.any(|(bearing, other)| holds_tilt(bearing) || other != node && holds(bearing)) {
+        return;
+    }
+    let is_on = |node: &Node| node.shaft == shaft;
+    let gears = scene.meshes.iter().flat_map(|mesh| [mesh.driver, mesh.driven]);
+    let is_meshed = gears.map(|gear| scene.gears[gear].body.node).any(|gear| is_on(&gear) && gear.node != node);
+    let is_coupled = scene.couplings.iter().any(|coupling| {
+        let away = coupling.hubs.iter().find(|hub| is_on(hub)).is_some_and(|hub| hub.node != node);
+        away && coupling.lateral.stiffness > 0.0 || coupling.tilting.stiffness > 0.0 && coupling.hubs.iter().any(is_on)
+    });
+    if !is_meshed && !is_coupled {
+        let shape = &scene.shafts[shaft];
+        let message = format!(
+            "the bearing at {} m alone holds \"{}\", which may swing about it; add a bearing, or give tilting_stiffness",
+            short(shape.nodes[node]),
+            shape.name
+        );
+        found.add("single bearing", &EntryPath::entry("shafts", shaft), &message);
+    }
+}
+
 /// Checks the deflection of a shaft and of its bearings under its weight. The weight of the bodies on the shaft is
 /// distributed over its length.
 fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
@@ -299,7 +329,7 @@ fn check_supports(scene: &Scene, shaft: usize, found: &mut Findings) {
     let weight = STANDARD_GRAVITY * mass_on(scene, shaft);
     let length = shape.length();
     // A beam on two supports has the deflection 5qs⁴/384EI. The compliance is the mean over the sections.
-    let compliance: f64 = shape.elements.iter().map(|element| element.length / bending_stiffness(element)).sum();
+    let compliance: f64 = shape.elements.iter().map(|element| element.length / element.rigidities()[1]).sum();
     let compliance = compliance / length;
     let radius = largest_radius(shape);
     found.check(&at, 5.0 / 384.0 * weight / length * span.powi(4) * compliance / radius, &SHAFT_SAG);
@@ -356,15 +386,6 @@ fn mass_on(scene: &Scene, shaft: usize) -> f64 {
 
 fn largest_radius(shaft: &Shaft) -> f64 {
     shaft.elements.iter().map(super::Element::outer_radius).fold(0.0, f64::max)
-}
-
-/// EI in the middle of an element, N m².
-fn bending_stiffness(element: &super::Element) -> f64 {
-    let of = |tube: &super::Tube| {
-        let [outer, inner] = tube.radii(0.5);
-        tube.stiffness * tube.material.youngs_modulus * PI / 4.0 * (outer.powi(4) - inner.powi(4))
-    };
-    element.tubes().map(of).sum()
 }
 
 /// The largest stiffness along y or z, at any speed, N/m.

@@ -139,7 +139,8 @@ def test_shafts_and_gears_have_their_positions():
 def test_the_hidden_edges_of_a_bore_are_dashed():
     segments = [gb.Segment(0.3, 0.06), gb.Segment(0.5, 0.08, inner_diameter=0.03)]
     shaft = gb.Shaft("s", segments=segments)
-    side = gb.RotorSystem([shaft], bearings=[gb.Bearing("s", 0.1, stiffness=1e8)]).plot().axes[0]
+    held = gb.Bearing("s", 0.1, stiffness=1e8, tilting_stiffness=1e6)
+    side = gb.RotorSystem([shaft], bearings=[held]).plot().axes[0]
     dashed = [line.get_xydata() for line in side.get_lines() if line.get_linestyle() == "--"]
     expected = [[[0.3, 0.015], [0.8, 0.015]], [[0.3, -0.015], [0.8, -0.015]]]
     np.testing.assert_allclose(dashed, expected)

@@ -92,11 +92,12 @@ def test_a_machine_is_read_again_without_what_the_warning_names(name: str, tmp_p
 def test_what_rexs_cannot_hold_is_named(tmp_path: Path):
     shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
     table = gb.SpeedTable((0.0, 100.0), (1e8, 2e8))
-    system = gb.RotorSystem([shaft], bearings=[gb.Bearing("rotor", 0.0, stiffness=table)])
+    other = gb.Bearing("rotor", 1.0, stiffness=1e8)
+    system = gb.RotorSystem([shaft], bearings=[gb.Bearing("rotor", 0.0, stiffness=table), other])
     with pytest.raises(gb.SceneError, match=r"bearings\[0\]\.stiffness: REXS cannot hold a table"):
         system.save(tmp_path / "a.rexs")
     damped = gb.Bearing("rotor", 0.0, stiffness=1e8, damping=100.0)
-    system = gb.RotorSystem([shaft], bearings=[damped])
+    system = gb.RotorSystem([shaft], bearings=[damped, other])
     assert written(system, tmp_path / "a.rexs") == ["bearings.damping"]
     with pytest.raises(gb.SceneError, match=r"must end with \.toml or \.rexs"):
         system.save(tmp_path / "a.rexsz")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -33,17 +35,20 @@ def stiff(damping: float) -> list[gb.Bearing]:
     return [gb.Bearing("s", x, stiffness=5e7, damping=damping) for x in (0.0, 1.0)]
 
 
-CASES = {
-    "internal damping": rotor(*stiff(1e3), internal_damping=1e-4),
-    "strong internal damping": rotor(*stiff(1e3), internal_damping=2e-3),
-    "strong dampers": rotor(*stiff(3e5)),
-    "oil films": rotor(*(gb.JournalBearing("s", x, **FILM) for x in (0.0, 1.0))),
-    "light damping": rotor(*stiff(100.0)),
-    "no damping": rotor(*stiff(0.0)),
-    "one free shaft": rotor(
-        replace(stiff(1e3)[0], tilting_stiffness=0.0), internal_damping=1e-4
-    ).replace(gravity=0.0),
-}
+with warnings.catch_warnings():
+    # The free shaft swings about its only bearing.
+    warnings.simplefilter("ignore", gb.SceneWarning)
+    CASES = {
+        "internal damping": rotor(*stiff(1e3), internal_damping=1e-4),
+        "strong internal damping": rotor(*stiff(1e3), internal_damping=2e-3),
+        "strong dampers": rotor(*stiff(3e5)),
+        "oil films": rotor(*(gb.JournalBearing("s", x, **FILM) for x in (0.0, 1.0))),
+        "light damping": rotor(*stiff(100.0)),
+        "no damping": rotor(*stiff(0.0)),
+        "one free shaft": rotor(
+            replace(stiff(1e3)[0], tilting_stiffness=0.0), internal_damping=1e-4
+        ).replace(gravity=0.0),
+    }
 
 
 def eigenvalues(system: gb.RotorSystem, speed: float) -> np.ndarray:
@@ -63,8 +68,8 @@ def eigenvalues(system: gb.RotorSystem, speed: float) -> np.ndarray:
 def vibrating(system: gb.RotorSystem, speed: float, values: np.ndarray) -> np.ndarray:
     """Tell which eigenvalues are vibrations: from the ground, and from a shaft that relaxes faster than 1/2β."""
     found = values.imag > 0.05 * np.abs(values)
-    for shaft in system.shafts:
-        seen = values - 1j * abs(speed)
+    for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True):
+        seen = values - 1j * abs(speed * ratio)
         relaxes = shaft.internal_damping * seen.real < -0.5
         found &= ~(relaxes & (np.abs(seen.imag) <= 0.05 * np.abs(seen)))
     return found
@@ -138,12 +143,80 @@ def test_a_panic_of_the_core_is_an_error_to_report():
         _core.panic_in_analysis("planted")
 
 
-def test_no_vibration_is_an_empty_result():
-    # A disk on a massless shaft in dampers that are far above critical: every motion of the only plane is overdamped.
-    system = rotor(*stiff(0.0), internal_damping=1.0)
-    found = system.modes(0.0, vibrating=True)
+@pytest.mark.parametrize("elements", [2, 40])
+def test_no_vibration_is_an_empty_result(elements):
+    # dense and band matrices; damping in proportion to mass and stiffness that is far above critical
+    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=elements)
+    system = gb.RotorSystem([shaft], bearings=stiff(1e3), rayleigh=(1e5, 1e-2))
+    found, every = system.modes(0.0, vibrating=True), system.modes(0.0)
+    assert found.eigenvalues.size == 0 < every.eigenvalues.size
     text = str(found) + repr(found)
     assert "overdamped" not in text
-    assert len(found.whirl) == len(found.names()) == len(found.eigenvalues)
-    assert found.compare(found).mac.shape == (len(found.whirl),) * 2
+    assert len(found.whirl) == len(found.names()) == 0
+    for one, other in ((found, found), (found, every), (every, found)):
+        compared = one.compare(other)
+        assert compared.mac.shape == (len(one.whirl), len(other.whirl))
+        assert compared.pairs == ()
+        assert len(compared.to_dataframe()) == 0
+        str(compared), repr(compared), compared.plot()
     found.plot()
+
+
+def random_train(seed: int) -> tuple[gb.RotorSystem, float]:
+    """Return a train of one to three shafts with weak and strong dampers, and a speed."""
+    random = np.random.default_rng(seed)
+    count, elements = int(random.integers(1, 4)), int(random.choice([2, 8, 16]))
+    shafts = [
+        gb.Shaft(
+            name,
+            length=random.uniform(0.2, 1.0),
+            outer_diameter=random.uniform(0.02, 0.08),
+            elements=elements,
+            internal_damping=random.choice([0.0, 1e-6, 1e-4]),
+        )
+        for name in "abc"[:count]
+    ]
+    helix = random.choice([0.0, 0.2])
+    bearings = [
+        gb.Bearing(
+            shaft.name,
+            x,
+            stiffness=stiffness * np.array([[1.0, 0.1], [-0.05, 1.3]]),
+            damping=random.choice([0.0, 300.0, 1e4, 3e5]),
+            axial_stiffness=stiffness / 3.0,
+            tilting_stiffness=random.choice([0.0, 1e4]),
+        )
+        for shaft in shafts
+        for x in (0.0, shaft.length)
+        for stiffness in [10.0 ** random.uniform(6.0, 9.0)]
+    ]
+    gears, meshes = [], []
+    for first, second in pairwise(shafts):
+        pair = [f"{first.name}{second.name}", f"{second.name}{first.name}"]
+        for name, shaft, sense in zip(pair, (first, second), (1.0, -1.0), strict=True):
+            x, teeth = shaft.length * random.uniform(0.2, 0.8), int(random.choice([17, 31, 53]))
+            body = {"module": 3e-3, "face_width": 0.03, "helix_angle": sense * helix}
+            gears.append(gb.Gear(name, shaft.name, x, teeth, **body))
+        meshes.append(
+            gb.Mesh(*pair, stiffness=10.0 ** random.uniform(7.5, 8.7), damping_ratio=0.05)
+        )
+    speed = random.choice([0.0, 150.0, -400.0, 900.0, -2500.0])
+    return gb.RotorSystem(shafts, gears, meshes, bearings), speed
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_trains_have_the_modes_of_dense_matrices(seed: int):
+    system, speed = random_train(seed)
+    every = eigenvalues(system, speed)
+    # Round-off leaves 5e-3 rad/s of rigid-body motions; dampers relax with k/c above 3 rad/s.
+    every = every[np.abs(every) > 0.1]
+    vibrations = every[vibrating(system, speed, every)]
+    for count in (1, 10, 25):
+        for vibrates, motions in ((False, every), (True, vibrations)):
+            found = system.modes(speed, count=count, vibrating=vibrates).eigenvalues
+            moving = found[found != 0.0]
+            wanted = motions[: count - len(found) + len(moving)]
+            assert len(moving) == len(wanted)
+            # NumPy leaves 1e-8 of the highest eigenvalues, which are up to 1e3 times the wanted ones.
+            np.testing.assert_allclose(np.abs(moving), np.abs(wanted), rtol=1e-5)
+            assert all(np.min(np.abs(every - value)) < 1e-5 * abs(value) for value in moving)

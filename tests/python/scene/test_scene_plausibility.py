@@ -309,6 +309,63 @@ def geared(size: float, module: float, teeth: tuple[int, int], **options: Any) -
     )
 
 
+ONE_BEARING = {"stiffness": 1e8}
+SWINGING: dict[str, tuple[dict[str, Any], bool]] = {
+    "one bearing": ({}, True),
+    "two bearings at one place": ({"bearings": [gb.Bearing("b", 0.1, **ONE_BEARING)] * 2}, True),
+    "two bearings": ({"bearings": [gb.Bearing("b", x, **ONE_BEARING) for x in (0.1, 0.4)]}, False),
+    "tilting stiffness": (
+        {"bearings": [gb.Bearing("b", 0.1, **ONE_BEARING, tilting_stiffness=1e4)]},
+        False,
+    ),
+    "bearing between shafts": (
+        {
+            "bearings": [
+                gb.Bearing("b", 0.1, **ONE_BEARING),
+                gb.Bearing("b", 0.5, **ONE_BEARING, support=("a", 0.25)),
+            ]
+        },
+        False,
+    ),
+    "mesh": (
+        {
+            "gears": [gb.Gear(f"g{s}", s, 0.3, 25, module=3e-3, face_width=0.03) for s in "ab"],
+            "meshes": [gb.Mesh("ga", "gb", stiffness=2e8)],
+        },
+        False,
+    ),
+    "coupling": (
+        {
+            "couplings": [
+                gb.Coupling(("a", 0.5), ("b", 0.0), torsional_stiffness=1e4, lateral_stiffness=1e7)
+            ]
+        },
+        False,
+    ),
+    "torsion": ({"motion": "torsion"}, False),
+}
+
+
+@pytest.mark.parametrize("name", SWINGING)
+def test_a_shaft_that_one_bearing_holds_may_swing(name: str):
+    changes, swings = SWINGING[name]
+    own_speed = None if {"meshes", "couplings"} & changes.keys() else 2.0
+    shafts = [
+        gb.Shaft(each, length=0.5, outer_diameter=0.05, elements=2, speed_ratio=ratio)
+        for each, ratio in (("a", None), ("b", own_speed))
+    ]
+    held = [gb.Bearing("a", x, **ONE_BEARING) for x in (0.0, 0.5)]
+    own = changes.get("bearings", [gb.Bearing("b", 0.1, **ONE_BEARING)])
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        gb.RotorSystem(shafts, **{**changes, "bearings": [*held, *own]})
+    message = (
+        'shafts[1]: the bearing at 0.1 m alone holds "b", which may swing about it; add a bearing, '
+        "or give tilting_stiffness"
+    )
+    assert [str(each.message) for each in caught] == ([message] if swings else [])
+
+
 @pytest.mark.parametrize("path", ROTORS, ids=lambda path: path.stem)
 def test_no_published_rotor_is_implausible(path):
     with warnings.catch_warnings(record=True) as caught:
