@@ -19,14 +19,12 @@ use std::sync::Arc;
 use nalgebra::{Complex, DVector};
 
 use super::assignment::{Assignment, MIN_CORRELATION, equal};
-use super::modes::{
-    FURTHER_MODES, highest_damped, is_banded, lowest_modes, lowest_modes_in_tables, require, uses_bands,
-};
+use super::modes::{FURTHER_MODES, highest_damped, lowest_modes, lowest_modes_in_tables, require, uses_bands};
 use super::own_frequency;
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
-    self, AtSpeed, CachedModel, EquationForces, Highest, ModalDamping, Mode, ModeAtSpeed, ModeSelection, Quadratic,
-    Residuals, Whirl,
+    self, AtSpeed, CachedModel, EquationForces, FullEquations, Highest, ModalDamping, Mode, ModeAtSpeed, ModeSelection,
+    ModeSpace, Residual, Residuals, Unknown, Whirl,
 };
 use crate::model::Model;
 use crate::scene::EntryPath;
@@ -35,6 +33,8 @@ pub use threshold::Threshold;
 
 /// Largest number of times that a step is halved.
 const MAX_HALVINGS: u32 = 10;
+/// Largest number of times that the range of an intersection is halved.
+const MAX_BISECTIONS: u32 = 40;
 /// Largest number of times that a step is halved before the lowest modes are computed.
 const MAX_FOLLOWED_HALVINGS: i32 = 4;
 /// Fraction of the first step at which modes with equal eigenvalues at the first speed are distinguished.
@@ -43,6 +43,8 @@ const START_OFFSET: f64 = 1e-3;
 const MIN_CORRELATION_ON_LINE: f64 = 0.7;
 /// Number of speeds before the current one from which modes are extrapolated: by parabolas.
 const EXTRAPOLATED_SPEEDS: usize = 2;
+/// Largest dimension of the space of modes for each tracked mode. Beyond it, the space begins again with the last modes.
+const MAX_DIMENSIONS_PER_MODE: usize = 8;
 /// Part of the highest computed frequency above which a mode may have left the computed ones.
 const NEAR_TOP: f64 = 0.8;
 
@@ -165,6 +167,20 @@ struct Previous {
     modes: Vec<State>,
 }
 
+/// The model whose matrices the space of modes has.
+struct Projected<'a> {
+    /// Speed of the reference shaft, rad/s.
+    speed: f64,
+    cached: AtSpeed<'a>,
+    modal: Option<Arc<ModalDamping>>,
+}
+
+impl Projected<'_> {
+    fn equations(&self) -> FullEquations<'_> {
+        FullEquations { model: &self.cached.model, modal: self.modal.as_deref() }
+    }
+}
+
 /// Tracked modes up to the current speed.
 struct Tracker<'a> {
     cached: &'a CachedModel,
@@ -172,8 +188,10 @@ struct Tracker<'a> {
     interrupt: &'a Interrupt,
     /// The model whose stiffness is that of the inner product.
     basis: AtSpeed<'a>,
-    /// The eigenvalue problem in undamped modes, with modal damping of a small model.
-    quadratic: Option<Quadratic>,
+    /// Space in which Newton's method finds modes.
+    space: ModeSpace,
+    /// The model whose matrices the space has; None before the first one.
+    projected: Option<Projected<'a>>,
     /// Number of modes that are computed at each speed.
     wanted: usize,
     lines: Vec<ExcitationLine>,
@@ -198,14 +216,12 @@ impl<'a> Tracker<'a> {
         // Of bearings that depend on speed or frequency, those of one speed and frequency are as good as any for the inner product.
         let basis = cached.at(speeds.first().copied().unwrap_or(0.0), cached.model.lowest_frequency())?;
         let wanted = count.saturating_add(FURTHER_MODES);
-        let is_dense = !cached.model.scene.modal_damping.is_zero()
-            && !uses_bands(&cached.model, wanted)
-            && !cached.model.has_structural_damping();
         let mut tracker = Self {
             cached,
             threads,
             interrupt,
-            quadratic: is_dense.then(|| Quadratic::new(&basis, 1.0)).transpose()?,
+            space: ModeSpace::new(&cached.model),
+            projected: None,
             basis,
             wanted,
             lines: lines(cached, harmonics),
@@ -218,7 +234,7 @@ impl<'a> Tracker<'a> {
         if let Some(first) = speeds.first() {
             // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
             let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
-            if tracker.has_cheap_newton() && !cached.model.depends_on_frequency() {
+            if !cached.model.depends_on_frequency() {
                 let modes = lowest_modes(cached, beyond_standstill(start), count, ModeSelection::Vibrations)?;
                 tracker.modes = modes.into_iter().map(|mode| State::new(&tracker.basis.model, start, mode)).collect();
                 return Ok(tracker);
@@ -227,16 +243,11 @@ impl<'a> Tracker<'a> {
                 let states = tracker.at(start)?;
                 let vibrates = |state: &&State| modal::vibrates(&cached.model, start, state.eigenvalue);
                 tracker.modes = states.iter().filter(vibrates).take(count).cloned().collect();
-                let is_bounded = !cached.model.depends_on_frequency() && states.len() < tracker.wanted;
-                if tracker.modes.len() == count || is_bounded {
+                // The mode that the tables of the bearings do not contain is the error.
+                if tracker.modes.len() == count
+                    || lowest_modes(cached, start, tracker.wanted, ModeSelection::All)?.len() < tracker.wanted
+                {
                     break;
-                }
-                if cached.model.depends_on_frequency() {
-                    // The mode that the tables of the bearings do not contain is the error.
-                    let found = lowest_modes(cached, start, tracker.wanted, ModeSelection::All)?.len();
-                    if found < tracker.wanted {
-                        break;
-                    }
                 }
                 // Rigid-body modes and overdamped modes are not tracked.
                 tracker.wanted += count.saturating_sub(tracker.modes.len());
@@ -259,49 +270,92 @@ impl<'a> Tracker<'a> {
 
     /// The tracked mode with these `ends` at a speed between theirs: by Newton's method, or that of the lowest modes which
     /// correlates most with the ends.
-    fn between(&self, ends: [(f64, &State); 2], speed: f64) -> Result<State, AnalysisError> {
-        self.interrupt.check()?;
+    fn between(&mut self, ends: [(f64, &State); 2], speed: f64) -> Result<State, AnalysisError> {
         let [low, high] = ends;
         let part = ((speed - low.0) / (high.0 - low.0)).clamp(0.0, 1.0);
-        if self.has_cheap_newton() {
-            let nearest = if part < 0.5 { low.1 } else { high.1 };
-            let eigenvalue = low.1.eigenvalue * (1.0 - part) + high.1.eigenvalue * part;
-            let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
-            if let Some(met) = own_frequency::mode_near(self.cached, self.highest(), &start)? {
-                let found = self.own_state(met)?;
-                if found.residual.is_accurate() && is_like(ends, &found) {
-                    return Ok(found);
-                }
-            }
+        let nearest = if part < 0.5 { low.1 } else { high.1 };
+        let eigenvalue = low.1.eigenvalue * (1.0 - part) + high.1.eigenvalue * part;
+        let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
+        let found = self.modes_near(Unknown::Frequency, vec![start])?.pop();
+        if let Some(found) = found.filter(|found| is_like(ends, found)) {
+            return Ok(found);
         }
         Ok(most_like(ends, &self.at(speed)?).unwrap_or(low.1).clone())
     }
 
-    /// A mode with its direction of whirl and its residual.
-    fn own_state(&self, met: ModeAtSpeed) -> Result<State, AnalysisError> {
-        let cached = &*self.cached.at(met.speed, met.eigenvalue.im)?;
-        let modal = self.modal_damping(cached, met.speed)?;
-        let mut residuals = Residuals::new(cached, met.speed, EquationForces::All(modal.as_deref()))?;
-        self.state(&cached.model, &mut residuals, met)
+    /// The modes near `starts`, all at one speed; only those before the first one that Newton's method does not find.
+    fn modes_near(&mut self, unknown: Unknown, starts: Vec<ModeAtSpeed>) -> Result<Vec<State>, AnalysisError> {
+        self.interrupt.check()?;
+        let Some(speed) = starts.first().map(|start| start.speed) else { return Ok(Vec::new()) };
+        let mut states = Vec::new();
+        if self.cached.model.depends_on_frequency() {
+            let near = |start: &ModeAtSpeed| {
+                self.interrupt.check()?;
+                own_frequency::mode_near(self.cached, self.highest(), start)
+            };
+            for met in self.threads.map(&starts, near)?.into_iter().map_while(|met| met) {
+                let cached = &*self.cached.at(speed, met.eigenvalue.im)?;
+                let modal = cached.modal_damping(speed, self.highest())?;
+                let forces = EquationForces::All(modal.as_deref());
+                let residual = modal::residual(cached, speed, met.eigenvalue, &met.shape, forces)?;
+                states.push(self.state(&cached.model, met, residual));
+            }
+        } else {
+            let at_speed = self.cached.at_speed(speed)?;
+            let modal = at_speed.modal_damping(speed, self.highest())?;
+            self.project(Projected { speed, cached: at_speed.clone(), modal: modal.clone() });
+            let (model, modal) = (&at_speed.model, modal.as_deref());
+            let range = self.basis.spectral_range(speed)?;
+            let mut residuals = Residuals::new(model, range, speed, EquationForces::All(modal));
+            for start in starts {
+                self.interrupt.check()?;
+                let mut last = None;
+                let residual = |met: &ModeAtSpeed| {
+                    residuals.speed = met.speed;
+                    let residual = residuals.of(met.eigenvalue, &met.shape)?;
+                    last = Some(residual);
+                    Ok::<f64, AnalysisError>(residual.value)
+                };
+                let met = self.space.mode_near(model, modal, unknown, start, residual)?;
+                let Some((met, residual)) = met.zip(last) else { break };
+                states.push(self.state(model, met, residual));
+            }
+        }
+        let accurate = states.iter().take_while(|state| state.residual.is_accurate()).count();
+        states.truncate(accurate);
+        Ok(states)
     }
 
-    /// The same with the `model` and the residuals of its speed.
-    fn state(&self, model: &Model, residuals: &mut Residuals<'_>, met: ModeAtSpeed) -> Result<State, AnalysisError> {
+    /// Takes the matrices of a model into the space, which has the shapes of the last tracked modes at least.
+    fn project(&mut self, to: Projected<'a>) {
+        let (model, modal) = (&to.cached.model, to.modal.as_deref());
+        match &self.projected {
+            Some(known) if self.space.dimension() <= MAX_DIMENSIONS_PER_MODE * self.modes.len() => {
+                if self.cached.model.depends_on_speed() && known.speed != to.speed {
+                    self.space.change(&known.equations(), &to.equations(), to.speed);
+                }
+            }
+            _ => {
+                self.space = ModeSpace::new(model);
+                let before = self.previous.last().into_iter().flat_map(|previous| &previous.modes);
+                for mode in self.modes.iter().chain(before) {
+                    self.space.extend(model, modal, to.speed, &mode.shape());
+                }
+            }
+        }
+        self.projected = Some(to);
+    }
+
+    /// A mode of the `model` at its speed.
+    fn state(&self, model: &Model, met: ModeAtSpeed, residual: Residual) -> State {
         let ModeAtSpeed { speed, eigenvalue, shape } = met;
         let whirl = modal::whirl(model, speed, eigenvalue, &shape);
-        let residual = residuals.of(eigenvalue, &shape)?;
-        Ok(State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual }))
+        State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual })
     }
 
     /// Whether only the lowest modes are computed at each speed.
     fn is_partial(&self) -> bool {
         uses_bands(&self.cached.model, self.wanted)
-    }
-
-    /// Whether Newton's method finds one mode faster than dense matrices find all. Many overdamped modes, as internal damping of a
-    /// shaft causes them, make all modes necessary at the first speed only.
-    fn has_cheap_newton(&self) -> bool {
-        is_banded(&self.cached.model) && self.quadratic.is_none() || self.cached.model.depends_on_frequency()
     }
 
     /// Computes more modes from here on if a tracked mode may lie above the computed `states`; whether it may.
@@ -314,6 +368,8 @@ impl<'a> Tracker<'a> {
         let extends = partial && self.modes.iter().zip(&assignment.states).any(left);
         if extends {
             self.wanted += FURTHER_MODES;
+            // Further modes have modal damping.
+            self.projected = None;
         }
         extends
     }
@@ -342,32 +398,14 @@ impl<'a> Tracker<'a> {
 
     /// The tracked modes at `speed` by Newton's method, which begins with those at the current speed; `None` where it does not
     /// lead to the same modes without doubt.
-    fn followed(&self, speed: f64) -> Result<Option<Vec<State>>, AnalysisError> {
-        self.interrupt.check()?;
-        // All modes share the model, the modal damping and the residuals of this speed, unless each has its own frequency.
-        let depends = self.cached.model.depends_on_frequency();
-        let at_speed = (!depends).then(|| self.cached.at_speed(speed)).transpose()?;
-        let modal = at_speed.as_deref().map(|cached| self.modal_damping(cached, speed)).transpose()?.flatten();
-        let forces = EquationForces::All(modal.as_deref());
-        let shared = at_speed.as_deref().map(|cached| Residuals::new(cached, speed, forces)).transpose()?;
-        let mut shared = at_speed.as_deref().zip(shared);
-        let numbers: Vec<usize> = (0..self.modes.len()).collect();
-        let found = self.threads.map(&numbers, |mode| {
-            self.interrupt.check()?;
-            own_frequency::mode_near(self.cached, self.highest(), &self.expected(*mode, speed))
-        })?;
-        let mut state = |met: ModeAtSpeed| match &mut shared {
-            Some((cached, residuals)) => self.state(&cached.model, residuals, met),
-            None => self.own_state(met),
+    fn followed(&mut self, speed: f64) -> Result<Option<Vec<State>>, AnalysisError> {
+        let starts = (0..self.modes.len()).map(|mode| self.expected(mode, speed)).collect();
+        let states = self.modes_near(Unknown::Frequency, starts)?;
+        let is_repeated = |(index, state): (usize, &State)| {
+            states[..index].iter().any(|other| equal(other.eigenvalue, state.eigenvalue))
         };
-        let mut states: Vec<State> = Vec::new();
-        for found in found {
-            let is_new = |found: &State| !states.iter().any(|other| equal(other.eigenvalue, found.eigenvalue));
-            let found = found.map(&mut state).transpose()?;
-            let Some(found) = found.filter(|found| found.residual.is_accurate() && is_new(found)) else {
-                return Ok(None);
-            };
-            states.push(found);
+        if states.len() < self.modes.len() || states.iter().enumerate().any(is_repeated) {
+            return Ok(None);
         }
         let assignment = self.assign(&states);
         let is_same = assignment.states.iter().enumerate().all(|(mode, state)| mode == *state);
@@ -396,12 +434,7 @@ impl<'a> Tracker<'a> {
         let is_equal = |(index, mode): (usize, &State)| {
             self.modes[..index].iter().any(|other| equal(other.eigenvalue, mode.eigenvalue))
         };
-        self.has_cheap_newton() && !self.modes.iter().enumerate().any(is_equal)
-    }
-
-    /// Modal damping of a model at `speed`: that of the lowest modes, or of all modes if all are computed.
-    fn modal_damping(&self, cached: &CachedModel, speed: f64) -> Result<Option<Arc<ModalDamping>>, AnalysisError> {
-        Ok(cached.modal_damping(speed, self.highest())?)
+        !self.modes.iter().enumerate().any(is_equal)
     }
 
     /// Which undamped modes have modal damping.
@@ -431,16 +464,12 @@ impl<'a> Tracker<'a> {
     /// this one.
     fn adopt(&mut self, speed: f64, states: &[State], indices: Vec<usize>) -> Result<(), AnalysisError> {
         if let Some(from) = self.speed {
-            let numbered: Vec<(usize, usize)> = indices.iter().copied().enumerate().collect();
-            let between = |(mode, index): &(usize, usize)| {
-                let ends = [(from, &self.modes[*mode]), (speed, &states[*index])];
-                Ok((self.intersections_between(*mode, ends)?, self.threshold_between(*mode, ends)?))
-            };
-            // Equilibria of the speeds between follow each other.
-            let one = Threads::new(1, 1);
-            let threads = if self.cached.model.nonlinear_bearings.is_empty() { self.threads } else { &one };
-            for (intersections, threshold) in threads.map(&numbered, between)? {
+            for (mode, index) in indices.iter().enumerate() {
+                let known = self.modes[mode].clone();
+                let ends = [(from, &known), (speed, &states[*index])];
+                let intersections = self.intersections_between(mode, ends)?;
                 self.intersections.extend(intersections);
+                let threshold = self.threshold_between(mode, ends)?;
                 self.thresholds.extend(threshold);
             }
         }
@@ -467,7 +496,11 @@ impl<'a> Tracker<'a> {
     }
 
     /// The intersections of a mode with all lines between two speeds.
-    fn intersections_between(&self, mode: usize, ends: [(f64, &State); 2]) -> Result<Vec<Intersection>, AnalysisError> {
+    fn intersections_between(
+        &mut self,
+        mode: usize,
+        ends: [(f64, &State); 2],
+    ) -> Result<Vec<Intersection>, AnalysisError> {
         let mut intersections = Vec::new();
         // Where matrices depend on the speed, the modes between the ends that the searches find.
         let mut known: Vec<(f64, State)> = ends.iter().map(|(speed, state)| (*speed, (*state).clone())).collect();
@@ -476,17 +509,12 @@ impl<'a> Tracker<'a> {
             let above = ends.map(|(speed, state)| state.eigenvalue.im > order * speed);
             if above[0] != above[1] {
                 self.interrupt.check()?;
-                let (speed, eigenvalue, whirl, residual) = if self.has_newton() {
-                    let met = self.intersection(order, ends, 0)?;
-                    let speed = met.speed;
-                    let state = self.own_state(met)?;
-                    (speed, state.eigenvalue, state.whirl, state.residual)
+                let (speed, state) = if self.cached.model.depends_on_speed() {
+                    self.root_of(&mut known, |speed, state| state.eigenvalue.im - order * speed)?
                 } else {
-                    // Without Newton's method.
-                    let gap = |speed: f64, state: &State| state.eigenvalue.im - order * speed;
-                    let (speed, state) = self.root_of(&mut known, gap)?;
-                    (speed, state.eigenvalue, state.whirl, state.residual)
+                    self.intersection(order, ends)?
                 };
+                let State { eigenvalue, whirl, residual, .. } = state;
                 let residual = residual.with((eigenvalue.im / (order * speed) - 1.0).abs());
                 require(residual, || {
                     format!("the intersection of mode {} with the order {order} at {speed} rad/s", mode + 1)
@@ -497,49 +525,34 @@ impl<'a> Tracker<'a> {
         Ok(intersections)
     }
 
-    /// Whether Newton's method finds intersections: the matrices do not depend on the speed.
-    fn has_newton(&self) -> bool {
-        !self.cached.model.depends_on_speed()
-    }
-
-    /// Finds the intersection of a mode with the line ω = `order`·Ω between two speeds on opposite sides of the line.
-    fn intersection(&self, order: f64, ends: [(f64, &State); 2], halved: u32) -> Result<ModeAtSpeed, AnalysisError> {
-        let [low, high] = ends;
-        let distance = ends.map(|(speed, state)| (state.eigenvalue.im - order * speed).abs());
-        let part = distance[0] / (distance[0] + distance[1]);
-        let nearest = if part < 0.5 { low.1 } else { high.1 };
-        let (speed, shape) = (low.0 + part * (high.0 - low.0), nearest.shape());
-        let start = ModeAtSpeed { speed, eigenvalue: nearest.eigenvalue, shape };
-        // Newton's method may find another mode on the line: accept it only if its shape correlates with this mode.
-        let within = |met: &ModeAtSpeed| {
-            let slack = 1e-9 * high.0;
-            met.speed >= low.0 - slack && met.speed <= high.0 + slack && {
-                let shape = met.shape.clone();
-                let (whirl, residual) = (Whirl::Coupled, nearest.residual);
-                let mode = Mode { eigenvalue: met.eigenvalue, shape, whirl, residual };
-                is_like(ends, &State::new(&self.basis.model, met.speed, mode))
+    /// The intersection of a mode with the line ω = `order`·Ω between two speeds on opposite sides of the line: by Newton's
+    /// method, which begins between closer speeds where it does not lead to this mode. Matrices must not depend on the speed.
+    fn intersection(&mut self, order: f64, ends: [(f64, &State); 2]) -> Result<(f64, State), AnalysisError> {
+        let [mut low, mut high] = ends.map(|(speed, state)| (speed, state.clone()));
+        let gap = |(speed, state): &(f64, State)| state.eigenvalue.im - order * speed;
+        for _ in 0..MAX_BISECTIONS {
+            let part = gap(&low).abs() / (gap(&low).abs() + gap(&high).abs());
+            let nearest = if part < 0.5 { &low.1 } else { &high.1 };
+            let speed = low.0 + part * (high.0 - low.0);
+            let eigenvalue = Complex::new(nearest.eigenvalue.re, order * speed);
+            let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
+            let ends = [(low.0, &low.1), (high.0, &high.1)];
+            // Newton's method may find another mode on the line: accept it only if its shape correlates with this mode.
+            if let Some(found) = self.modes_near(Unknown::Speed(order), vec![start])?.pop() {
+                let (speed, slack) = (found.eigenvalue.im / order, 1e-9 * high.0);
+                if speed >= low.0 - slack && speed <= high.0 + slack && is_like(ends, &found) {
+                    return Ok((speed, found));
+                }
             }
-        };
-        let met = match &self.quadratic {
-            Some(quadratic) => quadratic.intersection(order, &start),
-            None => {
-                let modal = self.modal_damping(self.cached, speed)?;
-                modal::intersection(&self.cached.model, modal.as_deref(), order, &start)
+            let middle = f64::midpoint(low.0, high.0);
+            let found = (middle, self.between(ends, middle)?);
+            if (gap(&low) > 0.0) == (gap(&found) > 0.0) {
+                low = found;
+            } else {
+                high = found;
             }
-        };
-        if let Some(met) = met.filter(within) {
-            return Ok(met);
         }
-        if halved > 4 * MAX_HALVINGS {
-            return Ok(start);
-        }
-        let middle = f64::midpoint(low.0, high.0);
-        let states = self.at(middle)?;
-        let found = most_like(ends, &states).unwrap_or(nearest);
-        let above = |(speed, state): (f64, &State)| state.eigenvalue.im > order * speed;
-        let between = (middle, found);
-        let halves = if above(low) == above(between) { [between, high] } else { [low, between] };
-        self.intersection(order, halves, halved + 1)
+        Ok(high)
     }
 }
 

@@ -5,7 +5,7 @@ mod speed_dependent;
 
 use super::modes::{require, uses_bands};
 use super::{AnalysisError, Dense, Interrupt};
-use crate::modal::{self, CachedModel, EquationForces, ModeAtSpeed, Quadratic, Whirl};
+use crate::modal::{self, CachedModel, CriticalProblem, EquationForces, ModeAtSpeed, Whirl};
 use crate::model::Model;
 use crate::scene::EntryPath;
 pub use map::{CriticalPoint, critical_speed_map};
@@ -68,7 +68,7 @@ fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<ModeAtSpe
         Some(found) => found,
         None => {
             Dense::Undamped.require(&cached.model)?;
-            Quadratic::new(cached, 1.0)?.critical(order)?
+            CriticalProblem::new(cached, 1.0)?.critical(order)?
         }
     };
     found.truncate(count);

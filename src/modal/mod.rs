@@ -18,12 +18,12 @@ mod undamped;
 
 pub use cache::{AtSpeed, CachedModel, DynamicKey, DynamicStiffnessSolver, EquationForces, Recent, Solved};
 pub use damped::{
-    Mode, NullVectors, Quadratic, Residual, Residuals, Whirl, modes, modes_of, residual, structured_modes, whirl,
+    CriticalProblem, Mode, NullVectors, Residual, Residuals, Whirl, modes, modes_of, residual, structured_modes, whirl,
 };
 pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use lowest::{
-    Eigenpair, Highest, MAX_DENSE, ModeAtSpeed, ModeSelection, ascending, intersection, lowest_critical, mode_near,
-    vibrates,
+    Eigenpair, FullEquations, Highest, MAX_DENSE, ModeAtSpeed, ModeSelection, ModeSpace, Unknown, ascending,
+    lowest_critical, mode_near, vibrates,
 };
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};
 pub use undamped::{

@@ -40,7 +40,7 @@ pub fn bisect<E>(
 ///
 /// # Errors
 /// Those of `value`.
-pub fn root<E>([mut low, mut high]: [Sample; 2], value: impl Fn(f64) -> Result<f64, E>) -> Result<f64, E> {
+pub fn root<E>([mut low, mut high]: [Sample; 2], mut value: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
     for _ in 0..MAX_ITERATIONS {
         if (high.at - low.at).abs() <= ROOT_TOLERANCE * high.at.abs() || high.value == 0.0 {
             break;

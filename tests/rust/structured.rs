@@ -2,7 +2,10 @@
 //! dense matrices.
 
 use gearbow::linalg::Side;
-use gearbow::modal::{self, CachedModel, DynamicKey, DynamicStiffnessSolver, Highest, Mode, ModeSelection, Solved};
+use gearbow::modal::{
+    self, CachedModel, DynamicKey, DynamicStiffnessSolver, EquationForces, Highest, Mode, ModeSelection, ModeSpace,
+    Solved, Unknown,
+};
 use gearbow::model::Model;
 use gearbow::scene::{Scene, SceneDescription};
 use nalgebra::{DMatrix, DVector};
@@ -178,7 +181,7 @@ fn critical_speeds_are_those_of_dense_matrices() {
     for cached in [rotor(24, "stiffness = 1e8"), rotor(24, "stiffness = [1e7, 3e8]"), train(8, |text| text)] {
         for order in [1.0, 0.5, 3.0] {
             let found = modal::lowest_critical(&cached.model, order, 9).unwrap().unwrap();
-            let wanted = modal::Quadratic::new(&cached, 1.0).unwrap().critical(order).unwrap();
+            let wanted = modal::CriticalProblem::new(&cached, 1.0).unwrap().critical(order).unwrap();
             assert_eq!(found.len(), 9);
             for (one, other) in found.iter().zip(&wanted) {
                 assert!((one.speed - other.speed).abs() < 1e-9 * other.speed, "{} is not {}", one.speed, other.speed);
@@ -188,27 +191,26 @@ fn critical_speeds_are_those_of_dense_matrices() {
 }
 
 #[test]
-fn an_intersection_is_the_same_in_physical_and_in_modal_coordinates() {
+fn an_intersection_in_a_growing_space_is_a_mode_of_dense_matrices() {
     let cached = train(4, |text| text);
-    let quadratic = modal::Quadratic::new(&cached, 1.0).unwrap();
-    let critical = quadratic.critical(1.0).unwrap();
-    for start in &critical[..6] {
-        let one = modal::intersection(&cached.model, None, 1.0, start).unwrap();
-        let other = quadratic.intersection(1.0, start).unwrap();
-        assert!((one.speed - other.speed).abs() < 1e-9 * other.speed, "{} is not {}", one.speed, other.speed);
-        assert!((one.eigenvalue - other.eigenvalue).norm() < 1e-9 * other.speed);
-        assert!(
-            captured(
-                &cached.model,
-                &one.shape,
-                &[&Mode {
-                    eigenvalue: other.eigenvalue,
-                    shape: other.shape,
-                    whirl: modal::Whirl::Coupled,
-                    residual: modal::Residual { value: 0.0, limit: 0.0 },
-                }]
-            ) > 1.0 - 1e-6
-        );
+    let model = &cached.model;
+    for start in &modal::CriticalProblem::new(&cached, 1.0).unwrap().critical(1.0).unwrap()[..6] {
+        let mut space = ModeSpace::new(model);
+        space.extend(model, None, start.speed, &start.shape);
+        let residual = |met: &modal::ModeAtSpeed| {
+            let forces = EquationForces::All(None);
+            modal::residual(&cached, met.speed, met.eigenvalue, &met.shape, forces).map(|residual| residual.value)
+        };
+        let met = space.mode_near(model, None, Unknown::Speed(1.0), start.clone(), residual).unwrap().unwrap();
+        assert_eq!(met.eigenvalue.im, met.speed);
+        let exact = modal::modes(&cached, met.speed, usize::MAX, ModeSelection::All).unwrap();
+        let nearest = exact.iter().min_by(|a, b| {
+            let distance = |mode: &Mode| (mode.eigenvalue - met.eigenvalue).norm();
+            distance(a).total_cmp(&distance(b))
+        });
+        let nearest = nearest.unwrap();
+        assert!((nearest.eigenvalue - met.eigenvalue).norm() < 1e-9 * met.speed);
+        assert!(captured(model, &met.shape, &[nearest]) > 1.0 - 1e-6);
     }
 }
 

@@ -1,7 +1,5 @@
 //! Speeds at which the damping of a tracked mode changes its sign.
 
-use std::cell::RefCell;
-
 use nalgebra::Complex;
 
 use super::super::AnalysisError;
@@ -35,7 +33,7 @@ impl Tracker<'_> {
     /// The speed between two speeds at which a mode begins or ceases to grow, if there is one. Growth that round-off may cause
     /// does not count: where the mode at the end that does not grow is undamped up to round-off, this end is the threshold.
     pub(super) fn threshold_between(
-        &self,
+        &mut self,
         mode: usize,
         ends: [(f64, &State); 2],
     ) -> Result<Option<Threshold>, AnalysisError> {
@@ -73,7 +71,7 @@ impl Tracker<'_> {
     }
 
     /// Two close speeds between which Re λ of a mode changes its sign, and the modes there.
-    fn around_sign_change(&self, ends: [(f64, &State); 2]) -> Result<[(f64, State); 2], AnalysisError> {
+    fn around_sign_change(&mut self, ends: [(f64, &State); 2]) -> Result<[(f64, State); 2], AnalysisError> {
         let [mut low, mut high] = ends.map(|(speed, state)| (speed, state.clone()));
         let is_positive = |state: &State| state.eigenvalue.re > 0.0;
         while high.0 - low.0 > JUMP_RESOLUTION * high.0 {
@@ -92,7 +90,7 @@ impl Tracker<'_> {
     /// are modes at ascending speeds, with values of different signs at the first and the last one; those that the search
     /// finds are added.
     pub(super) fn root_of(
-        &self,
+        &mut self,
         known: &mut Vec<(f64, State)>,
         value: impl Fn(f64, &State) -> f64,
     ) -> Result<(f64, State), AnalysisError> {
@@ -101,14 +99,13 @@ impl Tracker<'_> {
         let ends = [&known[change], &known[change + 1]].map(|(speed, state)| (*speed, state.clone()));
         let ends = ends.each_ref().map(|(speed, state)| (*speed, state));
         let values = ends.map(|(speed, state)| Sample { at: speed, value: value(speed, state) });
-        let found = RefCell::new(Vec::new());
+        let mut found = Vec::new();
         let speed = root(values, |speed| -> Result<f64, AnalysisError> {
             let state = self.between(ends, speed)?;
             let value = value(speed, &state);
-            found.borrow_mut().push((speed, state));
+            found.push((speed, state));
             Ok(value)
         })?;
-        let found = found.into_inner();
         let state = match found.iter().chain(known.iter()).find(|(at, _)| *at == speed) {
             Some((_, state)) => state.clone(),
             None => self.between(ends, speed)?,

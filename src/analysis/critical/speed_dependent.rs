@@ -9,7 +9,7 @@
 
 use super::{Critical, Interrupt, named};
 use crate::analysis::AnalysisError;
-use crate::modal::{CachedModel, Quadratic};
+use crate::modal::{CachedModel, CriticalProblem};
 use crate::numerics::{Sample, root};
 
 /// Samples between two neighbouring speeds of the tables.
@@ -23,7 +23,7 @@ pub(super) fn critical_speeds(
 ) -> Result<Vec<Critical>, AnalysisError> {
     let at = |speed: f64| -> Result<Vec<f64>, AnalysisError> {
         interrupt.check()?;
-        let found = Quadratic::new(&*cached.at(speed, excitation * speed)?, 1.0)?.critical(excitation)?;
+        let found = CriticalProblem::new(&*cached.at(speed, excitation * speed)?, 1.0)?.critical(excitation)?;
         Ok(found.into_iter().map(|met| met.speed).collect())
     };
     let samples = samples(cached, excitation)?;
@@ -51,7 +51,7 @@ pub(super) fn critical_speeds(
     let mut critical = Vec::new();
     for (speed, number) in roots {
         let model = cached.at(speed, excitation * speed)?;
-        let met = Quadratic::new(&model, 1.0)?.critical(excitation)?.into_iter().nth(number);
+        let met = CriticalProblem::new(&model, 1.0)?.critical(excitation)?.into_iter().nth(number);
         critical.extend(met.map(|met| named(&model, &met, interrupt)).transpose()?);
     }
     critical.sort_by(|a, b| a.speed.total_cmp(&b.speed));

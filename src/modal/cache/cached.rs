@@ -172,7 +172,7 @@ struct Nominal {
 }
 
 /// A model at a constant speed: the model itself if nothing in it depends on the speed.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub enum AtSpeed<'a> {
     /// The model itself.
     Same(&'a CachedModel),

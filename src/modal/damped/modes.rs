@@ -130,7 +130,8 @@ pub fn modes_of(
     pairs: impl Iterator<Item = Eigenpair>,
 ) -> Result<Vec<Mode>, DecompositionError> {
     let classifier = Classifier::new(&cached.model, speed);
-    let mut residuals = Residuals::new(cached, speed, EquationForces::All(modal))?;
+    let range = cached.spectral_range(speed)?;
+    let mut residuals = Residuals::new(&cached.model, range, speed, EquationForces::All(modal));
     let mode = |Eigenpair { value, shape }: Eigenpair| {
         let mut residual = residuals.of(value, &shape)?;
         residual.limit = residual.limit.min(LARGEST_RESIDUAL);

@@ -15,7 +15,7 @@ use num_complex::Complex64;
 
 use crate::linalg::{DecompositionError, Side};
 use crate::modal::cache::{CachedModel, EquationForces, dynamic_force};
-use crate::modal::undamped::ShiftInverse;
+use crate::modal::undamped::{ShiftInverse, SpectralRange};
 use crate::model::Model;
 
 /// Largest residual of a mode without round-off. Iterations end with at most 1e-5, also between overdamped modes of oil films;
@@ -56,8 +56,8 @@ impl Residual {
 /// Residuals of modes of one model at one speed.
 pub struct Residuals<'m> {
     model: &'m Model,
-    /// Speed of the reference shaft, rad/s.
-    speed: f64,
+    /// Speed of the reference shaft, rad/s. Another one needs the same model, with the same flanks in contact.
+    pub speed: f64,
     forces: EquationForces<'m>,
     /// s of a rigid-body mode, rad/s: the lowest frequency above zero.
     slowest: f64,
@@ -68,15 +68,12 @@ pub struct Residuals<'m> {
 }
 
 impl<'m> Residuals<'m> {
-    /// Residuals with the loaded tooth flanks of `speed` (reference shaft, rad/s).
-    ///
-    /// # Errors
-    /// [`DecompositionError`] if the range of the frequencies cannot be found.
-    pub fn new(cached: &'m CachedModel, speed: f64, forces: EquationForces<'m>) -> Result<Self, DecompositionError> {
-        let range = cached.spectral_range(speed)?;
+    /// Residuals with the loaded tooth flanks of `speed` (reference shaft, rad/s). The range of the undamped frequencies may be
+    /// that of a similar model.
+    pub fn new(model: &'m Model, range: &SpectralRange, speed: f64, forces: EquationForces<'m>) -> Self {
         let fastest = if range.fastest > 0.0 { range.fastest } else { 1.0 };
         let slowest = range.slowest.filter(|slowest| *slowest > 0.0).unwrap_or(fastest);
-        Ok(Self { model: &cached.model, speed, forces, slowest, fastest, inverse: None })
+        Self { model, speed, forces, slowest, fastest, inverse: None }
     }
 
     /// Residual of the mode with λ = `eigenvalue`, rad/s, and the shape φ = `shape`, n entries in the order of
@@ -122,5 +119,5 @@ pub fn residual(
     shape: &DVector<Complex64>,
     forces: EquationForces<'_>,
 ) -> Result<Residual, DecompositionError> {
-    Residuals::new(cached, speed, forces)?.of(eigenvalue, shape)
+    Residuals::new(&cached.model, cached.spectral_range(speed)?, speed, forces).of(eigenvalue, shape)
 }

@@ -1,5 +1,5 @@
-//! One mode by Newton's method, from the band matrices of the shafts: at a speed, or on a line of the Campbell diagram,
-//! Im λ = order·Ω.
+//! One mode by Newton's method, at a speed or on a line of the Campbell diagram, Im λ = order·Ω: from the band matrices of the
+//! shafts, or in the space of [`super::mode_space`].
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
@@ -29,58 +29,103 @@ pub struct ModeAtSpeed {
 
 /// What Newton's method changes besides the shape and Re λ.
 #[derive(Clone, Copy, Debug)]
-enum Unknown {
+pub enum Unknown {
     /// The frequency Im λ, at the given speed.
     Frequency,
-    /// The speed Ω, with Im λ = order·Ω for this order.
+    /// The speed Ω, with Im λ = order·Ω for this order. Matrices must not depend on the speed.
     Speed(f64),
 }
 
-/// Mode with Im λ = `order`·Ω near `start`, its intersection with the line of this order in the Campbell diagram, with the
-/// flanks in contact at positive speeds; `None` if the iteration does not converge. Matrices must not depend on the speed.
-pub fn intersection(
-    model: &Model,
-    modal: Option<&ModalDamping>,
-    order: f64,
-    start: &ModeAtSpeed,
-) -> Option<ModeAtSpeed> {
-    let mut at = start.clone();
-    at.eigenvalue.im = order * at.speed;
-    newton(model, modal, Unknown::Speed(order), at)
+/// Changes in one iteration.
+pub(super) struct Change {
+    pub shape: DVector<Complex64>,
+    /// Change of Re λ, rad/s.
+    decay: f64,
+    /// Change of the further unknown, rad/s.
+    further: f64,
+}
+
+/// Forces of a motion φ with λ at a speed Ω.
+pub(super) struct Forces {
+    /// Mφ.
+    pub inertia: DVector<Complex64>,
+    /// (C + ΩG)φ.
+    pub rate: DVector<Complex64>,
+    /// Gφ.
+    pub gyroscopic: DVector<Complex64>,
+    /// S(λ)φ.
+    pub residual: DVector<Complex64>,
+}
+
+/// The equations of motion S(λ)φ = 0 in some coordinates.
+pub(super) trait Equations {
+    /// Forces of a motion.
+    fn forces(&self, at: &ModeAtSpeed) -> Forces;
+
+    /// S(λ)⁻¹ times the columns of `right`, with a matrix close to S(λ) if that is enough for convergence.
+    fn solve(&self, at: &ModeAtSpeed, right: DMatrix<Complex64>) -> Result<DMatrix<Complex64>, Singular>;
+
+    /// φᴴMφ.
+    fn kinetic_form(&self, shape: &DVector<Complex64>) -> f64;
+
+    /// Whether [`Self::solve`] takes S(λ) itself, so that convergence is quadratic.
+    fn is_exact(&self) -> bool;
+
+    /// One iteration of Newton's method.
+    ///
+    /// It solves S Δφ = −Sφ − (∂S/∂Re λ φ) ΔRe λ − (∂S/∂p φ) Δp with φᴴMΔφ = 0 and the further unknown p: the
+    /// bordered system of Spence and Poulton (J. Comput. Phys. 204, 2005).
+    fn step(&self, unknown: Unknown, at: &ModeAtSpeed) -> Result<Change, Singular> {
+        let Forces { inertia, rate, gyroscopic, residual } = self.forces(at);
+        let by_decay = &inertia * (2.0 * at.eigenvalue) + rate;
+        let columns = match unknown {
+            Unknown::Frequency => vec![by_decay, residual],
+            Unknown::Speed(_) => vec![by_decay, residual, gyroscopic * at.eigenvalue],
+        };
+        let solved = self.solve(at, DMatrix::from_columns(&columns))?;
+        let (by_decay, residual) = (solved.column(0), solved.column(1));
+        let by_further = match unknown {
+            Unknown::Frequency => by_decay * Complex64::I,
+            Unknown::Speed(order) => by_decay * Complex64::new(0.0, order) + solved.column(2),
+        };
+        let of = |column: &DVector<Complex64>| inertia.dotc(column);
+        let (decay, further) = (inertia.dotc(&by_decay), of(&by_further));
+        let constant = inertia.dotc(&residual);
+        let borders = DMatrix::from_row_slice(2, 2, &[decay.re, further.re, decay.im, further.im]);
+        let change = solve(&borders, &DMatrix::from_row_slice(2, 1, &[-constant.re, -constant.im]));
+        let (decay, further) = (change[(0, 0)], change[(1, 0)]);
+        let shape = -(residual + by_decay * Complex64::from(decay) + by_further * Complex64::from(further));
+        Ok(Change { shape, decay, further })
+    }
 }
 
 /// Mode near `start` at its speed, which oscillates if `start` does, with the flanks in contact there; `None` if the iteration does not converge.
 pub fn mode_near(model: &Model, modal: Option<&ModalDamping>, start: &ModeAtSpeed) -> Option<ModeAtSpeed> {
-    newton(model, modal, Unknown::Frequency, start.clone())
+    newton(&FullEquations { model, modal }, Unknown::Frequency, start.clone())
 }
 
-/// A mode, from the approximation `at`, by Newton's method.
-///
-/// Each iteration solves S Δφ = −Sφ − (∂S/∂Re λ φ) ΔRe λ − (∂S/∂p φ) Δp with φᴴMΔφ = 0 and the further unknown p: the
-/// bordered system of Spence and Poulton (J. Comput. Phys. 204, 2005). The residual Sφ comes from the strains, so that the
-/// stiff modes cause no round-off in the soft ones. With modal damping, S is a band matrix close to the dynamic stiffness, and
-/// the error decreases by the damping ratio in each iteration.
-fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at: ModeAtSpeed) -> Option<ModeAtSpeed> {
+/// A mode, from the approximation `at`, by Newton's method; `None` if it does not converge.
+pub(super) fn newton(equations: &impl Equations, unknown: Unknown, mut at: ModeAtSpeed) -> Option<ModeAtSpeed> {
     let (mut previous, mut is_close) = (f64::INFINITY, false);
     // A mode without oscillation has a real shape; the imaginary parts of its changes are round-off.
     let is_real = at.eigenvalue.im == 0.0;
     // Ratio of the second and the first change: the square of the error follows in each iteration, with modal damping its
     // product with the damping ratio.
-    let first_rate = |change: f64| if modal.is_none() { change.sqrt() } else { 1.0 };
+    let first_rate = |change: f64| if equations.is_exact() { change.sqrt() } else { 1.0 };
     for _ in 0..MAX_ITERATIONS {
-        let change = newton_step(model, modal, unknown, &at).ok()?;
+        let change = equations.step(unknown, &at).ok()?;
         let size = match unknown {
             Unknown::Frequency => at.eigenvalue.norm(),
             Unknown::Speed(_) => at.speed.abs(),
         };
         let of_values = (change.decay.abs() / at.eigenvalue.norm()).max(change.further.abs() / size);
-        let largest = of_values.max(model.complex_kinetic_form(&change.shape).sqrt());
+        let largest = of_values.max(equations.kinetic_form(&change.shape).sqrt());
         // At the root, S is singular to round-off, and a further step would spoil φ.
         if is_close && largest >= previous / 2.0 {
             return Some(at);
         }
         at.shape += change.shape;
-        let norm = model.complex_kinetic_form(&at.shape).sqrt();
+        let norm = equations.kinetic_form(&at.shape).sqrt();
         at.shape.unscale_mut(norm);
         at.eigenvalue.re += change.decay;
         match unknown {
@@ -107,54 +152,54 @@ fn newton(model: &Model, modal: Option<&ModalDamping>, unknown: Unknown, mut at:
     None
 }
 
-/// Changes in one iteration.
-struct Change {
-    shape: DVector<Complex64>,
-    /// Change of Re λ, rad/s.
-    decay: f64,
-    /// Change of the further unknown, rad/s.
-    further: f64,
+/// The equations in the coordinates of the model, whose residual comes from the strains, so that the stiff modes cause no
+/// round-off in the soft ones. With modal damping, a band matrix close to S(λ) solves them, and the error decreases by the damping
+/// ratio in each iteration.
+pub struct FullEquations<'m> {
+    /// Model at a speed.
+    pub model: &'m Model,
+    /// Its modal damping.
+    pub modal: Option<&'m ModalDamping>,
 }
 
-/// One iteration of Newton's method.
-fn newton_step(
-    model: &Model,
-    modal: Option<&ModalDamping>,
-    unknown: Unknown,
-    at: &ModeAtSpeed,
-) -> Result<Change, Singular> {
-    let (lambda, phi) = (at.eigenvalue, &at.shape);
-    let [inertia, mut damping, gyroscopic] = [
-        model.product(phi, |x, out| model.multiply_mass(x, out)),
-        model.product(phi, |x, out| model.multiply_damping(at.speed, x, out)),
-        model.product(phi, |x, out| model.multiply_gyroscopic(x, out)),
-    ];
-    if let Some(modal) = modal {
-        damping += modal.product(model, phi);
+impl Equations for FullEquations<'_> {
+    fn forces(&self, at: &ModeAtSpeed) -> Forces {
+        let Self { model, modal } = *self;
+        let (lambda, phi) = (at.eigenvalue, &at.shape);
+        let [inertia, mut rate, gyroscopic] = [
+            model.product(phi, |x, out| model.multiply_mass(x, out)),
+            model.product(phi, |x, out| model.multiply_damping(at.speed, x, out)),
+            model.product(phi, |x, out| model.multiply_gyroscopic(x, out)),
+        ];
+        if let Some(modal) = modal {
+            rate += modal.product(model, phi);
+        }
+        rate += &gyroscopic * Complex64::from(at.speed);
+        let elastic = model.product(phi, |x, out| model.multiply_stiffness(at.speed, false, x, out));
+        let mut residual = elastic + &rate * lambda + &inertia * (lambda * lambda);
+        model.add_structural_force(lambda, at.speed, phi, &mut residual);
+        Forces { inertia, rate, gyroscopic, residual }
     }
-    let elastic = model.product(phi, |x, out| model.multiply_stiffness(at.speed, false, x, out));
-    let rate = &damping + &gyroscopic * Complex64::from(at.speed);
-    let mut residual = elastic + &rate * lambda + &inertia * (lambda * lambda);
-    model.add_structural_force(lambda, at.speed, phi, &mut residual);
-    let by_decay = &inertia * (2.0 * lambda) + rate;
-    let sense = if lambda.re < 0.0 { -1.0 } else { 1.0 };
-    let weights = Weights::mode(lambda, at.speed);
-    let weights = modal.map_or(weights, |modal| modal.banded(lambda, weights));
-    let factors = model.dynamic_stiffness(&weights, at.speed).factor(sense)?;
-    let solved = |right: &DVector<Complex64>| {
-        let mut x = model.to_circular(right.as_slice());
-        factors.solve_once(Side::Right, &mut x);
-        DVector::from_vec(model.from_circular(&x))
-    };
-    let [by_decay, residual] = [&by_decay, &residual].map(solved);
-    let by_further = match unknown {
-        Unknown::Frequency => &by_decay * Complex64::I,
-        Unknown::Speed(order) => &by_decay * Complex64::new(0.0, order) + solved(&(gyroscopic * lambda)),
-    };
-    let [decay, further, constant] = [&by_decay, &by_further, &residual].map(|column| inertia.dotc(column));
-    let borders = DMatrix::from_row_slice(2, 2, &[decay.re, further.re, decay.im, further.im]);
-    let change = solve(&borders, &DMatrix::from_row_slice(2, 1, &[-constant.re, -constant.im]));
-    let (decay, further) = (change[(0, 0)], change[(1, 0)]);
-    let shape = -(residual + by_decay * Complex64::from(decay) + by_further * Complex64::from(further));
-    Ok(Change { shape, decay, further })
+
+    fn solve(&self, at: &ModeAtSpeed, mut right: DMatrix<Complex64>) -> Result<DMatrix<Complex64>, Singular> {
+        let Self { model, modal } = *self;
+        let sense = if at.eigenvalue.re < 0.0 { -1.0 } else { 1.0 };
+        let weights = Weights::mode(at.eigenvalue, at.speed);
+        let weights = modal.map_or(weights, |modal| modal.banded(at.eigenvalue, weights));
+        let factors = model.dynamic_stiffness(&weights, at.speed).factor(sense)?;
+        for mut column in right.column_iter_mut() {
+            let mut x = model.to_circular(column.as_slice());
+            factors.solve_once(Side::Right, &mut x);
+            column.copy_from_slice(&model.from_circular(&x));
+        }
+        Ok(right)
+    }
+
+    fn kinetic_form(&self, shape: &DVector<Complex64>) -> f64 {
+        self.model.complex_kinetic_form(shape)
+    }
+
+    fn is_exact(&self) -> bool {
+        self.modal.is_none()
+    }
 }
