@@ -35,14 +35,6 @@ POSSIBLE: dict[tuple[str, str], tuple[type[Warning], str]] = {
 
 #: Error and beginning of its message of (machine, analysis at a sense of rotation), where an analysis is refused.
 REFUSALS: dict[tuple[str, str], tuple[type[Exception], str]] = {
-    # The numbers of teeth have no common period below 10 s, and the motion runs in slowly.
-    **{
-        ("idler_train", f"steady {sense}"): (
-            gb.ConvergenceError,
-            "the quasi-periodic motion did not converge",
-        )
-        for sense in "+-"
-    },
     # A branch needs a common period, which rolling elements do not have.
     **{
         (name, "branch +"): (

@@ -52,11 +52,14 @@ class Superposition:
         """Find the state at the start, and describe the solutions that it consists of."""
         options = {key: value for key, value in arguments.items() if key != "record"} | _FIXED
         options["rtol"] = tolerance(arguments)
-        rest = initial_state(self.system._model, **options)
-        state = initial_state(self.system._model, **{**options, "initial": "synchronous"})
-        residual, periods = 0.0, 0
         # Variants have the elements of this system, which may depend on what excites it.
         meshed = type(self.system)._from_description(self.system._model.resolved())
+        # Transmission errors are sources of their own, also with their first orders.
+        meshes = [replace(mesh, error=None) for mesh in meshed.meshes]
+        smooth = variant(meshed, meshes=meshes)._model
+        rest = initial_state(smooth, **options)
+        state = initial_state(smooth, **{**options, "initial": "synchronous"})
+        residual, periods = 0.0, 0
         for period, changes in self._sources():
             model = variant(meshed, **{**silent(meshed), **changes})._model
             given = {**options, "duration": period}

@@ -166,10 +166,9 @@ pub struct Options {
     pub checkpoint: Option<Box<Checkpoint>>,
 }
 
-/// Whether a reduction builds a model from the modes of its components. Their highest frequency is a multiple of one that
-/// teeth excite, so that the model has meshes.
+/// Whether a reduction builds a model from the modes of its components.
 pub(super) fn is_large(model: &Model) -> bool {
-    model.len() >= LARGE_MODEL && !model.meshes.is_empty()
+    model.len() >= LARGE_MODEL
 }
 
 impl Options {

@@ -26,7 +26,7 @@ use crate::scene::{COMPARED_DURATION, SceneError};
 /// they save.
 const SHORT_RUN_FACTOR: f64 = 3.0;
 /// Number of coordinates up to which a short run keeps all modes: two smaller eigenvalue problems take as long as theirs. Without
-/// meshes it always does, because it is compared with all modes.
+/// meshes a model that is not large always does, because it is compared with all modes.
 const FEW_COORDINATES: usize = 100;
 /// Largest part of all modes that a run keeps before it keeps all; a larger one saves too little.
 const MAX_KEPT_PART: f64 = 0.75;
@@ -56,7 +56,7 @@ pub(super) fn keeps_all(run: &Run<'_>, plan: &RecordPlan, start: &Start) -> bool
     match (options.modes, options.reduction) {
         (Some(count), _) => count >= model.len(),
         (None, Some(_)) => {
-            let is_cheap = model.len() <= FEW_COORDINATES || model.meshes.is_empty();
+            let is_cheap = model.len() <= FEW_COORDINATES || model.meshes.is_empty() && !is_large(model);
             plan.energy || is_short(run) && is_cheap && !start.is_reduced(model)
         }
         (None, None) => true,
@@ -160,7 +160,8 @@ impl<'m> Reducer<'_, 'm> {
             }
         }
         let mut limit = continued.unwrap_or(first);
-        if self.run.options.duration < SHORTEST_COMPARED {
+        let has_meshes = !self.run.cached.model.meshes.is_empty();
+        if self.run.options.duration < SHORTEST_COMPARED && has_meshes {
             let Some((setup, projected)) = self.set_up(Some(Extent::Limit(limit)), limit)? else {
                 return Ok(None);
             };
@@ -169,13 +170,15 @@ impl<'m> Reducer<'_, 'm> {
             let is_kept = continued.is_some() || !self.saves_little(&found.setup);
             return Ok(is_kept.then(|| found.with_errors(Some(limit), [DISPLACEMENT_PART * force, force])));
         }
-        // Without teeth there is no law for the error of L, and few modes may lie between L and 1.5 L.
+        // Without teeth there is no law for the error of L, and few modes may lie between L and 1.5 L: the comparison is with all
+        // modes, of a large model with those up to an L that is not tried.
         let mut all = None;
-        if self.run.cached.model.meshes.is_empty() {
-            let Some(found) = self.candidate(None, limit, &pilot, observer)? else {
+        let largest = limit * LIMIT_RATIO.powi(MAX_LIMITS as i32);
+        if !has_meshes {
+            let Some(found) = self.candidate(None, largest, &pilot, observer)? else {
                 return Ok(None);
             };
-            all = Some(found.signals);
+            all = Some(found);
         }
         let (mut coarse, mut left): (Option<Candidate<'m>>, [f64; 2]) = (None, [0.0; 2]);
         for _ in 1..MAX_LIMITS {
@@ -194,11 +197,11 @@ impl<'m> Reducer<'_, 'm> {
             };
             let next = limit * LIMIT_RATIO;
             if let Some(all) = &all {
-                let errors = pilot.errors(&current.signals, all);
+                let errors = pilot.errors(&current.signals, &all.signals);
                 if continued.is_some() || excess(errors, target) <= 1.0 {
                     return Ok(Some(current.with_errors(Some(limit), errors)));
                 }
-                limit = next;
+                (limit, left) = (next, errors);
                 continue;
             }
             let Some(fine) = self.candidate(Some(Extent::Limit(next)), next, &pilot, observer)? else {
@@ -222,6 +225,10 @@ impl<'m> Reducer<'_, 'm> {
         }
         // A small model keeps all modes. A large one keeps those that it has; a warning tells their error.
         let model = &self.run.cached.model;
+        if let Some(all) = all {
+            let is_kept = is_large(model) && !self.saves_little(&all.setup);
+            return Ok(is_kept.then(|| all.with_errors(Some(largest), left)));
+        }
         Ok(coarse.filter(|_| is_large(model)).map(|last| last.with_errors(Some(limit), left)))
     }
 
@@ -263,9 +270,11 @@ impl<'m> Reducer<'_, 'm> {
             rotation: model.max_speed_ratio() * fastest.abs(),
             highest: is_large(model).then_some(limit * excited),
             interfaces: interfaces(&linear_model.model, fastest, &plan.selection(model)),
-            distributed: match options.speed {
-                Speed::Changing(_) => rotating_loads(&linear_model.model),
-                Speed::Constant(_) => Vec::new(),
+            // At a constant speed they act at the start. With meshes, the forces of the teeth matter more.
+            distributed: if matches!(options.speed, Speed::Changing(_)) || model.meshes.is_empty() {
+                rotating_loads(&linear_model.model)
+            } else {
+                Vec::new()
             },
             extent,
         })?;

@@ -73,8 +73,8 @@ struct SynthesisKey {
     rotation: usize,
     /// Highest frequency of the component modes, rad/s.
     highest: f64,
-    /// Coordinates under whose loads the static displacements are exact, ascending.
-    loaded: Vec<usize>,
+    /// Loads whose static displacements are exact, as entries (index, coefficient).
+    loads: Vec<Row>,
 }
 
 /// What a model in given modes reads beside it.
@@ -440,7 +440,11 @@ impl CachedModel {
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.
     pub fn component_modes(&self) -> Result<&ComponentModes, DecompositionError> {
-        self.linear_part().components.get_or_init(|| ComponentModes::new(&self.model)).as_ref().map_err(|error| *error)
+        self.linear_part()
+            .components
+            .get_or_init(|| ComponentModes::new(&self.model, None))
+            .as_ref()
+            .map_err(|error| *error)
     }
 
     /// Undamped modes that `loads` (n entries each) excite, in a Krylov space of `steps` vectors, with the loaded tooth flanks
@@ -469,7 +473,7 @@ impl CachedModel {
         self.linear_part().subspaces.get_or_try(key.clone(), || {
             let synthesised = key.highest.map(|highest| {
                 let loaded = key.interfaces.iter().flatten().map(|(index, _)| *index);
-                self.synthesised(speed, highest, loaded)
+                self.synthesised(speed, highest, loaded, &key.distributed)
             });
             let synthesised = synthesised.transpose()?;
             let all = match &synthesised {
@@ -500,12 +504,13 @@ impl CachedModel {
     }
 
     /// Displacements of the growing modes at the speeds of a key, n rows; `None` if nearly parallel modes hide them. The modes
-    /// of a model with meshes are those up to a frequency, with the static displacements at coupled coordinates.
+    /// of a model that is large or has meshes are those up to a frequency, with the static displacements at coupled coordinates.
     fn growing_of(&self, key: &SubspaceKey) -> Result<Option<DMatrix<f64>>, DecompositionError> {
         let (model, first) = (&self.model, key.speeds[0]);
         let mut columns: Vec<DVector<f64>> = Vec::new();
         for speed in key.speeds.iter().copied().filter(|speed| !model.is_dissipative(*speed)) {
-            let highest = (!model.meshes.is_empty()).then_some(GROWTH_LIMIT * key.excited);
+            let is_limited = !model.meshes.is_empty() || key.highest.is_some();
+            let highest = is_limited.then_some(GROWTH_LIMIT * key.excited);
             let find = || -> Result<_, DecompositionError> {
                 let linear = if let Some(highest) = highest {
                     let mut coordinates = model.coupled_coordinates(first);
@@ -513,7 +518,7 @@ impl CachedModel {
                     coordinates.sort_unstable();
                     coordinates.dedup();
                     let modes = if key.highest.is_some() {
-                        self.synthesised(first, highest, [])?.up_to(model, first, &coordinates, highest)?
+                        self.synthesised(first, highest, [], &[])?.up_to(model, first, &coordinates, highest)?
                     } else {
                         self.real_modes(first)?.up_to(model, first, &coordinates, highest)?
                     };
@@ -533,22 +538,25 @@ impl CachedModel {
     }
 
     /// Undamped modes in the subspace of the component modes up to `highest`, rad/s, and of the static displacements under
-    /// loads at coupled coordinates and at the coordinates `loaded`; with the loaded tooth flanks of `speed` (reference
-    /// shaft, rad/s).
+    /// loads at coupled coordinates, at the coordinates `loaded`, and under `distributed` ones; with the loaded tooth flanks of
+    /// `speed` (reference shaft, rad/s).
     fn synthesised(
         &self,
         speed: f64,
         highest: f64,
         loaded: impl IntoIterator<Item = usize>,
+        distributed: &[Row],
     ) -> Result<Arc<RealModes>, DecompositionError> {
         let mut coordinates = self.model.coupled_coordinates(speed);
         coordinates.extend(loaded);
         coordinates.sort_unstable();
         coordinates.dedup();
         let rotation = self.model.rotation(speed);
-        let key = SynthesisKey { rotation: rotation as usize, highest, loaded: coordinates };
+        let single = coordinates.into_iter().map(|index| vec![(index, 1.0)]);
+        let loads = single.chain(distributed.iter().cloned()).collect();
+        let key = SynthesisKey { rotation: rotation as usize, highest, loads };
         self.linear_part().synthesised.get_or_try(key.clone(), || {
-            self.component_modes()?.modes(&self.model, rotation.speed(), &key.loaded, highest).map(Arc::new)
+            self.component_modes()?.modes(&self.model, rotation.speed(), &key.loads, highest).map(Arc::new)
         })
     }
 

@@ -1,5 +1,5 @@
-//! Undamped modes of a large model from those of its components (component mode synthesis; Craig and Bampton 1968,
-//! MacNeal 1971, Rubin 1975).
+//! Undamped modes of the components of a model that nothing couples, and those of a large model from the modes of its components
+//! (component mode synthesis; Craig and Bampton 1968, MacNeal 1971, Rubin 1975).
 //!
 //! Without meshes the model consists of uncoupled components: the torsion of each shaft, and its bending, in each plane
 //! where no bearing couples the planes. Their modes are small problems. The modes below a frequency limit are kept. The
@@ -11,13 +11,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::real::{RealModes, RigidMotion, rigid_body_modes, rigid_motions, spring_deflections};
+use crate::connection::Row;
 use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
 use crate::model::Model;
 
 /// A shape whose part independent of the other shapes is below this fraction is left out.
 const DEPENDENT: f64 = 1e-8;
 
-/// Undamped modes of the components, which depend neither on the speed nor on the connections.
+/// Undamped modes of components.
 #[derive(Clone, Debug)]
 pub struct ComponentModes(Vec<Component>);
 
@@ -35,11 +36,16 @@ struct Component {
 }
 
 impl ComponentModes {
-    /// Computes the modes of all components.
-    pub(in crate::modal) fn new(model: &Model) -> Result<Self, DecompositionError> {
-        let (mass, stiffness) = (model.sparse_mass(), model.sparse_stiffness_without_connections());
+    /// Modes of all components, with the connections and their loaded tooth flanks at `speed` (reference shaft, rad/s), or without
+    /// connections.
+    pub(in crate::modal) fn new(model: &Model, speed: Option<f64>) -> Result<Self, DecompositionError> {
+        let mass = model.sparse_mass();
+        let stiffness = match speed {
+            Some(speed) => model.sparse_symmetric_stiffness(speed),
+            None => model.sparse_stiffness_without_connections(),
+        };
         let kinetic = |motions: &DMatrix<f64>| motions.transpose() * model.mass_times(motions);
-        let (rigid, deflections) = (rigid_motions(model), spring_deflections(model, None));
+        let (rigid, deflections) = (rigid_motions(model), spring_deflections(model, speed));
         let modes_of = |coordinates: Vec<usize>| -> Result<Component, DecompositionError> {
             let is_own = |index: &usize| coordinates.binary_search(index).is_ok();
             let is_inside = |motion: &&RigidMotion| motion.displacements.iter().all(|(index, _)| is_own(index));
@@ -52,22 +58,40 @@ impl ComponentModes {
         Ok(Self(components(model.len(), &mass, &stiffness).into_iter().map(modes_of).collect::<Result<_, _>>()?))
     }
 
+    /// The mode shapes of all components, one per column, n rows, and the number of rigid-body modes, which come first.
+    pub(in crate::modal) fn shapes(&self, model: &Model) -> (DMatrix<f64>, usize) {
+        let null = self.0.iter().map(|component| component.null).sum();
+        let mut vectors = DMatrix::zeros(model.len(), model.len());
+        let [mut rigid, mut elastic] = [0, null];
+        for component in &self.0 {
+            for (number, shape) in component.vectors.column_iter().enumerate() {
+                let next = if number < component.null { &mut rigid } else { &mut elastic };
+                component.coordinates.iter().zip(&shape).for_each(|(row, value)| vectors[(*row, *next)] = *value);
+                *next += 1;
+            }
+        }
+        (vectors, null)
+    }
+
     /// Undamped modes of the complete model in the subspace of the component modes up to `limit`, rad/s, and of the static
-    /// displacements under loads at the coordinates `loaded`; with the loaded tooth flanks of `speed` (reference shaft,
-    /// rad/s).
+    /// displacements of each component under `loads` as entries (index, coefficient); with the loaded tooth flanks of `speed`
+    /// (reference shaft, rad/s).
     pub(in crate::modal) fn modes(
         &self,
         model: &Model,
         speed: f64,
-        loaded: &[usize],
+        loads: &[Row],
         limit: f64,
     ) -> Result<RealModes, DecompositionError> {
         let mut shapes: Vec<DVector<f64>> = Vec::new();
         for Component { coordinates, null, values, vectors } in &self.0 {
-            let local = |index: &usize| coordinates.binary_search(index).ok();
-            let loaded: Vec<usize> = loaded.iter().filter_map(local).collect();
+            let local = |load: &Row| -> Row {
+                let entries = load.iter();
+                entries.filter_map(|(index, value)| Some((coordinates.binary_search(index).ok()?, *value))).collect()
+            };
+            let loads: Vec<Row> = loads.iter().map(local).filter(|load| !load.is_empty()).collect();
             let kept = (*null).max(values.iter().take_while(|value| **value <= limit * limit).count());
-            for column in component_shapes(values, vectors, kept, &loaded).column_iter() {
+            for column in component_shapes(values, vectors, kept, &loads).column_iter() {
                 let mut shape = DVector::zeros(model.len());
                 coordinates.iter().zip(column.iter()).for_each(|(index, value)| shape[*index] = *value);
                 shapes.push(shape);
@@ -78,13 +102,16 @@ impl ComponentModes {
     }
 }
 
-/// The first `kept` modes of a component, and the residual flexibility of the others at the coordinates `loaded`, all
-/// orthonormal in M; `values` are ω².
-fn component_shapes(values: &DVector<f64>, modes: &DMatrix<f64>, kept: usize, loaded: &[usize]) -> DMatrix<f64> {
+/// The first `kept` modes of a component, and the residual flexibility of the others under `loads`, all orthonormal in M;
+/// `values` are ω².
+fn component_shapes(values: &DVector<f64>, modes: &DMatrix<f64>, kept: usize, loads: &[Row]) -> DMatrix<f64> {
     let omitted = values.len() - kept;
     let mut residuals: Vec<DVector<f64>> = Vec::new();
-    for index in loaded {
-        let flexibility = |mode: usize| modes[(*index, kept + mode)] / values[kept + mode];
+    for load in loads {
+        let flexibility = |mode: usize| {
+            let force: f64 = load.iter().map(|(index, value)| modes[(*index, kept + mode)] * value).sum();
+            force / values[kept + mode]
+        };
         let mut residual = DVector::from_fn(omitted, |mode, _| flexibility(mode));
         let size = residual.norm();
         for _ in 0..2 {

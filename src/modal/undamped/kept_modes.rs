@@ -59,7 +59,7 @@ pub struct SubspaceKey {
     /// Loads on the interfaces as entries (index, coefficient). A large model keeps the static displacement under unit loads
     /// at all their coordinates.
     pub interfaces: Vec<Row>,
-    /// Further loads, on many coordinates of a shaft, as entries (index, coefficient).
+    /// Further loads, on many coordinates of a shaft, as entries (index, coefficient), whose static displacements it keeps too.
     pub distributed: Vec<Row>,
     /// How many modes the run keeps; none keeps all.
     pub extent: Option<Extent>,

@@ -19,6 +19,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
+use super::components::ComponentModes;
 use crate::connection::{Connection, Row};
 use crate::linalg::{DecompositionError, Sparse, symmetric_eigen, symmetric_pencil};
 use crate::model::{DofKind, Link, Model, Support};
@@ -44,13 +45,8 @@ pub struct RealModes {
 impl RealModes {
     /// Modes of the complete model, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
     pub(in crate::modal) fn new(model: &Model, speed: f64) -> Result<Self, DecompositionError> {
-        let mass = model.mass_matrix();
-        let kinetic = |motions: &DMatrix<f64>| motions.transpose() * &mass * motions;
-        let null = rigid_body_modes(model, &rigid_motions(model), &spring_deflections(model, Some(speed)), kinetic)?;
-        let stiffness =
-            model.shaft_stiffness_matrix() + model.symmetric_part_matrix() + model.connection_stiffness_matrix(speed);
-        let vectors = symmetric_pencil(&stiffness, &mass, &null)?.vectors;
-        Ok(Self::of_shapes(model, speed, vectors, null.ncols()))
+        let (vectors, null) = ComponentModes::new(model, Some(speed))?.shapes(model);
+        Ok(Self::of_shapes(model, speed, vectors, null))
     }
 
     /// Modes without meshes, for each uncoupled part: the bending and the torsion of each shaft, or everything if links

@@ -83,6 +83,35 @@ def test_the_estimate_of_component_modes(name: str):
 
 
 @pytest.mark.filterwarnings("ignore:modes. 40 modes leave an error:gearbow.AccuracyWarning")
+@pytest.mark.parametrize("speed", [SPEED, -0.7 * SPEED])
+@pytest.mark.parametrize("initial", ["rest", "static", "synchronous"])
+def test_a_large_rotor_without_meshes_keeps_few_modes(initial: str, speed: float):
+    places = np.linspace(0.03, 1.45, 26)
+    bow = gb.Bow.half_sine(3e-5, phase=0.3)
+    rotor = gb.RotorSystem(
+        [gb.Shaft("s", length=1.5, outer_diameter=0.05, elements=40, bow=bow)],
+        disks=[
+            gb.Disk(f"d{i}", "s", x, 1.0 + 0.1 * i, 2e-3, 4e-3, unbalance=1e-5)
+            for i, x in enumerate(places)
+        ],
+        bearings=[
+            gb.Bearing("s", 0.1, stiffness=[[3e7, 1e7], [-4e6, 6e7]], damping=2e3),
+            gb.Bearing("s", 1.37, stiffness=(2e7, 7e7), damping=(500.0, 4e3)),
+        ],
+        gravity=9.81,
+        motion="lateral",
+    )
+    assert len(rotor.dofs) >= 250
+    given: dict[str, Any] = {"initial": initial, "times": np.linspace(0.0, 0.15, 301)}
+    found = rotor.simulate(0.15, speed, accuracy="engineering", **given)
+    every = rotor.simulate(0.15, speed, modes=len(rotor.dofs), rtol=1e-8, **given)
+    assert found.statistics.modes < 0.6 * len(rotor.dofs)
+    for at in ("d0", "d11", "d25"):
+        a, b = found.displacement(at), every.displacement(at)
+        # the level permits 1e-3
+        assert np.abs(a - b).max() < 3e-4 * np.ptp(b)
+
+
 def test_the_error_falls_fast_with_the_number_of_modes():
     # 40, 48 and 56 of these 75 modes leave errors of the mesh force of 3e-2, 3.6e-3 and 3.3e-3
     system = bowed_double_stage(engagement=0.2)
