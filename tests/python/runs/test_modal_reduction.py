@@ -82,7 +82,6 @@ def test_the_estimate_of_component_modes(name: str):
     assert (ratio < 3).all()
 
 
-@pytest.mark.filterwarnings("ignore:modes. 40 modes leave an error:gearbow.AccuracyWarning")
 @pytest.mark.parametrize("speed", [SPEED, -0.7 * SPEED])
 @pytest.mark.parametrize("initial", ["rest", "static", "synchronous"])
 def test_a_large_rotor_without_meshes_keeps_few_modes(initial: str, speed: float):
@@ -112,6 +111,7 @@ def test_a_large_rotor_without_meshes_keeps_few_modes(initial: str, speed: float
         assert np.abs(a - b).max() < 3e-4 * np.ptp(b)
 
 
+@pytest.mark.filterwarnings("ignore:modes. 40 modes leave an error:gearbow.AccuracyWarning")
 def test_the_error_falls_fast_with_the_number_of_modes():
     # 40, 48 and 56 of these 75 modes leave errors of the mesh force of 3e-2, 3.6e-3 and 3.3e-3
     system = bowed_double_stage(engagement=0.2)
