@@ -12,9 +12,10 @@
 //! x = A⁻¹f − A⁻¹E Δ (I + Z Δ)⁻¹ Eᵀ A⁻¹f,    Z = Eᵀ A⁻¹ E.
 //! ```
 //!
-//! It takes time proportional to the number of rows plus r³. A general sparse LU (supernodal, columns ordered by COLAMD, one
-//! symbolic analysis for all frequencies) takes 0.8 to 2.7 times as long with assembly on the machines of `examples/machines`,
-//! and needs a refinement of its own: on two of them it leaves backward errors of 5e-7 and 9e-6.
+//! I + ZΔ has a block for each chain ([`super::blocks`]), so that the time is proportional to the number of rows and chains. A
+//! general sparse LU (supernodal, columns ordered by COLAMD, one symbolic analysis for all frequencies) takes 0.8 to 2.7 times as
+//! long with assembly on the machines of `examples/machines`, and needs a refinement of its own: on two of them it leaves
+//! backward errors of 5e-7 and 9e-6.
 //!
 //! Without the couplings a chain may be singular, although S is not: a free shaft at standstill, or a shaft at one of its
 //! own natural frequencies. Therefore A_c contains a damper on every coupled coordinate, an imaginary entry of the size of

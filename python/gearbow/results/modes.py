@@ -277,7 +277,7 @@ class Modes(Result, ReadOnly):
         mac = np.divide(cross, sizes, out=np.zeros_like(sizes), where=sizes > 0.0)
         return ModeComparison(mac, self.frequencies_hz, measured.frequencies_hz)
 
-    def _translations(self, places: Sequence[At]) -> Array:
+    def _translations(self, places: Sequence[At]) -> ComplexArray:
         """Give `shapes_at`, and zeros where round-off alone moves a shape there."""
         found = self.shapes_at(places)
         largest = np.abs(self.shapes).max(axis=1, initial=0.0)
