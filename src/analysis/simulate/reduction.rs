@@ -226,7 +226,8 @@ impl<'m> Reducer<'_, 'm> {
         // A small model keeps all modes. A large one keeps those that it has; a warning tells their error.
         let model = &self.run.cached.model;
         if let Some(all) = all {
-            let is_kept = is_large(model) && !self.saves_little(&all.setup);
+            let left = left.map(|error| error * LIMIT_RATIO.powi(-2));
+            let is_kept = is_large(model) && !self.saves_little(&all.setup) && excess(left, target) <= 1.0;
             return Ok(is_kept.then(|| all.with_errors(Some(largest), left)));
         }
         Ok(coarse.filter(|_| is_large(model)).map(|last| last.with_errors(Some(limit), left)))
