@@ -332,7 +332,7 @@ impl<'a> Tracker<'a> {
         match &self.projected {
             Some(known) if self.space.dimension() <= MAX_DIMENSIONS_PER_MODE * self.modes.len() => {
                 if self.cached.model.depends_on_speed() && known.speed != to.speed {
-                    self.space.change(&known.equations(), &to.equations(), to.speed);
+                    self.space.change(&known.equations(), &to.equations(), [known.speed, to.speed]);
                 }
             }
             _ => {

@@ -119,7 +119,7 @@ pub fn harmonic_terms(
         let ((row, left), (column, right)) = (places[row], places[column]);
         entries.push((row, column, at_term(term, value * (left * right))));
     };
-    let changes = model.matrix_changes(base.map(|base| &base.cached.model), speed);
+    let changes = model.matrix_changes(base.map(|base| (&base.cached.model, speed)), speed);
     let terms = [(CONSTANT, -1.0), (STRUCTURAL, -1.0), (RATE, -1.0), (GYROSCOPIC, -1.0), (INERTIA, 1.0)];
     for ((term, factor), changes) in terms.into_iter().zip(changes) {
         changes.into_iter().for_each(|(row, column, value)| add(row, column, term, Complex64::from(factor * value)));

@@ -135,8 +135,8 @@ impl Model {
     }
 
     /// Entries (row, column, value) of K, H, C, G and M at `speed`, rad/s, in any order, whose sums are the matrices less those of
-    /// `base`, a model with the same coordinates. Elements that both models share give no entries.
-    pub fn matrix_changes(&self, base: Option<&Self>, speed: f64) -> [Vec<(usize, usize, f64)>; 5] {
+    /// `base`, a model with the same coordinates, at its speed, rad/s. Elements that both models share give no entries.
+    pub fn matrix_changes(&self, base: Option<(&Self, f64)>, speed: f64) -> [Vec<(usize, usize, f64)>; 5] {
         type Visit = fn(&Model, f64, Add<'_>);
         let visits: [Visit; 5] = [
             Self::visit_stiffness,
@@ -145,13 +145,13 @@ impl Model {
             |model, _, add| model.visit_gyroscopic(add),
             |model, _, add| model.visit_mass(add),
         ];
-        let entries = |model: &Self, visit: Visit| {
+        let entries = |(model, speed): (&Self, f64), visit: Visit| {
             let mut entries = Vec::new();
             visit(model, speed, &mut |row, column, value| entries.push((row, column, value)));
             entries
         };
         visits.map(|visit| {
-            let mut own = entries(self, visit);
+            let mut own = entries((self, speed), visit);
             let known = base.map_or_else(Vec::new, |base| entries(base, visit));
             let has_same_places = own.len() == known.len()
                 && own.iter().zip(&known).all(|(own, known)| (own.0, own.1) == (known.0, known.1));

@@ -54,7 +54,7 @@ def test_static_sag_with_soft_and_stiff_bearings(hold: Hold):
 def test_soft_bearings_balance_a_stiff_mesh(hold: Hold):
     # The torque is 1 mN m: bearings of 100 N/m deflect by micrometres.
     worst = 0.0
-    for soft, stiff in ((1e2, 2e8), (1e2, 2e12), (1e4, 2e14)):
+    for soft, stiff in ((1e2, 2e8), (1e2, 2e11), (1e4, 2e13)):
         system = train(soft, 0.0, torque=1e-3, stiffness=stiff)
         static = system.static()
         force = static.mesh(("ga", "gb")).force
@@ -64,7 +64,7 @@ def test_soft_bearings_balance_a_stiff_mesh(hold: Hold):
         assert system.modes().frequencies_hz[1] > 0.0
     hold(
         "The forces of soft bearings balance the force of a stiff mesh",
-        "mesh stiffness / bearing stiffness up to 2e10",
+        "mesh stiffness / bearing stiffness up to 2e9",
         worst,
         1e-4,
         "`AccuracyWarning` names the bearing, mesh or element",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, complex_number, items, number, shown, text
+from gearbow._convert import array, complex_number, items, number, shown, text, whole
 from gearbow._extras import extra
 from gearbow._files import as_path
 from gearbow._lookup import one_of
@@ -355,8 +355,11 @@ class Measurement(Result, ReadOnly):
 
         if not isinstance(channels, Mapping):
             raise SceneError(f"channels: must be a mapping of nodes, got {shown(channels)}")
-        signals = read_signals(as_path(path, "path"), channels)
-        return cls.from_signals(*signals, revolutions=revolutions, trial_weights=trial_weights)
+        given = {
+            "revolutions": whole(revolutions, "revolutions", least=2),
+            "trial_weights": _checked_weights(trial_weights),
+        }
+        return cls.from_signals(*read_signals(as_path(path, "path"), channels), **given)
 
     def subtract_slow_roll(self, speed: float) -> "Measurement":
         """Subtract the amplitudes at the measured speed that is nearest to a slow-roll speed.

@@ -272,7 +272,7 @@ impl<'m> Reducer<'_, 'm> {
             highest: is_large(model).then_some(limit * excited),
             interfaces: interfaces(&linear_model.model, fastest, &plan.selection(model)),
             // At a constant speed they act at the start. With meshes, the forces of the teeth matter more.
-            distributed: if matches!(options.speed, Speed::Changing(_)) || model.meshes.is_empty() {
+            distributed: if matches!(options.speed, Speed::Changing(_)) || is_large(model) && model.meshes.is_empty() {
                 rotating_loads(&linear_model.model)
             } else {
                 Vec::new()

@@ -15,9 +15,9 @@ use crate::modal::undamped::ModalDamping;
 use crate::model::{Model, StructuralDamping};
 
 /// Residual of an accurate mode at a speed. Where forces circulate, the error of λ is proportional to it, otherwise to its square.
-const ACCURATE: f64 = 1e-8;
+const ACCURATE: f64 = 1e-10;
 /// Residual of an accurate intersection with a line.
-const ACCURATE_ON_LINE: f64 = 1e-10;
+const ACCURATE_ON_LINE: f64 = 1e-12;
 /// Number of times that the space is extended for one mode.
 const MAX_EXTENSIONS: usize = 8;
 /// Largest relative change of λ for which the factors of VᵀS(λ)V serve the next iteration too.
@@ -61,10 +61,10 @@ impl ModeSpace {
         self.shapes.ncols()
     }
 
-    /// Changes the matrices from those of a model to those of another one with the same coordinates, with the flanks in contact at
-    /// `speed` (reference shaft, rad/s).
-    pub fn change(&mut self, from: &FullEquations<'_>, to: &FullEquations<'_>, speed: f64) {
-        let [stiffness, _, damping, ..] = to.model.matrix_changes(Some(from.model), speed);
+    /// Changes the matrices from those of a model at a speed to those of another one with the same coordinates; `speeds` of the
+    /// reference shaft, rad/s.
+    pub fn change(&mut self, from: &FullEquations<'_>, to: &FullEquations<'_>, speeds: [f64; 2]) {
+        let [stiffness, _, damping, ..] = to.model.matrix_changes(Some((from.model, speeds[0])), speeds[1]);
         add_entries(&stiffness, &self.shapes, &mut self.images.stiffness, &mut self.projected.stiffness);
         add_entries(&damping, &self.shapes, &mut self.images.damping, &mut self.projected.damping);
         if let (Some(before), Some(after)) = (from.modal, to.modal)

@@ -44,7 +44,7 @@ def test_modes_of_a_jeffcott_rotor_have_the_eigenvalues_of_the_closed_form(
     # The mass of the shaft is 3e-8 of that of the disk.
     np.testing.assert_allclose(found, sorted(expected, key=lambda value: value.real), rtol=1e-7)
     # The bearings are 1e4 times as stiff as the shaft, which amplifies round-off.
-    assert modes.residuals.max() < 1e-6
+    assert modes.residuals.max() < 3e-6
 
 
 @pytest.mark.parametrize("external", [0.0, 0.01, 0.06])

@@ -35,6 +35,8 @@ def gears(
     **more: Any,
 ) -> gb.RotorSystem:
     own = {MESH[0]: {"helix_angle": helix}, MESH[1]: {"helix_angle": -helix}}
+    for name, given in more.pop("own", {}).items():
+        own[name] = {**own.get(name, {}), **given}
     return pair(
         ("input", "output"),
         MESH,

@@ -212,6 +212,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         },
     ),
     "Measurement.read_csv": (gb.Measurement.read_csv, {"path": "x.csv"}),
+    "Measurement.read_uff": (
+        gb.Measurement.read_uff,
+        {"path": "x.uff", "channels": {1: gb.Probe("input", 0.25), 2: gb.Tacho("input")}},
+    ),
     "Measurement.from_signals": (
         gb.Measurement.from_signals,
         {
