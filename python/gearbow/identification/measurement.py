@@ -355,11 +355,10 @@ class Measurement(Result, ReadOnly):
 
         if not isinstance(channels, Mapping):
             raise SceneError(f"channels: must be a mapping of nodes, got {shown(channels)}")
-        given = {
-            "revolutions": whole(revolutions, "revolutions", least=2),
-            "trial_weights": _checked_weights(trial_weights),
-        }
-        return cls.from_signals(*read_signals(as_path(path, "path"), channels), **given)
+        turns = whole(revolutions, "revolutions", least=2)
+        weights = _checked_weights(trial_weights)
+        signals = read_signals(as_path(path, "path"), channels)
+        return cls.from_signals(*signals, revolutions=turns, trial_weights=weights)
 
     def subtract_slow_roll(self, speed: float) -> "Measurement":
         """Subtract the amplitudes at the measured speed that is nearest to a slow-roll speed.
