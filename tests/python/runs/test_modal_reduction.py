@@ -82,7 +82,7 @@ def test_the_estimate_of_component_modes(name: str):
     assert (ratio < 3).all()
 
 
-@pytest.mark.parametrize("speed", [SPEED, -0.7 * SPEED])
+@pytest.mark.parametrize("speed", [SPEED, -SPEED])
 @pytest.mark.parametrize("initial", ["rest", "static", "synchronous"])
 def test_a_large_rotor_without_meshes_keeps_few_modes(initial: str, speed: float):
     places = np.linspace(0.03, 1.45, 26)
