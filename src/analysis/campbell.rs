@@ -167,7 +167,7 @@ struct Previous {
     modes: Vec<State>,
 }
 
-/// The model whose matrices the space of modes has.
+/// A model at a speed, whose matrices are projected on the space of displacements.
 struct Projected<'a> {
     /// Speed of the reference shaft, rad/s.
     speed: f64,
@@ -188,9 +188,9 @@ struct Tracker<'a> {
     interrupt: &'a Interrupt,
     /// The model whose stiffness is that of the inner product.
     basis: AtSpeed<'a>,
-    /// Space in which Newton's method finds modes.
+    /// Space of displacements in which Newton's method finds modes.
     space: ModeSpace,
-    /// The model whose matrices the space has; None before the first one.
+    /// The model whose matrices are projected on the space; None before the first speed.
     projected: Option<Projected<'a>>,
     /// Number of modes that are computed at each speed.
     wanted: usize,
@@ -309,15 +309,12 @@ impl<'a> Tracker<'a> {
             let mut residuals = Residuals::new(model, range, speed, EquationForces::All(modal));
             for start in starts {
                 self.interrupt.check()?;
-                let mut last = None;
                 let residual = |met: &ModeAtSpeed| {
                     residuals.speed = met.speed;
-                    let residual = residuals.of(met.eigenvalue, &met.shape)?;
-                    last = Some(residual);
-                    Ok::<f64, AnalysisError>(residual.value)
+                    residuals.of(met.eigenvalue, &met.shape)
                 };
-                let met = self.space.mode_near(model, modal, unknown, start, residual)?;
-                let Some((met, residual)) = met.zip(last) else { break };
+                let met = self.space.mode_near(model, modal, unknown, start, residual, |found| found.value)?;
+                let Some((met, residual)) = met else { break };
                 states.push(self.state(model, met, residual));
             }
         }
@@ -326,7 +323,8 @@ impl<'a> Tracker<'a> {
         Ok(states)
     }
 
-    /// Takes the matrices of a model into the space, which has the shapes of the last tracked modes at least.
+    /// Projects the matrices of a model on the space. A new space, or one that has grown too large, begins with the shapes of the
+    /// tracked modes at the current and at the previous speed.
     fn project(&mut self, to: Projected<'a>) {
         let (model, modal) = (&to.cached.model, to.modal.as_deref());
         match &self.projected {

@@ -249,6 +249,11 @@ impl ComplexLu {
     }
 }
 
+/// Image of a complex vector under a real linear map: that of its real and of its imaginary part.
+pub fn image_of_parts(x: &DVector<Complex<f64>>, map: impl Fn(&DVector<f64>) -> DVector<f64>) -> DVector<Complex<f64>> {
+    map(&x.map(|value| value.re)).zip_map(&map(&x.map(|value| value.im)), Complex::new)
+}
+
 /// Solves the real system A X = B by LU decomposition with partial pivoting.
 pub fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
     LuFactors::new(matrix).solve(right)

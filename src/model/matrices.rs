@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use super::shaft::{BendingChain, RodChain};
 use super::{Model, StructuralDamping, Support};
 use crate::connection::{Connection, Row};
-use crate::linalg::{ChainMatrix, Sparse};
+use crate::linalg::{ChainMatrix, Sparse, image_of_parts};
 
 /// Adds a value to the entry (row, column) of a matrix.
 pub type Add<'a> = &'a mut dyn FnMut(usize, usize, f64);
@@ -309,12 +309,11 @@ impl Model {
 
     /// Product of a real matrix with a complex vector; `multiply(x, out)` adds the product with a real vector.
     pub fn product(&self, x: &DVector<Complex64>, multiply: impl Fn(&[f64], &mut [f64])) -> DVector<Complex64> {
-        let part = |part: fn(&Complex64) -> f64| {
+        image_of_parts(x, |part| {
             let mut image = DVector::zeros(self.len());
-            multiply(x.map(|value| part(&value)).as_slice(), image.as_mut_slice());
+            multiply(part.as_slice(), image.as_mut_slice());
             image
-        };
-        part(|value| value.re).zip_map(&part(|value| value.im), Complex64::new)
+        })
     }
 
     fn dense(&self, visit: impl Fn(Add<'_>)) -> DMatrix<f64> {

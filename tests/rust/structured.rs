@@ -199,9 +199,11 @@ fn an_intersection_in_a_growing_space_is_a_mode_of_dense_matrices() {
         space.extend(model, None, start.speed, &start.shape);
         let residual = |met: &modal::ModeAtSpeed| {
             let forces = EquationForces::All(None);
-            modal::residual(&cached, met.speed, met.eigenvalue, &met.shape, forces).map(|residual| residual.value)
+            modal::residual(&cached, met.speed, met.eigenvalue, &met.shape, forces)
         };
-        let met = space.mode_near(model, None, Unknown::Speed(1.0), start.clone(), residual).unwrap().unwrap();
+        let unknown = Unknown::Speed(1.0);
+        let found = space.mode_near(model, None, unknown, start.clone(), residual, |residual| residual.value);
+        let (met, _) = found.unwrap().unwrap();
         assert_eq!(met.eigenvalue.im, met.speed);
         let exact = modal::modes(&cached, met.speed, usize::MAX, ModeSelection::All).unwrap();
         let nearest = exact.iter().min_by(|a, b| {

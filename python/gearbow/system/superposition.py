@@ -54,14 +54,14 @@ class Superposition:
         options["rtol"] = tolerance(arguments)
         # Variants have the elements of this system, which may depend on what excites it.
         meshed = type(self.system)._from_description(self.system._model.resolved())
+        parts = silent(meshed)
         # Transmission errors are sources of their own, also with their first orders.
-        meshes = [replace(mesh, error=None) for mesh in meshed.meshes]
-        smooth = variant(meshed, meshes=meshes)._model
+        smooth = variant(meshed, meshes=parts["meshes"])._model
         rest = initial_state(smooth, **options)
         state = initial_state(smooth, **{**options, "initial": "synchronous"})
         residual, periods = 0.0, 0
         for period, changes in self._sources():
-            model = variant(meshed, **{**silent(meshed), **changes})._model
+            model = variant(meshed, **{**parts, **changes})._model
             given = {**options, "duration": period}
             data, about = steady_state(
                 model, **given, longest_section=None, samples=1, record=[], progress=None

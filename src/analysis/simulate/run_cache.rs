@@ -14,7 +14,7 @@ use crate::modal::{ModalStateSpace, Recent};
 /// Number of settings whose propagators and reductions are kept: they take most of the memory, see docs/limits.md.
 const KEPT_SETTINGS: usize = 2;
 
-/// What a synchronous motion that a run uses reads beside its model.
+/// Inputs, beside the model, of a synchronous motion that runs use: equal inputs give equal motions, which are kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SynchronousKey {
     /// Speed of the reference shaft, rad/s.
@@ -23,7 +23,7 @@ pub(super) struct SynchronousKey {
     pub flank_speed: f64,
     /// Whether modal damping acts on the modes of the components.
     pub uses_components: bool,
-    /// What excites.
+    /// The part of the excitation: all that turns with the shafts, or the loads alone.
     pub part: ExcitationPart,
 }
 

@@ -6,7 +6,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::linalg::{DecompositionError, hermitian_eigen, solve_complex};
+use crate::linalg::{DecompositionError, hermitian_eigen, image_of_parts, solve_complex};
 use crate::modal::cache::CachedModel;
 use crate::modal::lowest::ModeAtSpeed;
 
@@ -70,7 +70,7 @@ impl CriticalProblem {
             ModeAtSpeed {
                 speed: frequency / order,
                 eigenvalue: Complex::new(0.0, frequency),
-                shape: map(&self.shapes, &coordinates.unscale(norm)),
+                shape: image_of_parts(&coordinates.unscale(norm), |part| &self.shapes * part),
             }
         };
         // Descending 1/ω² is ascending ω. Values that are positive only by round-off are no critical speeds.
@@ -78,10 +78,4 @@ impl CriticalProblem {
         let columns = (0..rest).rev().map(|i| (values[i], vectors.column(i).into_owned()));
         Ok(columns.filter(|(value, _)| *value > round_off).map(mode).collect())
     }
-}
-
-/// A x for a real matrix A.
-fn map(matrix: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let part = |part: fn(&Complex<f64>) -> f64| matrix * x.map(|value| part(&value));
-    part(|value| value.re).zip_map(&part(|value| value.im), Complex::new)
 }

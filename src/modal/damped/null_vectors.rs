@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::residual::{Residual, residual};
-use crate::linalg::{ComplexLu, CoupledFactors, DecompositionError, Side, Singular};
+use crate::linalg::{ComplexLu, CoupledFactors, DecompositionError, Side, Singular, image_of_parts};
 use crate::modal::cache::{CachedModel, EquationForces, dynamic_force, in_circular};
 use crate::modal::lowest::Highest;
 use crate::modal::undamped::ModalDamping;
@@ -173,14 +173,12 @@ impl<'m> Inverse<'m> {
         };
         let mut forces = DMatrix::from_columns(&[rates * projected(&modal.momenta, &found)]);
         capacities[usize::from(side == Side::Left)].solve(&mut forces);
-        let part = |of: fn(&Complex64) -> f64| &*modal.momenta * forces.column(0).map(|value| of(&value));
-        let change = part(|value| value.re).zip_map(&part(|value| value.im), Complex64::new);
+        let change = image_of_parts(&forces.column(0).into_owned(), |part| &*modal.momenta * part);
         self.plain(side, &(force - change))
     }
 }
 
 /// Bᵀ x.
 fn projected(momenta: &DMatrix<f64>, x: &DVector<Complex64>) -> DVector<Complex64> {
-    let part = |of: fn(&Complex64) -> f64| momenta.tr_mul(&x.map(|value| of(&value)));
-    part(|value| value.re).zip_map(&part(|value| value.im), Complex64::new)
+    image_of_parts(x, |part| momenta.tr_mul(part))
 }

@@ -104,7 +104,7 @@ pub fn mode_near(model: &Model, modal: Option<&ModalDamping>, start: &ModeAtSpee
     newton(&FullEquations { model, modal }, Unknown::Frequency, start.clone())
 }
 
-/// A mode, from the approximation `at`, by Newton's method; `None` if it does not converge.
+/// The mode that Newton's method finds from the approximation `at`; `None` if it does not converge.
 pub(super) fn newton(equations: &impl Equations, unknown: Unknown, mut at: ModeAtSpeed) -> Option<ModeAtSpeed> {
     let (mut previous, mut is_close) = (f64::INFINITY, false);
     // A mode without oscillation has a real shape; the imaginary parts of its changes are round-off.

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::intersection::{Equations, Forces, FullEquations, ModeAtSpeed, Unknown, newton};
-use crate::linalg::{LuFactors, Singular};
+use crate::linalg::{LuFactors, Singular, image_of_parts};
 use crate::modal::undamped::ModalDamping;
 use crate::model::{Model, StructuralDamping};
 
@@ -49,7 +49,7 @@ pub struct ModeSpace {
 }
 
 impl ModeSpace {
-    /// The space of no displacement of a model.
+    /// An empty space for the displacements of a model.
     pub fn new(model: &Model) -> Self {
         let zeros = || DMatrix::zeros(model.len(), 0);
         let matrices = || Matrices { stiffness: zeros(), damping: zeros(), gyroscopic: zeros() };
@@ -126,36 +126,40 @@ impl ModeSpace {
         self.dimension() > before
     }
 
-    /// The mode near `start` of the model whose matrices the space has, and the space with it; `None` if the iteration does not
-    /// converge. `residual` gives the residual of a mode in all coordinates.
+    /// The mode near `start` of the model whose matrices the space has, with its residual; the space is extended where that
+    /// residual asks for it. `None` if the iteration does not converge. `residual` gives the residual of a mode in all coordinates,
+    /// and `size` its value.
     ///
     /// # Errors
     /// The error of `residual`.
-    pub fn mode_near<E>(
+    pub fn mode_near<R, E>(
         &mut self,
         model: &Model,
         modal: Option<&ModalDamping>,
         unknown: Unknown,
         start: ModeAtSpeed,
-        mut residual: impl FnMut(&ModeAtSpeed) -> Result<f64, E>,
-    ) -> Result<Option<ModeAtSpeed>, E> {
-        let mut best: Option<(f64, ModeAtSpeed)> = None;
+        mut residual: impl FnMut(&ModeAtSpeed) -> Result<R, E>,
+        size: impl Fn(&R) -> f64,
+    ) -> Result<Option<(ModeAtSpeed, R)>, E> {
+        let mut best: Option<(ModeAtSpeed, R)> = None;
         let is_exact = matches!(unknown, Unknown::Speed(_));
         let accurate = if is_exact { ACCURATE_ON_LINE } else { ACCURATE };
         let mut at = start;
         for extension in 0..=MAX_EXTENSIONS {
-            let [real, imaginary] = parts(&at.shape).map(|part| self.momenta.tr_mul(&part));
-            let coordinates = real.zip_map(&imaginary, Complex64::new);
+            let coordinates = image_of_parts(&at.shape, |part| self.momenta.tr_mul(part));
             let reduced = ReducedEquations { space: self, model, is_exact, factors: RefCell::new(None) };
             let start = ModeAtSpeed { shape: coordinates, ..at };
             if let Some(found) = newton(&reduced, unknown, start) {
                 at = ModeAtSpeed { shape: times(&self.shapes, &found.shape), ..found };
-                let value = residual(&at)?;
-                let is_better = best.as_ref().is_none_or(|(known, _)| value < *known);
-                if value <= accurate || !is_better {
-                    return Ok(Some(if is_better { at } else { best.map_or(at, |(_, known)| known) }));
+                let found = (at.clone(), residual(&at)?);
+                let value = size(&found.1);
+                let is_better = best.as_ref().is_none_or(|(_, known)| value < size(known));
+                if is_better {
+                    best = Some(found);
                 }
-                best = Some((value, at.clone()));
+                if value <= accurate || !is_better {
+                    break;
+                }
             }
             let equations = FullEquations { model, modal };
             let change = if extension < MAX_EXTENSIONS { equations.step(unknown, &at).ok() } else { None };
@@ -164,7 +168,7 @@ impl ModeSpace {
             };
             at.shape += change.shape;
         }
-        Ok(best.map(|(_, known)| known))
+        Ok(best)
     }
 }
 
@@ -206,11 +210,10 @@ fn parts(x: &DVector<Complex64>) -> [DVector<f64>; 2] {
 
 /// A x for a real matrix A.
 fn times(matrix: &DMatrix<f64>, x: &DVector<Complex64>) -> DVector<Complex64> {
-    let [real, imaginary] = parts(x).map(|part| matrix * part);
-    real.zip_map(&imaginary, Complex64::new)
+    image_of_parts(x, |part| matrix * part)
 }
 
-/// The equations of motion in the space.
+/// The equations of motion projected on the space, VᵀS(λ)V y = 0.
 struct ReducedEquations<'s> {
     space: &'s ModeSpace,
     model: &'s Model,

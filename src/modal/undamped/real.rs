@@ -227,15 +227,20 @@ pub(in crate::modal) fn rigid_body_modes(
     springs: &[Row],
     kinetic: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
 ) -> Result<DMatrix<f64>, DecompositionError> {
-    let mut moving: Vec<Vec<(usize, f64)>> = vec![Vec::new(); model.len()];
-    for (motion, rigid) in rigid.iter().enumerate() {
-        rigid.displacements.iter().for_each(|(index, value)| moving[*index].push((motion, *value)));
-    }
+    // Coordinate, number of the motion and displacement, in the order of the coordinates: a few of the model.
+    let numbered = rigid.iter().enumerate();
+    let mut moving: Vec<(usize, usize, f64)> = numbered
+        .flat_map(|(motion, rigid)| rigid.displacements.iter().map(move |(index, value)| (*index, motion, *value)))
+        .collect();
+    moving.sort_by_key(|(index, ..)| *index);
+    let at = |index: usize| {
+        let first = moving.partition_point(|(other, ..)| *other < index);
+        moving[first..].iter().take_while(move |(other, ..)| *other == index)
+    };
     let moved = |spring: &Row| {
-        let parts =
-            spring.iter().flat_map(|(index, coefficient)| moving[*index].iter().map(move |part| (part, coefficient)));
+        let parts = spring.iter().flat_map(|(index, coefficient)| at(*index).map(move |part| (part, coefficient)));
         let mut sum: BTreeMap<usize, f64> = BTreeMap::new();
-        parts.for_each(|((motion, value), coefficient)| *sum.entry(*motion).or_default() += value * coefficient);
+        parts.for_each(|((_, motion, value), coefficient)| *sum.entry(*motion).or_default() += value * coefficient);
         sum
     };
     let deflections: Vec<BTreeMap<usize, f64>> = springs.iter().map(moved).filter(|row| !row.is_empty()).collect();

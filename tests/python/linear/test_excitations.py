@@ -137,7 +137,7 @@ def of_frequency_response(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
 
 
 def of_steady_state(system: gb.RotorSystem) -> tuple[np.ndarray, str]:
-    # two turns of the input shaft; linear teeth have their motion after a few periods
+    # The period is two turns of the input shaft. With linear teeth, the motion is periodic after a few periods.
     meshes = [replace(mesh, backlash=None, friction=None) for mesh in system.meshes]
     found = system.replace(meshes=meshes).steady_state(
         SPEED, geometry="frozen", period=4.0 * np.pi / SPEED, record=["gears", "rotor"]

@@ -44,7 +44,7 @@ def test_matrices_and_responses(speed: float):
     amplitudes = without_tooth_errors(system).synchronous([speed]).amplitudes[0]
     for source, (spin, at_0, at_90) in enumerate(whole.turning_force(speed)):
         expected = whole.response(spin, speed, at_0 - 1j * at_90)[at]
-        # round-off times the condition of the matrix with a free rotation
+        # The limit is round-off times the condition number: the matrix has a free rotation.
         assert amplitudes[source] == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
     place = [system.dofs.index(("middle", 0.35, kind)) for kind in ("u", "v", "w")]
     force = np.zeros(len(at), dtype=complex)
@@ -78,7 +78,7 @@ def test_a_transmission_error_of_one_mesh_moves_all(speed: float):
     forces = [impedance(mesh) * (gradient @ q[at]) for mesh, at, gradient in linear]
     forces[2] -= impedance(mesh) * np.cos(mesh.base) * error
     for name, expected in zip(("g1/g2", "g2/g3", "g4/g5"), forces, strict=True):
-        # round-off times the condition of the matrix with a free rotation
+        # The limit is round-off times the condition number: the matrix has a free rotation.
         scale = 1e-7 * abs(impedance(mesh) * error)
         assert found.mesh_force(name)[0, 0] == pytest.approx(expected, abs=scale), name
 
@@ -123,7 +123,7 @@ def test_a_balance_away_from_the_reference_shaft(target: str):
     middle = whole.train.shafts[2]
     for i, row in enumerate(rows):
         bow = middle.bow((0.12, 0.35)[i]) * np.array([1.0, -1.0j]) * (target == "elastic")
-        # round-off times the condition of the matrix
+        # The limit is round-off times the condition number of the matrix.
         scale = 1e-6 * np.abs(found.before).max()
         assert found.residual[0, i] == pytest.approx(q[row : row + 2] - bow, abs=scale)
 
