@@ -5,7 +5,7 @@ mod speed_dependent;
 
 use super::modes::{require, uses_bands};
 use super::{AnalysisError, Dense, Interrupt};
-use crate::modal::{self, CachedModel, CriticalProblem, EquationForces, ModeAtSpeed, Whirl};
+use crate::modal::{self, CachedModel, CriticalProblem, EquationForces, ModeAtSpeed, Residuals, SpectralRange, Whirl};
 use crate::model::Model;
 use crate::scene::EntryPath;
 pub use map::{CriticalPoint, critical_speed_map};
@@ -13,6 +13,9 @@ pub use map::{CriticalPoint, critical_speed_map};
 /// Speed for the equilibrium of rolling bearings, rad/s, where no table has another lowest one: their stiffness depends on the
 /// direction of rotation only, which decides on the loaded flanks.
 const EQUILIBRIUM_SPEED: f64 = 1.0;
+
+/// Speed of the reference shaft that selects the flanks in contact, rad/s.
+const FORWARD: f64 = 1.0;
 
 /// An undamped critical speed.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +58,7 @@ pub fn critical_speeds(
         found.truncate(count);
         return Ok(found);
     }
-    modes(cached, order, count)?.into_iter().map(|met| named(cached, &met, interrupt)).collect()
+    named(&cached.model, cached.spectral_range(FORWARD)?, &modes(cached, order, count)?, interrupt)
 }
 
 /// The `count` lowest critical speeds of a model whose coefficients do not depend on the speed, with their modes.
@@ -80,12 +83,22 @@ pub fn memory_of_critical_speeds(model: &Model, count: usize) -> Dense {
     if model.bearings.is_empty() && uses_bands(model, count) { Dense::Bands } else { Dense::Undamped }
 }
 
-/// A critical speed with whirl and residual of its mode.
-fn named(cached: &CachedModel, met: &ModeAtSpeed, interrupt: &Interrupt) -> Result<Critical, AnalysisError> {
-    interrupt.check()?;
-    let ModeAtSpeed { speed, eigenvalue, shape } = met;
-    let residual = modal::residual(cached, *speed, *eigenvalue, shape, EquationForces::Undamped)?;
-    require(residual, || format!("the mode at the critical speed {speed} rad/s"))?;
-    let whirl = modal::whirl(&cached.model, *speed, *eigenvalue, shape);
-    Ok(Critical { speed: *speed, whirl, residual: residual.value })
+/// Critical speeds with whirl and residual of their modes. The range of the undamped frequencies may be that of a similar model.
+fn named(
+    model: &Model,
+    range: &SpectralRange,
+    modes: &[ModeAtSpeed],
+    interrupt: &Interrupt,
+) -> Result<Vec<Critical>, AnalysisError> {
+    let mut residuals = Residuals::new(model, range, FORWARD, EquationForces::Undamped);
+    let mut critical = Vec::with_capacity(modes.len());
+    for ModeAtSpeed { speed, eigenvalue, shape } in modes {
+        interrupt.check()?;
+        residuals.speed = *speed;
+        let residual = residuals.of(*eigenvalue, shape)?;
+        require(residual, || format!("the mode at the critical speed {speed} rad/s"))?;
+        let whirl = modal::whirl(model, *speed, *eigenvalue, shape);
+        critical.push(Critical { speed: *speed, whirl, residual: residual.value });
+    }
+    Ok(critical)
 }

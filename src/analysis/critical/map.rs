@@ -3,13 +3,20 @@
 //! The modes x at the critical speeds of one model are orthogonal in B = M − iG/order, which does not depend on the
 //! stiffness of the bearings: xᴴBx' = 0 and xᴴBx = 1. Modes at two stiffnesses are therefore assigned by |xᴴBx'|², in the same
 //! way as those of a Campbell diagram at two speeds. The step of the stiffness is halved where the assignment is not clear.
+//!
+//! The modes X at both ends of a step span a space with few dimensions, in which those between are found: XᴴKX y = ω² XᴴBX y.
+//! They only decide which modes at the end continue which at the beginning. Rigid-body motions N need no place in the space: every
+//! mode satisfies NᴴBx = 0.
 
-use nalgebra::DVector;
+use std::cell::OnceCell;
+
+use nalgebra::{Cholesky, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::super::assignment::{Assignment, equal};
-use super::{Critical, modes, named};
+use super::{Critical, FORWARD, modes, named};
 use crate::analysis::{AnalysisError, Interrupt, Threads};
+use crate::linalg::hermitian_eigen;
 use crate::modal::{CachedModel, ModeAtSpeed};
 use crate::model::Model;
 use crate::scene::EntryPath;
@@ -20,6 +27,8 @@ const MAX_HALVINGS: u32 = 6;
 const DECIDING_LINES: usize = 16;
 /// Number of modes that are computed beyond those of the map.
 const FURTHER_MODES: usize = 4;
+/// Part of the energy of a mode outside of the others below which it is left out of their space.
+const DEPENDENCE_TOLERANCE: f64 = 1e-12;
 /// Smallest correlation of a line with its continuation: less than half of it belongs to another mode.
 const MIN_CONTINUATION: f64 = 0.5;
 
@@ -35,8 +44,8 @@ pub struct CriticalPoint {
 /// A mode at a critical speed.
 #[derive(Clone)]
 struct Found {
-    /// Speed and eigenvalue.
-    met: ModeAtSpeed,
+    /// λ, rad/s.
+    eigenvalue: Complex64,
     /// x with |xᴴBx| = 1, n entries in the order of the core.
     shape: DVector<Complex64>,
     /// B x, n entries.
@@ -58,21 +67,32 @@ pub fn critical_speed_map(
     interrupt: &Interrupt,
 ) -> Result<Vec<Vec<CriticalPoint>>, AnalysisError> {
     EntryPath::root("order").positive(order)?;
-    let problem = MapProblem { at, order, count, interrupt };
+    let problem = MapProblem { at, interrupt };
     // The modes at each stiffness, and the critical speeds of the map.
+    let Some(first) = stiffnesses.first() else { return Ok(Vec::new()) };
+    let range = problem.model(*first)?.spectral_range(FORWARD)?.clone();
     let found = threads.map(stiffnesses, |stiffness| {
-        let (cached, found) = problem.modes(*stiffness)?;
-        let named = found.iter().take(count).map(|met| named(&cached, &met.met, interrupt));
-        Ok((named.collect::<Result<Vec<_>, _>>()?, found))
+        let cached = problem.model(*stiffness)?;
+        let found = modes(&cached, order, count.saturating_add(FURTHER_MODES))?;
+        let critical = named(&cached.model, &range, &found[..count.min(found.len())], interrupt)?;
+        let found: Vec<_> = found.into_iter().map(|met| Found::new(&cached.model, order, met)).collect();
+        Ok((cached, critical, found))
     })?;
-    let mut lines = Lines { problem: &problem, alive: Vec::new(), started: 0 };
+    let mut lines = Lines { count, alive: Vec::new(), started: 0 };
     let mut map = Vec::new();
-    let mut previous = None;
-    for (stiffness, (critical, found)) in stiffnesses.iter().zip(found) {
-        lines.advance(previous, *stiffness, &found, 0)?;
-        previous = Some(*stiffness);
-        let point = |(critical, (line, _)): (Critical, &(usize, Found))| CriticalPoint { critical, line: *line };
-        map.push(critical.into_iter().zip(&lines.alive).map(point).collect());
+    let mut previous: Option<(f64, &CachedModel, &[Found])> = None;
+    for (stiffness, (cached, critical, found)) in stiffnesses.iter().zip(&found) {
+        let step = previous.map(|(from, before, known)| Step {
+            ends: [from, *stiffness],
+            models: [&before.model, &cached.model],
+            known: known.iter().chain(found).collect(),
+            space: OnceCell::new(),
+        });
+        lines.advance(step.as_ref().map(|step| (step, step.ends)), found, 0)?;
+        previous = Some((*stiffness, cached, found));
+        let point =
+            |(critical, (line, _)): (&Critical, &(usize, Found))| CriticalPoint { critical: *critical, line: *line };
+        map.push(critical.iter().zip(&lines.alive).map(point).collect());
     }
     Ok(map)
 }
@@ -80,62 +100,146 @@ pub fn critical_speed_map(
 /// What is the same at all stiffnesses.
 struct MapProblem<'a, F> {
     at: F,
-    order: f64,
-    /// Number of critical speeds at each stiffness.
-    count: usize,
     interrupt: &'a Interrupt,
 }
 
 impl<F: Fn(f64) -> Result<Model, AnalysisError>> MapProblem<'_, F> {
-    /// The model at a stiffness, N/m, and its modes by ascending speed.
-    fn modes(&self, stiffness: f64) -> Result<(CachedModel, Vec<Found>), AnalysisError> {
+    /// The model at a stiffness, N/m.
+    fn model(&self, stiffness: f64) -> Result<CachedModel, AnalysisError> {
         self.interrupt.check()?;
         // Without damping, the internal damping of a shaft has no circulatory forces either.
         let model = (self.at)(stiffness)?;
-        let cached = CachedModel::new(if model.needs_speed() { model.with_tables_at(0.0)? } else { model });
-        let found = modes(&cached, self.order, self.count.saturating_add(FURTHER_MODES))?;
-        let found = found.into_iter().map(|met| Found::new(&cached.model, self.order, met)).collect();
-        Ok((cached, found))
+        Ok(CachedModel::new(if model.needs_speed() { model.with_tables_at(0.0)? } else { model }))
+    }
+}
+
+/// A step of the stiffness.
+struct Step<'a> {
+    /// Stiffness at the beginning and at the end, N/m.
+    ends: [f64; 2],
+    models: [&'a Model; 2],
+    /// Modes at both ends.
+    known: Vec<&'a Found>,
+    space: OnceCell<StepSpace>,
+}
+
+/// A basis V of the space of the modes at both ends of a step, with k ≤ m vectors V = XT of the m modes X.
+struct StepSpace {
+    /// T, m × k.
+    combinations: DMatrix<Complex64>,
+    /// VᴴKV at both ends, k × k.
+    stiffness: [DMatrix<Complex64>; 2],
+    /// VᴴBV, k × k.
+    inertia: DMatrix<Complex64>,
+}
+
+impl Step<'_> {
+    fn space(&self) -> Result<&StepSpace, AnalysisError> {
+        if let Some(known) = self.space.get() {
+            return Ok(known);
+        }
+        let products = |images: &[DVector<Complex64>]| {
+            DMatrix::from_fn(images.len(), images.len(), |row, column| self.known[row].shape.dotc(&images[column]))
+        };
+        let stiffness = self.models.map(|model| {
+            let image =
+                |mode: &&Found| model.product(&mode.shape, |x, out| model.multiply_stiffness(FORWARD, true, x, out));
+            products(&self.known.iter().map(image).collect::<Vec<_>>())
+        });
+        let momenta: Vec<_> = self.known.iter().map(|mode| mode.momentum.clone()).collect();
+        // V is orthonormal in the sum of both stiffness matrices.
+        let sum = &stiffness[0] + &stiffness[1];
+        let sizes = sum.diagonal().map(|value| value.re.max(f64::MIN_POSITIVE).sqrt());
+        let scaled = DMatrix::from_fn(sum.nrows(), sum.ncols(), |row, column| {
+            (sum[(row, column)] + sum[(column, row)].conj()) / (2.0 * sizes[row] * sizes[column])
+        });
+        let (values, vectors) = hermitian_eigen(&scaled)?;
+        let kept: Vec<usize> = (0..values.len()).filter(|index| values[*index] > DEPENDENCE_TOLERANCE).collect();
+        let combinations = DMatrix::from_fn(sum.nrows(), kept.len(), |row, column| {
+            vectors[(row, kept[column])] / (sizes[row] * values[kept[column]].sqrt())
+        });
+        let projected = |matrix: &DMatrix<Complex64>| combinations.ad_mul(&(matrix * &combinations));
+        let space = StepSpace {
+            stiffness: stiffness.each_ref().map(projected),
+            inertia: projected(&products(&momenta)),
+            combinations,
+        };
+        Ok(self.space.get_or_init(|| space))
+    }
+
+    /// Approximations of the `count` lowest modes at a stiffness between the ends, N/m, by ascending speed.
+    fn modes(&self, stiffness: f64, count: usize) -> Result<Vec<Found>, AnalysisError> {
+        let StepSpace { combinations, stiffness: ends, inertia } = self.space()?;
+        let [from, to] = self.ends;
+        // The matrix is linear in the stiffness of the bearings.
+        let part = Complex64::from((stiffness - from) / (to - from));
+        let matrix = &ends[0] * (1.0 - part) + &ends[1] * part;
+        let Some(factor) = Cholesky::new(matrix) else { return Ok(Vec::new()) };
+        let lower = factor.l();
+        let half = lower.solve_lower_triangular(inertia);
+        let Some(standard) = half.and_then(|half| lower.solve_lower_triangular(&half.adjoint())) else {
+            return Ok(Vec::new());
+        };
+        let (values, vectors) = hermitian_eigen(&standard)?;
+        // Descending 1/ω² is ascending ω.
+        let positive = (0..values.len()).rev().filter(|index| values[*index] > 0.0).take(count);
+        let mode = |index: usize| {
+            let coordinates =
+                lower.ad_solve_lower_triangular(&vectors.column(index))? / Complex64::from(values[index].sqrt());
+            let weights = combinations * coordinates;
+            let sum = |of: fn(&Found) -> &DVector<Complex64>| {
+                let mut sum = DVector::zeros(self.models[0].len());
+                self.known.iter().zip(&weights).for_each(|(mode, weight)| sum.axpy(*weight, of(mode), Complex64::ONE));
+                sum
+            };
+            let frequency = values[index].sqrt().recip();
+            Some(Found {
+                eigenvalue: Complex64::new(0.0, frequency),
+                shape: sum(|mode| &mode.shape),
+                momentum: sum(|mode| &mode.momentum),
+            })
+        };
+        Ok(positive.map_while(mode).collect())
     }
 }
 
 /// The lines up to a stiffness.
-struct Lines<'a, F> {
-    problem: &'a MapProblem<'a, F>,
+struct Lines {
+    /// Number of critical speeds at each stiffness.
+    count: usize,
     /// Number and mode of each line at the current stiffness, by ascending speed.
     alive: Vec<(usize, Found)>,
     /// Number of lines that have begun.
     started: usize,
 }
 
-impl<F: Fn(f64) -> Result<Model, AnalysisError>> Lines<'_, F> {
-    /// Continues the lines to the modes at a stiffness; `from` is the stiffness of the lines, both N/m.
+impl Lines {
+    /// Continues the lines over a part of a step, between two stiffnesses, N/m, to the modes `found` at its end; there is none
+    /// before the first stiffness.
     fn advance(
         &mut self,
-        from: Option<f64>,
-        stiffness: f64,
+        part: Option<(&Step<'_>, [f64; 2])>,
         found: &[Found],
         halved: u32,
     ) -> Result<(), AnalysisError> {
         let correlations: Vec<Vec<f64>> =
             self.alive.iter().map(|(_, line)| found.iter().map(|mode| line.correlation(mode)).collect()).collect();
-        let before: Vec<Complex64> = self.alive.iter().map(|(_, line)| line.met.eigenvalue).collect();
-        let after: Vec<Complex64> = found.iter().map(|mode| mode.met.eigenvalue).collect();
+        let before: Vec<Complex64> = self.alive.iter().map(|(_, line)| line.eigenvalue).collect();
+        let after: Vec<Complex64> = found.iter().map(|mode| mode.eigenvalue).collect();
         let mut numbers = vec![None; found.len()];
         if !found.is_empty() {
             // The last modes may leave the computed ones.
-            let deciding = DECIDING_LINES.min(self.problem.count).min(found.len());
+            let deciding = DECIDING_LINES.min(self.count).min(found.len());
             let common = |a: usize, b: usize| self.alive[a].1.correlation(&self.alive[b].1);
             let assignment = Assignment::new(&correlations, common, &before, &after, deciding);
-            if let Some(from) = from.filter(|_| !assignment.clear && halved < MAX_HALVINGS) {
-                let middle = if from > 0.0 && stiffness > 0.0 {
-                    from.sqrt() * stiffness.sqrt()
-                } else {
-                    f64::midpoint(from, stiffness)
-                };
-                let (_, between) = self.problem.modes(middle)?;
-                self.advance(Some(from), middle, &between, halved + 1)?;
-                return self.advance(Some(middle), stiffness, found, halved + 1);
+            if let Some((step, [from, to])) = part
+                && !assignment.clear
+                && halved < MAX_HALVINGS
+            {
+                let middle = if from > 0.0 && to > 0.0 { from.sqrt() * to.sqrt() } else { f64::midpoint(from, to) };
+                let between = step.modes(middle, self.count.saturating_add(FURTHER_MODES))?;
+                self.advance(Some((step, [from, middle])), &between, halved + 1)?;
+                return self.advance(Some((step, [middle, to])), found, halved + 1);
             }
             for ((line, index), kept) in self.alive.iter().zip(&assignment.states).zip(&assignment.kept) {
                 if *kept > MIN_CONTINUATION {
@@ -145,10 +249,10 @@ impl<F: Fn(f64) -> Result<Model, AnalysisError>> Lines<'_, F> {
         }
         let mut alive = Vec::new();
         for (mode, line) in found.iter().zip(numbers) {
-            let distinct = after.iter().filter(|value| equal(**value, mode.met.eigenvalue)).count() == 1;
+            let distinct = after.iter().filter(|value| equal(**value, mode.eigenvalue)).count() == 1;
             alive.push(match line {
                 // The shapes of equal critical speeds may be any combination.
-                Some((number, known)) if !distinct => (*number, Found { met: mode.met.clone(), ..known.clone() }),
+                Some((number, known)) if !distinct => (*number, Found { eigenvalue: mode.eigenvalue, ..known.clone() }),
                 Some((number, _)) => (*number, mode.clone()),
                 None => {
                     self.started += 1;
@@ -167,7 +271,7 @@ impl Found {
         let gyroscopic = model.product(&met.shape, |x, out| model.multiply_gyroscopic(x, out));
         let momentum = mass - gyroscopic * Complex64::new(0.0, 1.0 / order);
         let size = met.shape.dotc(&momentum).norm().max(f64::MIN_POSITIVE).sqrt();
-        Self { shape: met.shape.unscale(size), momentum: momentum.unscale(size), met }
+        Self { eigenvalue: met.eigenvalue, shape: met.shape.unscale(size), momentum: momentum.unscale(size) }
     }
 
     /// |xᴴBx'|².

@@ -7,7 +7,7 @@
 //! sign is closed by the method of Illinois (Dowell and Jarratt, BIT 11, 1971). Two roots between neighbouring samples
 //! would be missed: between two speeds of a table there are [`SAMPLES_PER_INTERVAL`], and the stiffness is monotone there.
 
-use super::{Critical, Interrupt, named};
+use super::{Critical, FORWARD, Interrupt, named};
 use crate::analysis::AnalysisError;
 use crate::modal::{CachedModel, CriticalProblem};
 use crate::numerics::{Sample, root};
@@ -52,7 +52,7 @@ pub(super) fn critical_speeds(
     for (speed, number) in roots {
         let model = cached.at(speed, excitation * speed)?;
         let met = CriticalProblem::new(&model, 1.0)?.critical(excitation)?.into_iter().nth(number);
-        critical.extend(met.map(|met| named(&model, &met, interrupt)).transpose()?);
+        critical.extend(named(&model.model, model.spectral_range(FORWARD)?, met.as_slice(), interrupt)?);
     }
     critical.sort_by(|a, b| a.speed.total_cmp(&b.speed));
     Ok(critical)
