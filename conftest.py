@@ -19,6 +19,10 @@ from pathlib import Path
 
 import pytest
 
+# Each process of the tests has one thread for dense matrices, and so have its children; threads that wait for those of other
+# processes take most of the CPU time otherwise. NumPy reads this once, when it is imported.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: Scene files that documents load.
 MACHINES = Path(__file__).parent / "python" / "gearbow" / "machines"
