@@ -19,8 +19,9 @@ from pathlib import Path
 
 import pytest
 
-# Each process of the tests has one thread for dense matrices, and so have its children; threads that wait for those of other
-# processes take most of the CPU time otherwise. NumPy reads this once, when it is imported.
+# Each process of the tests, and each of its children, has one thread for dense matrices. Threads
+# that wait for those of another process take most of the CPU time otherwise, 7 s for 0.3 s of the
+# modes of a machine. NumPy reads this when it is imported.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
