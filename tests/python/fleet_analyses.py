@@ -86,6 +86,11 @@ def turn(system: gb.RotorSystem, speed: float) -> float:
     return 2.0 * pi * next(whole) / (slowest * abs(speed))
 
 
+def chosen(system: gb.RotorSystem) -> list[gb.Shaft]:
+    """Return the shafts with their numbers of elements: a new choice takes longer than most analyses."""
+    return [gb.Shaft._from_description(each) for each in system._model.resolved()["shafts"]]
+
+
 def recorded(system: gb.RotorSystem) -> list[Any]:
     """Return what the sums of forces on each body need."""
     hubs = [hub for coupling in system.couplings for hub in (coupling.a, coupling.b)]
@@ -172,8 +177,7 @@ def check_campbell(system: gb.RotorSystem, _: float, campbell: gb.results.Campbe
 
 
 def check_map(system: gb.RotorSystem, _: float, found: gb.results.CriticalSpeedMap) -> None:
-    # the same elements for all bearings: the choice takes far longer than the matrices
-    shafts = [gb.Shaft._from_description(each) for each in system._model.resolved()["shafts"]]
+    shafts = chosen(system)
     for stiffness, speeds in zip(found.stiffnesses, found.speeds, strict=True):
         bearings = [
             gb.Bearing(

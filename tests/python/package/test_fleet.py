@@ -24,6 +24,9 @@ from fleet_analyses import (
     ANALYSES,
     COUNT,
     SHARES,
+    balanced_shaft,
+    chosen,
+    compute_balance,
     internally_damped,
     lateral,
     meshed,
@@ -530,6 +533,35 @@ def test_linear_analyses_have_loss_factors_and_runs_refuse_them(machine, loss):
     ):
         with pytest.raises(gb.SceneError, match=r"shafts\[0\].loss_factor: has a meaning in the"):
             refused()
+
+
+@pytest.mark.parametrize("damping", [1e-6])
+def test_little_internal_damping_changes_little(machine, damping):
+    system, speed = machine.system, machine.speed
+    if not lateral(system):
+        return
+    without = system.replace(shafts=chosen(system))
+    shafts = [
+        replace(shaft, internal_damping=(shaft.internal_damping or 0.0) + damping)
+        for shaft in without.shafts
+    ]
+    both = (without, system.replace(shafts=shafts))
+    # Its forces are β(ω − Ω), 1e-3 at most, of the elastic ones: the compressor balances differently by 2.1e-3.
+    close = {"rtol": 1e-2, "atol": 0.0}
+    with warnings.catch_warnings():
+        # it makes rotors unstable that are faster than a mode with little other damping
+        warnings.filterwarnings("ignore", "speeds: the motion is unstable", gb.AccuracyWarning)
+        first, other = (each.synchronous([speed, -speed]).amplitudes for each in both)
+        scale = np.abs(first).max(axis=(1, 2), keepdims=True)
+        np.testing.assert_allclose(other / scale, first / scale, rtol=0.0, atol=1e-2)
+        limits, others = (each.bow_limits(each.shafts[0].name, -speed).found for each in both)
+        assert [(one.limit, one.at) for one in others] == [(one.limit, one.at) for one in limits]
+        np.testing.assert_allclose(
+            [one.bow for one in others], [one.bow for one in limits], **close
+        )
+        if balanced_shaft(system) is not None:
+            first, other = (np.abs(compute_balance(each, -speed).unbalances) for each in both)
+            np.testing.assert_allclose(other, first, rtol=0.0, atol=1e-2 * first.max())
 
 
 def test_rolling_bearings_carry_their_loads(machine):
