@@ -428,6 +428,8 @@ COMMANDS = {
 
 #: Largest system whose report `make test` writes, and largest one that it gives loss factors.
 _LARGEST_REPORT, _LARGEST_WITH_LOSS = 60, 350
+#: Largest system of which `make test` makes a run.
+_LARGEST_RUN = 1000
 
 CELLS = [(name, sense) for name, analysis in ANALYSES.items() for sense in analysis.senses]
 
@@ -443,6 +445,8 @@ def is_slow(parameters: dict[str, Any]) -> bool:
         return is_train or parameters["report"] < 0 or SIZES[machine] > _LARGEST_REPORT
     if "loss" in parameters:
         return SIZES[machine] > _LARGEST_WITH_LOSS
+    if "recording" in parameters:
+        return SIZES[machine] > _LARGEST_RUN
     if "animation" in parameters:
         return SIZES[machine] > _SMALL
     for table, kind in ((FIGURES, "figure"), (COMMANDS, "command")):
@@ -660,7 +664,8 @@ def test_files_keep_everything(machine, file, tmp_path):
         np.testing.assert_equal(found[name], values)
 
 
-def test_a_run_records_something_by_default(machine, capsys):
+@pytest.mark.parametrize("recording", ["default"])
+def test_a_run_records_something_by_default(machine, recording, capsys):  # noqa: ARG001
     system = machine.system
     run = system.simulate(1e-3, machine.speed, initial="rest")
     if system.gears:
