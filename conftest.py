@@ -19,6 +19,11 @@ from pathlib import Path
 
 import pytest
 
+# Each process of the tests, and each of its children, has one thread for dense matrices. Threads
+# that wait for those of another process take most of the CPU time otherwise, 7 s for 0.3 s of the
+# modes of a machine. NumPy reads this when it is imported.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: Scene files that documents load.
 MACHINES = Path(__file__).parent / "python" / "gearbow" / "machines"

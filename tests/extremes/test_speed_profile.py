@@ -63,9 +63,9 @@ def test_a_jump_of_the_speed_within_a_microsecond(hold: Hold):
 
 
 def test_a_late_start_gives_the_same_motion(hold: Hold):
-    # A run-up after 10⁴ s at constant speed: the angle has rotated by 10⁶ rad.
+    # A run-up after 6e3 s at constant speed: the angle has rotated by 6e5 rad.
     system = rotor(1e7, 100.0, bow=BOW)
-    start = 2.0 * np.pi * 1e4
+    start = 2.0 * np.pi * 1e3
     first = system.simulate(start, 100.0, record=[], times=[start])
     late = gb.SpeedProfile.ramp(100.0, 300.0, TIMES[-1], begin=start)
     options = {"record": [MIDDLE], "rtol": 1e-9}
@@ -79,7 +79,7 @@ def test_a_late_start_gives_the_same_motion(hold: Hold):
     )
     hold(
         "A run-up after a long time at constant speed gives the same motion",
-        "start time 6e4 s, angle 6e6 rad",
+        "start time 6e3 s, angle 6e5 rad",
         apart(found.displacement(MIDDLE), early.displacement(MIDDLE)),
         1e-7,
     )

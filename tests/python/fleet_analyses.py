@@ -86,6 +86,11 @@ def turn(system: gb.RotorSystem, speed: float) -> float:
     return 2.0 * pi * next(whole) / (slowest * abs(speed))
 
 
+def chosen(system: gb.RotorSystem) -> list[gb.Shaft]:
+    """Return the shafts with their numbers of elements: a new choice takes longer than most analyses."""
+    return [gb.Shaft._from_description(each) for each in system._model.resolved()["shafts"]]
+
+
 def recorded(system: gb.RotorSystem) -> list[Any]:
     """Return what the sums of forces on each body need."""
     hubs = [hub for coupling in system.couplings for hub in (coupling.a, coupling.b)]
@@ -172,6 +177,7 @@ def check_campbell(system: gb.RotorSystem, _: float, campbell: gb.results.Campbe
 
 
 def check_map(system: gb.RotorSystem, _: float, found: gb.results.CriticalSpeedMap) -> None:
+    shafts = chosen(system)
     for stiffness, speeds in zip(found.stiffnesses, found.speeds, strict=True):
         bearings = [
             gb.Bearing(
@@ -183,7 +189,9 @@ def check_map(system: gb.RotorSystem, _: float, found: gb.results.CriticalSpeedM
             )
             for each in system.bearings
         ]
-        without = system.replace(bearings=bearings, modal_damping=None, rayleigh=None)
+        without = system.replace(
+            shafts=shafts, bearings=bearings, modal_damping=None, rayleigh=None
+        )
         assert len(speeds) == 2
         for speed in speeds:
             equations = Equations(without, speed)
@@ -557,7 +565,8 @@ def check_sensors(system: gb.RotorSystem, _: float, run: gb.Response) -> None:
 class Analysis:
     """How to compute a result, the equations that it has to satisfy, and to which systems it applies.
 
-    `largest` is the number of degrees of freedom above which the cell is slow.
+    `largest` is the number of degrees of freedom above which the cell is slow; `expensive` are smaller machines, at a sense of
+    rotation, whose cell is slow too.
     """
 
     compute: Callable[[gb.RotorSystem, float], Any]
@@ -565,6 +574,7 @@ class Analysis:
     senses: tuple[int, ...] = (1, -1)
     largest: int = 10_000
     applies: Callable[[gb.RotorSystem], bool] = lambda _: True
+    expensive: tuple[str, ...] = ()
 
 
 ANALYSES = {
@@ -598,12 +608,19 @@ ANALYSES = {
         largest=350,
         applies=lambda s: balanced_shaft(s) is not None,
     ),
-    "run": Analysis(compute_run, check_run, largest=1000),
+    "run": Analysis(
+        compute_run,
+        check_run,
+        largest=1000,
+        # 7 to 33 s at the negative speed, 3 to 14 s at the positive one, whose run the figures and files have
+        expensive=("tapered_reducer -", "gearbox -", "spindle_drive -", "coaxial_reducer -"),
+    ),
     "changing": Analysis(compute_changing, check_changing, largest=350),
     "run up": Analysis(compute_run_up, check_run_up, (1,), 350),
-    "steady": Analysis(compute_steady, check_steady, largest=350),
-    "branch": Analysis(compute_branch, check_branch, (1,), 150),
-    "sweep": Analysis(compute_sweep, check_sweep, (1,)),
+    "steady": Analysis(compute_steady, check_steady, largest=350, expensive=("idler_train -",)),
+    # the hunting tooth period of the pair takes 40 s
+    "branch": Analysis(compute_branch, check_branch, (1,), 150, expensive=("geared_pair +",)),
+    "sweep": Analysis(compute_sweep, check_sweep, (1,), 150),
     "many": Analysis(compute_many, check_many, (1,), 350),
     "waterfall": Analysis(compute_waterfall, check_waterfall, (1,), 350),
     "orders": Analysis(compute_orders, check_orders, (1,), 350),

@@ -227,9 +227,9 @@ def test_a_settled_run_has_the_amplitude_of_the_response():
             gb.Gear("pinion", "in", 0.15, teeth=23, module=3e-3, face_width=0.03),
             gb.Gear("wheel", "out", 0.2, teeth=46, module=3e-3, face_width=0.03),
         ],
-        rayleigh=(60.0, 2e-5),
+        rayleigh=(200.0, 2e-5),
     )
-    for _ in range(20):
+    for _ in range(8):
         speed, w = random.uniform(-300.0, 300.0), random.uniform(300.0, 4000.0)
         # The force acts at a node of the run. The response is that of any place between nodes.
         place = ("in", float(random.choice([0.15, 0.4])))
@@ -237,16 +237,16 @@ def test_a_settled_run_has_the_amplitude_of_the_response():
         force = complex(*random.normal(size=2))
         series = gb.Force(place, lambda t, w=w, force=force: force * np.cos(w * t))
         run = system.replace(forces=[series]).simulate(
-            0.2, speed, geometry="frozen", rtol=1e-9, record=shafts, output_step=2e-5
+            0.12, speed, geometry="frozen", rtol=1e-9, record=shafts, output_step=2e-5
         )
         found = system.frequency_response([w], source=gb.Force(place, force), speed=speed)
-        kept = run.time > 0.13
+        kept = run.time > 0.09
         t = run.time[kept]
         columns = np.stack([np.cos(w * t), -np.sin(w * t), np.ones_like(t)], axis=1)
         for at in shafts:
             a, b, _ = np.linalg.lstsq(columns, run.displacement(at)[kept], rcond=None)[0]
             u = found.displacement(at)[0, 0]
-            # transients decay by e^{-60·0.13/2} at least; force samples of the run
+            # transients decay by e^{-200·0.09/2} at least; force samples of the run
             assert a + 1j * b == pytest.approx(u, rel=1e-4, abs=1e-4 * np.abs(u).max())
             twist = np.linalg.lstsq(columns, run.twist(at)[kept], rcond=None)[0]
             assert complex(*twist[:2]) == pytest.approx(found.twist(at)[0, 0], rel=1e-3)

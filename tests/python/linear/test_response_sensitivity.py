@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -30,13 +31,15 @@ CHANGES: dict[str, Callable[[gb.RotorSystem, float], gb.RotorSystem]] = {
 def random_train(seed: int) -> gb.RotorSystem:
     """Return a train with random numbers, bent and unbalanced under torque and weight."""
     random = np.random.default_rng(seed)
+    # Every response on cross-coupled bearings searches for unstable modes, 0.3 s at each speed of a system of 146 coordinates.
+    size = 1 if seed % 5 in (0, 1) and seed % 2 else 3
     shafts = [
         gb.Shaft(
             name,
             length=0.5,
             outer_diameter=random.uniform(0.03, 0.07),
-            elements=3,
-            degree=3,
+            elements=size,
+            degree=max(size, 2),
             bow=gb.Bow.half_sine(random.uniform(1e-5, 1e-4), phase=random.uniform(0.0, 6.0)),
         )
         for name in ("a", "b")
@@ -75,7 +78,7 @@ def random_train(seed: int) -> gb.RotorSystem:
         bearings,
         torques=[gb.Torque("ga", 200.0), gb.Torque.balance("gb")],
         gravity=9.81,
-        modal_damping=0.01 if seed % 4 == 3 else None,
+        modal_damping=0.01 if seed in (0, 1, 3) else None,
     )
 
 
@@ -94,7 +97,8 @@ def check(found: gb.results.ResponseSensitivity, values: Callable[[str, float], 
 FREQUENCIES = 2.0 * np.pi * np.array([-300.0, 40.0, 170.0, 900.0])
 
 
-@pytest.mark.parametrize("seed", range(20))
+# Each signal with bearings that are and are not isotropic; loss factors and modal damping with some of them.
+@pytest.mark.parametrize("seed", range(10))
 def test_derivatives_of_responses_are_differences_of_complete_analyses(seed: int):
     system, paths = random_train(seed), list(CHANGES)
     sources = [
@@ -111,13 +115,17 @@ def test_derivatives_of_responses_are_differences_of_complete_analyses(seed: int
         ("ga", "twist"),
     ][seed % 5]
 
+    @cache
+    def changed(path: str, factor: float) -> gb.RotorSystem:
+        return CHANGES[path](system, factor)
+
     def read(of: Any) -> Any:
         if at == "ga/gb":
             return of.mesh_force(at)[..., None]
         return of.twist(at)[..., None] if quantity == "twist" else getattr(of, quantity)(at)
 
     def response(path: str, factor: float) -> Any:
-        other = CHANGES[path](system, factor)
+        other = changed(path, factor)
         return read(other.frequency_response(FREQUENCIES, source=sources, speed=120.0))
 
     of = system.frequency_response(FREQUENCIES, source=sources, speed=120.0)
@@ -129,11 +137,11 @@ def test_derivatives_of_responses_are_differences_of_complete_analyses(seed: int
     if at != "ga/gb" and quantity in ("displacement", "bearing_force"):
         unbalanced = system.synchronous(speeds)
         found = system.sensitivity(paths, unbalanced, at=at, quantity=quantity)
-        check(found, lambda path, f: read(CHANGES[path](system, f).synchronous(speeds)))
+        check(found, lambda path, f: read(changed(path, f).synchronous(speeds)))
     if quantity != "acceleration":
 
         def loads(path: str, factor: float) -> Any:
-            static = CHANGES[path](system, factor).static(100.0)
+            static = changed(path, factor).static(100.0)
             return np.atleast_1d(getattr(static, quantity)(place))[None, :]
 
         # The torque determines the force of the only mesh.

@@ -140,10 +140,10 @@ def test_the_campbell_diagram_is_that_of_dense_matrices(name: str):
 
 
 def test_the_critical_speeds_are_those_of_dense_matrices():
-    for system in (train(), SYSTEMS["no drive"]()):
+    for system, stiffness in ((train(), 1e6), (SYSTEMS["no drive"](), 1e9)):
         highest = 100 * np.abs(system.modes(0.0).eigenvalues).max()
-        found = system.critical_speed_map([1e6, 1e9], count=7)
-        wanted = system.critical_speed_map([1e6, 1e9])
+        found = system.critical_speed_map([stiffness], count=7)
+        wanted = system.critical_speed_map([stiffness])
         for one, other in zip(found.speeds, wanted.speeds, strict=True):
             assert np.all(np.abs(one - other[:7]) <= round_off(highest, other[:7]) * other[:7])
 

@@ -200,8 +200,7 @@ IN_BENDING = (
 @pytest.mark.parametrize(
     ("name", "bowed"), [(name, False) for name in CASES] + [(name, True) for name in IN_BENDING]
 )
-@pytest.mark.parametrize("method", ["exponential", "rk45"])
-def test_teeth_against_the_gradient_of_their_energy(method: str, name: str, bowed: bool):
+def test_teeth_against_the_gradient_of_their_energy(name: str, bowed: bool):
     given, stated = CASES[name]
     mesh, teeth = dict(given), dict(stated)
     frozen, runout = mesh.pop("frozen", False), mesh.pop("runout", None)
@@ -226,19 +225,21 @@ def test_teeth_against_the_gradient_of_their_energy(method: str, name: str, bowe
     times = np.linspace(0.0, duration, 31)[1:]
     motion, force = integrate(scene, law, SPEED, times)
     system = scene.package()
-    found = system.simulate(
-        times[-1],
-        SPEED,
-        initial="rest",
-        geometry="frozen" if frozen else "live",
-        times=times,
-        method=method,
-        rtol=1e-12,
-    )
     # the independent solution has a tolerance of 1e-10 per step, over a few hundred steps
     tolerance = 1e-6 if cornered else 1e-7
-    for gear, shaft in (("ga", "a"), ("gb", "b")):
-        at = system.dofs.index((shaft, scene.position, "twist"))
-        scale = np.ptp(motion[:, at])
-        assert found.twist(gear) == pytest.approx(motion[:, at], abs=tolerance * scale)
-    assert found.mesh(("ga", "gb")).force == pytest.approx(force, abs=tolerance * np.ptp(force))
+    for method in ("exponential", "rk45"):
+        found = system.simulate(
+            times[-1],
+            SPEED,
+            initial="rest",
+            geometry="frozen" if frozen else "live",
+            times=times,
+            method=method,
+            rtol=1e-12,
+        )
+        for gear, shaft in (("ga", "a"), ("gb", "b")):
+            at = system.dofs.index((shaft, scene.position, "twist"))
+            scale = np.ptp(motion[:, at])
+            assert found.twist(gear) == pytest.approx(motion[:, at], abs=tolerance * scale)
+        mesh_force = found.mesh(("ga", "gb")).force
+        assert mesh_force == pytest.approx(force, abs=tolerance * np.ptp(force))

@@ -129,22 +129,17 @@ class TeethLaw:
         if self.cycle is not None:
             return self.cycle(s / pitch) * delta**2 / 2
         assert self.pair is not None
-        total, first = 0.0, int(np.floor((np.real(low) - np.real(s)).min() / pitch)) - 1
-        for j in range(first, first + 7):
-            at = s + j * pitch
-            relief: Any = 0.0
-            if self.relief is not None:
-                amount, length, exponent = self.relief
-                for left in (at - low, high - at):
-                    x = 1 - left / length
-                    relief = relief + np.where(np.real(x) > 0, amount * x**exponent, 0.0)
-            d = delta - relief
-            if self.relief is not None:
-                d = np.where(np.real(d) > 0, d, 0.0)
-            total = (
-                total + self.weight(at - low) * self.weight(high - at) * self.pair(at) * d**2 / 2
-            )
-        return total
+        first = int(np.floor((np.real(low) - np.real(s)).min() / pitch)) - 1
+        # one row for each pair
+        at = s + pitch * np.arange(first, first + 7)[:, None]
+        d: Any = delta
+        if self.relief is not None:
+            amount, length, exponent = self.relief
+            x = 1 - np.stack([at - low, high - at]) / length
+            d = delta - np.where(np.real(x) > 0, amount * x**exponent, 0.0).sum(axis=0)
+            d = np.where(np.real(d) > 0, d, 0.0)
+        weight = self.weight(at - low) * self.weight(high - at)
+        return np.sum(weight * self.pair(at) * d**2 / 2, axis=0)
 
     def flank(
         self, q: Array, qd: Array, angles: Array, spins: Array, back: bool

@@ -16,7 +16,7 @@ from reference.bows import HalfSine, Kinked
 from reference.scenes import CHAIN, PAIR, GearAt, Geared
 
 SPEED = 100.0
-END, COUNT = 4e-3, 81
+END, COUNT = 2e-3, 41
 TOLERANCE = 1e-6  # required tolerance relative to the range of each signal
 
 ALL = {
@@ -87,8 +87,18 @@ def agree(scene: Geared, speed: float, live: bool, runs: dict[str, dict[str, obj
             assert error < TOLERANCE, f"contact ratio of {pair}, {where}: {error:.2e}"
 
 
-@pytest.mark.parametrize("live", [True, False], ids=["live", "frozen"])
-@pytest.mark.parametrize("name", SCENES)
+#: In frozen geometry, no bow is a new path of its own.
+FROZEN = (
+    "bow on all, phases, angles",
+    "unbalance, gravity, skewed bearings",
+    "wide centres",
+    "bows turn with the twist",
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "live"), [(name, True) for name in SCENES] + [(name, False) for name in FROZEN]
+)
 def test_train_from_rest(name: str, live: bool):
     agree(SCENES[name], SPEED, live, RUNS)
 

@@ -446,7 +446,7 @@ def test_helical_trains_move_alike_by_two_methods_and_when_transformed(
         assert np.abs(balance.residual).max() <= tolerance * scale
 
 
-@scenes(45)
+@scenes(25)
 def test_the_choice_of_axes_names_and_units_is_free(scene: Drawn):
     wanted = motion(scene.run(), scene)
     for change in SAME.values():
@@ -481,7 +481,7 @@ def test_a_shorter_element_keeps_the_equilibrium_and_lowers_frequencies(scene: D
 # --- energy ---------------------------------------------------------------------------------------
 
 
-@scenes(40)
+@scenes(20)
 def test_energy_is_conserved(scene: Drawn):
     # About ten times the energy error of the default tolerances. Works over steps that are longer
     # than the decay time of a mode are integrated completely.
@@ -496,7 +496,7 @@ def test_energy_is_conserved(scene: Drawn):
 # --- methods, and threads -------------------------------------------------------------------------
 
 
-@scenes(50)
+@scenes(25)
 def test_the_methods_agree(scene: Drawn):
     exact = motion(scene.run(rtol=1e-10), scene)
     part = 1.0 if scene.backlash is None else 100.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -104,13 +105,16 @@ def test_stability_of_random_rotors_is_that_of_their_eigenvalues():
     assert CASES / 3 <= unstable <= 0.9 * CASES
 
 
-@pytest.mark.parametrize("modes", [None, 1, 3])
-def test_a_run_with_few_modes_keeps_those_that_grow(modes: int | None):
-    system, options = whirling_rotor(), {"initial": "rest", "record": ["disk"], "rtol": 1e-9}
-    few = system.simulate(0.1, 100.0, modes=modes, **options).displacement("disk")[-1]
+def test_a_run_with_few_modes_keeps_those_that_grow():
+    # few elements: rk45 has a step for each oscillation of the highest mode
+    system = whirling_rotor()
+    system = system.replace(shafts=[replace(system.shafts[0], elements=2, degree=2)])
+    options: dict[str, Any] = {"initial": "rest", "record": ["disk"], "rtol": 1e-9}
     all_modes = system.simulate(0.1, 100.0, method="rk45", **options).displacement("disk")[-1]
-    # what the other modes add to the whirl that has grown by e^{λt}
-    assert np.abs(few - all_modes).max() < 1e-2 * np.abs(all_modes).max()
+    for modes in (None, 1, 3):
+        few = system.simulate(0.1, 100.0, modes=modes, **options).displacement("disk")[-1]
+        # what the other modes add to the whirl that has grown by e^{λt}
+        assert np.abs(few - all_modes).max() < 1e-2 * np.abs(all_modes).max()
 
 
 def test_a_disk_on_bearings_that_push_it_whirls():
