@@ -173,7 +173,7 @@ def _period(
         if sources is not None:
             return recorded_duration(system, speed, longest), sources
         slowest = slowest_period(system._model, speed)
-        if slowest is None:
+        if slowest is None or slowest > longest:
             raise
         return recorded_duration(system, speed, longest), slowest
 
