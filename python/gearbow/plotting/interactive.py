@@ -59,7 +59,8 @@ def converted(figure: Figure, image: BinaryIO | None = None) -> dict[str, Any]:
     """Convert a figure into the data and the layout of plotly, and write its image as SVG."""
     # One drawing gives the layout, the ticks and the image.
     figure.set_dpi(_POINTS)
-    FigureCanvasSVG(figure).print_svg(BytesIO() if image is None else image)
+    drawing = BytesIO() if image is None else image
+    FigureCanvasSVG(figure).print_svg(drawing)  # type: ignore[no-untyped-call]
     FigureCanvasAgg(figure)
     return _Converter(figure).result()
 
