@@ -5,9 +5,7 @@ signals differ from the steady state by at most the stated error (RMS of the dif
 signal about its mean, for the worst displacement of a gear or mesh force). The times are CPU times
 of one process. `python benches/steady.py` takes some minutes; --quick leaves out 0.2 % damping.
 --continuation prints a second table instead: the cost of a point of a branch over that of a steady
-state, and its number of periods without those of the multipliers. --coprime prints a third one:
-trains of coprime teeth, whose period is too long; running in is then counted in turns of the
-slowest shaft, and their cost contains the record of ten turns.
+state, and its number of periods without those of the multipliers.
 """
 
 import argparse
@@ -30,10 +28,6 @@ from gearbow.system import continuation
 GEARS = ("g1", "g2", "g3", "g4")
 PAIRS = (("g1", "g2"), ("g3", "g4"))
 MAX_PERIODS = 700
-MAX_TURNS = 100
-RECORDED = 10
-STEPS = np.arange(400) / 400
-COPRIME = (23, 47, 29, 61)
 #: Number of points of a branch that passes a fold.
 NEAR_FOLD = 30
 
@@ -110,76 +104,6 @@ def row(
     ]
 
 
-def coprime(system: gb.RotorSystem) -> gb.RotorSystem:
-    """Return the train with coprime teeth that engage sharply."""
-    gears = [replace(gear, teeth=z) for gear, z in zip(system.gears, COPRIME, strict=True)]
-    stiffness = gb.Stiffness.square(1.5e8)
-    meshes = [replace(mesh, stiffness=stiffness) for mesh in system.meshes]
-    return system.replace(gears=gears, meshes=meshes)
-
-
-def coprime_row(
-    damping: float, speed: float, geometry: str, error: float, rtol: float
-) -> list[str]:
-    """Measure a train of coprime teeth; running in ends at the first turn that has the error."""
-    system = coprime(demo()).replace(modal_damping=damping)
-    options: dict[str, Any] = {"rtol": rtol, "geometry": geometry}
-    turn = 2.0 * np.pi / (speed * float(np.abs(system.speed_ratios).min()))
-    system.simulate(1e-3, speed, **options)
-    begin = time.process_time()
-    steady = system.steady_state(speed, initial="static", max_period=10.0 * turn, **options)
-    cost = time.process_time() - begin
-    recorded, run_in = steady.response, 0.0
-    last: Any = "static"
-    exact: Any = recorded
-    for turns in range(1, MAX_TURNS + 1):
-        here = slice(*np.searchsorted(recorded.time, turn * np.array([turns - 1, turns])))
-        if turns == RECORDED + 1:
-            # The record ends with a whole section.
-            late = exact.final["time"] - last.final["time"]
-            last = system.simulate(late, speed, initial=last, **options)
-        now = 0.0 if isinstance(last, str) else last.final["time"]
-        times = recorded.time[here] if turns <= RECORDED else now + turn * STEPS
-        begin = time.process_time()
-        last = system.simulate(turn, speed, initial=last, times=times, **options)
-        run_in += time.process_time() - begin
-        wanted = [signal[here] for signal in signals(recorded)]
-        if turns > RECORDED:
-            exact = system.simulate(turn, speed, initial=exact, times=times, **options)
-            wanted = signals(exact)
-        if difference(last, wanted) <= error:
-            break
-    begin = time.process_time()
-    again = last.final["time"] + recorded.time
-    system.simulate(again[-1] - again[0] + 1e-9, speed, initial=last, times=again, **options)
-    run_in += time.process_time() - begin
-    return [
-        f"{100 * damping:g} %",
-        f"{speed:g}",
-        geometry,
-        f"{error:.0e}",
-        f"{steady.periods}",
-        f"{steady.residual:.0e}",
-        f"{turns}" if turns < MAX_TURNS else f"> {turns}",
-        f"{cost:.2f}",
-        f"{run_in:.2f}",
-        f"{run_in / cost:.1f}",
-    ]
-
-
-def without_period() -> None:
-    """Print the table of trains of coprime teeth."""
-    head = ["damping", "speed [rad/s]", "geometry", "error", "sections", "residual", "turns"]
-    head += ["CPU time [s]", "run-in [s]", "ratio"]
-    print("| " + " | ".join(head) + " |")
-    print("|" + "---|" * len(head))
-    for damping in (0.01, 0.002):
-        for speed in (100.0, 1000.0):
-            for geometry in ("frozen", "live"):
-                print("| " + " | ".join(coprime_row(damping, speed, geometry, 1e-5, 1e-7)) + " |")
-                sys.stdout.flush()
-
-
 def branch_row(
     name: str,
     system: gb.RotorSystem,
@@ -254,13 +178,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--quick", action="store_true", help="leave out 0.2 % damping")
     parser.add_argument("--continuation", action="store_true", help="measure branches")
-    parser.add_argument("--coprime", action="store_true", help="measure trains without a period")
     given = parser.parse_args()
     if given.continuation:
         branches()
-        return
-    if given.coprime:
-        without_period()
         return
     quick: bool = given.quick
     cases: list[tuple[str, gb.RotorSystem, float, float, str, float]] = []

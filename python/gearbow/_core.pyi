@@ -53,7 +53,7 @@ __all__ = [
     "ring_coefficients",
     "rolling_coefficients",
     "rolling_estimate",
-    "section_length",
+    "slowest_period",
     "steady_state",
     "table_at_frequency",
     "user_order",
@@ -187,7 +187,7 @@ class Model:
     ) -> RunData: ...
 
 def common_period(model: Model, speed: float, given: float | None, longest: float) -> float: ...
-def section_length(model: Model, speed: float, longest: float) -> float | None: ...
+def slowest_period(model: Model, speed: float) -> float | None: ...
 def steady_state(
     model: Model,
     *,
@@ -195,7 +195,7 @@ def steady_state(
     samples: int,
     record: list[Record],
     progress: Callable[[float], object] | None,
-    longest_section: float | None,
+    slowest: float | None,
     **options: Unpack[RunOptions],
 ) -> tuple[RunData, dict[str, Any]]: ...
 def table_at_frequency(table: dict[str, Plain], frequency: float) -> Plain: ...

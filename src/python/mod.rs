@@ -75,7 +75,7 @@ mod _core {
     #[pymodule_export]
     use super::steady::recorded_period;
     #[pymodule_export]
-    use super::steady::section_length;
+    use super::steady::slowest_period;
     #[pymodule_export]
     use super::steady::steady_state;
     #[pymodule_export]

@@ -47,32 +47,30 @@ pub fn common_period(model: &Bound<'_, PyModel>, speed: f64, given: Option<f64>,
     Ok(found?)
 }
 
-/// Length of the sections of a motion without a common period, s, up to a `longest` one; None where it cannot be found from
-/// sections.
+/// Longest period of a source of excitation, s; None if nothing excites, or if a load has an unknown frequency.
 #[pyfunction]
-pub fn section_length(model: &Bound<'_, PyModel>, speed: f64, longest: f64) -> Option<f64> {
-    steady::sections(model.get().model(), speed, longest).map(|sections| sections.length)
+pub fn slowest_period(model: &Bound<'_, PyModel>, speed: f64) -> Option<f64> {
+    steady::slowest_period(model.get().model(), speed)
 }
 
-/// Finds the steady state with the period `duration` and records a number of samples. With `longest_section`, s, it has no
-/// period; `duration` is then that of the record, a multiple of the length of its sections.
+/// Finds the steady state with the period `duration` and records a number of samples. With `slowest`, the longest period of a
+/// source, s, it has no period and runs in; `duration` is then that of the record.
 ///
 /// # Errors
 /// The reason for which there is none, or Ctrl-C.
 #[pyfunction]
-#[pyo3(signature = (model, *, initial, samples, record, progress, longest_section, **options))]
+#[pyo3(signature = (model, *, initial, samples, record, progress, slowest, **options))]
 pub fn steady_state<'py>(
     model: &Bound<'py, PyModel>,
     initial: &Bound<'py, PyAny>,
     samples: usize,
     record: Vec<RecordEntry>,
     progress: Option<Py<PyAny>>,
-    longest_section: Option<f64>,
+    slowest: Option<f64>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyAny>)> {
     let (py, owner) = (model.py(), model.get());
     let options = run_options(py, initial, options)?;
-    let sections = longest_section.and_then(|longest| steady::sections(owner.model(), options.fastest(), longest));
     if let Some(text) = options.unattainable() {
         warn(py, text)?;
     }
@@ -82,9 +80,9 @@ pub fn steady_state<'py>(
     let plan = record_plan(owner, record)?;
     plan.require_memory(owner.model(), samples)?;
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
-    let (outcome, raised) = background::run(py, progress, move |_, watch| match &sections {
+    let (outcome, raised) = background::run(py, progress, move |_, watch| match slowest {
         None => steady::steady_state(&cached, &options, &recorded, samples, watch),
-        Some(sections) => steady::quasi_periodic_state(&cached, &options, &recorded, sections, samples, watch),
+        Some(slowest) => steady::settled_state(&cached, &options, &recorded, slowest, samples, watch),
     })?;
     let found = finished(outcome, raised)?;
     let largest = found.response.record.displacement.iter().fold(0.0_f64, |most, value| most.max(value.abs()));

@@ -95,8 +95,8 @@ def unbalance(contents: "Contents") -> Iterator[Block]:
         remarks=["Two planes of opposite motion have half of it each. The bows are left out."],
     )
     made = variant(
-        system,
-        shafts=[replace(shaft, bow=None) for shaft in system.shafts],
+        contents.meshed,
+        shafts=[replace(shaft, bow=None) for shaft in contents.meshed.shafts],
         **{
             kind: [
                 replace(body, unbalance=planes.get(body.name, 0.0))
@@ -204,7 +204,7 @@ def level_1(contents: "Contents") -> Iterator[Block]:
     def decrement(stiffness: float) -> float:
         cross = math.copysign(stiffness, speed)
         added = Bearing(shaft.name, body.position, stiffness=[[0.0, cross], [-cross, 0.0]])
-        made = variant(system, bearings=[*system.bearings, added])
+        made = variant(contents.meshed, bearings=[*system.bearings, added])
         found = made.modes(speed, count=len(modes.whirl))
         nearest = min(
             (i for i in found._vibrations() if found.whirl[i] == "forward"),

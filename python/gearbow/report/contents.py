@@ -98,6 +98,11 @@ class Contents:
         """Highest operating speed, or standstill [rad/s]."""
         return 0.0 if self.options.operating is None else self.options.operating[1]
 
+    @cached_property
+    def meshed(self) -> Any:
+        """The system with numbers of elements, which its variants keep."""
+        return type(self.system)._from_description(self.system._model.resolved())
+
     def turn(self) -> float:
         """Duration of a revolution of the slowest shaft at the highest operating speed [s]."""
         return 2.0 * math.pi / float(np.abs(self.system.speed_ratios * self.need_operating()).min())
@@ -643,6 +648,9 @@ def _floquet(contents: Contents, steady: SteadyState) -> Note:
             "Whether small disturbances of this motion decay follows from the eigenvalues in the "
             "section on stability: no teeth change the stiffness of the system."
         )
+    if steady.method == "quasi-periodic":
+        contents.findings.append(("The steady state is stable.", False))
+        return Note("The steady state is stable: the motion ran in, so that disturbances decay.")
     try:
         kind = steady.instability()
     except GearbowError as error:

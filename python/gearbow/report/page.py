@@ -117,13 +117,11 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
 
         from gearbow.plotting.interactive import WIDTH, converted  # noqa: PLC0415
 
-    given = space or converted(figure)
-    if space is None:
-        # Both have the layout of the conversion, which takes as long as a drawing.
-        figure.set_layout_engine("none")
     stream = BytesIO()
+    given = space or converted(figure, stream)
+    if space is not None:
+        figure.savefig(stream, format="png", dpi=_RESOLUTION)
     kind = "svg+xml" if space is None else "png"
-    figure.savefig(stream, format=kind[:3], dpi=_RESOLUTION)
     image = f"data:image/{kind};base64,{b64encode(stream.getvalue()).decode()}"
     layout = given["layout"]
     # A "</" would end the element of the page.

@@ -77,14 +77,13 @@ class SteadyState(Result):
         Difference of the state after one more period, relative to the motion about the
         equilibrium, both in the energy norm, which is zero for no difference. It is measured by a
         run with the given tolerance. For a sum, the largest of them; for
-        a quasi-periodic motion, the largest difference after a section and at the end of the
-        record.
+        a quasi-periodic motion, the part of the state at the begin of the record that is transient.
     periods : int
-        Number of periods, or of sections, that the solution integrated, with the recorded ones.
+        Number of periods that the solution integrated, with the recorded ones; without a common
+        period, of those of the slowest source.
     method : {"linear", "nonlinear", "superposition", "quasi-periodic"}
         Whether the state after a period is an affine function of the state before; or how a motion
-        without a common period was found: as a sum of motions, or from the harmonics of its
-        sections.
+        without a common period was found: as a sum of motions, or by running in.
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures: that in which the speed was given.
 
@@ -172,7 +171,8 @@ class SteadyState(Result):
         Returns
         -------
         bool
-            Whether none of the `multipliers` lies outside the unit circle.
+            Whether none of the `multipliers` lies outside the unit circle. A motion that ran in
+            has shown it: the difference of two runs has decayed.
         """
         return self.instability() is None
 
@@ -182,8 +182,11 @@ class SteadyState(Result):
         Returns
         -------
         str or None
-            "fold", "flip", "Neimark-Sacker", or None for a stable motion.
+            "fold", "flip", "Neimark-Sacker", or None for a stable motion, as each one is that ran
+            in.
         """
+        if self.method == "quasi-periodic":
+            return None
         return instability(self.multipliers())
 
     def plot(self, kind: RunFigure = "orbits", at: Any = None, *, ax: Any = None) -> "Figure":

@@ -8,7 +8,7 @@ from gearbow._convert import LARGEST_COUNT, number, text, whole
 from gearbow._core import (
     common_period,
     recorded_period,
-    section_length,
+    slowest_period,
     steady_state as steady_period,
 )
 from gearbow._progress import reported
@@ -53,7 +53,7 @@ def steady_state(
     ten periods, where running in takes up to hundreds. A motion that is unstable is found too.
     Without a common period, or with one longer than `max_period`, the motion is found as the
     sum of the steady motions of the sources, if the system is linear with constant
-    coefficients; otherwise from the harmonics of its states at sections of a tooth cycle.
+    coefficients; otherwise it runs in, and a motion that is unstable is not found.
 
     Parameters
     ----------
@@ -96,8 +96,8 @@ def steady_state(
     Returns
     -------
     SteadyState
-        One period of the motion. Without a common period, ten turns of the slowest shaft, or the
-        longer time up to `max_period` that separates the default orders of `Response.orders`.
+        One period of the motion. Without a common period, one to ten turns of the slowest shaft if
+        these separate the default orders of `Response.orders`, otherwise two; at most `max_period`.
 
     Raises
     ------
@@ -105,8 +105,8 @@ def steady_state(
         If an argument is invalid, or the excitation has no common period up to `max_period`
         and contains a load over time.
     ConvergenceError
-        If the iteration does not converge, or the motion contains frequencies that are no
-        combinations of those of the excitation. The message gives the residual.
+        If the iteration does not converge; the message gives the residual. Without a common period,
+        if the motion does not settle.
     StabilityError, ContactError
         As for `simulate`.
 
@@ -161,7 +161,7 @@ def steady_state(
 def _period(
     system: S, speed: float, given: float | None, longest: float, geometry: str
 ) -> tuple[float, "Superposition | float | None"]:
-    """Give the period."""
+    """Give the period; without one, the duration of the record, and the sources or `slowest`."""
     if given is not None:
         given = number(given, "period")
         if not given > 0.0:
@@ -172,11 +172,10 @@ def _period(
         sources = Superposition.of(system, speed, geometry)
         if sources is not None:
             return recorded_duration(system, speed, longest), sources
-        section = section_length(system._model, speed, longest)
-        if section is None:
+        slowest = slowest_period(system._model, speed)
+        if slowest is None or slowest > longest:
             raise
-        count = math.ceil(recorded_duration(system, speed, longest) / section)
-        return count * section, longest
+        return recorded_duration(system, speed, longest), slowest
 
 
 def _response(system: System, data: RunData, speed: float, arguments: dict[str, Any]) -> Response:
@@ -219,7 +218,7 @@ def _solved(
             return steady_period(
                 system._model,
                 **arguments,
-                longest_section=without,
+                slowest=without,
                 samples=samples,
                 progress=report,
             )

@@ -35,7 +35,7 @@ pub use exponential::{round_below, sample_step};
 pub use known_reduction::Reduction;
 pub use options::{Final, Initial, Method, Options, StepSetting};
 pub use period_map::kept_modes;
-pub(in crate::analysis) use period_map::{PeriodMap, with_period_map, with_section_map};
+pub(in crate::analysis) use period_map::{PeriodMap, with_part_map, with_period_map};
 pub use record::{AxialRecord, Record};
 pub use record_plan::{Point, RecordPlan, Request};
 

@@ -98,19 +98,19 @@ fn several_periods(options: &Options) -> Options {
     Options { duration: EXPECTED_PERIODS * options.duration, ..options.clone() }
 }
 
-/// Calls `solve` with the map over sections of the length `section`, s, that follow each other for `options.duration`, s.
+/// Calls `solve` with the map over parts of the length `part`, s, of a motion of `options.duration`, s.
 ///
 /// # Errors
 /// [`AnalysisError`] of the set-up, or of `solve`.
-pub fn with_section_map<T>(
+pub fn with_part_map<T>(
     cached: &CachedModel,
     options: &Options,
     plan: &RecordPlan,
-    section: f64,
+    part: f64,
     watch: &mut dyn FnMut(f64) -> bool,
     solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
 ) -> Result<T, AnalysisError> {
-    with_map_of(cached, options, plan, MapRun { options, period: section }, watch, solve)
+    with_map_of(cached, options, plan, MapRun { options, period: part }, watch, solve)
 }
 
 /// The run whose modes the map has.

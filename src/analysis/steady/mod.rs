@@ -5,34 +5,30 @@
 //! preconditioner. The rigid-body rotation is no unknown.
 //!
 //! `period` is the common period, `solver` the iteration with `preconditioner`, `anderson` and `gmres`, `multipliers` the
-//! stability. Where the sources have no common period, or a long one, the unknowns of `quasi_periodic` are the harmonics
-//! (`harmonics`, `turning`) of the states at the beginning of shorter sections.
+//! stability. Where the sources have no common period, or a long one, the motion runs in (`run_in`).
 
 mod anderson;
 mod gmres;
-mod harmonics;
 mod multipliers;
 mod period;
 mod preconditioner;
-mod quasi_periodic;
+mod run_in;
 mod solver;
-mod turning;
 
 use nalgebra::Complex;
 
 use super::AnalysisError;
 pub use super::simulate::kept_modes;
-use super::simulate::{Initial, Options, RecordPlan, Response, with_period_map, with_section_map};
+use super::simulate::{Initial, Options, RecordPlan, Response, with_part_map, with_period_map};
 use crate::modal::CachedModel;
-pub use period::{Sections, common_period, has_constant_coefficients, sections};
+pub use period::{common_period, has_constant_coefficients, slowest_period};
 use preconditioner::Preconditioner;
-use quasi_periodic::QuasiPeriodic;
+use run_in::PARTS;
 use solver::Solver;
 
-/// Number of sections in a period from which on their harmonics take less work than whole periods: for affine and for other
-/// maps.
-const MANY_SECTIONS: f64 = 40.0;
-const MANY_NONLINEAR_SECTIONS: f64 = 300.0;
+/// Length of a period, in periods of the slowest source, from which on running in within it takes less than iterations over
+/// whole periods, which take 3 to 14 of them.
+const LONG_PERIOD: f64 = 10.0;
 
 /// A steady state.
 #[derive(Clone, Debug)]
@@ -41,9 +37,10 @@ pub struct SteadyState {
     pub response: Response,
     /// Period, s.
     pub period: f64,
-    /// Energy norm of the difference after one more period relative to that of the motion.
+    /// Energy norm of the difference after one more period relative to that of the motion; without a period, that of its
+    /// transient part.
     pub residual: f64,
-    /// Number of integrated periods, with the recorded one.
+    /// Number of integrated periods, with the recorded one; without a period, of those of the slowest source.
     pub periods: usize,
     /// Whether the period map is affine.
     pub is_affine: bool,
@@ -62,7 +59,7 @@ pub fn steady_state(
     samples: usize,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<SteadyState, AnalysisError> {
-    let begin = begin_from_sections(cached, options, plan, watch)?;
+    let begin = begin_of_long_period(cached, options, plan, watch)?;
     with_period_map(cached, options, plan, watch, |map| {
         let begin = begin.map(|(state, runs)| {
             map.runs += runs;
@@ -72,58 +69,54 @@ pub fn steady_state(
     })
 }
 
-/// The state at the begin of a period of many sections, displacements then velocities, where it follows from their harmonics
-/// with less work than from whole periods; and this work in periods.
+/// The state at the begin of a long period, displacements then velocities, where the motion runs in within it; and this work
+/// in periods.
 ///
 /// # Errors
 /// [`AnalysisError::Interrupted`].
-fn begin_from_sections(
+fn begin_of_long_period(
     cached: &CachedModel,
     options: &Options,
     plan: &RecordPlan,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Option<(Vec<f64>, usize)>, AnalysisError> {
-    let found = sections(&cached.model, options.fastest(), options.duration);
-    let sections = match (found, &options.initial) {
+    let slowest = match (slowest_period(&cached.model, options.fastest()), &options.initial) {
         // Another motion may be near to the wanted one.
         (None, _) | (_, Initial::Continue(_)) => return Ok(None),
-        (Some(sections), _) => sections,
+        (Some(slowest), _) => slowest,
     };
-    let count = options.duration / sections.length;
-    if count < MANY_SECTIONS {
+    if options.duration < LONG_PERIOD * slowest {
         return Ok(None);
     }
-    let begin = with_section_map(cached, options, plan, sections.length, watch, |map| {
-        if count < if map.is_affine() { MANY_SECTIONS } else { MANY_NONLINEAR_SECTIONS } {
-            return Ok(None);
-        }
-        let state = QuasiPeriodic::new(map, &sections)?.begin()?.state;
-        Ok(Some((map.physical(state), (map.runs as f64 / count).ceil() as usize)))
+    let (part, longest) = (slowest / PARTS, (PARTS * options.duration / slowest) as u64);
+    let begin = with_part_map(cached, options, plan, part, watch, |map| {
+        let begin = run_in::settled(map, map.tolerance(), longest)?;
+        Ok((map.physical(begin.state), (map.runs as f64 * part / options.duration).ceil() as usize))
     });
     match begin {
-        Ok(state) => Ok(state),
+        Ok(found) => Ok(Some(found)),
         Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
         // The whole period says what is wrong.
         Err(_) => Ok(None),
     }
 }
 
-/// Finds the steady motion without a common period from its sections, and records `samples` instants of
-/// `options.duration`, s, which is a multiple of their length.
+/// Finds the steady motion without a common period by running in, and records `samples` instants of `options.duration`, s;
+/// `slowest` is the longest period of a source, s.
 ///
 /// # Errors
-/// [`AnalysisError`] if there is none, or if the iteration does not converge.
-pub fn quasi_periodic_state(
+/// [`AnalysisError`] if the motion does not settle.
+pub fn settled_state(
     cached: &CachedModel,
     options: &Options,
     plan: &RecordPlan,
-    sections: &Sections,
+    slowest: f64,
     samples: usize,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<SteadyState, AnalysisError> {
-    let count = (options.duration / sections.length).round().max(1.0) as u64;
-    with_section_map(cached, options, plan, sections.length, watch, |map| {
-        QuasiPeriodic::new(map, sections)?.solve(count, samples)
+    let count = (PARTS * options.duration / slowest).ceil().max(1.0);
+    with_part_map(cached, options, plan, options.duration / count, watch, |map| {
+        run_in::solve(map, count as u64, samples)
     })
 }
 

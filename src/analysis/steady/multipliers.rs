@@ -13,9 +13,9 @@ use crate::linalg::{DecompositionError, Krylov, Operator};
 use crate::modal::ModePair;
 use crate::numerics::EQUALITY_TOLERANCE;
 
-/// Difference of two states from which a derivative is taken, relative to the motion. The central difference has an error
-/// of about its square, and [`STAGE_SOLVE_RTOL`] divided by it.
-const DERIVATIVE_DIFFERENCE: f64 = 1e-5;
+/// Difference of two states from which a derivative is taken, relative to the motion. A one-sided difference takes one period;
+/// its error is about this, and [`STAGE_SOLVE_RTOL`] divided by it.
+const DERIVATIVE_DIFFERENCE: f64 = 3e-7;
 /// Sizes of the disturbance that the steps resolve, relative to the motion: the first one that can be integrated.
 const DISTURBANCE_SIZES: [f64; 3] = [0.1, 0.01, 0.001];
 /// Energy norm that differences are relative to where there is no motion, √J: that of a mesh of 2e8 N/m deflected by 1e-7 m.
@@ -27,7 +27,7 @@ const MAX_RESIDUAL: f64 = 1e-6;
 /// Largest number of products with the derivative.
 const MAX_PRODUCTS: usize = 400;
 /// Number of products between two checks of the residuals.
-const CHECK_INTERVAL: usize = 8;
+const CHECK_INTERVAL: usize = 4;
 
 /// The multipliers of magnitude `smallest` and more, the largest first, of the steady state in which the map begins. They are
 /// those of the linear motion if `is_constant`: the coefficients of the equation of motion are constant.
@@ -58,7 +58,7 @@ fn multipliers_of_modes(map: &PeriodMap<'_>) -> Vec<Complex<f64>> {
 fn multipliers_of_map(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
     let preconditioner = Preconditioner::new(map.linear(), map.period());
     let z = map.initial();
-    let image = map.adapt(&z)?;
+    map.adapt(&z)?;
     // Without a motion, the equations have no scale.
     let size = Some(map.size(&z)?).filter(|size| *size > MIN_ENERGY_NORM).unwrap_or(REST_ENERGY_NORM);
     let unknown: Vec<usize> = unknowns(map, &preconditioner);
@@ -71,7 +71,7 @@ fn multipliers_of_map(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Comp
             Err(_) => {}
         }
     }
-    let base = if is_affine { map.apply(&z)? } else { image };
+    let base = map.apply(&z)?;
     let operator = Monodromy { map: RefCell::new(map), z, base, size, unknown, is_affine, failure: RefCell::new(None) };
     let found = eigenvalues(&operator, smallest);
     if let Some(error) = operator.failure.take() {
@@ -122,16 +122,12 @@ impl Monodromy<'_, '_> {
             return Ok(direction.to_vec());
         }
         let factor = if self.is_affine { 1.0 } else { DERIVATIVE_DIFFERENCE } * self.size / length;
-        let moved = |sign: f64| {
-            let mut z = self.z.clone();
-            for (entry, part) in self.unknown.iter().zip(direction) {
-                z[*entry] += sign * factor * part;
-            }
-            self.map.borrow_mut().apply(&z)
-        };
-        let ahead = moved(1.0)?;
-        let (behind, span) = if self.is_affine { (self.base.clone(), factor) } else { (moved(-1.0)?, 2.0 * factor) };
-        Ok(self.unknown.iter().map(|entry| (ahead[*entry] - behind[*entry]) / span).collect())
+        let mut moved = self.z.clone();
+        for (entry, part) in self.unknown.iter().zip(direction) {
+            moved[*entry] += factor * part;
+        }
+        let image = self.map.borrow_mut().apply(&moved)?;
+        Ok(self.unknown.iter().map(|entry| (image[*entry] - self.base[*entry]) / factor).collect())
     }
 }
 

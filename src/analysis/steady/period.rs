@@ -5,7 +5,6 @@
 
 use std::f64::consts::TAU;
 
-use super::harmonics::BaseFrequency;
 use crate::analysis::AnalysisError;
 use crate::mesh::{GearMesh, Geometry};
 use crate::model::Model;
@@ -68,36 +67,15 @@ impl Ratio {
         }
     }
 
-    /// The part after the point.
-    fn part(self) -> f64 {
-        (self.numerator % self.denominator) as f64 / self.denominator as f64
-    }
-
     fn value(self) -> f64 {
         self.numerator as f64 / self.denominator as f64
     }
-}
-
-/// Number of harmonics of rolling elements that count as one order where their period is not that of a section.
-const ROLLING_HARMONICS: usize = 4;
-
-/// Number of periods of the slowest source in which a motion runs in.
-const RUN_IN_PERIODS: f64 = 10.0;
-
-/// How many harmonics an excitation has.
-#[derive(Clone, Copy, PartialEq)]
-enum Content {
-    /// A few.
-    Smooth(usize),
-    /// Those of an engagement or of a contact.
-    Sharp,
 }
 
 /// A frequency of the excitation.
 struct Source {
     /// What excites.
     name: String,
-    content: Content,
     /// Frequency over that of the reference shaft; none if it is unknown.
     order: Option<f64>,
     /// The same as an exact ratio, if it is one.
@@ -164,63 +142,17 @@ pub fn has_constant_coefficients(model: &Model, geometry: Geometry) -> bool {
         && !model.loads.iter().any(|load| matches!(load.law, LoadLaw::SpeedTorque { .. }))
 }
 
-/// Sections of a motion without a common period, from which it follows with few harmonics.
-#[derive(Clone, Debug)]
-pub struct Sections {
-    /// Length, s: the common period of the teeth, or of as many sources as have one.
-    pub length: f64,
-    /// The frequencies of the other sources.
-    pub base: Vec<BaseFrequency>,
-    /// Number of sections in which a motion runs in: ten periods of the slowest source.
-    pub run_in: u64,
-}
-
-/// Finds the sections of a motion at a speed of the reference shaft, rad/s, up to a `longest` one, s. None if nothing
-/// rotates, or if a load has an unknown frequency.
-pub fn sections(model: &Model, speed: f64, longest: f64) -> Option<Sections> {
-    let mut sources = sources(model);
-    if speed == 0.0 || sources.iter().any(|source| source.order.is_none()) {
-        return None;
-    }
-    let is_short = |order: f64| TAU / (order * speed.abs()) <= longest;
-    // Engagements have the most harmonics.
-    sources.sort_by_key(|source| source.content != Content::Sharp);
-    let first = sources.iter().find(|source| source.order.is_some_and(is_short))?;
-    let (mut order, mut exact) = (first.order?, first.exact);
-    for source in sources.iter().filter(|source| source.content == Content::Sharp) {
-        let common = exact.zip(source.exact).and_then(|(a, b)| a.common(b));
-        if let Some(common) = common.filter(|common| is_short(common.value())) {
-            (order, exact) = (common.value(), Some(common));
-        }
-    }
-    let mut base: Vec<BaseFrequency> = Vec::new();
-    for source in &sources {
-        let cycles = match source
-            .exact
-            .zip(exact)
-            .and_then(|(source, section)| source.times(section.denominator, section.numerator))
-        {
-            Some(ratio) => ratio.part(),
-            None => (source.order? / order).fract(),
-        };
-        let harmonics = match source.content {
-            Content::Smooth(harmonics) => harmonics,
-            Content::Sharp => ROLLING_HARMONICS,
-        };
-        let frequency = BaseFrequency { cycles, harmonics };
-        // A source whose period divides the section has no frequency of its own.
-        if cycles.min(1.0 - cycles) > ROUND_OFF && !base.contains(&frequency) {
-            base.push(frequency);
-        }
-    }
-    let slowest = sources.iter().filter_map(|source| source.order).fold(order, f64::min);
-    let run_in = (RUN_IN_PERIODS * order / slowest).ceil() as u64;
-    Some(Sections { length: TAU / (order * speed.abs()), base, run_in })
+/// Longest period of a source at a speed of the reference shaft, rad/s, in s. None if nothing rotates or excites, or if a
+/// load has an unknown frequency.
+pub fn slowest_period(model: &Model, speed: f64) -> Option<f64> {
+    let orders: Option<Vec<f64>> = sources(model).into_iter().map(|source| source.order).collect();
+    let lowest = orders?.into_iter().reduce(f64::min)?;
+    (speed != 0.0).then(|| TAU / (lowest * speed.abs()))
 }
 
 impl Source {
-    fn exact(name: String, content: Content, ratio: Option<Ratio>, order: f64) -> Self {
-        Self { name, content, order: Some(order), exact: ratio }
+    fn exact(name: String, ratio: Option<Ratio>, order: f64) -> Self {
+        Self { name, order: Some(order), exact: ratio }
     }
 
     fn description(&self, speed: f64) -> String {
@@ -235,13 +167,13 @@ impl Source {
 fn sources(model: &Model) -> Vec<Source> {
     let scene = &model.scene;
     let ratios = speed_ratios(scene);
-    let shaft = |index: usize, what: &str, harmonics: usize| {
+    let shaft = |index: usize, what: &str| {
         let name = format!("{what} of shaft \"{}\"", scene.shafts[index].name);
-        Source::exact(name, Content::Smooth(harmonics), ratios[index], scene.speed_ratios[index].abs())
+        Source::exact(name, ratios[index], scene.speed_ratios[index].abs())
     };
     let mut sources: Vec<Source> = (0..scene.shafts.len())
         .filter(|index| !model.shafts[*index].excitations.is_empty())
-        .map(|index| shaft(index, "bow, unbalance or turning force", 1))
+        .map(|index| shaft(index, "bow, unbalance or turning force"))
         .collect();
     for (index, mesh) in scene.meshes.iter().enumerate() {
         let [driver, driven] = [mesh.driver, mesh.driven].map(|gear| &scene.gears[gear]);
@@ -253,22 +185,22 @@ fn sources(model: &Model) -> Vec<Source> {
             let name = format!("teeth of mesh \"{}\"-\"{}\"", driver.body.name, driven.body.name);
             let order = f64::from(driver.teeth) * scene.speed_ratios[first].abs();
             let exact = ratios[first].and_then(|ratio| ratio.times(u128::from(driver.teeth), 1));
-            sources.push(Source::exact(name, Content::Sharp, exact, order));
+            sources.push(Source::exact(name, exact, order));
         }
         let harmonics = [(first, error.map(|e| &e.driver)), (second, error.map(|e| &e.driven))];
         for (at, harmonics) in harmonics {
-            if let Some(harmonics) = harmonics.filter(|harmonics| !harmonics.is_empty()) {
-                sources.push(shaft(at, "transmission error", harmonics.len()));
+            if harmonics.is_some_and(|harmonics| !harmonics.is_empty()) {
+                sources.push(shaft(at, "transmission error"));
             }
         }
         let out = [driver, driven].into_iter().filter(|gear| gear.runout.norm() > 0.0);
-        sources.extend(out.map(|gear| shaft(gear.body.node.shaft, "run-out on a gear", 1)));
+        sources.extend(out.map(|gear| shaft(gear.body.node.shaft, "run-out on a gear")));
     }
     sources.extend(loads(model, &ratios));
     sources.extend(model.nonlinear_bearings.iter().filter_map(|bearing| {
         let order = bearing.elements()? as f64 * bearing.ratio.abs();
         let name = format!("rolling elements of bearings[{}]", bearing.number);
-        Some(Source::exact(name, Content::Sharp, Ratio::of(order), order))
+        Some(Source::exact(name, Ratio::of(order), order))
     }));
     sources
 }
@@ -281,11 +213,11 @@ fn loads<'a>(model: &'a Model, ratios: &'a [Option<Ratio>]) -> impl Iterator<Ite
             LoadLaw::Turning { order, .. } if *order != 0.0 => {
                 let exact = Ratio::of(order.abs()).zip(ratios[load.shaft]);
                 let exact = exact.and_then(|(order, ratio)| ratio.times(order.numerator, order.denominator));
-                Some(Source::exact(name, Content::Smooth(1), exact, (order * load.ratio).abs()))
+                Some(Source::exact(name, exact, (order * load.ratio).abs()))
             }
             LoadLaw::Turning { .. } | LoadLaw::SpeedTorque { .. } => None,
             LoadLaw::Force(_) | LoadLaw::Torque(_) => {
-                Some(Source { name: format!("{name} over time"), content: Content::Sharp, order: None, exact: None })
+                Some(Source { name: format!("{name} over time"), order: None, exact: None })
             }
         }
     })

@@ -12,22 +12,22 @@ use crate::scene::SceneError;
 const RECORDED_ERROR: f64 = 0.5;
 /// Difference after a period in multiples of the tolerance up to which a recorded motion repeats: its steps are not those of
 /// the iteration, and each has an error of the tolerance.
-pub(super) const MAX_REPETITION_ERROR: f64 = 10.0;
+const MAX_REPETITION_ERROR: f64 = 10.0;
 /// Largest error, in multiples of the tolerance, at which the iteration may stall.
-const MAX_STALLED_ERROR: f64 = 100.0;
+pub(super) const MAX_STALLED_ERROR: f64 = 100.0;
 /// An iteration stalls if its error exceeds this fraction of the error before.
 const STALLED_REDUCTION: f64 = 0.3;
 /// Number of iterations in which the accelerated iteration must converge.
 const MAX_ITERATIONS: usize = 30;
 /// Relative tolerance of the integration in the first iteration.
-pub(super) const FIRST_TOLERANCE: f64 = 1e-4;
+const FIRST_TOLERANCE: f64 = 1e-4;
 /// Relative tolerance of the integration in the next iterations, as a fraction of the expected error of the period, down to the
 /// given tolerance: a period with a large error need not be integrated accurately.
-pub(super) const TOLERANCE_FRACTION: f64 = 1e-3;
+const TOLERANCE_FRACTION: f64 = 1e-3;
 /// Error of a state in multiples of the tolerance of the integration.
 pub(super) const STATE_ERROR_FACTOR: f64 = 10.0;
 /// Change of a correction in multiples of its error from which a secant is taken.
-pub(super) const MIN_SECANT: f64 = 5.0;
+const MIN_SECANT: f64 = 5.0;
 /// Number of periods of running in before each attempt of Newton's method.
 const RUN_IN_PERIODS: [usize; 3] = [0, 20, 100];
 /// Largest number of iterations of an attempt.
@@ -247,7 +247,7 @@ impl<'s, 'a> Solver<'s, 'a> {
 ///
 /// # Errors
 /// [`SceneError`] that names the remedy if it does.
-pub(super) fn drift(preconditioner: &Preconditioner, defect: &[f64], tolerance: f64) -> Result<(), AnalysisError> {
+fn drift(preconditioner: &Preconditioner, defect: &[f64], tolerance: f64) -> Result<(), AnalysisError> {
     let drift = preconditioner.velocities.iter().map(|entry| defect[*entry].abs()).fold(0.0, f64::max);
     if drift <= MIN_DRIFT * tolerance {
         return Ok(());
@@ -257,13 +257,13 @@ pub(super) fn drift(preconditioner: &Preconditioner, defect: &[f64], tolerance: 
 }
 
 /// Tolerance of the steps of the next iteration, between `finest` and that of the last one.
-pub(super) fn next_rtol(errors: &[f64], rtol: f64, tolerance: f64, finest: f64) -> f64 {
+fn next_rtol(errors: &[f64], rtol: f64, tolerance: f64, finest: f64) -> f64 {
     let expected = predicted(errors).max(STATE_ERROR_FACTOR * rtol / tolerance);
     (TOLERANCE_FRACTION * expected * tolerance).clamp(finest, rtol)
 }
 
 /// Error of the next iterate in multiples of the tolerance, if it decreases as in the last iteration.
-pub(super) fn predicted(errors: &[f64]) -> f64 {
+fn predicted(errors: &[f64]) -> f64 {
     match errors {
         [.., before, last] => last * (last / before).min(1.0),
         [first] => *first,
@@ -272,7 +272,7 @@ pub(super) fn predicted(errors: &[f64]) -> f64 {
 }
 
 /// Whether the error is near the tolerance and decreases little: it is the error of the integration.
-pub(super) fn stalls(errors: &[f64]) -> bool {
+fn stalls(errors: &[f64]) -> bool {
     matches!(errors, [.., before, last] if *last <= MAX_STALLED_ERROR && *last > STALLED_REDUCTION * before)
 }
 
