@@ -142,7 +142,7 @@ class Model:
     ) -> HarmonicData: ...
     def peaks(
         self,
-        speeds: Array,
+        samples: list[tuple[float, float]],
         index: int,
         source: int,
         excitation: str,

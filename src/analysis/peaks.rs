@@ -12,12 +12,10 @@ use super::instability::is_unstable;
 use super::synchronous::{highest_spin, synchronous_of};
 use super::{AnalysisError, ExcitationPart, Interrupt};
 use crate::modal::CachedModel;
-use crate::numerics::{Sample, bisect, maximum};
+use crate::numerics::{Sample, maximum, root};
 
 /// Relative tolerance of the speed of a peak. A maximum is flat; round-off prevents a smaller tolerance.
 const PEAK_TOLERANCE: f64 = 1e-9;
-/// Relative tolerance of half-power speeds.
-const HALF_POWER_TOLERANCE: f64 = 1e-12;
 
 /// The measured quantity: the major semi-axis of the orbit of a node.
 #[derive(Clone, Copy, Debug)]
@@ -47,17 +45,19 @@ pub struct Peak {
     pub is_stable: bool,
 }
 
-/// Finds the peaks between ascending `speeds`. Each is a local maximum of the response at these speeds.
+/// Finds the peaks between ascending speeds, rad/s, at which `samples` give the response, m. Each is a local maximum of it at
+/// these speeds.
 ///
 /// # Errors
 /// [`AnalysisError`] if a response has no accurate solution, or `interrupt` requests a stop.
 pub fn peaks(
     cached: &CachedModel,
     probe: Probe,
-    speeds: &[f64],
+    samples: &[Sample],
     interrupt: &Interrupt,
 ) -> Result<Vec<Peak>, AnalysisError> {
-    let highest = highest_spin(&cached.model, speeds);
+    let speeds: Vec<f64> = samples.iter().map(|sample| sample.at).collect();
+    let highest = highest_spin(&cached.model, &speeds);
     let displacement = |speed: f64| -> Result<[Complex<f64>; 2], AnalysisError> {
         interrupt.check()?;
         let amplitudes = &synchronous_of(cached, speed, speed, probe.source, probe.part, highest)?.phasors;
@@ -69,8 +69,10 @@ pub fn peaks(
         let (v, w) = (v - runout[0], (w - runout[1]) * Complex::i());
         Ok(f64::midpoint((v + w).norm(), (v - w).norm()))
     };
-    let backward: Vec<f64> = speeds.iter().rev().filter(|speed| **speed <= 0.0).map(|speed| -speed).collect();
-    let forward: Vec<f64> = speeds.iter().copied().filter(|speed| *speed >= 0.0).collect();
+    let is_backward = |sample: &&Sample| sample.at <= 0.0;
+    let backward: Vec<Sample> =
+        samples.iter().rev().filter(is_backward).map(|sample| Sample { at: -sample.at, ..*sample }).collect();
+    let forward: Vec<Sample> = samples.iter().copied().filter(|sample| sample.at >= 0.0).collect();
     let mirrored = |peak: Peak| Peak {
         speed: -peak.speed,
         lower: peak.lower.map(|speed| -speed),
@@ -85,12 +87,12 @@ pub fn peaks(
     Ok(peaks)
 }
 
-/// Finds the peaks of `size` between ascending, non-negative `speeds`; their stability is not examined.
+/// Finds the peaks of `size` between ascending, non-negative speeds of `samples`; their stability is not examined.
 fn peaks_from_zero_speed(
     size: &impl Fn(f64) -> Result<f64, AnalysisError>,
-    speeds: &[f64],
+    samples: &[Sample],
 ) -> Result<Vec<Peak>, AnalysisError> {
-    let sizes = speeds.iter().map(|speed| size(*speed)).collect::<Result<Vec<_>, _>>()?;
+    let (speeds, sizes): (Vec<f64>, Vec<f64>) = samples.iter().map(|sample| (sample.at, sample.value)).unzip();
     let mut peaks = Vec::new();
     for at in 1..sizes.len().saturating_sub(1) {
         if sizes[at] <= sizes[at - 1] || sizes[at] < sizes[at + 1] {
@@ -100,25 +102,17 @@ fn peaks_from_zero_speed(
         let half = FRAC_1_SQRT_2 * amplitude;
         let below = (0..=at).rev().find(|index| speeds[*index] < speed && sizes[*index] < half);
         let above = (at..sizes.len()).find(|index| speeds[*index] > speed && sizes[*index] < half);
-        // The bracket begins at the neighbour towards the peak, or at the peak itself.
-        let lower =
-            below.map(|index| half_power_speed(size, half, speeds[index + 1].min(speed), speeds[index])).transpose()?;
-        let upper =
-            above.map(|index| half_power_speed(size, half, speeds[index - 1].max(speed), speeds[index])).transpose()?;
+        // The response over the half-power one, less 1.
+        let excess = |speed: f64| Ok::<_, AnalysisError>(size(speed)? / half - 1.0);
+        let half_power_speed = |inside: usize, outside: usize, is_inside: bool| {
+            // The bracket begins at the neighbour towards the peak, or at the peak itself.
+            let within = if is_inside { (speeds[inside], sizes[inside]) } else { (speed, amplitude) };
+            let ends = [within, (speeds[outside], sizes[outside])];
+            root(ends.map(|(at, value)| Sample { at, value: value / half - 1.0 }), excess)
+        };
+        let lower = below.map(|index| half_power_speed(index + 1, index, speeds[index + 1] < speed)).transpose()?;
+        let upper = above.map(|index| half_power_speed(index - 1, index, speeds[index - 1] > speed)).transpose()?;
         peaks.push(Peak { speed, amplitude, lower, upper, is_stable: true });
     }
     Ok(peaks)
-}
-
-/// Finds the speed at which the response falls to `level`, by bisection between `inside`, where it is larger, and
-/// `outside`.
-fn half_power_speed(
-    size: &impl Fn(f64) -> Result<f64, AnalysisError>,
-    level: f64,
-    inside: f64,
-    outside: f64,
-) -> Result<f64, AnalysisError> {
-    let resolution = HALF_POWER_TOLERANCE * outside.abs().max(inside.abs());
-    let [inside, outside] = bisect(inside, outside, resolution, |speed| Ok::<_, AnalysisError>(size(speed)? < level))?;
-    Ok(f64::midpoint(inside, outside))
 }

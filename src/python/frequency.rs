@@ -14,6 +14,7 @@ use crate::analysis::{
 };
 use crate::modal::{self, CachedModel};
 use crate::model::Model;
+use crate::numerics::Sample;
 use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, description, range_with_rpm, with_rpm};
 
 /// Speed (rad/s), whirl, residual and number of the line of a critical speed.
@@ -377,23 +378,24 @@ fn instability_warning(ranges: Result<Vec<[f64; 2]>, AnalysisError>) -> Option<S
     ))
 }
 
-/// Computes (N_c, amplitude, N₁, N₂, whether the motion is stable) of every peak. N₁ or N₂ is NaN if it lies outside the
+/// Computes (N_c, amplitude, N₁, N₂, whether the motion is stable) of every peak between (speed, semi-axis) of `samples`. N₁ or N₂ is NaN if it lies outside the
 /// speed range.
 pub fn peaks(
     model: &PyModel,
     py: Python<'_>,
-    speeds: &PyReadonlyArray1<'_, f64>,
+    samples: &[(f64, f64)],
     index: usize,
     source: usize,
     excitation: &str,
     slow_roll: Option<f64>,
 ) -> PyResult<Vec<PeakRow>> {
-    let (speeds, part) = (finite_speeds(speeds)?, ExcitationPart::named(excitation, &EntryPath::root("excitation"))?);
+    let part = ExcitationPart::named(excitation, &EntryPath::root("excitation"))?;
+    let samples: Vec<Sample> = samples.iter().map(|(at, value)| Sample { at: *at, value: *value }).collect();
     let index = model.cached.model.numbering.dofs()[index].index;
     let probe = analysis::Probe { index, source, part, slow_roll };
-    require_peaks(speeds.len())?;
+    require_peaks(samples.len())?;
     let memory = analysis::memory_of_responses(model.model());
-    let found = model.run(py, memory, move |cached, interrupt| analysis::peaks(cached, probe, &speeds, interrupt))?;
+    let found = model.run(py, memory, move |cached, interrupt| analysis::peaks(cached, probe, &samples, interrupt))?;
     let open = f64::NAN;
     let row = |peak: &analysis::Peak| {
         (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open), peak.is_stable)

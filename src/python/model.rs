@@ -372,13 +372,13 @@ impl PyModel {
     fn peaks(
         &self,
         py: Python<'_>,
-        speeds: PyReadonlyArray1<'_, f64>,
+        samples: Vec<(f64, f64)>,
         index: usize,
         source: usize,
         excitation: &str,
         slow_roll: Option<f64>,
     ) -> PyResult<Vec<frequency::PeakRow>> {
-        frequency::peaks(self, py, &speeds, index, source, excitation, slow_roll)
+        frequency::peaks(self, py, &samples, index, source, excitation, slow_roll)
     }
 
     /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix; less those of

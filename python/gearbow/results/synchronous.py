@@ -304,8 +304,10 @@ class Synchronous(Result, ReadOnly):
         """Find the peaks with a compiled model."""
         indices = self.coordinates.lateral(at)
         shaft = self._source(at, source)
+        speeds, first = np.unique(self.speeds, return_index=True)
+        sizes = self.orbit(at)[first, shaft]
         found = model.peaks(
-            np.unique(self.speeds),
+            list(zip(speeds.tolist(), sizes.tolist(), strict=True)),
             indices[0],
             shaft,
             self.excitation,
