@@ -237,6 +237,24 @@ mod tests {
     }
 
     #[test]
+    fn the_loaded_elements_are_those_with_a_contact_force() {
+        let summary = |forces: Vec<f64>| {
+            let loaded = forces.iter().filter(|force| **force > 0.0).count();
+            [loaded as f64, forces.into_iter().fold(0.0, f64::max)]
+        };
+        for line in [false, true] {
+            let (elements, u) = (rolling_elements(9, 2e-5, line), [2e-5, -3e-5]);
+            assert_eq!(elements.loaded(u, 0.7), summary(elements.contact_forces(u, 0.7).collect()));
+            let (ring, x) = (ring::tests::ring(line, 1e-5, 0.0), [1e-5, -2e-5, 1e-5, 1e-5, -1e-5]);
+            let forces: Vec<f64> = ring.contacts(x, 0.4).map(|[force, _]| force).collect();
+            assert!(forces.contains(&0.0) && forces.iter().any(|force| *force > 0.0));
+            assert_eq!(ring.loaded(x, 0.4), summary(forces));
+        }
+        // Unloaded elements.
+        assert_eq!(rolling_elements(9, 2e-5, true).loaded([0.0; 2], 0.7), [0.0; 2]);
+    }
+
+    #[test]
     fn the_mean_force_is_the_average_over_the_cage_angles() {
         for line in [false, true] {
             for (clearance, u) in [(2e-5, [2e-5, -3e-5]), (0.0, [1e-5, 2e-5]), (-1e-5, [1e-6, 2e-6]), (-1e-5, [0.0; 2])]

@@ -27,20 +27,26 @@ const STIFFENING: &str = "stiffness = { speeds = [0.0, 100.0, 120.0, 1e4], value
 /// Rolling elements with a clearance, whose force grows with the power 3/2 of the deflection.
 const ROLLING: &str = "elements = 8, element_diameter = 0.01, pitch_diameter = 0.06, clearance = 2e-6, hertz_stiffness = 1e10, \
     damping = 500.0";
-/// Balls and rollers between rings of five degrees of freedom, with a preload.
-const BALLS: &str = "elements = 12, element_diameter = 0.01, pitch_diameter = 0.06, contact_angle = 0.4, hertz_stiffness = 1e10, \
-    degrees_of_freedom = 5, axial_preload = 500.0, damping = 500.0, axial_damping = 500.0";
-const ROLLERS: &str = "contact = \"line\", elements = 12, element_diameter = 0.01, pitch_diameter = 0.06, contact_angle = 0.4, \
-    hertz_stiffness = 5e8, degrees_of_freedom = 5, axial_preload = 500.0, damping = 500.0, axial_damping = 500.0";
+/// Balls and rollers between rings of five degrees of freedom, with a preload against a second ring.
+const BALLS: &str = "elements = 12, element_diameter = 0.01, pitch_diameter = 0.06, contact_angle = -0.4, hertz_stiffness = 1e10, \
+    degrees_of_freedom = 5, axial_preload = 500.0, clearance = 0.0, damping = 500.0, axial_damping = 500.0";
+const ROLLERS: &str = "contact = \"roller\", elements = 12, element_diameter = 0.01, pitch_diameter = 0.06, contact_angle = -0.4, \
+    hertz_stiffness = 1e8, degrees_of_freedom = 5, axial_preload = 500.0, clearance = 0.0, damping = 500.0, axial_damping = 500.0";
 /// The oil film of a journal bearing.
 const JOURNAL: &str = "diameter = 0.05, length = 0.02, clearance = 5e-5, viscosity = 0.02";
 
-/// The system with other entries of its first bearing.
+/// The system with other entries of its first bearing, and of the second one on the same shaft if an axial preload needs it.
 fn with_bearing(system: &SceneDescription, entries: &str) -> SceneDescription {
-    let text = format!(r#"bearing = {{ shaft = "input", position = 0.0, {entries} }}"#);
-    let parsed: toml::Table = toml::from_str(&text).unwrap();
+    let bearing = |position: f64, entries: &str| {
+        let text = format!(r#"bearing = {{ shaft = "input", position = {position:?}, {entries} }}"#);
+        let parsed: toml::Table = toml::from_str(&text).unwrap();
+        parsed["bearing"].clone().try_into().unwrap()
+    };
     let mut system = system.clone();
-    system.bearings[0] = parsed["bearing"].clone().try_into().unwrap();
+    system.bearings[0] = bearing(0.0, entries);
+    if entries.contains("axial_preload") {
+        system.bearings[1] = bearing(0.5, &entries.replace("contact_angle = -", "contact_angle = "));
+    }
     system
 }
 
@@ -316,7 +322,7 @@ fn the_loads_of_a_run_are_the_forces_of_rolling_elements() {
             highest_frequency: 0.0,
             mobility: 0.0,
         };
-        let [bearing] = &model.nonlinear_bearings[..] else { panic!("{entries}") };
+        let bearing = &model.nonlinear_bearings[0];
         let interface = Interface::new(Connection::Nonlinear(bearing), options).unwrap();
         let phase = ShaftPhase { angle: 0.7, spin: 115.0 };
         let instant = Instant { time: 0.0, phases: [phase, ShaftPhase::default()], contact_mode: ContactMode::ALWAYS };
