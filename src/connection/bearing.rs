@@ -191,19 +191,23 @@ impl BearingInterface {
     }
 
     #[inline]
-    pub(super) fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) {
+    pub(super) fn load(
+        &self,
+        instant: &Instant,
+        u: &[f64],
+        rates: &[f64],
+        load: &mut [f64],
+        tangent: Option<Tangent<'_>>,
+    ) {
         let [stiffness, damping] = self.remainder(instant);
         let displacement = [self.reference[0] + u[0], self.reference[1] + u[1]];
         for ((k, c), load) in stiffness.iter().zip(&damping).zip(load) {
             *load = -(k[0] * displacement[0] + k[1] * displacement[1] + c[0] * rates[0] + c[1] * rates[1]);
         }
-    }
-
-    #[inline]
-    pub(super) fn residual_tangent(&self, instant: &Instant, tangent: Tangent<'_>) {
-        let [k, c] = self.remainder(instant);
-        tangent.stiffness.copy_from_slice(k.as_flattened());
-        tangent.damping.copy_from_slice(c.as_flattened());
+        if let Some(tangent) = tangent {
+            tangent.stiffness.copy_from_slice(stiffness.as_flattened());
+            tangent.damping.copy_from_slice(damping.as_flattened());
+        }
     }
 }
 

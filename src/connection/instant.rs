@@ -23,6 +23,15 @@ pub struct Tangent<'a> {
     pub damping: &'a mut [f64],
 }
 
+impl<'a> Tangent<'a> {
+    /// Splits off the first `count` entries of both.
+    pub fn split_off(&mut self, count: usize) -> Self {
+        let [stiffness, damping] = [&mut self.stiffness, &mut self.damping]
+            .map(|entries: &mut &'a mut [f64]| entries.split_off_mut(..count.min(entries.len())).unwrap_or_default());
+        Self { stiffness, damping }
+    }
+}
+
 /// A journal that touches its bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {

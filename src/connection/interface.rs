@@ -74,7 +74,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.scalars(),
             Self::Bearing(_) => 2,
-            Self::Nonlinear(interface) => interface.bearing.rows.len(),
+            Self::Nonlinear(interface) => interface.scalars(),
             Self::Load(interface) => interface.load.rows.len(),
             Self::Bow(interface) => interface.bow.rows.len(),
         }
@@ -105,7 +105,7 @@ impl Interface {
         match self {
             Self::Mesh(interface) => interface.rows(),
             Self::Bearing(interface) => interface.bearing.rows.to_vec(),
-            Self::Nonlinear(interface) => interface.bearing.rows.clone(),
+            Self::Nonlinear(interface) => interface.rows(),
             Self::Load(interface) => interface.load.rows.clone(),
             Self::Bow(interface) => interface.bow.rows.to_vec(),
         }
@@ -145,58 +145,28 @@ impl Interface {
     }
 
     /// Writes the load on every scalar at deviations `u` and their `rates` (empty where [`Self::has_rates`] is false)
-    /// into `load`; returns the contact.
+    /// into `load`, and into `tangent` its tangent over the directions g beyond that of the linear motion, for the load −Σ g_i f_i;
+    /// returns the contact.
     ///
     /// # Errors
     /// [`OutOfRange`] where base circles overlap or a journal touches its bearing.
     #[inline(always)]
-    pub fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<Contact, OutOfRange> {
-        match self {
-            Self::Mesh(interface) => Ok(interface.load(instant, u, rates, load)?),
-            Self::Bearing(interface) => {
-                interface.load(instant, u, rates, load);
-                Ok(Contact::default())
-            }
-            Self::Nonlinear(interface) => {
-                interface.load(instant, u, rates, load)?;
-                Ok(Contact::default())
-            }
-            Self::Load(interface) => {
-                interface.load(instant, rates, load);
-                Ok(Contact::default())
-            }
-            Self::Bow(interface) => {
-                interface.load(instant, u, load);
-                Ok(Contact::default())
-            }
-        }
-    }
-
-    /// Writes the tangent over the directions g that the linear motion does not contain, for the load −Σ g_i f_i. `contact` is the result of [`Self::load`] at the same deviations `u` and `rates`.
-    #[inline(always)]
-    pub fn residual_tangent(
+    pub fn load(
         &self,
         instant: &Instant,
         u: &[f64],
         rates: &[f64],
-        contact: &Contact,
-        tangent: Tangent<'_>,
-    ) {
+        load: &mut [f64],
+        tangent: Option<Tangent<'_>>,
+    ) -> Result<Contact, OutOfRange> {
         match self {
-            Self::Mesh(interface) => {
-                let [k, c] = interface.residual_tangent(instant.contact_mode.flank, contact);
-                tangent.stiffness[0] = k;
-                tangent.damping.fill(c);
-            }
-            Self::Bearing(interface) => interface.residual_tangent(instant, tangent),
-            Self::Nonlinear(interface) => interface.residual_tangent(instant, u, rates, tangent),
-            Self::Load(interface) => {
-                tangent.stiffness.fill(0.0);
-                tangent.damping.fill(0.0);
-                interface.residual_tangent(instant, rates, tangent.damping);
-            }
-            Self::Bow(_) => {}
+            Self::Mesh(interface) => return Ok(interface.load(instant, u, rates, load, tangent)?),
+            Self::Bearing(interface) => interface.load(instant, u, rates, load, tangent),
+            Self::Nonlinear(interface) => interface.load(instant, u, rates, load, tangent)?,
+            Self::Load(interface) => interface.load(instant, rates, load, tangent),
+            Self::Bow(interface) => interface.load(instant, u, load),
         }
+        Ok(Contact::default())
     }
 
     /// Interval in which the flanks of a mesh keep the state that they have in `contact`; infinite for another connection.

@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 
 use num_complex::Complex64;
 
-use super::instant::{Instant, InterfaceOptions};
+use super::instant::{Instant, InterfaceOptions, Tangent};
 use super::{Bounds, Coefficients, Row};
 use crate::scene::{LoadLaw, SceneError, outside_table};
 
@@ -146,18 +146,17 @@ impl LoadInterface {
     }
 
     #[inline]
-    pub(super) fn load(&self, instant: &Instant, rates: &[f64], load: &mut [f64]) {
+    pub(super) fn load(&self, instant: &Instant, rates: &[f64], load: &mut [f64], tangent: Option<Tangent<'_>>) {
         let rate = rates.first().copied().unwrap_or(0.0);
         for (i, (load, value)) in load.iter_mut().zip(self.load.value(instant, rate)).enumerate() {
             *load = value - self.reference_force[i];
         }
         load[0] += self.contained * rate;
-    }
-
-    pub(super) fn residual_tangent(&self, instant: &Instant, rates: &[f64], damping: &mut [f64]) {
-        if self.has_rates() {
-            let rate = rates.first().copied().unwrap_or(0.0);
-            damping.fill(-self.load.slope(instant.phases[0].spin + rate) - self.contained);
+        if let Some(Tangent { stiffness, damping }) = tangent {
+            stiffness.fill(0.0);
+            let slope =
+                if self.has_rates() { self.load.slope(instant.phases[0].spin + rate) + self.contained } else { 0.0 };
+            damping.fill(-slope);
         }
     }
 }

@@ -6,7 +6,7 @@
 //! tilts and, with both twists, the axial displacement. The linear motion may contain the
 //! mean stiffness and the damping of the mesh at rest; the load is the remainder.
 
-use super::instant::{GuaranteedInterval, Instant, InterfaceOptions};
+use super::instant::{GuaranteedInterval, Instant, InterfaceOptions, Tangent};
 use super::{Direction, Row};
 use crate::mesh::{
     Contact, ContactMode, Directions, Flank, GearMesh, Geometry, MeshCoordinates, MeshPose, Overlap, RelativeMotion,
@@ -299,6 +299,7 @@ impl MeshInterface {
         u: &[f64],
         rates: &[f64],
         load: &mut [f64],
+        tangent: Option<Tangent<'_>>,
     ) -> Result<Contact, Overlap> {
         let contact = self.gear_mesh.contact(&self.pose(&instant.phases, u, rates), &instant.contact_mode)?;
         let along = |values: &[f64]| values.iter().zip(&self.gradient).map(|(value, g)| value * g).sum::<f64>();
@@ -307,11 +308,16 @@ impl MeshInterface {
         for (k, load) in load.iter_mut().enumerate() {
             *load = (forces[k] - self.reference_force[k]) + linear * self.gradient[k];
         }
+        if let Some(tangent) = tangent {
+            let [k, c] = self.residual_tangent(instant.contact_mode.flank, &contact);
+            tangent.stiffness[0] = k;
+            tangent.damping.fill(c);
+        }
         Ok(contact)
     }
 
     #[inline(always)]
-    pub(super) fn residual_tangent(&self, flank: Flank, contact: &Contact) -> [f64; 2] {
+    fn residual_tangent(&self, flank: Flank, contact: &Contact) -> [f64; 2] {
         let film = flank == Flank::Separated && self.gear_mesh.damping_in_separation;
         let dampers = f64::from(u8::from(flank.drives() || film) + u8::from(flank.holds_back()));
         [contact.stiffness - self.contained[0], dampers * self.gear_mesh.damping - self.contained[1]]

@@ -8,7 +8,7 @@
 //! | Which scalars? | [`Connection::rows`] | matrices, null motions, exponential method |
 //! | Which stiffness and damping, at a speed? | [`Connection::linear`] | matrices, modes, Campbell diagram, critical speeds, synchronous response, static equilibrium |
 //! | Which force, energy and power at an instant? | `contact` or `force` of the variant | equation of motion, energy audit |
-//! | Which tangent, of any rank up to the number of scalars? | `mean_tangent` or `static_tangent` of the variant; [`Interface::directions`], [`Interface::residual_tangent`] | Newton's method in the static equilibrium and in the exponential method |
+//! | Which tangent, of any rank up to the number of scalars? | `mean_tangent` or `static_tangent` of the variant; [`Interface::directions`], [`Interface::load`] | Newton's method in the static equilibrium and in the exponential method |
 //! | Which contact mode, and how far is the next change? | [`Interface::contact_mode`], [`Interface::margins`], [`Interface::guaranteed_interval`] | events |
 //! | Which bounds? | [`Connection::bounds`] | stability limit of the step |
 //! | What can a run record, in which unit? | [`Connection::channels`] | recorder, files, spectra and figures |

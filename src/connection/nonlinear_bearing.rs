@@ -53,15 +53,18 @@ pub enum BearingLaw {
 
 /// A law over `N` scalars.
 trait Law<const N: usize> {
-    /// Force, stiffness and damping at a displacement, m, a velocity, m/s, and the angle and spin of what turns the bearing:
-    /// the shaft of a film, the cage of rolling elements.
-    fn at(&self, u: [f64; N], rates: [f64; N], phase: &ShaftPhase) -> BearingForce<N>;
+    /// Force and, with `DERIVATIVES`, stiffness and damping at a displacement, m, a velocity, m/s, and the angle and spin of what
+    /// turns the bearing: the shaft of a film, the cage of rolling elements.
+    fn at<const DERIVATIVES: bool>(&self, u: [f64; N], rates: [f64; N], phase: &ShaftPhase) -> BearingForce<N>;
 
     /// Force, stiffness and damping at rest, averaged over the angle, at a spin of what turns the bearing, rad/s.
     fn mean(&self, u: [f64; N], spin: f64) -> BearingForce<N>;
 
-    /// Elastic energy, J, and elastic force, N, at an angle of the cage, rad.
-    fn elastic(&self, u: [f64; N], angle: f64) -> (f64, [f64; N]);
+    /// Elastic energy, J, at an angle of the cage, rad.
+    fn energy(&self, u: [f64; N], angle: f64) -> f64;
+
+    /// Elastic force, N, at an angle of the cage, rad.
+    fn elastic_force(&self, u: [f64; N], angle: f64) -> [f64; N];
 
     /// Displacement, m, at which it carries a static force, N, at a spin, and force and stiffness there.
     fn carrying(&self, force: [f64; N], spin: f64) -> Result<([f64; N], BearingForce<N>), Uncarried>;
@@ -69,7 +72,7 @@ trait Law<const N: usize> {
 
 impl Law<2> for Film {
     #[inline]
-    fn at(&self, u: Vector, rates: Vector, phase: &ShaftPhase) -> BearingForce {
+    fn at<const DERIVATIVES: bool>(&self, u: Vector, rates: Vector, phase: &ShaftPhase) -> BearingForce {
         self.at(u, rates, phase.spin)
     }
 
@@ -78,8 +81,12 @@ impl Law<2> for Film {
     }
 
     /// A film stores no energy.
-    fn elastic(&self, _: Vector, _: f64) -> (f64, Vector) {
-        (0.0, [0.0; 2])
+    fn energy(&self, _: Vector, _: f64) -> f64 {
+        0.0
+    }
+
+    fn elastic_force(&self, _: Vector, _: f64) -> Vector {
+        [0.0; 2]
     }
 
     fn carrying(&self, force: Vector, spin: f64) -> Result<(Vector, BearingForce), Uncarried> {
@@ -89,16 +96,20 @@ impl Law<2> for Film {
 
 impl Law<2> for RollingElements {
     #[inline]
-    fn at(&self, u: Vector, rates: Vector, phase: &ShaftPhase) -> BearingForce {
-        self.at(u, rates, phase.angle)
+    fn at<const DERIVATIVES: bool>(&self, u: Vector, rates: Vector, phase: &ShaftPhase) -> BearingForce {
+        self.at::<DERIVATIVES>(u, rates, phase.angle)
     }
 
     fn mean(&self, u: Vector, _: f64) -> BearingForce {
         self.mean(u)
     }
 
-    fn elastic(&self, u: Vector, angle: f64) -> (f64, Vector) {
-        (self.energy(u, angle), self.at(u, [0.0; 2], angle).force)
+    fn energy(&self, u: Vector, angle: f64) -> f64 {
+        self.energy(u, angle)
+    }
+
+    fn elastic_force(&self, u: Vector, angle: f64) -> Vector {
+        self.at::<false>(u, [0.0; 2], angle).force
     }
 
     fn carrying(&self, force: Vector, _: f64) -> Result<(Vector, BearingForce), Uncarried> {
@@ -108,16 +119,20 @@ impl Law<2> for RollingElements {
 
 impl Law<5> for Ring {
     #[inline]
-    fn at(&self, u: [f64; 5], _: [f64; 5], phase: &ShaftPhase) -> BearingForce<5> {
-        self.at(u, phase.angle)
+    fn at<const DERIVATIVES: bool>(&self, u: [f64; 5], _: [f64; 5], phase: &ShaftPhase) -> BearingForce<5> {
+        self.at::<DERIVATIVES>(u, phase.angle)
     }
 
     fn mean(&self, u: [f64; 5], _: f64) -> BearingForce<5> {
         self.mean(u)
     }
 
-    fn elastic(&self, u: [f64; 5], angle: f64) -> (f64, [f64; 5]) {
-        (self.energy(u, angle), self.at(u, angle).force)
+    fn energy(&self, u: [f64; 5], angle: f64) -> f64 {
+        self.energy(u, angle)
+    }
+
+    fn elastic_force(&self, u: [f64; 5], angle: f64) -> [f64; 5] {
+        self.at::<false>(u, angle).force
     }
 
     fn carrying(&self, force: [f64; 5], _: f64) -> Result<([f64; 5], BearingForce<5>), Uncarried> {
@@ -185,6 +200,14 @@ impl NonlinearBearing {
         }
     }
 
+    /// Orthonormal combinations of its scalars on which the force depends; those without a force may be missing.
+    fn combinations(&self) -> Vec<Combination> {
+        match &self.law {
+            BearingLaw::Film(_) | BearingLaw::Rolling(_) => identity(2),
+            BearingLaw::Ring(ring) => ring.roller_directions().unwrap_or_else(|| identity(5)),
+        }
+    }
+
     /// Number of its rolling elements, if it has some.
     pub fn elements(&self) -> Option<usize> {
         match &self.law {
@@ -194,12 +217,12 @@ impl NonlinearBearing {
         }
     }
 
-    /// Calls `visit` with the contact force of each rolling element at displacements q and an angle of the cage, N.
-    pub fn contact_forces(&self, q: &[f64], cage: f64, visit: impl FnMut(f64)) {
+    /// Number of loaded rolling elements at displacements q and an angle of the cage, and the largest contact force, N.
+    pub fn loaded_elements(&self, q: &[f64], cage: f64) -> [f64; 2] {
         match &self.law {
-            BearingLaw::Film(_) => {}
-            BearingLaw::Rolling(elements) => elements.contact_forces(self.scalars(q), cage).for_each(visit),
-            BearingLaw::Ring(ring) => ring.contacts(self.scalars(q), cage).map(|[force, _]| force).for_each(visit),
+            BearingLaw::Film(_) => [0.0; 2],
+            BearingLaw::Rolling(elements) => elements.loaded(self.scalars(q), cage),
+            BearingLaw::Ring(ring) => ring.loaded(self.scalars(q), cage),
         }
     }
 
@@ -271,9 +294,9 @@ impl NonlinearBearing {
         self.film().map(|film| film.eccentricity_ratio(self.scalars(q)))
     }
 
-    /// Force and derivatives beyond those of the matrices.
+    /// Force and, with `DERIVATIVES`, derivatives beyond those of the matrices.
     #[inline]
-    fn beyond_matrices<const N: usize>(
+    fn beyond_matrices<const N: usize, const DERIVATIVES: bool>(
         &self,
         mut all: BearingForce<N>,
         u: [f64; N],
@@ -283,13 +306,17 @@ impl NonlinearBearing {
             for (i, row) in stiffness.iter().take(N).enumerate() {
                 for (j, entry) in row.iter().take(N).enumerate() {
                     all.force[i] -= entry * u[j];
-                    all.stiffness[i][j] -= entry;
+                    if DERIVATIVES {
+                        all.stiffness[i][j] -= entry;
+                    }
                 }
             }
             for (i, row) in damping.iter().enumerate() {
                 for (j, entry) in row.iter().enumerate() {
                     all.force[i] -= entry * rates[j];
-                    all.damping[i][j] -= entry;
+                    if DERIVATIVES {
+                        all.damping[i][j] -= entry;
+                    }
                 }
             }
         }
@@ -297,19 +324,19 @@ impl NonlinearBearing {
     }
 
     #[inline]
-    fn remainder<const N: usize>(
+    fn remainder<const N: usize, const DERIVATIVES: bool>(
         &self,
         law: &impl Law<N>,
         phase: &ShaftPhase,
         u: [f64; N],
         rates: [f64; N],
     ) -> BearingForce<N> {
-        self.beyond_matrices(law.at(u, rates, phase), u, rates)
+        self.beyond_matrices::<N, DERIVATIVES>(law.at::<DERIVATIVES>(u, rates, phase), u, rates)
     }
 
     /// Mean force at rest and its derivatives, beyond those of the matrices.
     fn mean_remainder<const N: usize>(&self, law: &impl Law<N>, speed: f64, u: [f64; N]) -> BearingForce<N> {
-        self.beyond_matrices(law.mean(u, self.ratio * speed), u, [0.0; N])
+        self.beyond_matrices::<N, true>(law.mean(u, self.ratio * speed), u, [0.0; N])
     }
 
     /// Force of the shaft on the bearing beyond that of the matrices, along (y, z) and the axis, N, at the angle and spin of
@@ -322,7 +349,7 @@ impl NonlinearBearing {
         with_law!(self, law => {
             let u = self.scalars(q);
             self.check(&u)?;
-            Ok(along_axes(&self.remainder(law, phase, u, self.scalars(v)).force))
+            Ok(along_axes(&self.remainder::<_, false>(law, phase, u, self.scalars(v)).force))
         })
     }
 
@@ -335,7 +362,7 @@ impl NonlinearBearing {
         with_law!(self, law => {
             let u = self.scalars(q);
             self.check(&u)?;
-            let force = self.remainder(law, phase, u, self.scalars(v)).force;
+            let force = self.remainder::<_, false>(law, phase, u, self.scalars(v)).force;
             for (row, force) in self.rows.iter().zip(force) {
                 row.iter().for_each(|(index, coefficient)| out[*index] -= coefficient * force);
             }
@@ -385,7 +412,7 @@ impl NonlinearBearing {
     pub fn energy(&self, phase: &ShaftPhase, q: &[f64]) -> f64 {
         with_law!(self, law => {
             let u = self.scalars(q);
-            Law::elastic(law, u, phase.angle).0 - self.counted(u, u) / 2.0
+            Law::energy(law, u, phase.angle) - self.counted(u, u) / 2.0
         })
     }
 
@@ -394,7 +421,7 @@ impl NonlinearBearing {
     pub fn powers(&self, phase: &ShaftPhase, q: &[f64], v: &[f64]) -> [f64; 2] {
         with_law!(self, law => {
             let (u, rates) = (self.scalars(q), self.scalars(v));
-            let (force, (_, elastic)) = (self.remainder(law, phase, u, rates).force, Law::elastic(law, u, phase.angle));
+            let (force, elastic) = (self.remainder::<_, false>(law, phase, u, rates).force, law.elastic_force(u, phase.angle));
             let power: f64 = force.iter().zip(&elastic).zip(&rates).map(|((all, own), rate)| (all - own) * rate).sum();
             // ∂U/∂ψ: with the cage, the load turns backwards about the axis, both the displacement (v, w) and the slopes.
             let turned = |at: usize| elastic[at] * u[at + 1] - elastic[at + 1] * u[at];
@@ -439,51 +466,104 @@ impl BearingTangent {
     }
 }
 
-/// A nonlinear bearing in a run.
+/// A nonlinear bearing in a run. Its scalars there are the combinations of those of the bearing on which the force depends.
 #[derive(Clone, Debug)]
 pub struct NonlinearInterface {
     pub(super) bearing: NonlinearBearing,
-    /// Scalars at the reference, m; zero beyond their number.
+    /// The combinations, which are orthonormal: coefficients over the scalars of the bearing, zero beyond their number.
+    combinations: Vec<Combination>,
+    /// Scalars of the bearing at the reference, m; zero beyond their number.
     reference: [f64; MAX_SCALARS],
-    /// Generalised forces at the reference, without the part in the matrices, N, one for each scalar.
+    /// Generalised forces at the reference, without the part in the matrices, N, one for each combination.
     pub(super) reference_force: Vec<f64>,
+}
+
+/// Coefficients of a scalar of a run over the scalars of its bearing.
+type Combination = [f64; MAX_SCALARS];
+
+/// Every scalar of a bearing as a combination.
+fn identity(scalars: usize) -> Vec<Combination> {
+    (0..scalars).map(|own| std::array::from_fn(|i| if i == own { 1.0 } else { 0.0 })).collect()
+}
+
+/// Sum of values with the coefficients of a combination.
+#[inline]
+fn combined<const N: usize>(combination: &Combination, values: &[f64; N]) -> f64 {
+    combination.iter().zip(values).map(|(coefficient, value)| coefficient * value).sum()
 }
 
 impl NonlinearInterface {
     pub(super) fn new(bearing: &NonlinearBearing, options: InterfaceOptions<'_>) -> Self {
+        let combinations = bearing.combinations();
         let (force, _) = bearing.static_tangent(options.speed, options.reference);
-        let mut reference = [0.0; MAX_SCALARS];
+        let [mut at_rest, mut reference] = [[0.0; MAX_SCALARS]; 2];
+        at_rest[..bearing.rows.len()].copy_from_slice(force.as_slice());
         reference[..bearing.rows.len()].copy_from_slice(bearing.scalar_vector(options.reference).as_slice());
-        Self { bearing: bearing.clone(), reference, reference_force: (-force).as_slice().to_vec() }
+        let reference_force = combinations.iter().map(|combination| -combined(combination, &at_rest)).collect();
+        Self { bearing: bearing.clone(), combinations, reference, reference_force }
     }
 
-    /// Scalars of the deviations `u` from the reference.
+    /// Number of scalars.
     #[inline]
-    fn displacement<const N: usize>(&self, u: &[f64]) -> [f64; N] {
-        std::array::from_fn(|i| self.reference[i] + u[i])
+    pub(super) fn scalars(&self) -> usize {
+        self.combinations.len()
+    }
+
+    /// The scalars as entries over the coordinates.
+    pub(super) fn rows(&self) -> Vec<Row> {
+        let row = |combination: &Combination| {
+            let parts = self.bearing.rows.iter().zip(combination).filter(|(_, share)| **share != 0.0);
+            parts.flat_map(|(row, share)| row.iter().map(move |(index, c)| (*index, share * c))).collect()
+        };
+        self.combinations.iter().map(row).collect()
+    }
+
+    /// The scalars of the bearing, or their rates, from values at the reference and those of the combinations.
+    #[inline]
+    fn of_bearing<const N: usize>(&self, reference: &[f64; MAX_SCALARS], values: &[f64]) -> [f64; N] {
+        let mut scalars = std::array::from_fn(|i| reference[i]);
+        for (combination, value) in self.combinations.iter().zip(values) {
+            scalars.iter_mut().zip(combination).for_each(|(scalar, share): (&mut f64, _)| *scalar += share * value);
+        }
+        scalars
     }
 
     #[inline]
-    pub(super) fn load(&self, instant: &Instant, u: &[f64], rates: &[f64], load: &mut [f64]) -> Result<(), OutOfRange> {
+    pub(super) fn load(
+        &self,
+        instant: &Instant,
+        u: &[f64],
+        rates: &[f64],
+        load: &mut [f64],
+        tangent: Option<Tangent<'_>>,
+    ) -> Result<(), OutOfRange> {
         with_law!(self.bearing, law => {
-            let at = self.displacement(u);
-            self.bearing.check(&at)?;
-            let rates = std::array::from_fn(|i| rates[i]);
-            let force = self.bearing.remainder(law, &instant.phases[0], at, rates).force;
-            for ((load, force), reference) in load.iter_mut().zip(force).zip(&self.reference_force) {
-                *load = -force - reference;
+            let (u, rates) = (self.of_bearing(&self.reference, u), self.of_bearing(&[0.0; MAX_SCALARS], rates));
+            self.bearing.check(&u)?;
+            let phase = &instant.phases[0];
+            let found = match tangent {
+                Some(_) => self.bearing.remainder::<_, true>(law, phase, u, rates),
+                None => self.bearing.remainder::<_, false>(law, phase, u, rates),
+            };
+            for ((load, combination), reference) in load.iter_mut().zip(&self.combinations).zip(&self.reference_force) {
+                *load = -combined(combination, &found.force) - reference;
+            }
+            if let Some(Tangent { stiffness, damping }) = tangent {
+                self.write(stiffness, &found.stiffness);
+                self.write(damping, &found.damping);
             }
             Ok(())
         })
     }
 
+    /// Writes the derivatives over the combinations, row after row, from those over the scalars of the bearing.
     #[inline]
-    pub(super) fn residual_tangent(&self, instant: &Instant, u: &[f64], rates: &[f64], tangent: Tangent<'_>) {
-        with_law!(self.bearing, law => {
-            let rates = std::array::from_fn(|i| rates[i]);
-            let found = self.bearing.remainder(law, &instant.phases[0], self.displacement(u), rates);
-            tangent.stiffness.copy_from_slice(found.stiffness.as_flattened());
-            tangent.damping.copy_from_slice(found.damping.as_flattened());
-        })
+    fn write<const N: usize>(&self, entries: &mut [f64], of_bearing: &[[f64; N]; N]) {
+        for (column, combination) in self.combinations.iter().enumerate() {
+            let change = of_bearing.each_ref().map(|row| combined(combination, row));
+            for (entries, own) in entries.chunks_exact_mut(self.scalars()).zip(&self.combinations) {
+                entries[column] = combined(own, &change);
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! - Chains: `block_tridiagonal`, `chain` (with internal unknowns of elements).
 //! - Bands: `band_order`, `band`, `blocks`, `couplings`, `coupled_bands`, `determinant`.
-//! - Dense: `dense`, `pencil`, `inverse_iteration`, `convert`.
+//! - Dense: `dense`, `pencil`, `inverse_iteration`, `convert`, `product`.
 //! - Krylov spaces and iterations: `krylov` with `columns`, `conjugate_residuals`, `tridiagonal`; `sparse` matrices.
 
 mod band;
@@ -21,6 +21,7 @@ mod determinant;
 mod inverse_iteration;
 mod krylov;
 mod pencil;
+mod product;
 mod sparse;
 mod tridiagonal;
 
@@ -37,5 +38,6 @@ pub use dense::{
 pub use determinant::Determinant;
 pub use krylov::{Krylov, Operator, RitzPair};
 pub use pencil::{SymmetricPencil, symmetric_eigen, symmetric_pencil};
+pub use product::product;
 pub use sparse::Sparse;
 pub use tridiagonal::{eigenvector, largest_eigenvalue};

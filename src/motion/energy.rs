@@ -147,13 +147,10 @@ impl<'m> EquationOfMotion<'m> {
 
     /// Number of loaded rolling elements of the bearings at a node, and their largest contact force, N.
     pub fn rolling_contact(&self, node: Node, elapsed: f64, q: &[f64]) -> [f64; 2] {
-        let mut contact = [0.0, 0.0_f64];
-        for bearing in self.model.nonlinear_bearings_at(node) {
-            bearing.contact_forces(q, self.phase(bearing.turning, elapsed).angle, |force| {
-                contact = [contact[0] + f64::from(force > 0.0), contact[1].max(force)];
-            });
-        }
-        contact
+        self.model.nonlinear_bearings_at(node).fold([0.0, 0.0_f64], |[count, largest], bearing| {
+            let [own, force] = bearing.loaded_elements(q, self.phase(bearing.turning, elapsed).angle);
+            [count + own, largest.max(force)]
+        })
     }
 
     /// The quantities of a mesh that a response reports.

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 
 use super::EquationOfMotion;
 use crate::connection::Connection;
+use crate::linalg::product;
 use crate::mesh::Overlap;
 use crate::model::{Excitation, Model, Support, bow_force, is_bowed};
 
@@ -51,9 +52,6 @@ impl SourceTerms {
         self.values().iter().map(|value| value.abs()).sum()
     }
 }
-
-/// Number of sums of a scalar product.
-const PARTIAL_SUMS: usize = 8;
 
 /// The coordinates from which powers follow.
 #[derive(Clone, Debug)]
@@ -159,18 +157,6 @@ impl PowerLoads {
     pub fn times(&self, values: &[f64]) -> [f64; CONSTANT_LOAD_SUMS] {
         self.constant.each_ref().map(|forces| forces.iter().map(|(index, force)| force * values[*index]).sum())
     }
-}
-
-/// Scalar product, summed in lanes because one sum would wait for each addition.
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<PARTIAL_SUMS>(), b.as_chunks::<PARTIAL_SUMS>());
-    let mut sums = [0.0; PARTIAL_SUMS];
-    for (a, b) in a.iter().zip(b) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
 /// Number of sums over constant loads.

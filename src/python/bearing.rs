@@ -118,7 +118,7 @@ pub fn ring_coefficients<'py>(
     // The ring has the slopes dv/dx = Γ and dw/dx = −B times its radius.
     let carried = caught(|| ring.carrying_tilted([y, z, thrust], [radius * tilt[1], -radius * tilt[0]]))?;
     let x = carried.map_err(|cause| uncarried(cause, [thrust, y.hypot(z)], None))?;
-    let found = ring.at(x, 0.0);
+    let found = ring.at::<true>(x, 0.0);
     // Index and factor of (u, v, w, B, Γ) in the coordinates of the ring.
     let places = [(2, 1.0), (0, 1.0), (1, 1.0), (4, -radius), (3, radius)];
     let stiffness = |(i, a): (usize, f64)| places.map(|(j, b)| a * b * found.stiffness[i][j]);

@@ -20,7 +20,7 @@ impl RollingElements {
     /// # Errors
     /// [`Uncarried`] if the residual force exceeds `MAX_RESIDUAL` of the load.
     pub fn carrying(&self, load: Vector, cage: Option<f64>) -> Result<(Vector, BearingForce), Uncarried> {
-        let force = |u: Vector| cage.map_or_else(|| self.mean(u), |cage| self.at(u, [0.0; 2], cage));
+        let force = |u: Vector| cage.map_or_else(|| self.mean(u), |cage| self.at::<true>(u, [0.0; 2], cage));
         let whole = load[0].hypot(load[1]);
         if whole == 0.0 {
             return Ok(([0.0; 2], force([0.0; 2])));

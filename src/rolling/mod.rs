@@ -59,6 +59,14 @@ impl Contact {
         [approach * root, self.exponent * root]
     }
 
+    /// Number of loaded elements and the largest contact force, N, from the approaches of the races, m.
+    fn loaded(&self, approaches: impl Iterator<Item = f64>) -> [f64; 2] {
+        let loaded = approaches.filter(|approach| *approach > 0.0);
+        let [count, largest] =
+            loaded.fold([0.0; 2], |[count, largest], approach| [count + 1.0, f64::max(largest, approach)]);
+        [count, self.stiffness * self.force(largest)[0]]
+    }
+
     /// Power m of the substitution 1 − ψ/ψ_l = (1 − x)^m, which turns δ^{p − 1} ∝ (1 − ψ/ψ_l)^{p − 1} next to the end ψ_l of a loaded
     /// zone into 1 − x.
     fn grading(&self) -> f64 {
@@ -133,23 +141,25 @@ impl RollingElements {
         turned(&self.places, cage).map(move |e| (u[0] * e[0] + u[1] * e[1] - self.gap, e))
     }
 
-    /// Force, stiffness and damping at a displacement, m, a velocity, m/s, and an angle of the cage, rad.
+    /// Force and, with `DERIVATIVES`, stiffness and damping at a displacement, m, a velocity, m/s, and an angle of the cage, rad.
     #[inline]
-    pub fn at(&self, u: Vector, velocity: Vector, cage: f64) -> BearingForce {
+    pub fn at<const DERIVATIVES: bool>(&self, u: Vector, velocity: Vector, cage: f64) -> BearingForce {
         let (mut force, [mut yy, mut yz, mut zz]) = ([0.0; 2], [0.0; 3]);
         for (approach, [y, z]) in self.approaches(u, cage).filter(|(approach, _)| *approach > 0.0) {
             let [pressed, slope] = self.contact.force(approach);
             force[0] += pressed * y;
             force[1] += pressed * z;
-            yy += slope * y * y;
-            yz += slope * y * z;
-            zz += slope * z * z;
+            if DERIVATIVES {
+                yy += slope * y * y;
+                yz += slope * y * z;
+                zz += slope * z * z;
+            }
         }
         let (k, c) = (self.contact.stiffness, &self.damping);
         BearingForce {
             force: [0, 1].map(|i| k * force[i] + c[i][0] * velocity[0] + c[i][1] * velocity[1]),
             stiffness: [[k * yy, k * yz], [k * yz, k * zz]],
-            damping: *c,
+            damping: if DERIVATIVES { *c } else { Matrix::default() },
         }
     }
 
@@ -165,6 +175,12 @@ impl RollingElements {
         self.approaches(u, cage).map(|(approach, _)| {
             if approach > 0.0 { self.contact.stiffness * self.contact.force(approach)[0] / self.radial } else { 0.0 }
         })
+    }
+
+    /// Number of loaded elements and the largest contact force, N.
+    pub fn loaded(&self, u: Vector, cage: f64) -> [f64; 2] {
+        let [count, largest] = self.contact.loaded(self.approaches(u, cage).map(|(approach, _)| approach));
+        [count, largest / self.radial]
     }
 
     /// Approximate stiffness under a load, N/m, N: the load over gap and deflection.
@@ -198,7 +214,7 @@ mod tests {
         for line in [false, true] {
             for clearance in [2e-5, -1e-5] {
                 let (elements, u, rates, h) = (rolling_elements(9, clearance, line), [2e-5, -3e-5], [1e-3, 2e-3], 1e-9);
-                let found = elements.at(u, rates, 0.7);
+                let found = elements.at::<true>(u, rates, 0.7);
                 let moved = |j: usize, h: f64| {
                     let mut u = u;
                     u[j] += h;
@@ -206,11 +222,11 @@ mod tests {
                 };
                 for j in 0..2 {
                     let slope = (elements.energy(moved(j, h), 0.7) - elements.energy(moved(j, -h), 0.7)) / (2.0 * h);
-                    let elastic = elements.at(u, [0.0; 2], 0.7).force[j];
+                    let elastic = elements.at::<true>(u, [0.0; 2], 0.7).force[j];
                     // Error of differences: second order in h/δ, and round-off.
                     assert!((slope - elastic).abs() < 1e-5 * elastic.abs(), "{slope} {elastic}");
                     for i in 0..2 {
-                        let force = |h: f64| elements.at(moved(j, h), rates, 0.7).force[i];
+                        let force = |h: f64| elements.at::<true>(moved(j, h), rates, 0.7).force[i];
                         let slope = (force(h) - force(-h)) / (2.0 * h);
                         let size = found.stiffness[0][0].abs() + found.stiffness[1][1].abs();
                         assert!((slope - found.stiffness[i][j]).abs() < 1e-5 * size, "{slope} {found:?}");
@@ -218,6 +234,24 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_loaded_elements_are_those_with_a_contact_force() {
+        let summary = |forces: Vec<f64>| {
+            let loaded = forces.iter().filter(|force| **force > 0.0).count();
+            [loaded as f64, forces.into_iter().fold(0.0, f64::max)]
+        };
+        for line in [false, true] {
+            let (elements, u) = (rolling_elements(9, 2e-5, line), [2e-5, -3e-5]);
+            assert_eq!(elements.loaded(u, 0.7), summary(elements.contact_forces(u, 0.7).collect()));
+            let (ring, x) = (ring::tests::ring(line, 1e-5, 0.0), [1e-5, -2e-5, 1e-5, 1e-5, -1e-5]);
+            let forces: Vec<f64> = ring.contacts(x, 0.4).map(|[force, _]| force).collect();
+            assert!(forces.contains(&0.0) && forces.iter().any(|force| *force > 0.0));
+            assert_eq!(ring.loaded(x, 0.4), summary(forces));
+        }
+        // Unloaded elements.
+        assert_eq!(rolling_elements(9, 2e-5, true).loaded([0.0; 2], 0.7), [0.0; 2]);
     }
 
     #[test]
@@ -230,7 +264,7 @@ mod tests {
                 let count = 20000;
                 let mut sum = BearingForce::<2>::default();
                 for i in 0..count {
-                    let found = elements.at(u, [0.0; 2], TAU / 7.0 * f64::from(i) / f64::from(count));
+                    let found = elements.at::<true>(u, [0.0; 2], TAU / 7.0 * f64::from(i) / f64::from(count));
                     for a in 0..2 {
                         sum.force[a] += found.force[a] / f64::from(count);
                         for b in 0..2 {

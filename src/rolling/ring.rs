@@ -158,7 +158,7 @@ impl Ring {
         }
         let sense = if self.direction[1] < 0.0 || force < 0.0 { -1.0 } else { 1.0 };
         let force = force.abs();
-        let carried = |u: f64| sense * self.at([0.0, 0.0, sense * u, 0.0, 0.0], 0.0).force[2];
+        let carried = |u: f64| sense * self.at::<false>([0.0, 0.0, sense * u, 0.0, 0.0], 0.0).force[2];
         // The force rises with the displacement, without bound for a contact that is not radial.
         let mut end = self.radius * f64::EPSILON;
         while (carried(end) < force || carried(-end) >= force) && end < self.radius {
@@ -184,7 +184,7 @@ impl Ring {
                         turning: 0.0,
                     };
                 }
-                let length = line[0].hypot(line[1]);
+                let length = (line[0] * line[0] + line[1] * line[1]).sqrt();
                 // s − A without cancellation.
                 let moved = 2.0 * distance * (cosine * radial + sine * axial) + radial * radial + axial * axial;
                 let approach = moved / (length + distance);
@@ -199,29 +199,32 @@ impl Ring {
         self.touch(x, e).approach
     }
 
-    /// Adds force and stiffness of a number of elements with the unit vector e.
+    /// Adds the force and, with `STIFFNESS`, the stiffness of a number of elements with the unit vector e.
     #[inline(always)]
-    pub(super) fn add(&self, sums: &mut Sums, x: &RingVector, e: Vector, number: f64) {
+    pub(super) fn add<const STIFFNESS: bool>(&self, sums: &mut Sums, x: &RingVector, e: Vector, number: f64) {
         let Touch { approach, direction: [radial, axial], turning } = self.touch(x, e);
         if approach <= 0.0 {
             return;
         }
         let [force, slope] = self.contact.force(approach).map(|value| number * self.contact.stiffness * value);
+        sums.radial_force.add(force * radial, &[e[0], e[1]]);
+        sums.axial_force.add(force * axial, &[1.0, e[0], e[1]]);
+        if !STIFFNESS {
+            return;
+        }
         // A force that turns with the line of contact is stiff across the line.
         let across = force * turning;
         let (square, both, other) = (e[0] * e[0], e[0] * e[1], e[1] * e[1]);
-        sums.radial_force.add(force * radial, &[e[0], e[1]]);
-        sums.axial_force.add(force * axial, &[1.0, e[0], e[1]]);
         sums.radial.add(slope * radial * radial + across * axial * axial, &[square, both, other]);
         sums.coupling.add((slope - across) * radial * axial, &[e[0], e[1], square, both, other]);
         sums.axial.add(slope * axial * axial + across * radial * radial, &[1.0, e[0], e[1], square, both, other]);
     }
 
-    /// Force and stiffness at an angle of the cage, rad.
+    /// Force and, with `STIFFNESS`, stiffness at an angle of the cage, rad.
     #[inline]
-    pub fn at(&self, x: RingVector, cage: f64) -> BearingForce<5> {
+    pub fn at<const STIFFNESS: bool>(&self, x: RingVector, cage: f64) -> BearingForce<5> {
         let mut sums = Sums::default();
-        turned(&self.places, cage).for_each(|e| self.add(&mut sums, &x, e, 1.0));
+        turned(&self.places, cage).for_each(|e| self.add::<STIFFNESS>(&mut sums, &x, e, 1.0));
         sums.result()
     }
 
@@ -239,6 +242,20 @@ impl Ring {
             let force = if approach > 0.0 { self.contact.stiffness * self.contact.force(approach)[0] } else { 0.0 };
             [force, direction[1].atan2(direction[0])]
         })
+    }
+
+    /// Number of loaded elements and the largest contact force, N.
+    pub fn loaded(&self, x: RingVector, cage: f64) -> [f64; 2] {
+        self.contact.loaded(turned(&self.places, cage).map(|e| self.approach(&x, e)))
+    }
+
+    /// Orthonormal combinations of the coordinates on which the force of rollers depends: with the fixed contact angle, the approach is
+    /// (cos α v − sin α Rσ_y, cos α w − sin α Rσ_z)·e + sin α u; none for balls.
+    pub fn roller_directions(&self) -> Option<Vec<RingVector>> {
+        let [cosine, sine] = self.direction;
+        let radial = [[cosine, 0.0, 0.0, -sine, 0.0], [0.0, cosine, 0.0, 0.0, -sine]];
+        let axial = (sine != 0.0).then_some([0.0, 0.0, 1.0, 0.0, 0.0]);
+        self.groove_distance.is_none().then(|| radial.into_iter().chain(axial).collect())
     }
 
     /// Approximate stiffness under a load, N, in every direction, N/m.
@@ -270,7 +287,7 @@ pub(super) mod tests {
     fn force_is_the_derivative_of_the_energy_and_stiffness_that_of_the_force() {
         for line in [false, true] {
             let (ring, x, cage, h) = (ring(line, 1e-6, 0.0), [1e-5, -2e-5, 3e-5, 1e-5, -1e-5], 0.4, 1e-10);
-            let found = ring.at(x, cage);
+            let found = ring.at::<true>(x, cage);
             let moved = |j: usize, h: f64| {
                 let mut x = x;
                 x[j] += h;
@@ -280,7 +297,7 @@ pub(super) mod tests {
                 let slope = (ring.energy(moved(j, h), cage) - ring.energy(moved(j, -h), cage)) / (2.0 * h);
                 // Central differences with round-off of 1e-16 U/h, and of 1e-16 F/h below.
                 assert!((slope - found.force[j]).abs() < 1e-5 * found.force[2], "{j}: {slope} {}", found.force[j]);
-                let [after, before] = [h, -h].map(|h| ring.at(moved(j, h), cage).force);
+                let [after, before] = [h, -h].map(|h| ring.at::<false>(moved(j, h), cage).force);
                 for i in 0..5 {
                     let slope = (after[i] - before[i]) / (2.0 * h);
                     let size = found.stiffness[2][2];
@@ -295,7 +312,7 @@ pub(super) mod tests {
     fn the_axial_force_without_displacement_is_the_preload() {
         for line in [false, true] {
             for clearance in [0.0, 2e-5, -1e-6] {
-                let found = ring(line, clearance, 800.0).at([0.0; 5], 0.3).force[2];
+                let found = ring(line, clearance, 800.0).at::<false>([0.0; 5], 0.3).force[2];
                 // The stiffness times the round-off of the displacement.
                 assert!((found - 800.0).abs() < 1e-6 * 800.0, "{line} {clearance} {found}");
             }

@@ -33,7 +33,7 @@ impl Ring {
             return Ok(complete([0.0; 3]));
         }
         let force = |x: [f64; 3]| {
-            let found = self.at(complete(x), 0.0);
+            let found = self.at::<true>(complete(x), 0.0);
             let stiffness = [0, 1, 2].map(|i| [0, 1, 2].map(|j| found.stiffness[i][j]));
             BearingForce { force: [0, 1, 2].map(|i| found.force[i]), stiffness, ..BearingForce::default() }
         };

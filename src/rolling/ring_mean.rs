@@ -21,7 +21,7 @@ impl Ring {
     pub fn mean(&self, x: RingVector) -> BearingForce<5> {
         let density = self.count() as f64 / TAU;
         let mut sums = Sums::default();
-        let mut add = |angle: f64, length: f64| self.add(&mut sums, &x, unit(angle), density * length);
+        let mut add = |angle: f64, length: f64| self.add::<true>(&mut sums, &x, unit(angle), density * length);
         match self.loaded_zones(&x) {
             None => {
                 // The trapezoidal rule is accurate to round-off for a smooth periodic function.
@@ -111,7 +111,7 @@ mod tests {
                 let mean = ring.mean(x);
                 let mut sum = BearingForce::<5>::default();
                 for i in 0..count {
-                    let found = ring.at(x, TAU / 16.0 * f64::from(i) / f64::from(count));
+                    let found = ring.at::<true>(x, TAU / 16.0 * f64::from(i) / f64::from(count));
                     for a in 0..5 {
                         sum.force[a] += found.force[a] / f64::from(count);
                         for b in 0..5 {

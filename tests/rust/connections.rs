@@ -8,7 +8,7 @@ use gearbow::analysis::{
 };
 use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions, Tangent};
 use gearbow::integrate::Statistics;
-use gearbow::mesh::{Contact, ContactMode, Geometry, ShaftPhase};
+use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
 use gearbow::modal::{CachedModel, ModeSelection, modes};
 use gearbow::motion::{Energies, Profile, SourceTerms, Speed};
 use gearbow::scene::SceneDescription;
@@ -27,15 +27,26 @@ const STIFFENING: &str = "stiffness = { speeds = [0.0, 100.0, 120.0, 1e4], value
 /// Rolling elements with a clearance, whose force grows with the power 3/2 of the deflection.
 const ROLLING: &str = "elements = 8, element_diameter = 0.01, pitch_diameter = 0.06, clearance = 2e-6, hertz_stiffness = 1e10, \
     damping = 500.0";
+/// Balls and rollers between rings of five degrees of freedom, with a preload against a second ring.
+const BALLS: &str = "elements = 12, element_diameter = 0.01, pitch_diameter = 0.06, contact_angle = -0.4, hertz_stiffness = 1e10, \
+    degrees_of_freedom = 5, axial_preload = 500.0, clearance = 0.0, damping = 500.0, axial_damping = 500.0";
+const ROLLERS: &str = "contact = \"roller\", elements = 12, element_diameter = 0.01, pitch_diameter = 0.06, contact_angle = -0.4, \
+    hertz_stiffness = 1e8, degrees_of_freedom = 5, axial_preload = 500.0, clearance = 0.0, damping = 500.0, axial_damping = 500.0";
 /// The oil film of a journal bearing.
 const JOURNAL: &str = "diameter = 0.05, length = 0.02, clearance = 5e-5, viscosity = 0.02";
 
-/// The system with other entries of its first bearing.
+/// The system with other entries of its first bearing, and of the second one on the same shaft if an axial preload needs it.
 fn with_bearing(system: &SceneDescription, entries: &str) -> SceneDescription {
-    let text = format!(r#"bearing = {{ shaft = "input", position = 0.0, {entries} }}"#);
-    let parsed: toml::Table = toml::from_str(&text).unwrap();
+    let bearing = |position: f64, entries: &str| {
+        let text = format!(r#"bearing = {{ shaft = "input", position = {position:?}, {entries} }}"#);
+        let parsed: toml::Table = toml::from_str(&text).unwrap();
+        parsed["bearing"].clone().try_into().unwrap()
+    };
     let mut system = system.clone();
-    system.bearings[0] = parsed["bearing"].clone().try_into().unwrap();
+    system.bearings[0] = bearing(0.0, entries);
+    if entries.contains("axial_preload") {
+        system.bearings[1] = bearing(0.5, &entries.replace("contact_angle = -", "contact_angle = "));
+    }
     system
 }
 
@@ -234,7 +245,7 @@ fn every_method_gives_the_same_motion() {
 #[test]
 fn the_tangent_is_the_derivative_of_the_load() {
     let mut noise = Noise::new(11);
-    for entries in [STIFFENING, ROLLING, JOURNAL] {
+    for (entries, count) in [(STIFFENING, 2), (ROLLING, 2), (BALLS, 5), (ROLLERS, 3), (JOURNAL, 2)] {
         let model = model(&with_bearing(&heavy(), entries));
         let cached = CachedModel::new(model);
         let at_speed = cached.at_speed(110.0).unwrap();
@@ -255,16 +266,19 @@ fn the_tangent_is_the_derivative_of_the_load() {
         let interface = Interface::new(bearing.unwrap(), options).unwrap();
         let phase = ShaftPhase { angle: 0.7, spin: 115.0 };
         let instant = Instant { time: 0.0, phases: [phase, ShaftPhase::default()], contact_mode: ContactMode::ALWAYS };
-        let (u, rates) = (noise.vector(2, 1e-6), noise.vector(2, 1e-3));
+        assert_eq!(interface.scalars(), count);
+        let (u, rates) = (noise.vector(count, 1e-6), noise.vector(count, 1e-3));
         let load = |u: &[f64], rates: &[f64]| {
-            let mut load = [0.0; 2];
-            interface.load(&instant, u, rates, &mut load).unwrap();
+            let mut load = vec![0.0; count];
+            interface.load(&instant, u, rates, &mut load, None).unwrap();
             load
         };
-        let [mut stiffness, mut damping] = [[0.0; 4]; 2];
+        let ([mut stiffness, mut damping], mut with_tangent) =
+            ([(); 2].map(|()| vec![0.0; count * count]), vec![0.0; count]);
         let tangent = Tangent { stiffness: &mut stiffness, damping: &mut damping };
-        interface.residual_tangent(&instant, &u, &rates, &Contact::default(), tangent);
-        for k in 0..2 {
+        interface.load(&instant, &u, &rates, &mut with_tangent, Some(tangent)).unwrap();
+        assert_eq!(with_tangent, load(&u, &rates));
+        for k in 0..count {
             let shifted = |values: &[f64], by: f64| -> Vec<f64> {
                 values.iter().enumerate().map(|(i, value)| value + if i == k { by } else { 0.0 }).collect()
             };
@@ -274,13 +288,13 @@ fn the_tangent_is_the_derivative_of_the_load() {
                     true => load(&shifted(&u, by), &rates),
                     false => load(&u, &shifted(&rates, by)),
                 });
-                [0, 1].map(|i| -(after[i] - before[i]) / (2.0 * by))
+                (0..count).map(|i| -(after[i] - before[i]) / (2.0 * by)).collect::<Vec<_>>()
             });
-            for ((tangent, difference), by) in [stiffness, damping].iter().zip(differences).zip(steps) {
+            for ((tangent, difference), by) in [&stiffness, &damping].into_iter().zip(differences).zip(steps) {
                 // Round-off of a force of 10 kN over the step.
                 let round_off = f64::EPSILON * 1e4 / by;
-                for i in 0..2 {
-                    let gap = (tangent[2 * i + k] - difference[i]).abs();
+                for i in 0..count {
+                    let gap = (tangent[count * i + k] - difference[i]).abs();
                     assert!(
                         gap <= 1e-5 * largest(tangent) + round_off,
                         "{entries} {k} {i}: {tangent:?} {difference:?}"
@@ -288,6 +302,46 @@ fn the_tangent_is_the_derivative_of_the_load() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn the_loads_of_a_run_are_the_forces_of_rolling_elements() {
+    // The combinations that a run has of rollers, of balls and of planar bearings carry all generalised forces.
+    let mut noise = Noise::new(12);
+    for entries in [ROLLING, BALLS, ROLLERS] {
+        let cached = CachedModel::new(model(&with_bearing(&heavy(), entries)));
+        let model = cached.at_speed(110.0).unwrap().model.clone();
+        let reference = equilibrium(&cached, Geometry::Live, 110.0).unwrap();
+        let options = InterfaceOptions {
+            geometry: Geometry::Live,
+            reference: reference.as_slice(),
+            contained: true,
+            speed: 110.0,
+            bearing_speed: 110.0,
+            highest_frequency: 0.0,
+            mobility: 0.0,
+        };
+        let bearing = &model.nonlinear_bearings[0];
+        let interface = Interface::new(Connection::Nonlinear(bearing), options).unwrap();
+        let phase = ShaftPhase { angle: 0.7, spin: 115.0 };
+        let instant = Instant { time: 0.0, phases: [phase, ShaftPhase::default()], contact_mode: ContactMode::ALWAYS };
+        let (moved, v) = (noise.vector(model.len(), 1e-5), noise.vector(model.len(), 1e-3));
+        let q: Vec<f64> = reference.iter().zip(&moved).map(|(reference, moved)| reference + moved).collect();
+        let along = |values: &[f64]| -> Vec<f64> {
+            let rows = interface.rows();
+            rows.iter().map(|row| row.iter().map(|(index, factor)| factor * values[*index]).sum()).collect()
+        };
+        let mut load = vec![0.0; interface.scalars()];
+        interface.load(&instant, &along(&moved), &along(&v), &mut load, None).unwrap();
+        let mut found = vec![0.0; model.len()];
+        for ((row, load), at_rest) in interface.rows().iter().zip(&load).zip(interface.reference_force()) {
+            row.iter().for_each(|(index, factor)| found[*index] += factor * (load + at_rest));
+        }
+        let mut expected = vec![0.0; model.len()];
+        bearing.apply(&phase, &q, &v, &mut expected).unwrap();
+        // Forces of kilonewtons cancel to the remainder.
+        assert!(difference(&expected, &found) < ROUND_OFF, "{entries}: {expected:?} {found:?}");
     }
 }
 
@@ -312,7 +366,7 @@ fn the_load_of_a_turning_bow_has_a_potential() {
         let instant = Instant { time: 0.0, phases: [phase, ShaftPhase::default()], contact_mode: ContactMode::ALWAYS };
         let load = |u: [f64; 3]| {
             let mut load = [0.0; 3];
-            interface.load(&instant, &u, &[], &mut load).unwrap();
+            interface.load(&instant, &u, &[], &mut load, None).unwrap();
             load
         };
         let u: [f64; 3] = [2e-4, -1e-4, 3e-2];

@@ -180,10 +180,12 @@ impl<'m> Loads<'m> {
         add_rotated(&self.interface_amplitudes[index * self.interface_len()..], phasor, u);
     }
 
-    /// Evaluates the loads and the contacts of all connections at the interface state `u`.
+    /// Evaluates the loads and the contacts of all connections at the interface state `u`; into `tangent`, stiffness (N/m) and
+    /// damping (N·s/m) of the connections over their directions minus those that the linear motion contains, connection after
+    /// connection.
     ///
     /// # Errors
-    /// [`Halt`] where base circles overlap.
+    /// [`Halt`] where base circles overlap or a journal touches its bearing.
     #[inline(always)]
     pub fn load(
         &self,
@@ -192,6 +194,7 @@ impl<'m> Loads<'m> {
         u: &[f64],
         loads: &mut [f64],
         contacts: &mut [Contact],
+        mut tangent: Option<Tangent<'_>>,
     ) -> Result<(), Halt> {
         let (scalars, rates) = self.split(u);
         let mut from = 0;
@@ -199,8 +202,9 @@ impl<'m> Loads<'m> {
             let to = from + interface.scalars();
             let rates = rates.get(from..to).unwrap_or_default();
             let instant = self.motion.instant(interface.mesh(), interface.turning(), elapsed);
+            let tangent = tangent.as_mut().map(|all| all.split_off(interface.direction_count().pow(2)));
             *contact = interface
-                .load(&instant, &scalars[from..to], rates, &mut loads[from..to])
+                .load(&instant, &scalars[from..to], rates, &mut loads[from..to], tangent)
                 .map_err(|reason| Halt::out_of_range(interface.mesh(), reason))?;
             from = to;
         }
@@ -227,27 +231,6 @@ impl<'m> Loads<'m> {
     /// Number of entries of the tangent of all connections: Σ d².
     pub fn tangent_len(&self) -> usize {
         self.interfaces.iter().map(|interface| interface.direction_count().pow(2)).sum()
-    }
-
-    /// Writes the stiffness (N/m) and the damping (N·s/m) of all connections over their directions minus those that the
-    /// linear motion contains, connection after connection; no damping if the second slice is empty. `contacts` are those
-    /// of [`Self::load`] at the same interface state `u`.
-    pub fn residual_tangent(
-        &self,
-        elapsed: f64,
-        u: &[f64],
-        contacts: &[Contact],
-        Tangent { stiffness, damping }: Tangent<'_>,
-    ) {
-        let mut from = 0;
-        for ((interface, scalars, rates), contact) in self.each(u).zip(contacts) {
-            let to = from + interface.direction_count().pow(2);
-            let instant = self.motion.instant(interface.mesh(), interface.turning(), elapsed);
-            let damping = damping.get_mut(from..to).unwrap_or_default();
-            let tangent = Tangent { stiffness: &mut stiffness[from..to], damping };
-            interface.residual_tangent(&instant, scalars, rates, contact, tangent);
-            from = to;
-        }
     }
 
     /// Lower bounds on the time to the next contact change of each connection.

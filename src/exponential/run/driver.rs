@@ -245,7 +245,7 @@ impl Driver {
             _ => state.elapsed + self.time_grid.step(level),
         };
         let span = StepSpan { level, begin: state.elapsed, end };
-        stepper.solver.guess(&stepper.context, span, &stepper.begin, history, &mut stepper.stages);
+        stepper.solver.guess(&stepper.context, span, &stepper.begin, history, &mut stepper.stages)?;
         match stepper.step(span, &state.y, solve_tolerance, statistics) {
             // The iteration may move the gear centres closer together than the motion does.
             Err(Halt::Overlap { .. } | Halt::Touch(_)) if level < self.time_grid.finest => Ok(Outcome::Unsolved),

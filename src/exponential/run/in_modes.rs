@@ -69,7 +69,14 @@ impl FirstOrderSystem for InModes<'_> {
 
     fn derivative(&mut self, elapsed: f64, z: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
         self.observe(elapsed, z);
-        self.loads.load(elapsed, &self.phasors, &self.interface_state, &mut self.load_values, &mut self.contacts)?;
+        self.loads.load(
+            elapsed,
+            &self.phasors,
+            &self.interface_state,
+            &mut self.load_values,
+            &mut self.contacts,
+            None,
+        )?;
         self.linear.multiply(z, derivative);
         for (p, column) in self.load_values.iter().zip(&self.maps.columns) {
             for (derivative, b) in derivative.iter_mut().zip(column) {

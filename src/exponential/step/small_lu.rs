@@ -1,4 +1,10 @@
 //! LU factorisation of small dense matrices, in place.
+//!
+//! Sums run over fixed lanes in plain arithmetic, so that results do not depend on the instruction set.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::linalg::product;
 
 /// The loads of a stage: the first `coupled` of its `load_count` loads depend on the motion and are unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -19,12 +25,21 @@ pub struct SmallLu {
     slopes: Vec<f64>,
     /// The right-hand side; after [`Self::solve`] the solution.
     pub right: Vec<f64>,
+    /// Instruction set of the processor.
+    arch: Arch,
 }
 
 impl SmallLu {
     /// Allocates a system of `size` unknowns.
     pub fn new(size: usize) -> Self {
-        Self { size, matrix: vec![0.0; size * size], pivots: vec![0; size], slopes: Vec::new(), right: vec![0.0; size] }
+        Self {
+            size,
+            matrix: vec![0.0; size * size],
+            pivots: vec![0; size],
+            slopes: Vec::new(),
+            right: vec![0.0; size],
+            arch: Arch::new(),
+        }
     }
 
     /// Sets the matrix to the identity.
@@ -37,11 +52,9 @@ impl SmallLu {
     /// the row.
     pub fn fill<'a>(&mut self, terms: impl Iterator<Item = (usize, f64, &'a [f64])>) {
         self.begin();
-        for (row, factor, values) in terms {
-            let row = row * self.size;
-            for (entry, value) in self.matrix[row..row + self.size].iter_mut().zip(values) {
-                *entry += factor * value;
-            }
+        // Most entries of the damping are zero: that of a bearing is in the matrices.
+        for (row, factor, values) in terms.filter(|(_, factor, _)| *factor != 0.0) {
+            add_scaled(&mut self.matrix[row * self.size..(row + 1) * self.size], factor, values);
         }
     }
 
@@ -83,25 +96,56 @@ impl SmallLu {
 
     /// Factorises the matrix by elimination with partial pivoting. Returns whether it is regular.
     pub fn factor(&mut self) -> bool {
-        let Self { size, matrix, pivots, .. } = self;
+        let Self { size, matrix, pivots, arch, .. } = self;
         match *size {
             TWO_MESHES => factor(TWO_MESHES, matrix, pivots),
-            size => factor(size, matrix, pivots),
+            size => arch.dispatch(Factor { size, matrix, pivots }),
         }
     }
 
     /// Solves the factorised system.
     pub fn substitute(&mut self) {
-        let Self { size, matrix, pivots, right, .. } = self;
+        let Self { size, matrix, pivots, right, arch, .. } = self;
         match *size {
             TWO_MESHES => substitute(TWO_MESHES, matrix, pivots, right),
-            size => substitute(size, matrix, pivots, right),
+            size => arch.dispatch(Substitute { size, matrix, pivots, right }),
         }
     }
 }
 
 /// Unknowns of two meshes at three stages. The compiler unrolls the loops for this size.
 const TWO_MESHES: usize = 6;
+
+struct Factor<'a> {
+    size: usize,
+    matrix: &'a mut [f64],
+    pivots: &'a mut [usize],
+}
+
+impl WithSimd for Factor<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        factor(self.size, self.matrix, self.pivots)
+    }
+}
+
+struct Substitute<'a> {
+    size: usize,
+    matrix: &'a [f64],
+    pivots: &'a [usize],
+    right: &'a mut [f64],
+}
+
+impl WithSimd for Substitute<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        substitute(self.size, self.matrix, self.pivots, self.right);
+    }
+}
 
 /// Factorises a matrix of `n` rows in place.
 #[inline(always)]
@@ -129,9 +173,7 @@ fn factor(n: usize, matrix: &mut [f64], pivots: &mut [usize]) -> bool {
             // The factor takes the place of the eliminated entry.
             row[column] = factor;
             if factor != 0.0 {
-                for (entry, above) in row[column + 1..].iter_mut().zip(&line[column + 1..]) {
-                    *entry -= factor * above;
-                }
+                add_scaled(&mut row[column + 1..], -factor, &line[column + 1..]);
             }
         }
     }
@@ -147,12 +189,18 @@ fn substitute(n: usize, matrix: &[f64], pivots: &[usize], right: &mut [f64]) {
     }
     for (row, line) in matrix.chunks_exact(n.max(1)).enumerate() {
         let (known, unknown) = right.split_at_mut(row);
-        let taken: f64 = line[..row].iter().zip(known).map(|(factor, known)| factor * *known).sum();
-        unknown[0] -= taken;
+        unknown[0] -= product(&line[..row], known);
     }
     for (row, line) in matrix.chunks_exact(n.max(1)).enumerate().rev() {
         let (unknown, known) = right.split_at_mut(row + 1);
-        let taken: f64 = line[row + 1..].iter().zip(known).map(|(entry, known)| entry * *known).sum();
-        unknown[row] = (unknown[row] - taken) / line[row];
+        unknown[row] = (unknown[row] - product(&line[row + 1..], known)) / line[row];
+    }
+}
+
+/// `row += factor * values`.
+#[inline(always)]
+fn add_scaled(row: &mut [f64], factor: f64, values: &[f64]) {
+    for (entry, value) in row.iter_mut().zip(values) {
+        *entry += factor * value;
     }
 }

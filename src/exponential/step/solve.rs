@@ -7,7 +7,7 @@ use super::context::{StepContext, StepSpan};
 use super::small_lu::{SmallLu, StageUnknowns};
 use super::stages::Stages;
 use super::step_point::StepPoint;
-use super::tangent_solver::{StageContacts, TangentSolver};
+use super::tangent_solver::TangentSolver;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{PropagatorCache, panel_kernel};
 use crate::integrate::{Halt, Statistics, StepHistory};
@@ -82,9 +82,9 @@ impl LoadSolver {
         begin: &StepPoint,
         history: &StepHistory,
         stages: &mut Stages,
-    ) {
+    ) -> Result<(), Halt> {
         if !self.predicts(context) {
-            return;
+            return Ok(());
         }
         let loads = &context.loads;
         let tangent = self.tangent_solver.residual_tangent.len();
@@ -95,12 +95,12 @@ impl LoadSolver {
             let states = stages.interface_states.chunks_exact_mut(len);
             states.for_each(|state| state.copy_from_slice(&begin.interface_state));
             self.contraction = f64::INFINITY;
-            self.tangent_solver.set_contacts(context, |_| StageContacts {
-                elapsed: span.begin,
-                interface_state: &begin.interface_state,
-                contacts: &begin.contacts,
-            });
-            return;
+            // The loads are known: only their tangent is new.
+            let (phasors, load) = (&stages.phasors[..loads.source_count()], &mut stages.residual[..load_count]);
+            let tangent = self.tangent_solver.tangent().split_off(loads.tangent_len());
+            loads.load(span.begin, phasors, &begin.interface_state, load, &mut self.contacts, Some(tangent))?;
+            self.tangent_solver.repeat_first(context.stages());
+            return Ok(());
         }
         self.tangent_solver.set_tangent(&history.residual_tangent);
         // The contraction is proportional to h² for stiffness and to h for damping.
@@ -114,6 +114,7 @@ impl LoadSolver {
         panel_kernel::extrapolate(arch, &begin.load, &history.loads, weights, &mut stages.loads);
         let states = &history.interface_states;
         panel_kernel::extrapolate(arch, &begin.interface_state, states, weights, &mut stages.interface_states);
+        Ok(())
     }
 
     /// Solves the stage equations of a step. Returns whether that succeeded.
@@ -146,11 +147,10 @@ impl LoadSolver {
         let loads = &context.loads;
         let (coupled, load_count) = (loads.coupled_load_count(), loads.load_count());
         stages.interface_states.copy_from_slice(&stages.homogeneous_response);
-        stages.evaluate_all(context, span, statistics)?;
+        stages.evaluate_all(context, span, Some(self.tangent_solver.tangent()), statistics)?;
         let (stage_response, count) = (context.cache.stage_response(span.level), context.stages());
         let unknowns = StageUnknowns { coupled, load_count };
         // An affine load has one scalar, so that its tangent has one entry at each stage.
-        self.tangent_solver.set_stages(context, span, stages);
         stages.loads.copy_from_slice(&stages.residual);
         self.small_lu.begin();
         for (stage, residual) in stages.residual.chunks_exact(load_count).enumerate() {
@@ -226,12 +226,12 @@ impl LoadSolver {
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
         stages.respond_all(context, span.level);
-        stages.evaluate_all(context, span, statistics)?;
+        stages.evaluate_all(context, span, Some(self.tangent_solver.tangent()), statistics)?;
         stages.evaluated_loads.copy_from_slice(&stages.residual);
         for (load, residual) in stages.loads.iter_mut().zip(&mut stages.residual) {
             (*load, *residual) = (*residual, *residual - *load);
         }
-        Ok(self.tangent_solver.correct(context, span, stages))
+        Ok(self.tangent_solver.correct(context, span.level, stages))
     }
 
     /// Newton's method. Returns whether it converged.
@@ -246,7 +246,7 @@ impl LoadSolver {
         let step = context.step(span.level);
         for _ in 0..MAX_NEWTON_ITERATIONS {
             stages.respond_all(context, span.level);
-            stages.evaluate_all(context, span, statistics)?;
+            stages.evaluate_all(context, span, None, statistics)?;
             self.differentiate(context, stages, span, statistics)?;
             if !self.newton_step(context, stages) {
                 return Ok(false);
@@ -290,7 +290,7 @@ impl LoadSolver {
                 u[k] += increment;
                 let moved = u[k] - original;
                 let slopes = self.small_lu.slopes(load_count);
-                let outcome = loads.load(time, phasors, u, slopes, &mut self.contacts);
+                let outcome = loads.load(time, phasors, u, slopes, &mut self.contacts, None);
                 u[k] = original;
                 outcome?;
                 for (slope, load) in slopes.iter_mut().zip(load) {

@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use super::context::{SourcePhasors, StepContext, StepSpan};
+use crate::connection::Tangent;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{kernel, panel_kernel};
 use crate::integrate::{Halt, Statistics};
@@ -102,8 +103,14 @@ impl Stages {
         }
     }
 
-    /// Evaluates the loads of stage `i` into `residual`.
-    fn evaluate(&mut self, context: &StepContext<'_>, span: StepSpan, i: usize) -> Result<(), Halt> {
+    /// Evaluates the loads of stage `i` into `residual`, and their tangent.
+    fn evaluate(
+        &mut self,
+        context: &StepContext<'_>,
+        span: StepSpan,
+        i: usize,
+        tangent: Option<Tangent<'_>>,
+    ) -> Result<(), Halt> {
         let loads = &context.loads;
         let (load_count, len) = (loads.load_count(), loads.interface_len());
         let (connections, sources) = (loads.connection_count(), loads.source_count());
@@ -111,19 +118,20 @@ impl Stages {
         let (u, load) =
             (&self.interface_states[i * len..(i + 1) * len], &mut self.residual[i * load_count..(i + 1) * load_count]);
         let phasors = &self.phasors[i * sources..(i + 1) * sources];
-        loads.load(time, phasors, u, load, &mut self.contacts[i * connections..(i + 1) * connections])
+        loads.load(time, phasors, u, load, &mut self.contacts[i * connections..(i + 1) * connections], tangent)
     }
 
-    /// Evaluates the loads of all stages into `residual`.
+    /// Evaluates the loads of all stages into `residual`, and their tangent, stage after stage.
     pub fn evaluate_all(
         &mut self,
         context: &StepContext<'_>,
         span: StepSpan,
+        mut tangent: Option<Tangent<'_>>,
         statistics: &mut Statistics,
     ) -> Result<(), Halt> {
-        let stages = context.stages();
+        let (stages, len) = (context.stages(), context.loads.tangent_len());
         for i in 0..stages {
-            self.evaluate(context, span, i)?;
+            self.evaluate(context, span, i, tangent.as_mut().map(|all| all.split_off(len)))?;
         }
         statistics.evaluations += stages as u64;
         Ok(())
@@ -139,7 +147,7 @@ impl Stages {
         let (stages, load_count) = (context.stages(), context.loads.load_count());
         for i in 0..stages {
             self.respond(context, span.level, i);
-            self.evaluate(context, span, i)?;
+            self.evaluate(context, span, i, None)?;
             let of_stage = i * load_count..(i + 1) * load_count;
             self.loads[of_stage.clone()].swap_with_slice(&mut self.residual[of_stage]);
         }

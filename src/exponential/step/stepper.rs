@@ -271,7 +271,7 @@ impl<'m> Stepper<'m> {
     ) -> Result<(), Halt> {
         let loads = &self.context.loads;
         self.phasors.update(loads, elapsed);
-        loads.load(elapsed, &self.phasors.values, interface_state, out, &mut self.contacts)
+        loads.load(elapsed, &self.phasors.values, interface_state, out, &mut self.contacts, None)
     }
 
     /// Energy norm of the rate of the state under the load defect at an instant of the last step, where its motion is

@@ -14,22 +14,12 @@
 
 use pulp::Arch;
 
-use super::context::{StepContext, StepSpan};
+use super::context::StepContext;
 use super::small_lu::SmallLu;
 use super::stages::Stages;
 use crate::connection::Tangent;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{LinearizedDirection, Panel, panel_kernel};
-use crate::mesh::Contact;
-
-/// Interface state and contacts at one stage.
-pub(in crate::exponential) struct StageContacts<'a> {
-    /// Elapsed time, s.
-    pub elapsed: f64,
-    pub interface_state: &'a [f64],
-    /// Contacts of all connections.
-    pub contacts: &'a [Contact],
-}
 
 /// The linear system of all stages and directions. One unknown is the force of one direction at one stage.
 #[derive(Clone, Debug)]
@@ -39,6 +29,8 @@ pub(in crate::exponential) struct TangentSolver {
     pub residual_tangent: Vec<f64>,
     /// K and C that the next solution needs.
     next_tangent: Vec<f64>,
+    /// One for K alone, two where rates matter.
+    kinds: usize,
     /// Indices of the force, and of the change in `deflection_change`, that each entry of K and C relates.
     entries: Vec<[usize; 2]>,
     /// Step level for which the matrix is factorised.
@@ -70,6 +62,7 @@ impl TangentSolver {
         Self {
             residual_tangent: vec![f64::NAN; entries.len()],
             next_tangent: vec![0.0; entries.len()],
+            kinds,
             entries,
             level: usize::MAX,
             solvable: false,
@@ -80,34 +73,20 @@ impl TangentSolver {
         }
     }
 
-    /// Computes the tangent stiffness K and damping C of all stages. `at` gives the contacts and the interface state of a stage.
-    pub fn set_contacts<'a>(&mut self, context: &StepContext<'_>, at: impl Fn(usize) -> StageContacts<'a>) {
-        let stages = context.stages();
-        let loads = &context.loads;
-        let len = loads.tangent_len();
-        let (stiffness, damping) = self.next_tangent.split_at_mut(stages * len);
-        for stage in 0..stages {
-            let StageContacts { elapsed, interface_state, contacts } = at(stage);
-            let own = stage * len..(stage + 1) * len;
-            let damping = damping.get_mut(own.clone()).unwrap_or_default();
-            loads.residual_tangent(
-                elapsed,
-                interface_state,
-                contacts,
-                Tangent { stiffness: &mut stiffness[own], damping },
-            );
-        }
+    /// Where an evaluation of the stages writes the K and C that the next solution needs.
+    pub fn tangent(&mut self) -> Tangent<'_> {
+        let len = self.next_tangent.len() / self.kinds;
+        let (stiffness, damping) = self.next_tangent.split_at_mut(len);
+        Tangent { stiffness, damping }
     }
 
-    /// Takes K and C from the last evaluation of the stages of a step.
-    pub fn set_stages(&mut self, context: &StepContext<'_>, span: StepSpan, stages: &Stages) {
-        let (len, count) = (context.loads.interface_len(), context.loads.connection_count());
-        let (step, nodes) = (context.step(span.level), &context.cache.rule.nodes);
-        self.set_contacts(context, |stage| StageContacts {
-            elapsed: span.begin + nodes[stage] * step,
-            interface_state: &stages.interface_states[stage * len..(stage + 1) * len],
-            contacts: &stages.contacts[stage * count..(stage + 1) * count],
-        });
+    /// Takes K and C of the first stage for all stages.
+    pub fn repeat_first(&mut self, stages: usize) {
+        let Tangent { stiffness, damping } = self.tangent();
+        for own in [stiffness, damping] {
+            let len = own.len() / stages;
+            (1..stages).for_each(|stage| own.copy_within(..len, stage * len));
+        }
     }
 
     /// Takes K and C of the stages of the previous step.
@@ -177,10 +156,9 @@ impl TangentSolver {
 
     /// Corrects the stage loads of a step for the motion that their last change, the residual, causes at
     /// the connections. Returns whether the correction exists.
-    pub fn correct(&mut self, context: &StepContext<'_>, span: StepSpan, stages: &mut Stages) -> bool {
-        let stage_response = context.cache.stage_response(span.level);
-        self.set_stages(context, span, stages);
-        if !self.factorize(span.level, &stage_response.own) || self.idle {
+    pub fn correct(&mut self, context: &StepContext<'_>, level: usize, stages: &mut Stages) -> bool {
+        let stage_response = context.cache.stage_response(level);
+        if !self.factorize(level, &stage_response.own) || self.idle {
             return self.solvable;
         }
         self.deflection_change.fill(0.0);

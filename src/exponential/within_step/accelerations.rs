@@ -99,7 +99,7 @@ impl LoadedAccelerations {
         for ((elapsed, values), a) in instants.iter().zip(values).zip(a.chunks_exact_mut(len)) {
             let (own, interface_state) = values.split_at(self.coordinates.len());
             loads.phasors(*elapsed, &mut self.phasors);
-            loads.load(*elapsed, &self.phasors, interface_state, &mut self.load_values, &mut self.contacts)?;
+            loads.load(*elapsed, &self.phasors, interface_state, &mut self.load_values, &mut self.contacts, None)?;
             for (at, (index, value)) in self.coordinates.iter().zip(own).enumerate() {
                 let mobility = &self.mobility[at * count..(at + 1) * count];
                 let by_loads: f64 =
