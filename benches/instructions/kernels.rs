@@ -12,8 +12,8 @@ use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
 use gearbow::modal::{self, CachedModel, ModeSelection};
 use gearbow::model::{Model, Weights};
 use gearbow::motion::{Profile, Speed};
-use gearbow::scene::Scene;
 use gearbow::scene::description::StiffnessKind;
+use gearbow::scene::{Scene, SceneDescription};
 use num_complex::Complex64;
 
 use crate::common::{NoObserver, SPEED, cached, cached_from, gearbox, motion, set_teeth, system};
@@ -45,6 +45,7 @@ pub const KERNELS: &[Kernel] = &[
     ("0.05 s of exponential, live, square, n = 240", || exponential(Geometry::Live)),
     ("0.05 s of exponential, run-up, live, square, n = 135", run_up),
     ("0.02 s of exponential, gearbox on rolling and journal bearings, n = 161", gearbox_run),
+    ("0.005 s of exponential with 500 records, rotor on rings of rollers and balls", ring_run),
 ];
 
 /// Elements per shaft of the train with 60 degrees of freedom.
@@ -229,6 +230,39 @@ fn gearbox_run() -> Work {
         times: (0..=20).map(|i| 1e-3 * f64::from(i)).collect(),
         initial: Initial::Static,
         ..options(0.02)
+    };
+    Box::new(move || {
+        black_box(simulate(cached, &options, &plan, &mut |_| true).unwrap());
+    })
+}
+
+/// A run of a rotor on two rings of rollers and two of balls, each with five degrees of freedom, with many records. The first call
+/// caches the modes.
+fn ring_run() -> Work {
+    let common = "element_diameter = 0.012, pitch_diameter = 0.08, degrees_of_freedom = 5, axial_preload = 500.0, clearance = 0.0, damping = 500.0, axial_damping = 500.0";
+    let ring = |position: f64, angle: f64, elements: &str| {
+        format!("{{ shaft = \"rotor\", position = {position:?}, contact_angle = {angle:?}, {elements}, {common} }},")
+    };
+    let (rollers, balls) =
+        ("elements = 18, contact = \"roller\", hertz_stiffness = 5e8", "elements = 15, hertz_stiffness = 1e10");
+    let rings = [(0.0, -0.25, rollers), (0.1, 0.25, rollers), (0.5, -0.4, balls), (0.6, 0.4, balls)];
+    let bearings: String = rings.map(|(position, angle, elements)| ring(position, angle, elements)).concat();
+    let text = format!(
+        r#"
+        gravity = 9.81
+        shafts = [{{ name = "rotor", length = 0.6, outer_diameter = 0.06, elements = 6 }}]
+        disks = [{{ name = "disk", shaft = "rotor", position = 0.3, mass = 20.0, diametral_inertia = 0.1, polar_inertia = 0.2, unbalance = 2e-4 }}]
+        bearings = [{bearings}]
+        "#
+    );
+    let cached = leak(cached_from(&SceneDescription::from_toml(&text).unwrap()));
+    let plan = RecordPlan::new(&cached.model, &[Request::Name("bearings".to_owned())]).unwrap();
+    let options = Options {
+        method: Method::Exponential,
+        rtol: Some(1e-4),
+        times: (0..=500).map(|i| 1e-5 * f64::from(i)).collect(),
+        initial: Initial::Static,
+        ..options(0.005)
     };
     Box::new(move || {
         black_box(simulate(cached, &options, &plan, &mut |_| true).unwrap());
