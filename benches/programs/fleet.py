@@ -1,7 +1,8 @@
 """Analyses of the machines of examples/machines, by gearbow and with the sparse solvers of SciPy.
 
-SciPy takes the matrices of gearbow at each speed; neither their assembly nor the undamped modes
-that define modal damping count in its time. docs/comparison.md states what each program does.
+SciPy takes the matrices of gearbow at each speed. Their assembly and the equilibrium of bearings
+count in both times; the undamped modes that define modal damping do not count in that of SciPy.
+docs/comparison.md states what each program does.
 """
 
 import re
@@ -75,7 +76,7 @@ class Machine:
 
     def __init__(self, path: Path) -> None:
         self.path, self.name = path, path.stem
-        self._pencils: dict[float, Pencil] = {}
+        self._modal: dict[float, tuple[Array, Array]] = {}
 
     @cached_property
     def speed(self) -> float:
@@ -105,28 +106,59 @@ class Machine:
         """Return the machine with its elements, without results of earlier analyses."""
         return gb.RotorSystem.from_dict(self.system._model.resolved())
 
+    @cached_property
+    def changes(self) -> bool:
+        """Whether the matrices depend on the speed."""
+        first, other = (self.undamped().matrices(share * self.speed) for share in RANGE)
+        return not (
+            np.array_equal(first.stiffness, other.stiffness)
+            and np.array_equal(first.damping, other.damping)
+        )
+
+    def undamped(self) -> gb.RotorSystem:
+        """Return the machine without modal damping, whose matrix is full, and without results."""
+        plain = dict(self.system._model.resolved())
+        plain.pop("modal_damping", None)
+        return gb.RotorSystem.from_dict(plain)
+
+    def pencils(self, speeds: Array) -> Callable[[], list[Pencil]]:
+        """Prepare the assembly of the equations of motion at some speeds.
+
+        The undamped modes that define modal damping are known before.
+        """
+        system, ratio = self.undamped(), self.system.modal_damping or 0.0
+        if ratio > 0.0:
+            for speed in speeds:
+                self._prepare_damping(system, float(speed), ratio)
+
+        def assemble() -> list[Pencil]:
+            found: list[Pencil] = []
+            matrices = None
+            for speed in map(float, speeds):
+                if matrices is None or self.changes:
+                    matrices = system.matrices(speed, sparse=True)
+                damping = csc_matrix(matrices.damping + speed * matrices.gyroscopic)
+                mass, stiffness = csc_matrix(matrices.mass), csc_matrix(matrices.stiffness)
+                modal = self._modal.get(speed, (None, None))
+                found.append(Pencil(mass, damping, stiffness, *modal, ratio))
+            return found
+
+        system, _ = self.undamped(), self.changes
+        return assemble
+
     def pencil(self, speed: float) -> Pencil:
         """Return the equation of motion at a speed."""
-        if speed not in self._pencils:
-            plain = dict(self.system._model.resolved())
-            ratio = float(plain.pop("modal_damping", None) or 0.0)
-            matrices = self._undamped(plain).matrices(speed, sparse=True)
-            mass, stiffness = csc_matrix(matrices.mass), csc_matrix(matrices.stiffness)
-            damping = csc_matrix(matrices.damping + speed * matrices.gyroscopic)
-            momenta, rates = None, None
-            if ratio > 0.0:
-                # Oil films have no symmetric stiffness.
-                symmetric = 0.5 * (stiffness + stiffness.T)
-                count = min(DAMPED, mass.shape[0] - 2)
-                momenta, rates = modal_damping(symmetric, mass, ratio, count)
-            self._pencils[speed] = Pencil(mass, damping, stiffness, momenta, rates, ratio)
-        return self._pencils[speed]
+        return self.pencils(np.array([speed]))()[0]
 
-    def _undamped(self, plain: dict[str, Any]) -> gb.RotorSystem:
-        """Return the machine without modal damping, whose matrix is full."""
-        if not hasattr(self, "_sparse"):
-            self._sparse = gb.RotorSystem.from_dict(plain)
-        return self._sparse
+    def _prepare_damping(self, system: gb.RotorSystem, speed: float, ratio: float) -> None:
+        """Find the undamped modes that define modal damping at a speed."""
+        if speed not in self._modal:
+            matrices = system.matrices(speed, sparse=True)
+            mass, stiffness = csc_matrix(matrices.mass), csc_matrix(matrices.stiffness)
+            # Oil films have no symmetric stiffness.
+            symmetric = 0.5 * (stiffness + stiffness.T)
+            count = min(DAMPED, mass.shape[0] - 2)
+            self._modal[speed] = modal_damping(symmetric, mass, ratio, count)
 
 
 def load(machine: Machine) -> Work:
@@ -156,10 +188,14 @@ def modes(machine: Machine) -> Work:
         system = machine.fresh()
         return lambda: system.modes(machine.speed, count=COUNT, vibrating=vibrating).eigenvalues
 
-    pencil = machine.pencil(machine.speed)
-    count = min(2 * COUNT + FURTHER, pencil.mass.shape[0])
+    count = min(2 * COUNT + FURTHER, len(machine.system.dofs))
     setting = f"{COUNT} vibrations" if vibrating else f"{COUNT} modes"
-    return Work(setting, prepare, lambda: lambda: pencil.eigenvalues(count)[0], not_found)
+
+    def assembled() -> Run[Any]:
+        pencils = machine.pencils(np.array([machine.speed]))
+        return lambda: pencils()[0].eigenvalues(count)[0]
+
+    return Work(setting, prepare, assembled, not_found)
 
 
 def campbell(machine: Machine, shares: Array = SHARES, count: int = TRACKED) -> Work:
@@ -177,12 +213,16 @@ def campbell(machine: Machine, shares: Array = SHARES, count: int = TRACKED) -> 
 
         return run
 
-    pencils = [machine.pencil(float(speed)) for speed in speeds]
-    number = min(2 * count + FURTHER, pencils[0].mass.shape[0])
+    number = min(2 * count + FURTHER, len(machine.system.dofs))
+
+    def assembled() -> Run[Any]:
+        pencils = machine.pencils(speeds)
+        return lambda: [pencil.eigenvalues(number)[0] for pencil in pencils()]
+
     return Work(
         f"{len(speeds)} speeds × {count} modes",
         prepare,
-        lambda: lambda: [pencil.eigenvalues(number)[0] for pencil in pencils],
+        assembled,
         lambda found, exact: max(map(not_found, found, exact)),
     )
 
@@ -204,12 +244,11 @@ def synchronous(machine: Machine) -> Work | str:
     probe = timed(lambda: prepare(len(SHARES)))[1] / len(SHARES)
     count = MANY if MANY * probe <= LONGEST else FEW
     speeds = machine.speed * np.linspace(*RANGE, count)
-    pencils = [machine.pencil(float(speed)) for speed in speeds]
     ratios, loads = machine.system.speed_ratios, forces(machine)
 
-    def respond() -> Complex:
+    def respond(pencils: Callable[[], list[Pencil]]) -> Complex:
         found = np.zeros((count, *loads[0].shape), dtype=complex)
-        for i, (speed, pencil) in enumerate(zip(speeds, pencils, strict=True)):
+        for i, (speed, pencil) in enumerate(zip(speeds, pencils(), strict=True)):
             for shaft, (ratio, bow, unbalance) in enumerate(zip(ratios, *loads, strict=True)):
                 omega = float(ratio * speed)
                 force = bow + omega**2 * unbalance
@@ -217,14 +256,18 @@ def synchronous(machine: Machine) -> Work | str:
                     found[i, shaft] = pencil.inverse(1j * omega)(force)
         return found
 
-    scale = np.sqrt(np.abs(pencils[0].stiffness.diagonal()))
+    def assembled() -> Run[Any]:
+        pencils = machine.pencils(speeds)
+        return lambda: respond(pencils)
+
+    scale = np.sqrt(np.abs(machine.pencil(float(speeds[0])).stiffness.diagonal()))
 
     def difference(found: Complex, exact: Complex) -> float:
         apart = np.linalg.norm(scale * (found - exact), axis=2)
         size = np.linalg.norm(scale * exact, axis=2)
         return float(np.max(apart[size > 0.0] / size[size > 0.0]))
 
-    return Work(f"{count} speeds", lambda: prepare(count), lambda: respond, difference)
+    return Work(f"{count} speeds", lambda: prepare(count), assembled, difference)
 
 
 def frequency_response(machine: Machine) -> Work:
@@ -241,15 +284,21 @@ def frequency_response(machine: Machine) -> Work:
 
     probe = timed(lambda: prepare(len(SHARES)))[1] / len(SHARES)
     count = MANY if MANY * probe <= LONGEST else FEW
-    frequencies, pencil = (
-        machine.speed * np.geomspace(*FREQUENCIES, count),
-        machine.pencil(machine.speed),
-    )
+    frequencies = machine.speed * np.geomspace(*FREQUENCIES, count)
     coordinates = machine.system.coordinates
     at = coordinates.lateral(str(body.name))[0] if lateral else coordinates.twist(str(body.name))
     force = np.zeros(len(machine.system.dofs), dtype=complex)
     force[at] = 1.0
-    scale = np.sqrt(np.abs(pencil.stiffness.diagonal()))
+    scale = np.sqrt(np.abs(machine.pencil(machine.speed).stiffness.diagonal()))
+
+    def assembled() -> Run[Any]:
+        pencils = machine.pencils(np.array([machine.speed]))
+
+        def respond() -> Complex:
+            pencil = pencils()[0]
+            return np.array([pencil.inverse(1j * omega)(force) for omega in frequencies])
+
+        return respond
 
     def difference(found: Complex, exact: Complex) -> float:
         apart, size = (np.linalg.norm(scale * each, axis=1) for each in (found - exact, exact))
@@ -258,7 +307,7 @@ def frequency_response(machine: Machine) -> Work:
     return Work(
         f"{count} frequencies",
         lambda: prepare(count),
-        lambda: lambda: np.array([pencil.inverse(1j * omega)(force) for omega in frequencies]),
+        assembled,
         difference,
         FEW_MODES if machine.system.modal_damping else 1e-6,
     )
@@ -295,7 +344,7 @@ def critical_map(machine: Machine) -> Work | str:
         return "none, because the machine has no bearings"
 
     def prepare() -> Run[Any]:
-        system = machine.loaded()
+        system = gb.RotorSystem.from_dict(plain)
         return lambda: system.critical_speed_map(STIFFNESSES, count=TRACKED)
 
     stiffest = with_stiffness(machine.system.description, float(STIFFNESSES.max()))
@@ -363,10 +412,18 @@ def intersection(machine: Machine) -> Work | str:
 
         return run
 
-    pencils = machine.pencil(float(speeds[0])), machine.pencil(float(speeds[1]))
     orders = sorted({line.order for line in machine.diagram.lines})
-    count = min(2 * TRACKED + FURTHER, pencils[0].mass.shape[0])
+    count = min(2 * TRACKED + FURTHER, len(machine.system.dofs))
     both = (float(speeds[0]), float(speeds[1]))
+
+    def assembled() -> Run[Any]:
+        pencils = machine.pencils(speeds)
+
+        def meet() -> list[float]:
+            lower, upper = pencils()
+            return crossings((lower, upper), both, orders, count)
+
+        return meet
 
     def difference(found: Array, exact: list[float]) -> float:
         if not (len(found) and exact):
@@ -376,7 +433,7 @@ def intersection(machine: Machine) -> Work | str:
     return Work(
         f"order {first.line.order:.4g}",
         prepare,
-        lambda: lambda: crossings(pencils, both, orders, count),
+        assembled,
         difference,
     )
 

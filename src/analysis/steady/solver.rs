@@ -98,7 +98,7 @@ impl<'s, 'a> Solver<'s, 'a> {
             None => self.map.initial(),
             Some(z) => {
                 let point = self.point(z, Steps::Recorded)?;
-                if point.error <= 1.0 || self.repeats(&point) {
+                if point.error <= 1.0 {
                     return self.found(point);
                 }
                 point.z.iter().zip(&point.correction).map(|(z, correction)| z + correction).collect()
