@@ -248,9 +248,9 @@ def test_segments_have_a_table():
     assert any("high at 680 mm" in row for one in parts_tables(rotor) for row in one.rows)
 
 
-def test_the_steady_state_of_a_train_has_multipliers(page, train):
+def test_the_page_says_whether_the_steady_state_of_a_train_is_stable(page, train):
     text = html.unescape(read_sections(page)["motion"])
-    assert "The steady state is stable. Floquet multipliers over a part of the motion" in text
+    assert "The steady state is stable" in text
     values = eigenvalues(train, gb.rpm(1000.0))
     # the rotation of the train is free: its eigenvalue 0 has round-off
     assert np.all(values.real < 1e-6 * np.abs(values).max())
