@@ -478,6 +478,8 @@ from test_sweep import pair
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
 speeds = np.linspace(1.0, 500.0, 1_000_000)
+# every second speed has a peak
+samples = [(speed, float(index % 2)) for index, speed in enumerate(speeds[:100_000].tolist())]
 
 def rotor(elements):
     shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=elements)
@@ -494,7 +496,7 @@ long = {"output_step": 1.0, "record": ["meshes"], "rtol": 1e-6}
 calls = {
     "campbell": lambda: small.campbell(speeds),
     "synchronous": lambda: small.synchronous(speeds),
-    "peaks": lambda: small._model.peaks(speeds, 0, 0, "both", None),
+    "peaks": lambda: small._model.peaks(samples, 0, 0, "both", None),
     "balance": lambda: small.balance(["disk"], speeds[:300_000]),
     "map": lambda: small.critical_speed_map(speeds[:100_000], count=4),
     "static": lambda: forever(small.static),

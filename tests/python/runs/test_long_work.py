@@ -40,6 +40,8 @@ def large(elements, **options):
     return gb.RotorSystem([rotor], bearings=bearings, disks=[disk], gravity=9.81, **options)
 
 speeds = np.linspace(1.0, 500.0, 5000)
+# every second speed has a peak
+samples = [(speed, float(index % 2)) for index, speed in enumerate(np.linspace(1.0, 500.0, 50_000).tolist())]
 """
 
 #: Analyses of a large system.
@@ -48,7 +50,7 @@ CALLS = {
     "campbell": "system.campbell(speeds)",
     "critical_speed_map": "system.critical_speed_map([1e6, 1e7, 1e8])",
     "synchronous": "system.synchronous(speeds)",
-    "peaks": "system._model.peaks(speeds, 0, 0, 'both', None)",
+    "peaks": "system._model.peaks(samples, 0, 0, 'both', None)",
     "balance": "system.balance(['disk'], speeds)",
     "matrices": "system.matrices()",
     "simulate": "system.simulate(1.0, 100.0)",
@@ -88,7 +90,7 @@ def test_ctrl_c_ends_the_loops_over_speeds():
     program = f"""{LARGE}
 system = large(20)
 speeds = np.linspace(1.0, 500.0, 2_000_000)
-for call in (system.synchronous, lambda speeds: system._model.peaks(speeds, 0, 0, "both", None)):
+for call in (system.synchronous, lambda _: system._model.peaks(samples, 0, 0, "both", None)):
     threading.Timer(1.0, signal.raise_signal, [signal.SIGINT]).start()
     begin = time.monotonic()
     try:
