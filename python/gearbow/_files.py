@@ -102,7 +102,8 @@ def parsing(path: str | os.PathLike[str], kind: str, *, own: bool = False) -> It
     except RecursionError:
         raise SceneError(f"{path}: is nested too deeply; the file is damaged") from None
     except Exception as error:
-        system = isinstance(error, OSError) and error.errno is not None and not own
+        # A damaged file makes a library read at a negative position: EINVAL.
+        system = isinstance(error, OSError) and error.errno not in (None, errno.EINVAL) and not own
         if system or isinstance(error, Warning):
             raise
         reason = str(error) or type(error).__name__
