@@ -255,8 +255,12 @@ def test_a_wrong_place_of_the_members_of_a_workbook_is_an_error(tmp_path: Path):
     path = tmp_path / "table.xlsx"
     write(path)
     data = bytearray(path.read_bytes())
-    at = data.rindex(b"PK\5\6") + 16  # the place of the directory, in the last record of the archive
-    data[at : at + 4] = (int.from_bytes(data[at : at + 4], "little") + 1000).to_bytes(4, "little")
+    at = (
+        data.rindex(b"PK\5\6") + 16
+    )  # the place of the directory, in the last record of the archive
+    data[at : at + 4] = (int.from_bytes(data[at : at + 4], "little") + 1_000_000).to_bytes(
+        4, "little"
+    )
     path.write_bytes(data)
     with pytest.raises(gb.SceneError, match=r"table\.xlsx: is not an Excel file"):
         read(path)
