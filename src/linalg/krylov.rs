@@ -15,10 +15,6 @@ use super::dense::{DecompositionError, Eigen, eigen};
 /// A vector that loses more than this factor in orthogonalization lies in the space.
 const DEPENDENCE_TOLERANCE: f64 = 1e-12;
 
-/// Part of a vector that the first orthogonalization leaves above which the second one is left out: round-off then makes the basis
-/// orthogonal to 1e-15 (Daniel, Gragg, Kaufman and Stewart, Math. Comp. 30, 1976).
-const ORTHOGONAL_AT_ONCE: f64 = 0.1;
-
 /// An operator with the inner product in which it is close to normal.
 pub trait Operator {
     /// Entries of the vectors.
@@ -107,19 +103,15 @@ impl<'a, T: Operator> Krylov<'a, T> {
         let before = norm(&vector, &weighted);
         let mut components = vec![T::Scalar::from_real(0.0); count];
         let mut weighted = weighted;
-        let mut after = before;
-        // A second orthogonalization removes the round-off of removed components that are much larger than the rest.
+        // Orthogonalization is done twice, because the first time leaves round-off of the removed components.
         for _ in 0..2 {
             let part = products(&self.basis, &weighted);
             let removed: Vec<T::Scalar> = part.iter().map(|value| -*value).collect();
             add_combination(&self.basis, size, &removed, &mut vector);
             components.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
             weighted = self.operator.weigh(&vector);
-            after = norm(&vector, &weighted);
-            if after > ORTHOGONAL_AT_ONCE * before {
-                break;
-            }
         }
+        let after = norm(&vector, &weighted);
         if after > DEPENDENCE_TOLERANCE * before && after.is_finite() {
             self.basis.extend(vector.iter().map(|value| value.unscale(after)));
             components.push(T::Scalar::from_real(after));
