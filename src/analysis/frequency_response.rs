@@ -48,7 +48,7 @@ impl<'a> FrequencyResponses<'a> {
     }
 
     /// The responses at `points`: `keep` takes each point, the model at its speed and frequency, and the responses to its sources,
-    /// in the order of the points.
+    /// in the order of the points; a source without force has none.
     ///
     /// # Errors
     /// [`AnalysisError`] if a response has no accurate solution, a source drives a rigid-body motion at frequency zero, or
@@ -58,7 +58,7 @@ impl<'a> FrequencyResponses<'a> {
         points: &[ResponsePoint<'_>],
         threads: &Threads,
         interrupt: &Interrupt,
-        mut keep: impl FnMut(&ResponsePoint<'_>, &Model, &[SourceResponse]),
+        mut keep: impl FnMut(&ResponsePoint<'_>, &Model, &[Option<SourceResponse>]),
     ) -> Result<(), AnalysisError> {
         threads.in_order(
             points,
@@ -72,14 +72,18 @@ impl<'a> FrequencyResponses<'a> {
     }
 
     /// The responses of the model with the coefficients of speed and frequency.
-    fn at(&self, cached: &CachedModel, point: &ResponsePoint<'_>) -> Result<Vec<SourceResponse>, AnalysisError> {
+    fn at(
+        &self,
+        cached: &CachedModel,
+        point: &ResponsePoint<'_>,
+    ) -> Result<Vec<Option<SourceResponse>>, AnalysisError> {
         let ResponsePoint { index, at, sources } = *point;
-        let force = |source: &HarmonicSource| DVector::from_vec(source.force(&cached.model, at));
-        let forces: Vec<_> = sources.iter().map(force).collect();
+        let forces: Vec<_> = sources.iter().map(|source| source.force(&cached.model, at)).collect();
         if at.frequency == 0.0 {
             check_rigid_body_motion(&cached.model, &EntryPath::entry(self.argument, index), at.speed, &forces)?;
         }
-        forces.iter().map(|force| self.one(cached, index, at, Side::Right, force)).collect()
+        let respond = |force: &DVector<_>| self.one(cached, index, at, Side::Right, force);
+        forces.iter().map(|force| force.as_ref().map(respond).transpose()).collect()
     }
 
     /// Solutions y of Sᵀ y = r for the rows r of outputs: a change f of the force changes the outputs by y·f.
@@ -127,10 +131,11 @@ fn check_rigid_body_motion(
     model: &Model,
     path: &EntryPath<'_>,
     speed: f64,
-    forces: &[DVector<Complex<f64>>],
+    forces: &[Option<DVector<Complex<f64>>>],
 ) -> Result<(), AnalysisError> {
     let null = null_motions(model, speed)?;
     for (source, force) in forces.iter().enumerate() {
+        let Some(force) = force else { continue };
         let drives = |motion: DVector<f64>| {
             let work: Complex<f64> = motion.iter().zip(force.iter()).map(|(motion, force)| force * *motion).sum();
             let size: f64 = motion.iter().zip(force.iter()).map(|(motion, force)| motion.abs() * force.norm()).sum();

@@ -87,7 +87,8 @@ impl HarmonicSystem<'_> {
         let of_source = |source: &HarmonicSource| {
             over_frequency(speed, scale, |at| {
                 let integral = Complex64::new(0.0, at.frequency).powu(source.integrations());
-                let mut values = source.force(model, at);
+                let force = source.force(model, at).unwrap_or_else(|| DVector::zeros(model.len()));
+                let mut values = force.as_slice().to_vec();
                 values.extend(self.outputs.offsets(model, at, source));
                 values.iter().map(|value| value * integral).collect()
             })

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeSet;
 
+use nalgebra::DVector;
 use num_complex::Complex64;
 
 use super::ExcitationPart;
@@ -176,13 +177,16 @@ impl HarmonicSource {
         }
     }
 
-    /// Phasors of the force, n entries in the order of the core, N or N m.
-    pub(super) fn force(&self, model: &Model, at: Harmonic) -> Vec<Complex64> {
-        let mut force = vec![Complex64::ZERO; model.len()];
+    /// Phasors of the force, n entries in the order of the core, N or N m; `None` for a shaft without excitation.
+    pub(super) fn force(&self, model: &Model, at: Harmonic) -> Option<DVector<Complex64>> {
+        if let Self::Shaft { shaft, part } = self {
+            return rotating_force(model, at, *shaft, *part);
+        }
+        let mut force = DVector::zeros(model.len());
         match self {
             Self::Load(entries) => entries.iter().for_each(|(index, value)| force[*index] += value),
             Self::MeshError { mesh, error } => {
-                add_mesh_error(model, *mesh, at, *error, &mut force);
+                add_mesh_error(model, *mesh, at, *error, force.as_mut_slice());
             }
             Self::Ground(motion) => {
                 for element in elements(model) {
@@ -192,13 +196,9 @@ impl HarmonicSource {
                     }
                 }
             }
-            Self::Shaft { shaft, part } => {
-                if let Some(rotating) = rotating_force(model, at, *shaft, *part) {
-                    force.copy_from_slice(rotating.as_slice());
-                }
-            }
+            Self::Shaft { .. } => {}
         }
-        force
+        Some(force)
     }
 
     /// Relative displacement along the line of action of a mesh that is no deflection, m.

@@ -192,18 +192,22 @@ pub(super) fn rotating_force(
         ExcitationPart::Bow => excitation.steady_amplitude(),
         ExcitationPart::Unbalance => excitation.unbalance_amplitude(spin, 0.0),
     };
-    let mut force = DVector::zeros(model.len());
-    for excitation in &model.shafts[source].excitations {
-        // v = Re(A e^{iϑ}) and w = Im(A e^{iϑ}) = Re(−iA e^{iϑ}).
-        let amplitude = acting(excitation);
-        force[excitation.index] += amplitude;
-        force[excitation.index + 1] -= amplitude * Complex::i();
+    let excitations = model.shafts[source].excitations.iter().map(|excitation| (excitation.index, acting(excitation)));
+    let mut excitations = excitations.filter(|(_, amplitude)| *amplitude != Complex::ZERO).peekable();
+    let count = if part == ExcitationPart::All { model.meshes.len() } else { 0 };
+    let errors = (0..count).map(|mesh| (mesh, model.meshes[mesh].turning_error(model.sigma(mesh, at.speed), source)));
+    let mut errors = errors.filter(|(_, error)| *error != Complex::ZERO).peekable();
+    if excitations.peek().is_none() && errors.peek().is_none() {
+        return None;
     }
-    if part == ExcitationPart::All {
-        for mesh in 0..model.meshes.len() {
-            let error = model.meshes[mesh].turning_error(model.sigma(mesh, at.speed), source);
-            add_mesh_error(model, mesh, at, error, force.as_mut_slice());
-        }
+    let mut force = DVector::zeros(model.len());
+    for (index, amplitude) in excitations {
+        // v = Re(A e^{iϑ}) and w = Im(A e^{iϑ}) = Re(−iA e^{iϑ}).
+        force[index] += amplitude;
+        force[index + 1] -= amplitude * Complex::i();
+    }
+    for (mesh, error) in errors {
+        add_mesh_error(model, mesh, at, error, force.as_mut_slice());
     }
     force.iter().any(|value| *value != Complex::ZERO).then_some(force)
 }

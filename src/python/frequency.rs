@@ -299,8 +299,15 @@ impl HarmonicTable {
     }
 
     /// Adds the responses of a model at a point.
-    fn add(&mut self, model: &Model, point: &ResponsePoint<'_>, found: &[analysis::SourceResponse]) {
+    fn add(&mut self, model: &Model, point: &ResponsePoint<'_>, found: &[Option<analysis::SourceResponse>]) {
+        let zeros = |count: usize| std::iter::repeat_n(Complex::ZERO, count);
         for (source, response) in point.sources.iter().zip(found) {
+            let Some(response) = response else {
+                self.phasors.extend(zeros(model.len()));
+                self.bearing_force.extend(zeros(2 * self.bearings.len()));
+                self.mesh_force.extend(zeros(model.meshes.len()));
+                continue;
+            };
             let phasors = response.phasors.as_slice();
             self.residuals[point.index] = self.residuals[point.index].max(response.residual);
             let largest = model.translations().map(|i| phasors[i].norm()).fold(0.0, f64::max);

@@ -70,6 +70,11 @@ impl DampingRatios {
         }
     }
 
+    /// 2ζω of a mode with its number from zero and its frequency, rad/s, in 1/s.
+    pub fn rate(&self, index: usize, frequency: f64) -> f64 {
+        2.0 * self.of_mode(index, frequency) * frequency
+    }
+
     /// Smallest ζ of a mode with an unknown number and this frequency, rad/s.
     pub fn smallest_at(&self, frequency: f64) -> f64 {
         match self {

@@ -38,7 +38,7 @@ impl Projected {
         let ratios = &model.scene.modal_damping;
         let mut damping = modes.project_sparse(&rate);
         for (index, frequency) in modes.frequencies.iter().enumerate().skip(modes.null) {
-            damping[(index, index)] += 2.0 * ratios.of_mode(index - modes.null, *frequency) * frequency;
+            damping[(index, index)] += ratios.rate(index - modes.null, *frequency);
         }
         Self {
             damping,

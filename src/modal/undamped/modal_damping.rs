@@ -49,10 +49,7 @@ pub struct DampedMotions {
 impl DampedMotions {
     /// 2ζω of modes with these ω², 1/s.
     pub fn rates(ratios: &DampingRatios, squares: &[f64]) -> Vec<f64> {
-        let rate = |(index, square): (usize, &f64)| {
-            let frequency = square.max(0.0).sqrt();
-            2.0 * ratios.of_mode(index, frequency) * frequency
-        };
+        let rate = |(index, square): (usize, &f64)| ratios.rate(index, square.max(0.0).sqrt());
         squares.iter().enumerate().map(rate).collect()
     }
 }
@@ -88,7 +85,7 @@ impl ModalDamping {
         let momenta = model.mass_times(&modes.vectors.columns(null, elastic).into_owned());
         let ratios = model.scene.modal_damping.clone();
         let frequencies = modes.frequencies.as_slice()[null..null + elastic].to_vec();
-        let rate = |(index, frequency): (usize, &f64)| 2.0 * ratios.of_mode(index, *frequency) * frequency;
+        let rate = |(index, frequency): (usize, &f64)| ratios.rate(index, *frequency);
         let rates = DVector::from_iterator(elastic, frequencies.iter().enumerate().map(rate));
         Self { rates: DMatrix::from_diagonal(&rates), ratios, frequencies, momenta: Arc::new(momenta), reach }
     }

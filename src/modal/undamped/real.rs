@@ -138,7 +138,7 @@ impl RealModes {
         let (mut scaled, ratios) = (weighted.clone(), &model.scene.modal_damping);
         for (index, mut column) in scaled.column_iter_mut().enumerate() {
             let frequency = self.frequencies[index];
-            column *= 2.0 * ratios.of_mode(index.saturating_sub(self.null), frequency) * frequency;
+            column *= ratios.rate(index.saturating_sub(self.null), frequency);
         }
         scaled * weighted.transpose()
     }

@@ -1,5 +1,6 @@
 """Damping ratios of single modes and over the frequency."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -137,3 +138,33 @@ def test_wrong_ratios_say_what_is_wrong():
     for ratio, message in cases:
         with pytest.raises(gb.SceneError, match=message):
             rotor(ratio)
+
+
+@pytest.mark.parametrize(
+    "ratio",
+    [
+        0.05,
+        {1: 0.02, 3: 0.1, "other": 0.03},
+        {25: 0.1, "other": 0.01},
+        {"frequencies": [10.0, 100.0, 1e5], "ratios": [0.01, 0.05, 0.1]},
+    ],
+)
+def test_bearings_over_the_speed_have_the_damping_of_the_modes_of_each_speed(ratio: object):
+    # All modes of this machine have damping, which changes in the space of a few displacements.
+    given = gb.examples()["overhung_rotor"].load()
+    (shaft,) = given.shafts
+    segments = [replace(segment, elements=5) for segment in shaft.segments]
+    shaft = replace(shaft, segments=segments, degree=2)
+    system = given.replace(shafts=[shaft], modal_damping=ratio)
+    speeds = np.array([30.0, 90.0, 200.0])
+    found = system.synchronous(speeds)
+    free = system.replace(modal_damping=None)
+    bare_responses = free.synchronous(speeds).amplitudes
+    for speed, x, bare in zip(speeds, found.amplitudes, bare_responses, strict=True):
+        matrices = system.matrices(speed)
+        modal = matrices.damping - free.matrices(speed).damping
+        dynamic = matrices.stiffness - speed**2 * matrices.mass
+        dynamic = dynamic + 1j * speed * (matrices.damping + speed * matrices.gyroscopic)
+        wanted = bare[0] - np.linalg.solve(dynamic, 1j * speed * (modal @ bare[0]))
+        # The space of the change leaves 2e-10 with a table over the frequency, which has kinks.
+        assert np.abs(x[0] - wanted).max() <= 1e-9 * np.abs(wanted).max()
