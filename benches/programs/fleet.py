@@ -245,15 +245,14 @@ def synchronous(machine: Machine) -> Work | str:
     count = MANY if MANY * probe <= LONGEST else FEW
     speeds = machine.speed * np.linspace(*RANGE, count)
     ratios, loads = machine.system.speed_ratios, forces(machine)
+    excited = [i for i in range(len(ratios)) if any(part[i].any() for part in vars(loads).values())]
 
     def respond(pencils: Callable[[], list[Pencil]]) -> Complex:
-        found = np.zeros((count, *loads[0].shape), dtype=complex)
+        found = np.zeros((count, *loads.constant.shape), dtype=complex)
         for i, (speed, pencil) in enumerate(zip(speeds, pencils(), strict=True)):
-            for shaft, (ratio, bow, unbalance) in enumerate(zip(ratios, *loads, strict=True)):
-                omega = float(ratio * speed)
-                force = bow + omega**2 * unbalance
-                if force.any():
-                    found[i, shaft] = pencil.inverse(1j * omega)(force)
+            for shaft in excited:
+                omega = float(ratios[shaft] * speed)
+                found[i, shaft] = pencil.inverse(1j * omega)(loads.at(shaft, omega))
         return found
 
     def assembled() -> Run[Any]:
@@ -313,29 +312,47 @@ def frequency_response(machine: Machine) -> Work:
     )
 
 
-def forces(machine: Machine) -> tuple[Complex, Complex]:
-    """Return the force of the bow and the unbalance of each shaft (shafts, n).
+@dataclass(frozen=True)
+class Forces:
+    """Forces of the rotation of each shaft, each of shape (shafts, n): constant + iω rate + ω² unbalance."""
 
-    The force of a bow does not depend on the speed: it follows from the response to the bows at the
-    first speed. The comparison at all other speeds checks it.
+    constant: Complex
+    rate: Complex
+    unbalance: Complex
+
+    def at(self, shaft: int, omega: float) -> Complex:
+        """Return the force of a shaft that turns with ω [rad/s]."""
+        force: Complex = self.constant[shaft] + 1j * omega * self.rate[shaft]
+        return force + omega**2 * self.unbalance[shaft]
+
+
+def forces(machine: Machine) -> Forces:
+    """Return the forces of the rotation of each shaft.
+
+    Those of bows, run-out and tooth errors follow from the responses of gearbow at two speeds. The
+    comparison at all other speeds checks them.
     """
-    system, speed = machine.system, machine.speed * RANGE[0]
+    system = machine.system
     names = [shaft.name for shaft in system.shafts]
-    bows = np.zeros((len(names), len(system.dofs)), dtype=complex)
-    unbalances = np.zeros_like(bows)
-    matrices = system.matrices(speed)
-    damping = matrices.damping + speed * matrices.gyroscopic
-    found = system.synchronous([speed], excitation="bow").amplitudes[0]
-    for i, ratio in enumerate(system.speed_ratios):
-        omega = ratio * speed
-        if found[i].any():
-            dynamic = matrices.stiffness + 1j * omega * damping - omega**2 * matrices.mass
-            bows[i] = dynamic @ found[i]
+    unbalances = np.zeros((len(names), len(system.dofs)), dtype=complex)
     for body in bodies(system):
         y, z = system.coordinates.lateral(str(body.name))
         unbalances[names.index(body.shaft), y] += body.unbalance
         unbalances[names.index(body.shaft), z] -= 1j * body.unbalance
-    return bows, unbalances
+    speeds = machine.speed * np.array(RANGE)
+    found = system.synchronous(speeds).amplitudes
+    given = np.zeros_like(found)
+    for k, speed in enumerate(speeds):
+        matrices = system.matrices(speed)
+        damping = matrices.damping + speed * matrices.gyroscopic
+        for i, ratio in enumerate(system.speed_ratios):
+            omega = ratio * speed
+            dynamic = matrices.stiffness + 1j * omega * damping - omega**2 * matrices.mass
+            if found[k, i].any():
+                given[k, i] = dynamic @ found[k, i] - omega**2 * unbalances[i]
+    rates = np.array(system.speed_ratios)[:, None]
+    slope = (given[1] - given[0]) / (1j * rates * (speeds[1] - speeds[0]))
+    return Forces(given[0] - 1j * rates * speeds[0] * slope, slope, unbalances)
 
 
 def critical_map(machine: Machine) -> Work | str:
