@@ -16,7 +16,9 @@ import numpy as np
 
 from gearbow._result import Column, in_micrometres, in_percent
 from gearbow._types import Array
+from gearbow.analysis.bow_elements import with_elements_for
 from gearbow.description.assumptions import assumptions
+from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.places import place_label
 from gearbow.description.rolling import RollingBearing
@@ -102,6 +104,20 @@ class Contents:
     def meshed(self) -> Any:
         """The system with numbers of elements, which its variants keep."""
         return type(self.system)._from_description(self.system._model.resolved())
+
+    @property
+    def with_bows(self) -> Any:
+        """The system with elements for a bow of each shaft, chosen once for all their limits."""
+        return self.kept("with bows", self._with_bows)
+
+    def _with_bows(self) -> Any:
+        bows = {}
+        for shaft in self.system.shafts:
+            size = amplitude_of(shaft.bow)
+            # Bows of equal size: the elements must not follow the largest of the present bows.
+            own = scaled(shaft.bow, 1.0 / size) if size else None
+            bows[shaft.name] = own or Bow.half_sine(1.0)
+        return with_elements_for(self.system, bows)
 
     def turn(self) -> float:
         """Duration of a revolution of the slowest shaft at the highest operating speed [s]."""
@@ -582,7 +598,9 @@ def bow(contents: Contents) -> Iterator[Block]:
         bearings = [bearing.position for bearing in system.bearings if bearing.shaft == shaft.name]
         limits = [BowLimit.displacement((shaft.name, x), "API 617") for x in bearings]
         try:
-            found = system.bow_limits(shaft.name, speed, limits=[*limits, *contents.options.limits])
+            found = contents.with_bows.bow_limits(
+                shaft.name, speed, limits=[*limits, *contents.options.limits]
+            )
         except Exception as error:  # noqa: BLE001  # the limits of the other shafts are of use
             reason = _reason(error)
             yield Note(f"{shaft.name}: not computed, because {reason}")

@@ -20,31 +20,47 @@ from test_response import recorded
 SPEED = 100.0
 
 
-def made(duration=1.0, step=1e-4, start=0.0, **content):
+def made(duration=1.0, step=1e-4, start=0.0, speed=SPEED, system=None, **content):
     """Return a response whose g1 y is a sum of orders, {name of the order: complex amplitude}."""
     rows = round(duration / step)
     response = recorded(rows=rows)
     response._data["time"] = start + step * np.arange(rows)
-    response.speed = SPEED
-    response.kinematics = Kinematics.of(bowed_pair())
+    response.speed = speed
+    response.kinematics = Kinematics.of(system or bowed_pair())
     motion = np.zeros((rows, 3, 2))
     angle = response.angle("input")
     for value, amplitude in content.values():
-        motion[:, 0, 0] += np.real(amplitude * np.exp(1j * value * angle))
+        motion[:, 0, 0] += np.real(amplitude * np.exp(1j * value * np.abs(angle)))
     response._data["displacement"] = motion + 7e-6
     return response
 
 
-def test_least_squares_recover_amplitude_and_phase_of_every_order():
-    # 1.37 s is not a whole number of revolutions, and the record does not start at 0.
-    content = {
-        "1× input": (1.0, 3e-6 - 1e-6j),
-        "1× output": (0.5, 2e-6j),
-        "1× mesh g1–g2": (25.0, 1e-7 + 0j),
-        "1× mesh g1–g2 − 1× output": (24.5, -4e-8 + 0j),
-        "3× mesh g1–g2 + 1× input": (76.0, 5e-9j),
-    }
-    found = made(1.37, start=0.21, **content).orders("g1", "y")
+PAIR = {
+    "1× input": (1.0, 3e-6 - 1e-6j),
+    "1× output": (0.5, 2e-6j),
+    "1× mesh g1–g2": (25.0, 1e-7 + 0j),
+    "1× mesh g1–g2 − 1× output": (24.5, -4e-8 + 0j),
+    "3× mesh g1–g2 + 1× input": (76.0, 5e-9j),
+}
+#: The speeds of the shafts follow from the numbers of teeth.
+MIDDLE, OUTPUT = 23 / 47, 23 * 29 / (47 * 53)
+HOSTILE = {
+    "1× input": (1.0, 3e-6 - 1e-6j),
+    "1× output": (OUTPUT, 2e-6j),
+    "1× mesh g4–g5": (29 * MIDDLE, 1e-7 + 0j),
+    "1× mesh g4–g5 − 1× output": (29 * MIDDLE - OUTPUT, -4e-8 + 0j),
+    "3× mesh g2–g3 + 1× middle": (69.0 + MIDDLE, 5e-9j),
+}
+
+
+@pytest.mark.parametrize(
+    ("system", "speed", "content"),
+    [(bowed_pair, SPEED, PAIR), (hostile, -SPEED, HOSTILE)],
+    ids=["pair", "backwards"],
+)
+def test_least_squares_recover_amplitude_and_phase_of_every_order(system, speed, content):
+    # 5.37 s is not a whole number of revolutions, and the record does not start at 0.
+    found = made(5.37, 2e-4, 0.21, speed, system(), **content).orders("g1", "y")
     names = {name: j for j, order in enumerate(found.orders) for name in order.names}
     for name, (value, amplitude) in content.items():
         assert found.orders[names[name]].value == pytest.approx(value)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.report.contents import Contents, Options, accuracy, campbell, data
+from gearbow.report.contents import Contents, Options, accuracy, bow, campbell, data
 from gearbow.report.data import parts_tables
 from reference.equations import base_radius
 from reference.machines import (
@@ -486,3 +486,28 @@ def test_a_run_without_damping_has_a_tooth_of_every_mesh():
     teeth = [turns * abs(ratios[gear.shaft]) * gear.teeth for gear in system.gears]
     assert turns >= 1.0
     assert min(teeth) >= 1.0 - 1e-12  # round-off
+
+
+def test_elements_for_the_limits_of_all_bows_are_chosen_once(monkeypatch):
+    pytest.importorskip("matplotlib")
+    machine = gb.examples()["idler_train"]
+    system = machine.load()
+    made = []
+    of_class = gb.RotorSystem.bow_limits
+
+    def limits(self, *args, **options):
+        made.append((self, of_class(self, *args, **options)))
+        return made[-1][1]
+
+    monkeypatch.setattr(gb.RotorSystem, "bow_limits", limits)
+    speeds = (machine.speed, machine.speed)
+    list(bow(Contents(system, Options("rotor", speeds, None, 8, (), "rad/s"))))
+    assert len(made) == len(system.shafts) > 1
+    # Shafts that give numbers of elements leave nothing to choose.
+    assert [used._model.choice for used, _ in made] == len(made) * [None]
+    shaft = system.shafts[0].name
+    own = of_class(system, shaft, machine.speed)
+    expected = {(one.limit, one.at): one.bow for one in own.limits}
+    found = {(one.limit, one.at): one.bow for one in made[0][1].limits}
+    # Bows are found to 1e-6; a table has four digits.
+    assert {key: found[key] for key in expected} == pytest.approx(expected, rel=1e-5)

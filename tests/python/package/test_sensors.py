@@ -249,6 +249,23 @@ def test_sensors_in_spectra_orders_and_tables():
     assert np.array_equal(table[name], run.measure(sensor))
 
 
+# The relation is one of fits, and holds for each record: this one is short.
+@pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
+def test_orders_of_a_probe_are_the_components_of_those_of_its_place():
+    run = hostile().simulate(0.3, -120.0, record=[BETWEEN, "acceleration"], output_step=2e-4)
+    for angle in (np.pi / 4, -2.0):
+        probe, sensor = gb.Probe(*BETWEEN, angle=angle), gb.Accelerometer(BETWEEN, angle=angle)
+        for of, parts in ((probe, ("y", "z")), (sensor, ("acceleration_y", "acceleration_z"))):
+            found, y, z = (
+                run.orders(*given, mesh_harmonics=1)
+                for given in ((of,), *((BETWEEN, part) for part in parts))
+            )
+            # the fit is linear in the signal: round-off
+            expected = y.amplitudes * np.cos(angle) + z.amplitudes * np.sin(angle)
+            scale = np.abs(expected).max()
+            assert found.amplitudes == pytest.approx(expected, rel=1e-9, abs=1e-11 * scale)
+
+
 def test_angles_and_spins_of_shafts():
     run = hostile().simulate(0.01, -100.0)
     for shaft, ratio in RATIOS.items():
