@@ -314,7 +314,7 @@ def frequency_response(machine: Machine) -> Work:
 
 @dataclass(frozen=True)
 class Forces:
-    """Forces of the rotation of each shaft, each of shape (shafts, n): constant + iω rate + ω² unbalance."""
+    """Forces of the rotation of each shaft: constant + iω rate + ω² unbalance, (shafts, n) each."""
 
     constant: Complex
     rate: Complex
