@@ -126,24 +126,25 @@ class Machine:
 
         The undamped modes that define modal damping are known before.
         """
-        system, ratio = self.undamped(), self.system.modal_damping or 0.0
+        ratio = float(self.system._model.resolved().get("modal_damping") or 0.0)
         if ratio > 0.0:
-            for speed in speeds:
-                self._prepare_damping(system, float(speed), ratio)
+            known = self.undamped()
+            for speed in map(float, speeds):
+                self._prepare_damping(known, speed, ratio)
+        system, changes = self.undamped(), self.changes
 
         def assemble() -> list[Pencil]:
             found: list[Pencil] = []
             matrices = None
             for speed in map(float, speeds):
-                if matrices is None or self.changes:
+                if matrices is None or changes:
                     matrices = system.matrices(speed, sparse=True)
                 damping = csc_matrix(matrices.damping + speed * matrices.gyroscopic)
                 mass, stiffness = csc_matrix(matrices.mass), csc_matrix(matrices.stiffness)
-                modal = self._modal.get(speed, (None, None))
-                found.append(Pencil(mass, damping, stiffness, *modal, ratio))
+                momenta, rates = self._modal.get(speed, (None, None))
+                found.append(Pencil(mass, damping, stiffness, momenta, rates, ratio))
             return found
 
-        system, _ = self.undamped(), self.changes
         return assemble
 
     def pencil(self, speed: float) -> Pencil:
@@ -322,8 +323,10 @@ class Forces:
 
     def at(self, shaft: int, omega: float) -> Complex:
         """Return the force of a shaft that turns with ω [rad/s]."""
-        force: Complex = self.constant[shaft] + 1j * omega * self.rate[shaft]
-        return force + omega**2 * self.unbalance[shaft]
+        force: Complex = (
+            self.constant[shaft] + 1j * omega * self.rate[shaft] + omega**2 * self.unbalance[shaft]
+        )
+        return force
 
 
 def forces(machine: Machine) -> Forces:
