@@ -44,6 +44,8 @@ _UNITS = {
     "kW": "kN m",  # of a power, which is divided by a speed
     "W": "N m",
 }
+#: Largest whole number of teeth or rolling elements.
+_LARGEST_COUNT = 1e9
 #: Types of the numbers in arrays that are encoded in Base64, little-endian.
 _CODES = {"int32": "<i4", "float32": "<f4", "float64": "<f8"}
 
@@ -89,8 +91,8 @@ class Component:
     def count(self, name: str) -> int:
         """Give a whole number."""
         found = self.number(name, "teeth")
-        if found != int(found):
-            raise self.error(f"{name}: must be a whole number, got {found:g}")
+        if found != int(found) or abs(found) > _LARGEST_COUNT:
+            raise self.error(f"{name}: must be a whole number of at most 1e9, got {found:g}")
         return int(found)
 
     def text(self, name: str) -> str:

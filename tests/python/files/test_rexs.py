@@ -624,7 +624,11 @@ def a_second_material(plain: dict[str, Any]) -> None:
         ),
         (
             lambda p: put(p, "wheel 1", "number_of_teeth", 62.5),
-            'cylindrical_gear "wheel 1": number_of_teeth: must be a whole number, got 62.5',
+            "number_of_teeth: must be a whole number of at most 1e9, got 62.5",
+        ),
+        (
+            lambda p: put(p, "wheel 1", "number_of_teeth", 1e20),
+            "number_of_teeth: must be a whole number of at most 1e9, got 1e+20",
         ),
         (
             lambda p: put(p, "wheel 1", "face_width", 3, "deg"),
