@@ -145,8 +145,8 @@ impl Interface {
     }
 
     /// Writes the load on every scalar at deviations `u` and their `rates` (empty where [`Self::has_rates`] is false)
-    /// into `load`, and into `tangent` its tangent over the directions g beyond that of the linear motion, for the load −Σ g_i f_i;
-    /// returns the contact.
+    /// into `load`; returns the contact. With the load −Σ g_i f_i along the directions g_i, `tangent` receives the derivatives of
+    /// the f_i, less those that the linear motion contains.
     ///
     /// # Errors
     /// [`OutOfRange`] where base circles overlap or a journal touches its bearing.

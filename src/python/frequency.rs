@@ -385,8 +385,8 @@ fn instability_warning(ranges: Result<Vec<[f64; 2]>, AnalysisError>) -> Option<S
     ))
 }
 
-/// Computes (N_c, amplitude, N₁, N₂, whether the motion is stable) of every peak between (speed, semi-axis) of `samples`. N₁ or N₂ is NaN if it lies outside the
-/// speed range.
+/// Computes (N_c, amplitude, N₁, N₂, whether the motion is stable) of every peak. `samples` are pairs of a speed, rad/s, and the
+/// major semi-axis of the orbit there, m. N₁ or N₂ is NaN if it lies outside the speed range.
 pub fn peaks(
     model: &PyModel,
     py: Python<'_>,

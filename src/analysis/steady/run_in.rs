@@ -1,9 +1,9 @@
 //! Running in: the state of the steady motion at the begin of a record, where the excitation has no common period or a long
 //! one.
 //!
-//! Runs of different length that begin before the record, all with the same modal state, differ at its begin by their
-//! transients. The linear motion says, mode by mode, how much of this difference is left in the longer run, and how long a
-//! run must be. The decay that two differences have shown must agree.
+//! Several runs start at different times before the record, all with the same modal state. At the begin of the record they differ
+//! by their transients. The decay of the linear modes gives the part of this difference that is left in the longer run, and
+//! the length that a run needs. The decay from one measured difference to the next one must agree with it.
 
 use super::preconditioner::Preconditioner;
 use super::solver::{MAX_STALLED_ERROR, STATE_ERROR_FACTOR, progress};
@@ -74,7 +74,7 @@ pub fn settled(map: &mut PeriodMap<'_>, limit: f64, longest: u64) -> Result<Begi
     while count <= longest {
         let mut state = match map.periods_from(-(count as i64), count, &initial, map.tolerance()) {
             Err(AnalysisError::Interrupted) => return Err(AnalysisError::Interrupted),
-            // An unstable motion may end the contact geometry.
+            // An unstable motion may grow until the gears have no valid contact geometry.
             Err(_) => break,
             Ok(state) => state,
         };

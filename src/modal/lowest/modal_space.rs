@@ -186,8 +186,9 @@ impl ModalSpace {
         Ok(space)
     }
 
-    /// Gives a space of damped modes only the basis in whose first coordinates the damping changes: the lowest modes, and the other
-    /// part of the displacements under `loads` (n rows) with the stiffness K + s²M, for s from `slowest` to the highest frequency, rad/s.
+    /// Chooses a basis of which only the first vectors have damping that changes with the speed; all modes of the space must be damped.
+    /// These vectors are the lowest modes, and what they leave of the displacements (K + s²M)⁻¹f under the `loads` f (n rows). The
+    /// shifts s, rad/s, range from `slowest` to the highest frequency.
     fn separate_constant(
         &mut self,
         model: &Model,
