@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::modes::is_banded;
 use super::sources::{Harmonic, add_mesh_error};
 use super::{AnalysisError, Dense};
-use crate::linalg::{Side, backward_error, solve_complex};
+use crate::linalg::{Side, backward_error, matrix_of_columns, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Highest, MAX_DENSE, Solved};
 use crate::model::{Excitation, Model, StructuralDamping};
 use crate::scene::{EntryPath, SceneError};
@@ -124,7 +124,7 @@ pub fn synchronous(
     let highest = highest_spin(&cached.model, &[speed]);
     let one = |source| Ok(synchronous_of(cached, speed, speed, source, part, highest)?.phasors);
     let columns = (0..cached.model.shafts.len()).map(one).collect::<Result<Vec<_>, AnalysisError>>()?;
-    Ok(DMatrix::from_columns(&columns))
+    Ok(matrix_of_columns(cached.model.len(), &columns))
 }
 
 /// Response at `speed` to one source shaft, with the flanks in contact at the speed `flank_speed`, both rad/s, and with the modal

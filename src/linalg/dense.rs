@@ -6,10 +6,10 @@ use faer::linalg::evd::{ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use faer::traits::ComplexField;
 use faer::{Auto, Mat, MatRef, Par, Spec};
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector, Dyn, Storage, Vector};
 use thiserror::Error;
 
-use super::band::Singular;
+use super::band::{Number, Singular};
 use super::convert::{copy, view};
 use super::inverse_iteration::refine_eigenvectors;
 
@@ -282,4 +282,9 @@ pub fn semidefinite_root(matrix: &DMatrix<f64>) -> Vec<DVector<f64>> {
         rows.push(row);
     }
     rows
+}
+
+/// The matrix of these columns of `rows` entries each; there may be no columns.
+pub fn matrix_of_columns<T: Number, S: Storage<T, Dyn>>(rows: usize, columns: &[Vector<T, Dyn, S>]) -> DMatrix<T> {
+    if columns.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(columns) }
 }

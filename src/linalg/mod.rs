@@ -33,7 +33,7 @@ pub use conjugate_residuals::conjugate_residuals;
 pub use coupled_bands::{BandChain, CoupledBands, CoupledFactors, Side};
 pub use dense::{
     ComplexLu, DecompositionError, Eigen, LuFactors, backward_error, complex_eigen, eigen, hermitian_eigen,
-    image_of_parts, semidefinite_root, solve, solve_complex,
+    image_of_parts, matrix_of_columns, semidefinite_root, solve, solve_complex,
 };
 pub use determinant::Determinant;
 pub use krylov::{Krylov, Operator, RitzPair};

@@ -10,7 +10,7 @@ use num_complex::Complex64;
 use super::dynamic_solver::{DynamicKey, DynamicStiffnessSolver};
 use super::recent::Recent;
 use crate::connection::Row;
-use crate::linalg::{DecompositionError, Singular, Sparse};
+use crate::linalg::{DecompositionError, Singular, Sparse, matrix_of_columns};
 use crate::mesh::Geometry;
 use crate::modal::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
 use crate::modal::lowest::{Highest, ModalSpace, UndampedSearch, lowest_undamped};
@@ -534,7 +534,7 @@ impl CachedModel {
             };
             columns.extend(found.column_iter().map(|column| column.into_owned()));
         }
-        Ok(Some(if columns.is_empty() { DMatrix::zeros(model.len(), 0) } else { DMatrix::from_columns(&columns) }))
+        Ok(Some(matrix_of_columns(model.len(), &columns)))
     }
 
     /// Undamped modes in the subspace of the component modes up to `highest`, rad/s, and of the static displacements under

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::residual::{Residual, residual};
-use crate::linalg::{ComplexLu, CoupledFactors, DecompositionError, Side, Singular, image_of_parts};
+use crate::linalg::{ComplexLu, CoupledFactors, DecompositionError, Side, Singular, image_of_parts, matrix_of_columns};
 use crate::modal::cache::{CachedModel, EquationForces, dynamic_force, in_circular};
 use crate::modal::lowest::Highest;
 use crate::modal::undamped::ModalDamping;
@@ -106,7 +106,7 @@ fn iterate(
             let scaled = column.zip_map(scale, |value, factor| value / factor);
             images.push(solve(&scaled)?.zip_map(scale, |value, factor| value / factor));
         }
-        let found = DMatrix::from_columns(&images).svd(true, false);
+        let found = matrix_of_columns(size, &images).svd(true, false);
         growth = found.singular_values;
         vectors = found.u.ok_or(DecompositionError::Eigenvalues)?;
     }

@@ -6,12 +6,12 @@
 //! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] therefore counts the eigenvalues in a disk
 //! |λ| < R that contains the wanted ones. As long as one is missing, the space is extended.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DVector};
 use num_complex::Complex64;
 
 use super::selection::{ModeSelection, ascending};
 use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, Problem};
-use crate::linalg::{DecompositionError, Krylov, RitzPair};
+use crate::linalg::{DecompositionError, Krylov, RitzPair, matrix_of_columns};
 use crate::modal::undamped::{RealModes, ShiftInverse};
 
 /// Relative residual of an accurate mode.
@@ -64,7 +64,7 @@ pub(in crate::modal) fn undamped_modes(
         return Ok(None);
     };
     let columns: Vec<DVector<f64>> = pairs.iter().map(|pair| pair.shape.map(|value| value.re)).collect();
-    let vectors = DMatrix::from_columns(&columns);
+    let vectors = matrix_of_columns(problem.model.len(), &columns);
     Ok(Some(RealModes::of_shapes(problem.model, problem.speed, vectors, problem.null.ncols())))
 }
 
@@ -182,8 +182,7 @@ impl Search<'_, '_> {
             chosen = found.iter().take_while(|found| found.value.im <= highest).collect();
             let columns: Vec<_> =
                 chosen.iter().map(|found| self.shape_of(space, &found.pair).map(|entry| entry.re)).collect();
-            let none = || DMatrix::zeros(problem.model.len(), 0);
-            let vectors = if columns.is_empty() { none() } else { DMatrix::from_columns(&columns) };
+            let vectors = matrix_of_columns(problem.model.len(), &columns);
             let real = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
             let shapes = real.vectors.column_iter().map(|column| column.map(Complex::from));
             let values = real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use super::arnoldi::undamped_modes;
 use super::shift_invert::Problem;
 use crate::connection::Row;
-use crate::linalg::{DecompositionError, symmetric_eigen};
+use crate::linalg::{DecompositionError, matrix_of_columns, symmetric_eigen};
 use crate::modal::state_space::Projected;
 use crate::modal::undamped::{ModalDamping, RealModes, ShiftInverse, SpectralRange, null_motions, times};
 use crate::model::Model;
@@ -170,7 +170,7 @@ impl ModalSpace {
         columns.extend(
             independent.map(|index| &statics * (&scaled * found.vectors.column(index)) / found.values[index].sqrt()),
         );
-        let shapes = DMatrix::from_columns(&columns);
+        let shapes = matrix_of_columns(model.len(), &columns);
         let mut space = Self {
             momenta: Arc::new(model.mass_times(&shapes)),
             frequencies: modes.shapes.frequencies.as_slice()[null..null + damped].to_vec(),
@@ -214,7 +214,7 @@ impl ModalSpace {
                 columns.push(response);
             }
         }
-        let responses = DMatrix::from_columns(&columns);
+        let responses = matrix_of_columns(count, &columns);
         let basis = symmetric_eigen(&-(&responses * responses.transpose()))?;
         let rates: Vec<f64> =
             self.frequencies.iter().enumerate().map(|(index, frequency)| ratios.rate(index, *frequency)).collect();
@@ -235,7 +235,7 @@ impl ModalSpace {
     pub(in crate::modal) fn project(&self, model: &Model, speed: f64) -> Result<Projected, DecompositionError> {
         let null = null_motions(model, speed)?;
         let columns: Vec<_> = null.column_iter().chain(self.shapes.column_iter()).map(|x| x.into_owned()).collect();
-        let modes = RealModes::in_subspace(model, speed, &DMatrix::from_columns(&columns))?;
+        let modes = RealModes::in_subspace(model, speed, &matrix_of_columns(model.len(), &columns))?;
         Ok(Projected::new(model, modes, speed))
     }
 

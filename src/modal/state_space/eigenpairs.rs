@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::first_order::FirstOrder;
-use crate::linalg::{DecompositionError, eigen, solve};
+use crate::linalg::{DecompositionError, eigen, matrix_of_columns, solve};
 use crate::modal::undamped::RealModes;
 
 /// Eigenvalues λ, and the real vectors of their invariant subspaces.
@@ -50,7 +50,7 @@ impl Eigenpairs {
         if columns.len() != size {
             return Ok(None);
         }
-        let vectors = if columns.is_empty() { DMatrix::zeros(0, 0) } else { DMatrix::from_columns(&columns) };
+        let vectors = matrix_of_columns(size, &columns);
         let inverse =
             if order.undamped { vectors.transpose() } else { solve(&vectors, &DMatrix::identity(size, size)) };
         Ok(Some(Self { complex, real, vectors, inverse }))

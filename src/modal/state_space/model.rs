@@ -15,7 +15,7 @@ use num_complex::Complex64;
 use super::first_order::FirstOrder;
 use super::growth::is_growing;
 use super::pairs::{ModePair, Pairs};
-use crate::linalg::DecompositionError;
+use crate::linalg::{DecompositionError, matrix_of_columns};
 use crate::modal::undamped::RealModes;
 use crate::model::Model;
 
@@ -227,7 +227,7 @@ impl ModalStateSpace {
                 shapes.push(self.from_velocity.row(entry).transpose());
             }
         }
-        if shapes.is_empty() { DMatrix::zeros(self.displacement.nrows(), 0) } else { DMatrix::from_columns(&shapes) }
+        matrix_of_columns(self.displacement.nrows(), &shapes)
     }
 
     /// Eigenvalues of A, rad/s, without those of rigid-body motions; none if A is dense.

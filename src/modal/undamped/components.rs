@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::real::{RealModes, RigidMotion, rigid_body_modes, rigid_motions, spring_deflections};
 use crate::connection::Row;
-use crate::linalg::{DecompositionError, Sparse, symmetric_pencil};
+use crate::linalg::{DecompositionError, Sparse, matrix_of_columns, symmetric_pencil};
 use crate::model::Model;
 
 /// A shape whose part independent of the other shapes is below this fraction is left out.
@@ -97,7 +97,7 @@ impl ComponentModes {
                 shapes.push(shape);
             }
         }
-        let basis = DMatrix::from_columns(&shapes);
+        let basis = matrix_of_columns(model.len(), &shapes);
         RealModes::in_subspace(model, speed, &basis)
     }
 }
@@ -125,10 +125,8 @@ fn component_shapes(values: &DVector<f64>, modes: &DMatrix<f64>, kept: usize, lo
     }
     let mut shapes = DMatrix::zeros(modes.nrows(), kept + residuals.len());
     shapes.columns_mut(0, kept).copy_from(&modes.columns(0, kept));
-    if !residuals.is_empty() {
-        let residuals = modes.columns(kept, omitted) * DMatrix::from_columns(&residuals);
-        shapes.columns_mut(kept, residuals.ncols()).copy_from(&residuals);
-    }
+    let residuals = modes.columns(kept, omitted) * matrix_of_columns(omitted, &residuals);
+    shapes.columns_mut(kept, residuals.ncols()).copy_from(&residuals);
     shapes
 }
 

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::real::{RealModes, null_motions, times};
-use crate::linalg::{DecompositionError, symmetric_eigen};
+use crate::linalg::{DecompositionError, matrix_of_columns, symmetric_eigen};
 use crate::model::{Model, Weights};
 use crate::scene::DampingRatios;
 
@@ -73,7 +73,7 @@ impl ModalDamping {
         let null = null_motions(model, speed)?;
         squares.resize(squares.len() + null.ncols(), 0.0);
         let with = |columns: &DMatrix<f64>, null: &DMatrix<f64>| {
-            DMatrix::from_columns(&columns.column_iter().chain(null.column_iter()).collect::<Vec<_>>())
+            matrix_of_columns(model.len(), &columns.column_iter().chain(null.column_iter()).collect::<Vec<_>>())
         };
         let (shapes, momenta) = (with(&shapes, &null), with(&momenta, &model.mass_times(&null)));
         Ok(DampedMotions { shapes, momenta, squares, damped: self.frequencies.len() })
