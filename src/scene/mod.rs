@@ -77,8 +77,9 @@ pub(crate) use plausibility::{eccentricity, implausible_unbalance};
 
 /// Standard gravity, m/s².
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
-/// Largest number of elements of a scene. The dense matrices of larger models do not fit into the memory of a computer.
-pub const MAX_ELEMENTS: usize = 10_000;
+/// Largest number of elements of a scene, counted by their degree. Analyses of a few modes and at given frequencies need memory in
+/// proportion to it, about 0.5 GB at this number; more elements are a mistake of the scene.
+pub const MAX_ELEMENTS: usize = 50_000;
 
 /// A node of a shaft, or the centre of mass of a housing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

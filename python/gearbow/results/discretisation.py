@@ -35,8 +35,8 @@ class Discretisation(Shown):
         the response to a step of the load: RMS of the difference / RMS of the signal about its
         mean, over 0.1 s. None if all numbers are given.
     permitted_error : float or None
-        Largest error that the level permits. The chosen elements exceed it only where a system
-        would have more than 1200 coordinates.
+        Largest error that the level permits. The chosen elements exceed it only where a system, or
+        a mesh of a long train, would need more than 1200 coordinates.
     highest_frequency_hz : float or None
         Highest natural frequency with a relative error of at most 1e-3 [Hz].
 

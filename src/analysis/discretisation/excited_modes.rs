@@ -16,7 +16,8 @@ const ENGAGEMENT_STEP: f64 = 0.6;
 /// Largest number of coordinates of a model of which all modes are examined, to choose elements and to estimate the error of
 /// given ones. A larger one is examined in a Krylov space of its loads. The highest modes in this space depend on round-off: with
 /// 400 for both, a change of lengths by 1e-14 changed the chosen number of coordinates of six machines, by up to 73 %. The chosen
-/// elements have at most 1200 coordinates, and housings add some. All modes of 1200 coordinates take 0.3 s.
+/// elements have at most 1200 coordinates, and housings add some. All modes of 1200 coordinates take 0.3 s. Of a larger train, the
+/// modes of each mesh are examined.
 pub const LARGEST_TO_CHOOSE: usize = 1300;
 pub const LARGEST_TO_ESTIMATE: usize = 400;
 /// Numbers of vectors of the Krylov space of these modes: the smallest one, and that for each load. With them, a rotor of 20

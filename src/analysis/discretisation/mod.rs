@@ -14,11 +14,12 @@
 //! The speed is not known when the elements are chosen. At a speed at which a harmonic of the tooth frequency is close to a
 //! natural frequency, one mode dominates the motion, and its error is that of the motion. [`ElementErrors`] know the speed.
 //!
-//! `excited_modes` finds the modes, `varying_loads` what loads over time excite, `layout` has the elements of a shaft and
-//! their error, `tooth_harmonics` the error at a speed, `variation` the elements of a scene with other loads.
+//! `excited_modes` finds the modes, `varying_loads` what loads over time excite, `parts` divides a large system, `layout` has the
+//! elements of a shaft and their error, `tooth_harmonics` the error at a speed, `variation` the elements of a scene with other loads.
 
 mod excited_modes;
 mod layout;
+mod parts;
 mod tooth_harmonics;
 mod variation;
 mod varying_loads;
@@ -28,6 +29,10 @@ pub use variation::resolve_variation;
 use super::{AnalysisError, Interrupt};
 use excited_modes::{Excitation, ExcitedMode, LARGEST_TO_CHOOSE, LARGEST_TO_ESTIMATE, excitation};
 use layout::Layout;
+use parts::resolve_parts;
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
 use std::sync::Arc;
 use tooth_harmonics::ToothResponse;
 use variation::Probe;
@@ -110,7 +115,7 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
     }
     let level = given.accuracy.unwrap_or_default();
     // One element between any two places of parts; this scene is checked as the final one.
-    let plain = with_elements(given, &automatic, |_| (Vec::new(), 1));
+    let plain = with_elements(given, &automatic, |_| Elements { degree: 1, counts: Vec::new() });
     let scene = Scene::new(&plain)?;
     let layouts: Vec<Layout> =
         automatic.iter().map(|index| Layout::new(&given.shafts[*index], &scene.shafts[*index])).collect();
@@ -123,15 +128,23 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
         let shaft = &scene.shafts[automatic[i]];
         let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius()).fold(f64::INFINITY, f64::min);
         let longest = (probe_length * diameter).max(shaft.length() / PROBE_ELEMENTS);
-        (layouts[i].counts_for(tone, longest, probe_degree), given.shafts[automatic[i]].degree.unwrap_or(probe_degree))
+        Elements {
+            degree: given.shafts[automatic[i]].degree.unwrap_or(probe_degree),
+            counts: layouts[i].counts_for(tone, longest, probe_degree),
+        }
     };
-    let (mut counts, mut degrees): (Vec<Vec<usize>>, Vec<usize>) = (0..automatic.len()).map(first).unzip();
+    let mut chosen: Vec<Elements> = (0..automatic.len()).map(first).collect();
     let mut examined = 0;
     loop {
         examined += 1;
         interrupt.check()?;
-        let probe = with_elements(given, &automatic, |i| (counts[i].clone(), degrees[i]));
+        let probe = with_elements(given, &automatic, |i| chosen[i].clone());
         let model = Model::new(Scene::new(&probe)?)?;
+        if model.len() > LARGEST_TO_CHOOSE
+            && let Some(resolved) = resolve_parts(given, &scene, interrupt)?
+        {
+            return Ok(resolved);
+        }
         let permitted_error = permitted(level, model.meshes.is_empty());
         let known = at_lowest_speed(model.clone()).map(contact_phases).ok();
         let known = known
@@ -141,30 +154,26 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
             let choice = Choice { level, expected_error: f64::NAN, permitted_error, highest_frequency: f64::NAN };
             return Ok(Resolved { description: probe, choice: Some(choice), probe: None });
         };
-        let search = Search {
-            given,
-            automatic: &automatic,
-            layouts: &layouts,
-            excitations: &excitations,
-            weight: displacement_weight(level, &model),
-            model: &model,
-        };
+        let weight = displacement_weight(level, &model);
+        let search = Search::new(given, &automatic, &layouts, &excitations, weight, &model);
         let best = search.best(permitted_error, interrupt)?;
-        let is_accurate = search.candidate(degrees, counts).error <= permitted_error;
-        (counts, degrees) = (best.counts, best.degrees);
+        let is_accurate = search.of(&chosen).error <= permitted_error;
+        chosen = best.shafts.iter().map(|shaft| shaft.elements.clone()).collect();
         // Elements that do not meet the level have the largest number of coordinates: the next model is not better.
         if !is_accurate && best.error <= permitted_error && examined < MAX_PROBES {
             continue;
         }
-        let highest = |i: usize| layouts[i].highest_frequency(&best.lengths[i], degrees[i], RESOLVED_FREQUENCY_ERROR);
+        let highest = |i: usize| {
+            layouts[i].highest_frequency(&best.shafts[i].lengths, chosen[i].degree, RESOLVED_FREQUENCY_ERROR)
+        };
         let choice = Choice {
             level,
             expected_error: best.error.min(1.0),
             permitted_error,
             highest_frequency: (0..layouts.len()).map(highest).fold(f64::INFINITY, f64::min),
         };
-        let description = with_elements(given, &automatic, |i| (counts[i].clone(), degrees[i]));
-        let probe = Probe { description: probe, model, phases, automatic, layouts, counts, degrees };
+        let description = with_elements(given, &automatic, |i| chosen[i].clone());
+        let probe = Probe { description: probe, model, phases, automatic, layouts, chosen };
         return Ok(Resolved { description, choice: Some(choice), probe: Some(Arc::new(probe)) });
     }
 }
@@ -230,14 +239,8 @@ impl ElementErrors {
         }
         let known = resolved.choice.as_ref().map(|choice| choice.expected_error);
         let excitations = if known.is_none() { excitations(&phases, LARGEST_TO_ESTIMATE)? } else { Vec::new() };
-        let search = Search {
-            given,
-            automatic: &automatic,
-            layouts: &layouts,
-            excitations: &excitations,
-            weight: displacement_weight(Accuracy::Engineering, &cached.model),
-            model: &cached.model,
-        };
+        let weight = displacement_weight(Accuracy::Engineering, &cached.model);
+        let search = Search::new(given, &automatic, &layouts, &excitations, weight, &cached.model);
         let elements = search.uniform(1, f64::INFINITY);
         let has_teeth = !cached.model.meshes.is_empty();
         let teeth = has_teeth.then(|| ToothResponse::new(&search, &phases[0], &elements)).transpose()?;
@@ -273,11 +276,11 @@ fn permitted(accuracy: Accuracy, meshless: bool) -> f64 {
 fn with_elements(
     given: &SceneDescription,
     automatic: &[usize],
-    elements: impl Fn(usize) -> (Vec<usize>, usize),
+    elements: impl Fn(usize) -> Elements,
 ) -> SceneDescription {
     let mut description = given.clone();
     for (i, index) in automatic.iter().enumerate() {
-        let (counts, degree) = elements(i);
+        let Elements { degree, counts } = elements(i);
         let shaft = &mut description.shafts[*index];
         let count = |segment: usize| Some(counts.get(segment).copied().unwrap_or(1));
         match &mut shaft.segments {
@@ -289,6 +292,35 @@ fn with_elements(
         shaft.degree = shaft.degree.or(Some(degree));
     }
     description
+}
+
+/// Elements of a shaft.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Elements {
+    degree: usize,
+    /// Number of elements of each segment.
+    counts: Vec<usize>,
+}
+
+/// Elements of a shaft in a candidate.
+struct ShaftElements {
+    elements: Elements,
+    /// Lengths of the elements of each segment, m.
+    lengths: Vec<Vec<f64>>,
+    /// Number of coordinates.
+    coordinates: usize,
+    /// What these elements add to the relative error of the frequency of each mode; the modes of one excitation follow those of
+    /// another.
+    errors: Vec<f64>,
+}
+
+/// Elements of the automatic shafts.
+struct Candidate {
+    shafts: Vec<Rc<ShaftElements>>,
+    /// Number of coordinates.
+    coordinates: usize,
+    /// Expected error.
+    error: f64,
 }
 
 /// The search for the cheapest elements.
@@ -303,23 +335,23 @@ struct Search<'a> {
     /// Weight of the errors of displacements beside those of mesh forces.
     weight: f64,
     model: &'a Model,
+    /// Elements that were examined, for each of these shafts: most candidates differ from another one in one shaft.
+    examined: Vec<RefCell<HashMap<Elements, Rc<ShaftElements>>>>,
 }
 
-/// Elements of the automatic shafts.
-struct Candidate {
-    /// Degree of each shaft.
-    degrees: Vec<usize>,
-    /// Number of elements of each segment of each shaft.
-    counts: Vec<Vec<usize>>,
-    /// Lengths of the elements of each segment of each shaft, m.
-    lengths: Vec<Vec<Vec<f64>>>,
-    /// Number of coordinates.
-    coordinates: usize,
-    /// Expected error.
-    error: f64,
-}
+impl<'a> Search<'a> {
+    fn new(
+        given: &'a SceneDescription,
+        automatic: &'a [usize],
+        layouts: &'a [Layout],
+        excitations: &'a [Excitation],
+        weight: f64,
+        model: &'a Model,
+    ) -> Self {
+        let examined = automatic.iter().map(|_| RefCell::default()).collect();
+        Self { given, automatic, layouts, excitations, weight, model, examined }
+    }
 
-impl Search<'_> {
     /// The candidate with the fewest coordinates that meets the permitted error; otherwise the most accurate one.
     ///
     /// # Errors
@@ -375,17 +407,21 @@ impl Search<'_> {
     /// The candidates with one degree less on one shaft, or one element less in one segment.
     fn coarser(&self, given: &Candidate) -> Vec<Candidate> {
         let mut all = Vec::new();
-        for i in 0..self.layouts.len() {
-            if given.degrees[i] > 2 {
-                let mut degrees = given.degrees.clone();
-                degrees[i] = self.degree(i, degrees[i] - 1);
-                all.push(self.candidate(degrees, given.counts.clone()));
+        for (i, shaft) in given.shafts.iter().enumerate() {
+            let Elements { degree, counts } = &shaft.elements;
+            let mut push = |elements: Elements| {
+                let mut shafts = given.shafts.clone();
+                shafts[i] = self.shaft(i, elements);
+                all.push(self.candidate(shafts));
+            };
+            if *degree > 2 {
+                push(Elements { degree: self.degree(i, degree - 1), counts: counts.clone() });
             }
-            for segment in 0..given.counts[i].len() {
-                if let Some(fewer) = self.layouts[i].fewer(segment, given.counts[i][segment]) {
-                    let mut counts = given.counts.clone();
-                    counts[i][segment] = fewer;
-                    all.push(self.candidate(given.degrees.clone(), counts));
+            for (segment, count) in counts.iter().enumerate() {
+                if let Some(fewer) = self.layouts[i].fewer(segment, *count) {
+                    let mut counts = counts.clone();
+                    counts[segment] = fewer;
+                    push(Elements { degree: *degree, counts });
                 }
             }
         }
@@ -399,15 +435,38 @@ impl Search<'_> {
 
     /// The same degree for all shafts, and no element longer than `longest`, m.
     fn uniform(&self, degree: usize, longest: f64) -> Candidate {
-        let degrees = (0..self.layouts.len()).map(|i| self.degree(i, degree)).collect();
-        self.candidate(degrees, self.layouts.iter().map(|layout| layout.counts(longest)).collect())
+        let layouts = self.layouts.iter().enumerate();
+        let elements =
+            layouts.map(|(i, layout)| Elements { degree: self.degree(i, degree), counts: layout.counts(longest) });
+        self.of(&elements.collect::<Vec<_>>())
     }
 
-    fn candidate(&self, degrees: Vec<usize>, counts: Vec<Vec<usize>>) -> Candidate {
-        let lengths: Vec<_> = self.layouts.iter().zip(&counts).map(|(layout, counts)| layout.lengths(counts)).collect();
-        let coordinates = (0..self.layouts.len()).map(|i| self.coordinates(i, &counts[i], degrees[i])).sum();
-        let error = self.error(&lengths, &degrees);
-        Candidate { degrees, counts, lengths, coordinates, error }
+    /// The candidate with these elements of each shaft.
+    fn of(&self, elements: &[Elements]) -> Candidate {
+        self.candidate(elements.iter().enumerate().map(|(i, elements)| self.shaft(i, elements.clone())).collect())
+    }
+
+    fn candidate(&self, shafts: Vec<Rc<ShaftElements>>) -> Candidate {
+        let coordinates = shafts.iter().map(|shaft| shaft.coordinates).sum();
+        let error = self.error(&shafts);
+        Candidate { shafts, coordinates, error }
+    }
+
+    /// Elements of an automatic shaft, with what they cost and what error they cause.
+    fn shaft(&self, i: usize, elements: Elements) -> Rc<ShaftElements> {
+        let find = || {
+            let lengths = self.layouts[i].lengths(&elements.counts);
+            let modes = self.excitations.iter().flat_map(|excitation| &excitation.modes);
+            let error =
+                |mode: &ExcitedMode| self.frequency_error(i, elements.degree, &lengths, mode.frequency, &mode.energy);
+            Rc::new(ShaftElements {
+                coordinates: self.coordinates(i, &elements.counts, elements.degree),
+                errors: modes.map(error).collect(),
+                elements: elements.clone(),
+                lengths,
+            })
+        };
+        Rc::clone(self.examined[i].borrow_mut().entry(elements.clone()).or_insert_with(find))
     }
 
     /// Number of coordinates of an automatic shaft.
@@ -421,16 +480,26 @@ impl Search<'_> {
     }
 
     /// Expected error of the worst load and stiffness of the meshes: RMS of the difference between the step responses.
-    fn error(&self, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> f64 {
-        let errors = self.excitations.iter().map(|excitation| self.step_error(excitation, lengths, degrees));
-        STEP_RESPONSE_SAFETY * errors.fold(0.0, f64::max)
+    fn error(&self, shafts: &[Rc<ShaftElements>]) -> f64 {
+        let mut errors = vec![0.0; shafts.first().map_or(0, |shaft| shaft.errors.len())];
+        for shaft in shafts {
+            errors.iter_mut().zip(&shaft.errors).for_each(|(sum, error)| *sum += error);
+        }
+        let (mut worst, mut rest) = (0.0, errors.as_slice());
+        for excitation in self.excitations {
+            let (own, others) = rest.split_at(excitation.modes.len().min(rest.len()));
+            worst = f64::max(worst, self.step_error(excitation, own));
+            rest = others;
+        }
+        STEP_RESPONSE_SAFETY * worst
     }
 
-    fn step_error(&self, excitation: &Excitation, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> f64 {
+    /// The same for one stiffness of the meshes, with the relative error of the frequency of each mode.
+    fn step_error(&self, excitation: &Excitation, errors: &[f64]) -> f64 {
         let Excitation { signals, modes } = excitation;
         let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * COMPARED_DURATION]).collect();
-        for mode in modes {
-            let [difference, response] = self.squares(mode, lengths, degrees);
+        for (mode, error) in modes.iter().zip(errors) {
+            let [difference, response] = squares(mode, error.min(1.0));
             for (sum, square) in sums.iter_mut().zip(&mode.squares) {
                 sum[0] += square * difference;
                 sum[1] += square * response;
@@ -443,31 +512,28 @@ impl Search<'_> {
         relative.fold(0.0, f64::max)
     }
 
-    /// Integrals over T of the squares of e^{−ct/2}(cos ωt − cos(ω + Δω)t) and of e^{−ct/2} cos ωt, without their fast
-    /// oscillation, s.
-    fn squares(&self, mode: &ExcitedMode, lengths: &[Vec<Vec<f64>>], degrees: &[usize]) -> [f64; 2] {
-        let change = mode.frequency * self.frequency_error(mode.frequency, &mode.energy, lengths, degrees);
-        let (response, cosine) = (decay(mode.damping), decaying_cosine(mode.damping, change));
-        [response - cosine, response / 2.0]
-    }
-
-    /// Relative error of the frequency of a mode, from its fractions of elastic energy; at most 1.
+    /// What the elements of an automatic shaft add to the relative error of the frequency of a mode, from its fractions of elastic
+    /// energy.
     fn frequency_error(
         &self,
+        i: usize,
+        degree: usize,
+        lengths: &[Vec<f64>],
         frequency: f64,
         energy: &[[f64; 3]],
-        lengths: &[Vec<Vec<f64>>],
-        degrees: &[usize],
     ) -> f64 {
-        let mut error = 0.0;
-        for (i, layout) in self.layouts.iter().enumerate() {
-            let errors = layout.frequency_errors(&lengths[i], degrees[i], frequency);
-            let energy = energy[self.automatic[i]];
-            // Without axial motion its energy is zero, and the sum that of the other two.
-            error += errors[0] * energy[0] + errors[1] * energy[1] + errors[2] * energy[2];
-        }
-        f64::min(error, 1.0)
+        let errors = self.layouts[i].frequency_errors(lengths, degree, frequency);
+        let energy = energy[self.automatic[i]];
+        // Without axial motion its energy is zero, and the sum that of the other two.
+        errors[0] * energy[0] + errors[1] * energy[1] + errors[2] * energy[2]
     }
+}
+
+/// Integrals over T of the squares of e^{−ct/2}(cos ωt − cos(ω + Δω)t) and of e^{−ct/2} cos ωt, without their fast
+/// oscillation, s; `error` is Δω/ω.
+fn squares(mode: &ExcitedMode, error: f64) -> [f64; 2] {
+    let (response, cosine) = (decay(mode.damping), decaying_cosine(mode.damping, mode.frequency * error));
+    [response - cosine, response / 2.0]
 }
 
 /// ∫₀ᵀ e^{−ct} dt, s.

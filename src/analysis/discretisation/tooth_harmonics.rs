@@ -89,7 +89,11 @@ impl ToothResponse {
         let shapes = elastic_modes(&real);
         let mode = |(frequency, shape): &(f64, &[f64])| {
             let energy = energy(model, *frequency, shape);
-            let error = search.frequency_error(*frequency, &energy, &elements.lengths, &elements.degrees);
+            let shafts = elements.shafts.iter().enumerate();
+            let error = shafts.map(|(i, shaft)| {
+                search.frequency_error(i, shaft.elements.degree, &shaft.lengths, *frequency, &energy)
+            });
+            let error = error.sum::<f64>().min(1.0);
             let meshes = model.meshes.iter().enumerate();
             ShiftedMode {
                 exact: frequency / (1.0 + error),

@@ -3,7 +3,8 @@
 use super::excited_modes::LARGEST_TO_CHOOSE;
 use super::layout::Layout;
 use super::{
-    Choice, Resolved, Search, at_lowest_speed, contact_phases, displacement_weight, excitations, with_elements,
+    Choice, Elements, Resolved, Search, at_lowest_speed, contact_phases, displacement_weight, excitations,
+    with_elements,
 };
 use crate::modal::CachedModel;
 use crate::model::Model;
@@ -22,10 +23,8 @@ pub(super) struct Probe {
     pub automatic: Vec<usize>,
     /// Segments of these shafts.
     pub layouts: Vec<Layout>,
-    /// Chosen number of elements of each segment of these shafts.
-    pub counts: Vec<Vec<usize>>,
-    /// Chosen degree of each of these shafts.
-    pub degrees: Vec<usize>,
+    /// Chosen elements of each of these shafts.
+    pub chosen: Vec<Elements>,
 }
 
 /// The elements of `base` for a description that differs from that of `base` in loads only. `None` if they do not meet the
@@ -37,7 +36,7 @@ pub fn resolve_variation(given: &SceneDescription, base: &Resolved) -> Result<Op
     let (Some(probe), Some(choice)) = (&base.probe, &base.choice) else {
         return Ok(None);
     };
-    let Probe { automatic, layouts, counts, degrees, .. } = &**probe;
+    let Probe { automatic, layouts, chosen, .. } = &**probe;
     let Some(model) = probe.model.with_loads(Scene::new(&with_elements_of(given, &probe.description))?)? else {
         return Ok(None);
     };
@@ -47,12 +46,11 @@ pub fn resolve_variation(given: &SceneDescription, base: &Resolved) -> Result<Op
         return Ok(None);
     };
     let (model, weight) = (&phases[0].model, displacement_weight(choice.level, &phases[0].model));
-    let search = Search { given, automatic, layouts, excitations: &excitations, weight, model };
-    let error = search.candidate(degrees.clone(), counts.clone()).error;
+    let error = Search::new(given, automatic, layouts, &excitations, weight, model).of(chosen).error;
     if error > choice.permitted_error || error.is_nan() {
         return Ok(None);
     }
-    let description = with_elements(given, automatic, |i| (counts[i].clone(), degrees[i]));
+    let description = with_elements(given, automatic, |i| chosen[i].clone());
     let choice = Choice { expected_error: error.min(1.0), ..choice.clone() };
     Ok(Some(Resolved { description, choice: Some(choice), probe: base.probe.clone() }))
 }

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::real::{RealModes, RigidMotion, rigid_body_modes, rigid_motions, spring_deflections};
 use crate::connection::Row;
-use crate::linalg::{DecompositionError, Sparse, matrix_of_columns, symmetric_pencil};
+use crate::linalg::{DecompositionError, Sparse, SymmetricPencil, matrix_of_columns, symmetric_pencil};
 use crate::model::Model;
 
 /// A shape whose part independent of the other shapes is below this fraction is left out.
@@ -46,16 +46,27 @@ impl ComponentModes {
         };
         let kinetic = |motions: &DMatrix<f64>| motions.transpose() * model.mass_times(motions);
         let (rigid, deflections) = (rigid_motions(model), spring_deflections(model, speed));
-        let modes_of = |coordinates: Vec<usize>| -> Result<Component, DecompositionError> {
+        let mut found: Vec<Component> = Vec::new();
+        let mut problems: Vec<[DMatrix<f64>; 3]> = Vec::new();
+        for coordinates in components(model.len(), &mass, &stiffness) {
             let is_own = |index: &usize| coordinates.binary_search(index).is_ok();
             let is_inside = |motion: &&RigidMotion| motion.displacements.iter().all(|(index, _)| is_own(index));
             let inside: Vec<RigidMotion> = rigid.iter().filter(is_inside).cloned().collect();
-            let null = rigid_body_modes(model, &inside, &deflections, kinetic)?;
-            let null = null.select_rows(&coordinates);
-            let pencil = symmetric_pencil(&block(&stiffness, &coordinates), &block(&mass, &coordinates), &null)?;
-            Ok(Component { coordinates, null: null.ncols(), values: pencil.values, vectors: pencil.vectors })
-        };
-        Ok(Self(components(model.len(), &mass, &stiffness).into_iter().map(modes_of).collect::<Result<_, _>>()?))
+            let null = rigid_body_modes(model, &inside, &deflections, kinetic)?.select_rows(&coordinates);
+            let problem = [block(&stiffness, &coordinates), block(&mass, &coordinates), null];
+            // The two planes of a shaft, and equal shafts, have one decomposition.
+            let (null, SymmetricPencil { values, vectors }) = match problems.iter().position(|known| *known == problem)
+            {
+                Some(equal) => {
+                    let Component { null, values, vectors, .. } = found[equal].clone();
+                    (null, SymmetricPencil { values, vectors })
+                }
+                None => (problem[2].ncols(), symmetric_pencil(&problem[0], &problem[1], &problem[2])?),
+            };
+            found.push(Component { coordinates, null, values, vectors });
+            problems.push(problem);
+        }
+        Ok(Self(found))
     }
 
     /// The mode shapes of all components, one per column, n rows, and the number of rigid-body modes, which come first.

@@ -266,7 +266,12 @@ pub(in crate::modal) fn rigid_body_modes(
         }
     }
     let free = DMatrix::from_fn(rigid.len(), combinations.len(), |i, j| combinations[j][i]);
-    let rows: Vec<_> = deflections.iter().map(|row| scaled(row, 0..rigid.len()) * &free).collect();
+    let rows = deflections.iter().map(|row| {
+        let mut sum = RowDVector::zeros(free.ncols());
+        row.iter().for_each(|(motion, value)| sum += free.row(*motion) * (value * scales[*motion]));
+        sum
+    });
+    let rows: Vec<_> = rows.collect();
     let free = &free * without_deflection(&rows, free.ncols())?;
     let mut motions = DMatrix::zeros(model.len(), free.ncols());
     for (column, mut motion) in free.column_iter().zip(motions.column_iter_mut()) {

@@ -267,3 +267,79 @@ def test_equal_shafts_do_not_leave_the_choice_to_round_off():
     for seed in range(3):
         other = gb.RotorSystem.from_dict(changed_by_round_off(description, seed))
         assert other.discretisation.shafts == choice, seed
+
+
+def long_train(stages):
+    """Return a helical train of many shafts, of which the last two are coupled, with a bow and bearings in housings."""
+    names = [f"shaft {i}" for i in range(stages + 2)]
+    halves = [gb.Segment(0.2, 0.04), gb.Segment(0.2, 0.045)]
+    housings = [
+        gb.Housing(f"housing {i}", mass=40.0, stiffness=3e8, damping=2e3)
+        for i in range(stages // 4)
+    ]
+    gears, meshes = [], []
+    for i in range(stages):
+        hand = 0.2 * (-1) ** i
+        common = {"module": 3e-3, "face_width": 0.03}
+        gears += [
+            gb.Gear(
+                f"pinion {i}", names[i], 0.3, teeth=23 + 18 * (i % 2), helix_angle=hand, **common
+            ),
+            gb.Gear(
+                f"wheel {i}",
+                names[i + 1],
+                0.1,
+                teeth=43 - 18 * (i % 2),
+                helix_angle=-hand,
+                **common,
+            ),
+        ]
+        meshes.append(gb.Mesh(f"pinion {i}", f"wheel {i}", stiffness=2e8, damping_ratio=0.05))
+
+    def base(shaft):
+        return f"housing {shaft // 4}" if shaft % 4 == 0 and shaft < stages else None
+
+    bearings = [
+        gb.Bearing(
+            name, x, stiffness=1e8, damping=500.0, axial_stiffness=1e8 * (x == 0), support=base(i)
+        )
+        for i, name in enumerate(names)
+        for x in (0.0, 0.4)
+    ]
+    return gb.RotorSystem(
+        [
+            gb.Shaft(n, segments=halves, bow=gb.Bow.half_sine(5e-5) if n == "shaft 3" else None)
+            for n in names
+        ],
+        gears,
+        meshes,
+        bearings,
+        [gb.Torque("pinion 0", 20.0), gb.Torque.balance((names[-1], 0.4))],
+        housings=housings,
+        couplings=[gb.Coupling((names[-2], 0.4), (names[-1], 0.0), torsional_stiffness=1e5)],
+        drives=[gb.Drive((names[0], 0.0), stiffness=1e4)],
+    )
+
+
+def test_a_long_train_has_the_elements_that_its_meshes_need():
+    """Above 1300 coordinates, the train is examined mesh by mesh."""
+    train, longer = long_train(12), long_train(16)
+    assert len(train.dofs) > 1300
+    choice = train.discretisation
+    assert choice.expected_error <= choice.permitted_error
+    # Each shaft has the elements that its own meshes need, however long the train is.
+    for name in ("shaft 5", "shaft 6"):
+        assert choice.shafts[name] == longer.discretisation.shafts[name]
+    # The frequency of waves has an error of 1e-3 at the stated limit; the modes are those of half as long elements.
+    shafts = []
+    for shaft in train.shafts:
+        numbers = choice.shafts[shaft.name].numbers
+        segments = [
+            replace(s, elements=2 * n) for s, n in zip(shaft.segments, numbers, strict=True)
+        ]
+        shafts.append(replace(shaft, segments=segments, degree=choice.shafts[shaft.name].degree))
+    found = train.modes(0.0, count=50).frequencies_hz
+    exact = train.replace(shafts=shafts).modes(0.0, count=50).frequencies_hz
+    below = (exact > 1.0) & (exact < choice.highest_frequency_hz)
+    assert below.sum() > 40
+    assert np.abs(found[below] / exact[below] - 1).max() < 1e-3
