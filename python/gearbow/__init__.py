@@ -87,7 +87,7 @@ from gearbow.sensors.accelerometer import Accelerometer as Accelerometer
 from gearbow.sensors.probe import Probe as Probe
 from gearbow.sensors.tacho import Tacho as Tacho
 from gearbow.system.rotor_system import RotorSystem as RotorSystem
-from gearbow.units.values import (
+from gearbow.units.speed import (
     degrees as degrees,
     mm as mm,
     rpm as rpm,

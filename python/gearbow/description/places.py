@@ -7,7 +7,7 @@ from typing import Any
 from gearbow._convert import BYTES, real, shown
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError
-from gearbow.units.convert import is_quantity
+from gearbow.units.parse import is_quantity
 
 __all__ = [
     "Places",

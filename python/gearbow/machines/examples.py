@@ -8,7 +8,7 @@ from gearbow._lookup import nearest
 from gearbow._shown import Shown
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
-from gearbow.units.values import rpm
+from gearbow.units.speed import rpm
 
 __all__ = ["Example", "example", "examples", "scene_files"]
 

@@ -13,7 +13,7 @@ from gearbow.errors import SceneError
 from gearbow.recording.access import Quantity, angle, motion
 from gearbow.recording.record import Recorded, recorded_run
 from gearbow.sensors.sensor import Motion, SignalSensor, degrees_text
-from gearbow.units.convert import is_quantity, magnitude
+from gearbow.units.parse import is_quantity, magnitude
 
 __all__ = ["Probe", "RunOut"]
 

@@ -54,7 +54,7 @@ from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
 from gearbow.tradeoff.ask import tradeoff
-from gearbow.units.convert import without_texts
+from gearbow.units.parse import without_texts
 from gearbow.units.speed import SpeedUnit, unit_in_texts
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from gearbow._convert import copied, showing
 from gearbow._core import Model
 from gearbow._files import reading
 from gearbow.errors import SceneError
-from gearbow.units.convert import without_texts
+from gearbow.units.parse import without_texts
 from gearbow.units.speed import SpeedUnit, unit_in_texts
 
 if sys.version_info >= (3, 11):
