@@ -4,8 +4,6 @@ import reprlib
 from collections.abc import Iterator
 from typing import Any
 
-__all__ = ["differences", "short"]
-
 
 def short(value: Any) -> str:
     """Format a value of a file for a message, shortened if necessary."""

@@ -23,18 +23,6 @@ except ImportError:  # Windows
 from gearbow._convert import shown
 from gearbow.errors import GearbowError, SceneError
 
-__all__ = [
-    "FileLock",
-    "as_path",
-    "check_name",
-    "check_output",
-    "parsing",
-    "printable",
-    "reading",
-    "replacing",
-    "reserve",
-]
-
 #: Longest file name that temporary files and locks contain as it is [bytes]; a file system has at
 #: most 255.
 _LONGEST_NAME = 200

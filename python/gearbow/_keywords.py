@@ -12,8 +12,6 @@ from gearbow._lookup import nearest
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-__all__ = ["CheckedKeywords", "CheckedMethods", "checked"]
-
 #: Names of other programs and of textbooks, with those of gearbow.
 _SYNONYMS = {
     "z": ("teeth",),

@@ -11,8 +11,6 @@ import numpy as np
 
 from gearbow._keywords import CheckedMethods
 
-__all__ = ["MOST_ROWS", "Shown", "Table", "listed", "short", "span", "to_html"]
-
 #: Largest number of rows of a table, and of values in a list.
 MOST_ROWS = 10
 #: Longest representation, and longest value in it.

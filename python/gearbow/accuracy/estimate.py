@@ -31,8 +31,6 @@ from gearbow.recording.channels import signals
 from gearbow.recording.errors import ErrorEstimate, Errors
 from gearbow.recording.request import RunRequest
 
-__all__ = ["estimate_errors"]
-
 #: Recorded rates of displacements.
 _RATES = ("velocity", "acceleration")
 #: Shortest time over which errors are averaged, if the run is long enough [s].

@@ -14,8 +14,6 @@ from gearbow._types import Array
 from gearbow.description.speed import SpeedProfile, read_speed
 from gearbow.errors import ConvergenceError
 
-__all__ = ["check_initial_state"]
-
 #: Largest residual of the equations of an initial state, relative to their loads, and largest
 #: difference of the state from the motion that it consists of, relative to this motion. Equilibria
 #: and responses are accurate to 1e-9 or better; the smallest promised error is 1e-6.

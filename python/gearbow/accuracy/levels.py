@@ -16,9 +16,6 @@ from gearbow.accuracy.scale import SHARE_OF_MEAN
 from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.recording.record import Event
 
-__all__ = ["DEFAULT", "LEVELS", "Level", "check_reduction", "find_level", "tolerance"]
-
-
 #: What happens at events after which an impact follows.
 CHANGES_OF_CONTACT = {"separation": "flanks separated", "tight": "both flanks touched"}
 

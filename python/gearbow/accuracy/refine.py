@@ -5,8 +5,6 @@ from typing import Any
 
 from gearbow._types import Plain
 
-__all__ = ["MAX_DEGREE", "refined"]
-
 #: Largest degree of an element. The core uses the same value.
 MAX_DEGREE = 8
 

@@ -5,8 +5,6 @@ import numpy as np
 from gearbow._core import SHARE_OF_MEAN
 from gearbow._types import Array
 
-__all__ = ["SHARE_OF_MEAN", "UNIT", "root_mean_square", "unit_of_errors", "variation"]
-
 #: The unit in the words of tables and figures.
 UNIT = "RMS of the signal about its mean, at least 2 % of the mean"
 #: A signal varies if its variation exceeds this fraction of its RMS: round-off varies less.

@@ -19,8 +19,6 @@ from gearbow.description.supports import Housing
 from gearbow.description.within_elements import Entries, motion_within
 from gearbow.errors import GearbowError, SceneError
 
-__all__ = ["Coordinates"]
-
 
 @dataclass(frozen=True, eq=False)
 class Coordinates(Shown):

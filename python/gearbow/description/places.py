@@ -9,16 +9,6 @@ from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError
 from gearbow.units.parse import is_quantity
 
-__all__ = [
-    "Places",
-    "is_pair",
-    "is_place",
-    "names_of_bases",
-    "place",
-    "place_label",
-    "places",
-]
-
 #: Positions with a smaller difference [m], or relative to a position above 1 m, are equal.
 _SAME_POSITION = 1e-9
 #: Forms of a place, by what is there.

@@ -14,8 +14,6 @@ from gearbow.description.speed import sampled
 from gearbow.errors import SceneError
 from gearbow.units.parse import has_quantity
 
-__all__ = ["TimeSeries"]
-
 
 @dataclass(frozen=True)
 class TimeSeries(Part):

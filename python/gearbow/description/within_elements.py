@@ -8,8 +8,6 @@ import numpy as np
 
 from gearbow._types import Array
 
-__all__ = ["Entries", "motion_within"]
-
 #: Position of a node or ends of an element [m], direction, and a row of values.
 Entries: TypeAlias = dict[float | tuple[float, float], dict[str, Any]]
 #: The direction of a displacement, that of its slope, and the sign of the slope.

@@ -10,8 +10,6 @@ from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.speed import rpm
 
-__all__ = ["Example", "example", "examples", "scene_files"]
-
 #: First line of a file: what the machine is. Its line with the rated speed.
 _TITLE = re.compile(r"# (.+?)\.?\n")
 _SPEED = re.compile(r"^# Rated speed: ([\d.]+) (rpm|rad/s)", re.MULTILINE)

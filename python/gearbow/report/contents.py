@@ -35,8 +35,6 @@ from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
-__all__ = ["SECTIONS", "Contents", "Options"]
-
 #: Damping ratio, without its sign, of a mode that neither grows nor decays.
 _GROWTH = 1e-6
 #: Damping ratio from which a mode is no resonance, and number of critical speeds of the summary.

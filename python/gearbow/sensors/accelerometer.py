@@ -13,8 +13,6 @@ from gearbow.recording.access import motion
 from gearbow.recording.record import Recorded, recorded_run
 from gearbow.sensors.sensor import Motion, SignalSensor, degrees_text
 
-__all__ = ["Accelerometer"]
-
 
 @dataclass(frozen=True)
 class Accelerometer(SignalSensor):

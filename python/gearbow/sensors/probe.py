@@ -15,8 +15,6 @@ from gearbow.recording.record import Recorded, recorded_run
 from gearbow.sensors.sensor import Motion, SignalSensor, degrees_text
 from gearbow.units.parse import is_quantity, magnitude
 
-__all__ = ["Probe", "RunOut"]
-
 #: Run-out over the angle in the shaft: once per revolution, a function, or (angles, values).
 RunOut: TypeAlias = complex | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
 

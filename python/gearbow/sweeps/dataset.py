@@ -37,8 +37,6 @@ from gearbow.units.fields import DIMENSIONLESS, unit_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["dataset"]
-
 #: Label of a sample that is the seed of its random noise.
 _SEED = "noise_seed"
 #: Largest seed: whole numbers of netCDF have 64 bits with a sign.

@@ -13,8 +13,6 @@ from gearbow.errors import SceneError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["SINGLE", "Outcome", "Values", "compute", "failure"]
-
 #: Name of the value if `measure` returns no dict.
 SINGLE = "value"
 

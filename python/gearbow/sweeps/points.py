@@ -10,8 +10,6 @@ from gearbow._convert import BYTES, shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
 
-__all__ = ["Parameters", "Points"]
-
 #: Accepted parameters of a sweep: a grid, or a list of points.
 Parameters: TypeAlias = Mapping[str, Iterable[Any]] | Iterable[Mapping[str, Any]]
 

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["Sweep", "SweepPoint"]
-
 
 @dataclass(frozen=True, eq=False)
 class SweepPoint(Shown):

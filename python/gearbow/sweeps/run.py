@@ -20,8 +20,6 @@ from gearbow.sweeps.points import Parameters, Points
 from gearbow.sweeps.result import Sweep
 from gearbow.sweeps.store import Store, head_of
 
-__all__ = ["check_call", "sweep"]
-
 
 @checked
 def sweep(  # noqa: PLR0917  # the parameters of the public interface

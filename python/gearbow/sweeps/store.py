@@ -36,8 +36,6 @@ from gearbow.recording.schema import anything, each, entries, record, row, text,
 from gearbow.sweeps.outcome import Outcome
 from gearbow.sweeps.points import Points
 
-__all__ = ["SUFFIX", "Contents", "Store", "head_of", "points_of", "read", "write"]
-
 #: The tables of a file.
 _TABLES = (
     "CREATE TABLE head (content BLOB, digest BLOB)",

@@ -16,8 +16,6 @@ from gearbow.sweeps.points import Points
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["column", "columns", "for_netcdf", "shape_of", "to_xarray"]
-
 
 def shape_of(name: str, outcomes: Mapping[int, Outcome]) -> tuple[int, ...]:
     """Return the shape of a value, which must be the same at all points."""

@@ -26,8 +26,6 @@ from gearbow.system.motions import Motions, is_damped, require_memory_of
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
 from gearbow.units.fields import MOTIONS, QUANTITIES
 
-__all__ = ["of_equilibrium", "of_harmonic", "of_synchronous"]
-
 #: Round-off of differences over the sum of absolute elastic terms, relative to that over a result.
 _ROUND_OFF_OF_TERMS = 1e-3
 #: Derivatives with respect to time of the displacement in a motion; other quantities have none.

@@ -16,8 +16,6 @@ from gearbow.tradeoff.result import Tradeoff
 from gearbow.tradeoff.settings import METHODS, ladders
 from gearbow.tradeoff.signals import read_signals
 
-__all__ = ["tradeoff"]
-
 
 def tradeoff(  # numpydoc ignore=PR01
     self: S,

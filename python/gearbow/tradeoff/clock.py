@@ -13,8 +13,6 @@ from gearbow.analysis.protocol import System, variant
 from gearbow.errors import AccuracyWarning
 from gearbow.results.response import Response
 
-__all__ = ["Cost", "TooSlowError", "measure"]
-
 T = TypeVar("T")
 
 #: Shortest time before a run may be stopped [s]; the core reports its progress every 50 ms.

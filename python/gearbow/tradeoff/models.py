@@ -10,8 +10,6 @@ from gearbow.description.shafts import Shaft
 from gearbow.description.stiffness import Stiffness
 from gearbow.results.discretisation import ShaftElements
 
-__all__ = ["GIVEN", "Model", "degrees_of", "refined", "simplified"]
-
 #: Name of the model without simplification.
 GIVEN = "as given"
 

@@ -18,8 +18,6 @@ from gearbow.units.speed import SpeedUnit, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Recommendation", "Tradeoff"]
-
 #: Error of the setting that a printed study recommends; that of mesh forces at "engineering".
 _RECOMMENDED_ERROR = 1e-2
 

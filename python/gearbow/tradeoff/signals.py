@@ -14,8 +14,6 @@ from gearbow.description.places import is_pair, is_place, place, place_label
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.response import Response
 
-__all__ = ["Signal", "check", "error", "errors", "read_signals"]
-
 
 @dataclass(frozen=True)
 class Signal:

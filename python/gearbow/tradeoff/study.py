@@ -20,8 +20,6 @@ from gearbow.tradeoff.settings import METHODS, Setting, references
 from gearbow.tradeoff.signals import Signal
 from gearbow.tradeoff.trial import Skipped, Trial
 
-__all__ = ["Study"]
-
 #: Relative rounding error of double precision.
 ROUND_OFF = sys.float_info.epsilon
 #: Fraction of the budget for the reference run, and the same for its check.
