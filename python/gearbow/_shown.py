@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._keywords import CheckedMethods
+from gearbow._lookup import CheckedMethods
 
 #: Largest number of rows of a table, and of values in a list.
 MOST_ROWS = 10

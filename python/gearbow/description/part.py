@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import complex_number, nested, real, shown, text
-from gearbow._keywords import CheckedKeywords
+from gearbow._lookup import CheckedKeywords
 from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError

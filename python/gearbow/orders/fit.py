@@ -29,15 +29,17 @@ from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
 from gearbow.orders.channel import channel
-from gearbow.orders.harmonics import ALWAYS, MOST_HARMONICS, significant
 from gearbow.orders.segments import OrderFit, SignalSegment, cut, fit
 from gearbow.orders.separation import (
+    ALWAYS,
+    MOST_HARMONICS,
     SEGMENT_SEPARATION,
     SEPARATION,
     Sampling,
     Separated,
     separated,
     shortcomings,
+    significant,
 )
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord

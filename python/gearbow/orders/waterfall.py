@@ -13,7 +13,7 @@ import numpy as np
 
 from gearbow._convert import number, shown
 from gearbow._extras import extra
-from gearbow._keywords import checked
+from gearbow._lookup import checked
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_micrometres, written_unit
 from gearbow._shown import span

@@ -10,8 +10,7 @@ from gearbow._core import require_memory
 from gearbow._extras import extra
 from gearbow._result import Column
 from gearbow.errors import GearbowError
-from gearbow.sweeps.outcome import Outcome
-from gearbow.sweeps.points import Points
+from gearbow.sweeps.points import Outcome, Points
 
 if TYPE_CHECKING:
     import xarray as xr

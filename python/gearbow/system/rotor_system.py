@@ -10,8 +10,7 @@ import numpy as np
 from gearbow._convert import copied, nested, showing, shown, text
 from gearbow._core import Model
 from gearbow._files import check_name, replacing
-from gearbow._keywords import CheckedKeywords
-from gearbow._lookup import nearest
+from gearbow._lookup import CheckedKeywords, nearest
 from gearbow._shown import Shown, Table, listed
 from gearbow._types import Accuracy, Array, Dof, Plain, ShaftMotion
 from gearbow.accuracy.levels import DEFAULT

@@ -18,7 +18,7 @@ from gearbow.analysis.protocol import S, System
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import plain_speed
 from gearbow.errors import SceneError
-from gearbow.recording.request import RunRequest
+from gearbow.recording.record import RunRequest
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 from gearbow.system.run import beginning, given_speed, in_order, requests

@@ -8,7 +8,7 @@ from gearbow._convert import items, number, positive, truth, whole
 from gearbow._lookup import one_of
 from gearbow._times import grid
 from gearbow._types import InitialState, Progress
-from gearbow.accuracy.refine import MAX_DEGREE
+from gearbow.accuracy.estimate import MAX_DEGREE
 from gearbow.analysis.protocol import S, System
 from gearbow.errors import SceneError
 from gearbow.tradeoff.models import degrees_of, simplified

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic
 
-from gearbow.accuracy.refine import MAX_DEGREE
+from gearbow.accuracy.estimate import MAX_DEGREE
 from gearbow.analysis.protocol import S, System, variant
 from gearbow.description.shafts import Shaft
 from gearbow.description.stiffness import Stiffness
