@@ -29,14 +29,17 @@ from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
 from gearbow.orders.channel import channel
-from gearbow.orders.segments import OrderFit, SignalSegment, cut, fit
 from gearbow.orders.separation import (
     ALWAYS,
     MOST_HARMONICS,
     SEGMENT_SEPARATION,
     SEPARATION,
+    OrderFit,
     Sampling,
     Separated,
+    SignalSegment,
+    cut,
+    fit,
     separated,
     shortcomings,
     significant,

@@ -11,7 +11,7 @@ import gearbow as gb
 from gearbow._types import SensitivityQuantity, SignalQuantity
 from gearbow.description.kinematics import Order
 from gearbow.orders import Kinematics, channel
-from gearbow.orders.segments import cut, fit
+from gearbow.orders.separation import cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes
 from gearbow.system import response_sensitivity
 from reference.machines import bowed_pair, hostile
