@@ -78,7 +78,9 @@ def displaced(data):
 def test_a_wrong_initial_state_stops_the_estimate(monkeypatch, start, method, change, message):
     run = pair().simulate(1e-3, 90.0, initial=start)
     monkeypatch.setattr(estimate, "Model", lambda given: Changed(Model(given), method, change))
-    monkeypatch.setattr(estimate, "user_order", lambda model, state: user_order(model._model, state))
+    monkeypatch.setattr(
+        estimate, "user_order", lambda model, state: user_order(model._model, state)
+    )
     with pytest.raises(gb.ConvergenceError, match=message):
         run.errors()
 
