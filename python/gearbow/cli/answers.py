@@ -146,15 +146,16 @@ def import_(given: argparse.Namespace) -> Answer:
     data: dict[str, object] = {"file": str(given.scene)}
     if given.list and found != REXS:
         raise SceneError(f"--list: is for a {REXS.name}, but {given.scene} is a {found.name}")
-    heading = f"# From {given.scene.name}, a {found.name}"
-    if found == REXS:
-        contents = rexs_contents(given.scene)
+    contents = rexs_contents(given.scene) if found == REXS else None
+    if contents is not None:
         data |= _fields(contents, "load_cases", "missing", "notes")
         if given.list:
             return Answer(contents.table(), data)
-        heading = _heading(given, contents)
     system = read_system(given)
     data["scene"] = system.description
+    heading = f"# From {given.scene.name}, a {found.name}"
+    if contents is not None:
+        heading = _heading(given, contents)
     if given.out is None:
         return Answer(f"{heading}\n\n{system._model.to_toml()}", data)
     path, ending = check_name(given.out, [".toml", ".rexs"], "--out")
