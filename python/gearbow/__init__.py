@@ -83,11 +83,10 @@ from gearbow.orders.waterfall import waterfall as waterfall
 from gearbow.results.continuation import Continuation as Continuation
 from gearbow.results.response import Response as Response
 from gearbow.results.steady import SteadyState as SteadyState
-from gearbow.sensors.accelerometer import Accelerometer as Accelerometer
-from gearbow.sensors.probe import Probe as Probe
+from gearbow.sensors.probe import Accelerometer as Accelerometer, Probe as Probe
 from gearbow.sensors.tacho import Tacho as Tacho
 from gearbow.system.rotor_system import RotorSystem as RotorSystem
-from gearbow.units.values import (
+from gearbow.units.speed import (
     degrees as degrees,
     mm as mm,
     rpm as rpm,

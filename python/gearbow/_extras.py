@@ -6,8 +6,6 @@ from contextlib import contextmanager
 
 from gearbow.errors import MissingExtraError, SceneError
 
-__all__ = ["extra"]
-
 #: Packages that each extra of the distribution installs.
 _PACKAGES = {
     "plot": {"matplotlib", "mpl_toolkits", "PIL"},

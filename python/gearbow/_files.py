@@ -7,12 +7,14 @@ replaces the target when all data are on the disk. Only the store of a sweep add
 import errno
 import os
 import re
+import reprlib
 import stat
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from io import BufferedRandom
 from pathlib import Path
+from typing import Any
 
 try:
     import fcntl
@@ -22,18 +24,6 @@ except ImportError:  # Windows
 
 from gearbow._convert import shown
 from gearbow.errors import GearbowError, SceneError
-
-__all__ = [
-    "FileLock",
-    "as_path",
-    "check_name",
-    "check_output",
-    "parsing",
-    "printable",
-    "reading",
-    "replacing",
-    "reserve",
-]
 
 #: Longest file name that temporary files and locks contain as it is [bytes]; a file system has at
 #: most 255.
@@ -380,3 +370,21 @@ def _synchronise(folder: Path) -> None:
             os.fsync(number)
         finally:
             os.close(number)
+
+
+def short(value: Any) -> str:
+    """Format a value of a file for a message, shortened if necessary."""
+    return str(value) if isinstance(value, str | float | int | None) else reprlib.repr(value)
+
+
+def differences(was: Any, now: Any, where: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Find the differences between two pieces of plain data."""
+    if isinstance(was, dict) and isinstance(now, dict):
+        for name in {**was, **now}:
+            place = f"{where}.{name}".lstrip(".")
+            yield from differences(was.get(name), now.get(name), place)
+    elif isinstance(was, list) and isinstance(now, list) and len(was) == len(now):
+        for i, (a, b) in enumerate(zip(was, now, strict=True)):
+            yield from differences(a, b, f"{where}[{i}]")
+    elif repr(was) != repr(now):
+        yield where, was, now

@@ -21,8 +21,6 @@ from gearbow.errors import GearbowError, SceneError
 if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
 
-__all__ = ["ParallelCalls", "check_stop", "cores", "thread_count"]
-
 #: Largest number of calls that are submitted and not finished: enough to keep a cluster busy, and
 #: little memory.
 PENDING = 1000

@@ -22,18 +22,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = [
-    "Column",
-    "Result",
-    "Written",
-    "data_frame",
-    "in_degrees",
-    "in_micrometres",
-    "in_percent",
-    "plain_text",
-    "written_unit",
-]
-
 #: Number of rows that `print` shows.
 PRINTED_ROWS = 12
 #: Endings of files with the table of a result.

@@ -13,8 +13,6 @@ from gearbow.errors import GearbowError
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["save_table"]
-
 #: Largest numbers of rows and columns of a sheet of Excel, from its specification; one row has the
 #: headings.
 _ROWS, _COLUMNS = 1_048_576, 16_384

@@ -9,9 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._keywords import CheckedMethods
-
-__all__ = ["MOST_ROWS", "Shown", "Table", "listed", "short", "span", "to_html"]
+from gearbow._lookup import CheckedMethods
 
 #: Largest number of rows of a table, and of values in a list.
 MOST_ROWS = 10

@@ -9,20 +9,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from types import FrameType
 
-__all__ = [
-    "AccuracyWarning",
-    "ChannelError",
-    "CheckpointWarning",
-    "ContactError",
-    "ConvergenceError",
-    "GearbowError",
-    "MissingExtraError",
-    "SceneError",
-    "SceneWarning",
-    "StabilityError",
-    "outside",
-]
-
 
 class GearbowError(Exception):
     """Base of all public exceptions of gearbow.

@@ -1,7 +1,7 @@
 """Accuracy levels: the total error that they promise, and the tolerance that they use.
 
 The total error is that of elements, modes and integration, RMS of the difference over RMS of the
-signal about its mean, or over 2 % of the mean if this is larger (`scale`).
+signal about its mean, or over 2 % of the mean if this is larger (`unit_of_errors`).
 `benches/accuracy/measure.py` measures it.
 """
 
@@ -10,14 +10,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, cast
 
-from gearbow._core import Model, accuracy_levels
-from gearbow._types import Accuracy
-from gearbow.accuracy.scale import SHARE_OF_MEAN
+import numpy as np
+
+from gearbow._core import SHARE_OF_MEAN, Model, accuracy_levels
+from gearbow._types import Accuracy, Array
 from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.recording.record import Event
-
-__all__ = ["DEFAULT", "LEVELS", "Level", "check_reduction", "find_level", "tolerance"]
-
 
 #: What happens at events after which an impact follows.
 CHANGES_OF_CONTACT = {"separation": "flanks separated", "tight": "both flanks touched"}
@@ -147,3 +145,26 @@ def check_reduction(statistics: Reduction, level: Level, *, given: bool) -> None
                 f"{error:.1e} in {kind}, above {most:.0e} of accuracy {level.name!r}; {cure}"
             )
             warnings.warn(message, AccuracyWarning, stacklevel=outside())
+
+
+#: The unit in the words of tables and figures.
+UNIT_OF_ERRORS = "RMS of the signal about its mean, at least 2 % of the mean"
+#: A signal varies if its variation exceeds this fraction of its RMS: round-off varies less.
+_VARIES = 1e-9
+
+
+def unit_of_errors(values: Array) -> float:
+    """Give the number by which the RMS of a difference is divided."""
+    mean = float(np.linalg.norm(values.mean(axis=0)))
+    return max(root_mean_square(values - values.mean(axis=0)), SHARE_OF_MEAN * mean)
+
+
+def variation(values: Array) -> float:
+    """Give the RMS of a signal about its mean; 0 if it is constant to round-off."""
+    found = root_mean_square(values - values.mean(axis=0))
+    return found if found > _VARIES * root_mean_square(values) else 0.0
+
+
+def root_mean_square(values: Array) -> float:
+    """Give the root mean square over time of the vector length."""
+    return float(np.sqrt(np.mean(np.sum(values**2, axis=1))))

@@ -1,4 +1,4 @@
-"""Arguments that several commands share."""
+"""Arguments of commands: how they are declared, those that commands share, and their texts."""
 
 import argparse
 from collections.abc import Callable, Container
@@ -11,7 +11,7 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output
 from gearbow._types import Array
-from gearbow.cli.answer import Answer
+from gearbow.accuracy.levels import LEVELS
 from gearbow.cli.systems import add_options
 from gearbow.errors import GearbowError, SceneError
 from gearbow.recording import file
@@ -23,93 +23,30 @@ from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
 from gearbow.units.speed import (
     RevolutionsPerMinute,
+    RevolutionsPerMinuteArray,
     SpeedUnit,
     given_unit,
     speed_factor,
     unit_in_texts,
 )
 
-__all__ = [
-    "Commands",
-    "add_command",
-    "add_duration",
-    "add_kind",
-    "add_progress",
-    "add_scene",
-    "add_speed",
-    "figure",
-    "is_run",
-    "item",
-    "named_item",
-    "output",
-    "quantity",
-    "read_run",
-    "spaced",
-    "speed",
-    "speed_line",
-]
-
-#: The subparsers of the program.
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+#: What adds an argument, or several, to the parser of a command.
+Argument: TypeAlias = Callable[[argparse.ArgumentParser], "argparse.Action | None"]
 
 
-def add_command(
-    commands: Commands,
-    name: str,
-    call: Callable[[argparse.Namespace], Answer],
-    text: str,
-    examples: str,
-) -> argparse.ArgumentParser:
-    """Add a command."""
-    parser = commands.add_parser(
-        name,
-        help=text,
-        description=text,
-        epilog=f"examples:\n{examples}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.set_defaults(call=call)
-    return parser
+def option(name: str, text: str, read: Callable[[str], object] = str, **settings: Any) -> Argument:
+    """Declare an argument: its help, its type, and settings of `ArgumentParser.add_argument`."""
+    return lambda parser: parser.add_argument(name, help=text, type=read, **settings)
 
 
-def add_scene(parser: argparse.ArgumentParser, others: str = "") -> None:
-    """Add the file of the system, its options and the option for JSON."""
-    parser.add_argument(
-        "scene",
-        type=Path,
-        help="file of the system: TOML, which `gearbow new` writes, REXS or a rotor of ROSS"
-        + (f"; {others}" if others else ""),
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON in place of text")
-    add_options(parser)
+def flag(name: str, text: str) -> Argument:
+    """Declare an option without a value."""
+    return lambda parser: parser.add_argument(name, action="store_true", help=text)
 
 
-def add_duration(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of a run: duration, speed and progress."""
-    parser.add_argument(
-        "--duration", type=quantity("duration"), required=True, help='for example 0.5 or "500 ms"'
-    )
-    add_speed(parser)
-
-
-def add_speed(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of a computation at a speed: speed and progress."""
-    parser.add_argument(
-        "--speed",
-        type=speed,
-        required=True,
-        help='speed of the reference shaft, for example "1500 rpm"; a plain number is in rad/s',
-    )
-    add_progress(parser)
-
-
-def add_progress(parser: argparse.ArgumentParser) -> None:
-    """Add the option for a progress bar."""
-    parser.add_argument(
-        "--progress",
-        action=argparse.BooleanOptionalAction,
-        help="show a progress bar on stderr; default: on a terminal, after 2 s",
-    )
+def number(name: str, default: int, text: str) -> Argument:
+    """Declare an option whose value is a whole number."""
+    return option(name, f"{text}; default: {default}", int, default=default)
 
 
 def quantity(field: str) -> Callable[[str], float]:
@@ -124,53 +61,10 @@ def quantity(field: str) -> Callable[[str], float]:
     return read
 
 
-def spaced(given: argparse.Namespace, what: str) -> Array:
-    """Give the values of --from, --to and --points."""
-    if given.points < 2 or not given.last > given.first:
-        raise SceneError(
-            f"{what}: need --points of at least 2 and --to above --from, got {given.points} points "
-            f"from {given.first:g} to {given.last:g} rad/s"
-        )
-    values: Array = np.linspace(given.first, given.last, given.points)
-    return values
-
-
 def speed(text: str) -> float:
     """Read a speed; a plain number is in rad/s."""
     value = quantity("speed")(text)
     return RevolutionsPerMinute(value) if unit_in_texts(text) == "rpm" else value
-
-
-def speed_line(*speeds: float) -> str:
-    """Write the speeds in the given unit and in the other one, e.g. "1500 rad/s = 14,324 rpm"."""
-    units: tuple[SpeedUnit, ...] = ("rad/s", "rpm")
-    given = given_unit(speeds) or "rad/s"
-    (other,) = (unit for unit in units if unit != given)
-    own = " to ".join(f"{speed_factor(given) * value:.6g}" for value in speeds)
-    found = [speed_factor(other) * value for value in speeds]
-    texts = [f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.5g}" for value in found]
-    return f"{own} {given} = {' to '.join(texts)} {other}"
-
-
-def add_kind(parser: argparse.ArgumentParser, *, default: str | None) -> None:
-    """Add the kind of a figure of a run."""
-    kinds = ", ".join(PLOT_KINDS)
-    parser.add_argument(
-        "--kind", choices=PLOT_KINDS, default=default, help=f"what a figure of a run shows: {kinds}"
-    )
-
-
-def is_run(path: Path) -> bool:
-    """Tell whether a file holds recorded signals, by its ending."""
-    return path.suffix.lower() in ENDINGS
-
-
-def read_run(path: Path) -> Response | SteadyState:
-    """Read the file of `run --out`, `run --checkpoint` or `steady --out`."""
-    run, about = file.read(path)
-    if "branch" in about:
-        raise SceneError(f"{path}: is a branch of steady states; read it with Continuation.load")
-    return SteadyState.load(path) if "steady" in about else Response.from_record(run)
 
 
 def output(text: str) -> Path:
@@ -202,20 +96,121 @@ def _writable(check: Callable[[], Path]) -> Path:
     return path
 
 
-def item(system: RotorSystem, text: str) -> Any:
-    """Read one item to record."""
+JSON = flag("--json", "print JSON in place of text")
+RUN = option("run", "file of a run, .npz or .nc", Path)
+SPEED = option(
+    "--speed",
+    'speed of the reference shaft, for example "1500 rpm"; a plain number is in rad/s',
+    speed,
+    required=True,
+)
+SPEEDS = option("--speed", 'for example "1500 rpm"; or several', speed, nargs="+", required=True)
+DURATION = option("--duration", 'for example 0.5 or "500 ms"', quantity("duration"), required=True)
+COUNT = number("--count", 10, "number of modes")
+
+
+def progress(parser: argparse.ArgumentParser) -> argparse.Action:
+    """Add the option for a progress bar."""
+    return parser.add_argument(
+        "--progress",
+        action=argparse.BooleanOptionalAction,
+        help="show a progress bar on stderr; default: on a terminal, after 2 s",
+    )
+
+
+ACCURACY = option("--accuracy", "instead of the accuracy of the scene", choices=list(LEVELS))
+RECORD = option(
+    "--record",
+    "names and groups, shaft@position, driver/driven, bearing:shaft@position; default: "
+    "gears and meshes, or disks and bearings without gears",
+    nargs="+",
+    metavar="ITEM",
+)
+SIGNALS_OUT = option("--out", "save the signals, also after Ctrl-C; .npz or .nc", output)
+
+
+def scene(others: str = "") -> Argument:
+    """Declare the file of the system, its options and the option for JSON."""
+
+    def add(parser: argparse.ArgumentParser) -> None:
+        parser.add_argument(
+            "scene",
+            type=Path,
+            help="file of the system: TOML, which `gearbow new` writes, REXS or a rotor of ROSS"
+            + (f"; {others}" if others else ""),
+        )
+        JSON(parser)
+        add_options(parser)
+
+    return add
+
+
+def kind(default: str | None) -> Argument:
+    """Declare the kind of a figure of a run."""
+    kinds = ", ".join(PLOT_KINDS)
+    return option(
+        "--kind", f"what a figure of a run shows: {kinds}", choices=PLOT_KINDS, default=default
+    )
+
+
+def drawn(name: str, text: str) -> Argument:
+    """Declare the file of a figure."""
+    metavar = name.removeprefix("--").upper()
+    return option(name, text, figure, dest="figure", metavar=metavar)
+
+
+def spaced(given: argparse.Namespace) -> Array:
+    """Give the values of --from, --to and --points."""
+    if given.points < 2 or not given.last > given.first:
+        raise SceneError(
+            f"--to: need --points of at least 2 and --to above --from, got {given.points} points "
+            f"from {given.first:g} to {given.last:g} rad/s"
+        )
+    values: Array = np.linspace(given.first, given.last, given.points)
+    is_rpm = given_unit((given.first, given.last)) == "rpm"
+    return values.view(RevolutionsPerMinuteArray) if is_rpm else values
+
+
+def speed_line(*speeds: float) -> str:
+    """Write the speeds in the given unit and in the other one, e.g. "1500 rad/s = 14,324 rpm"."""
+    units: tuple[SpeedUnit, ...] = ("rad/s", "rpm")
+    given = given_unit(speeds) or "rad/s"
+    (other,) = (unit for unit in units if unit != given)
+    own = " to ".join(f"{speed_factor(given) * value:.6g}" for value in speeds)
+    found = [speed_factor(other) * value for value in speeds]
+    texts = [f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.5g}" for value in found]
+    return f"{own} {given} = {' to '.join(texts)} {other}"
+
+
+def is_run(path: Path) -> bool:
+    """Tell whether a file holds recorded signals, by its ending."""
+    return path.suffix.lower() in ENDINGS
+
+
+def read_run(path: Path) -> Response | SteadyState:
+    """Read the file of `run --out`, `run --checkpoint` or `steady --out`."""
+    check_name(path, list(ENDINGS), "run")
+    run, about = file.read(path)
+    if "branch" in about:
+        raise SceneError(f"{path}: is a branch of steady states; read it with Continuation.load")
+    return SteadyState.load(path) if "steady" in about else Response.from_record(run)
+
+
+def items(system: RotorSystem, texts: list[str], name: str) -> list[Any]:
+    """Read the items to record that an option names."""
     parts: tuple[Any, ...] = (*system.shafts, *system.gears, *system.disks)
     parts += (*system.supports, *system.housings)
-    return named_item({part.name for part in parts}, text)
+    known = {part.name for part in parts}
+    return [named_item(known, text, name) for text in texts]
 
 
-def named_item(names: Container[Any], text: str) -> Any:
-    """Read one recorded item; a name may contain any sign."""
+def named_item(names: Container[Any], text: str, name: str) -> Any:
+    """Read one recorded item of an option; the name of a part may contain any sign."""
     if text in names:
         return text
-    kind = ("bearing",) if text.startswith("bearing:") else ()
-    name, sign, position = text.removeprefix("bearing:").rpartition("@")
+    group = ("bearing",) if text.startswith("bearing:") else ()
+    part, sign, position = text.removeprefix("bearing:").rpartition("@")
     if sign:
-        return (*kind, name, parsed(position, "position", bare=True))
+        return (*group, part, parsed(position, f"{name}.position", bare=True))
     driver, sign, driven = text.partition("/")
     return (driver, driven) if sign else text

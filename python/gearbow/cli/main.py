@@ -3,37 +3,43 @@
 import argparse
 import errno
 import io
+import json
+import math
 import os
 import re
 import signal
 import sys
 import threading
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
+from dataclasses import fields, is_dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from gearbow._core import __version__
-from gearbow.cli import (
-    completion,
-    files,
-    identify,
-    importing,
-    linear,
-    new,
-    report,
-    response,
-    runs,
-)
-from gearbow.cli.answer import Answer
+from gearbow._files import printable, replacing
+from gearbow.cli.answers import Answer
+from gearbow.cli.commands import COMMANDS
 from gearbow.errors import GearbowError, SceneError
 
-__all__ = ["FAILED", "INVALID", "STOPPED", "TERMINATED", "main"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-#: Exit codes: a computation failed, the input is invalid, Ctrl-C, SIGTERM.
-FAILED, INVALID, STOPPED, TERMINATED = 1, 2, 130, 143
-
+#: Exit codes: a computation failed, the input is invalid, Ctrl-C, the reader of the output has
+#: ended (SIGPIPE), SIGTERM.
+FAILED, INVALID, STOPPED, UNREAD, TERMINATED = 1, 2, 130, 141, 143
+#: Options of arguments of methods with another name; the first one that the command has counts.
+_OTHER_NAMES = {
+    "speeds": ("to", "speed"),
+    "frequencies": ("to",),
+    "operating": ("speed",),
+    "unknowns": ("unknown",),
+    "path": ("path", "out"),
+}
 
 #: Signals that end a command as Ctrl-C does. SIGBREAK is Ctrl-Break of Windows, the only signal
 #: that another program can send there.
@@ -51,14 +57,13 @@ class _PrintError(Exception):
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command, and exit with its code: 0 is fine."""
     _prepare_output()
-    parser = _parser()
-    given = parser.parse_args(arguments)
-    if given.command is None:
-        parser.print_help()
-        sys.exit(0)
+    given = argparse.Namespace(command=None, json=False)
     with warnings.catch_warnings(), _stopped_by_signals():
-        warnings.showwarning = _show  # type: ignore[assignment]  # it ignores the place
-        sys.exit(_code(given))
+        try:
+            code = _code(arguments, given)
+        except (_PrintError, BrokenPipeError) as error:
+            code = _unprinted(error.__cause__ or error, given)
+        sys.exit(code)
 
 
 def _prepare_output() -> None:
@@ -103,29 +108,47 @@ def _parser() -> argparse.ArgumentParser:
         '  gearbow modes train.toml --speed "1500 rpm"\n'
         '  gearbow run train.toml --duration 0.5 --speed "1500 rpm" --out run.npz\n'
         "\n`gearbow COMMAND --help` describes a command.\n"
-        "Exit codes: 0 fine, 1 a computation failed, 2 invalid input, 130 Ctrl-C, 143 SIGTERM.",
+        "Exit codes: 0 fine, 1 a computation failed, 2 invalid input, 130 Ctrl-C,\n"
+        "141 the reader of the output has ended, 143 SIGTERM.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"gearbow {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for module in (new, report, importing, linear, response, runs, files, identify):
-        module.add(commands)
-    completion.add(commands, parser)
+    parser.set_defaults(program=parser, commands=commands)
+    for command in COMMANDS:
+        each = commands.add_parser(
+            command.name,
+            help=command.text,
+            description=command.text,
+            epilog=f"examples:\n{command.examples}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        actions = [argument(each) for argument in command.arguments]
+        each.set_defaults(call=command.call, options=_options(filter(None, actions)))
     return parser
 
 
-def _code(given: argparse.Namespace) -> int:
-    """Carry out a command, and give its exit code."""
+def _options(actions: Iterable[argparse.Action]) -> dict[str, str]:
+    """Give the options of a command by the names that the methods have for them."""
+    found = {}
+    # The values of an option with choices are valid.
+    for action in (action for action in actions if action.choices is None):
+        option = action.option_strings[0] if action.option_strings else action.dest
+        found[option.removeprefix("--").replace("-", "_")] = option
+    for name, others in _OTHER_NAMES.items():
+        option = next((found[other] for other in others if other in found), name)
+        found.setdefault(name, option)
+    return found
+
+
+def _code(arguments: Sequence[str] | None, given: argparse.Namespace) -> int:
+    """Read the arguments, carry out the command, and give its exit code."""
     try:
+        _parse(arguments, given)
+        warnings.showwarning = partial(_show, given)
         _write(given.call(given), given)
-    except (_PrintError, BrokenPipeError) as error:
-        cause = error.__cause__ or error
-        # Python writes the rest at its end.
-        with suppress(OSError, ValueError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if not _is_broken_pipe(cause):  # the reader, for example `head`, has enough
-            sys.stderr.write(f"{given.command}: stdout cannot be written: {cause}\n")
-        return FAILED
+    except BrokenPipeError:
+        raise
     except (SceneError, OSError) as error:
         return _fail(given, error, INVALID)
     except (GearbowError, MemoryError) as error:
@@ -138,24 +161,79 @@ def _code(given: argparse.Namespace) -> int:
     return 0
 
 
-def _is_broken_pipe(error: BaseException) -> bool:
-    """Tell whether the reader of stdout has ended, which Windows calls an invalid argument."""
+def _parse(arguments: Sequence[str] | None, given: argparse.Namespace) -> None:
+    """Read the arguments; help and wrong arguments end the program."""
+    parser = _parser()
+    help_text = io.StringIO()  # argparse would ignore that stdout cannot be written
+    try:
+        with redirect_stdout(help_text):
+            parser.parse_args(arguments, given)
+            if given.command is None:
+                parser.print_help()
+                parser.exit()
+    finally:
+        _print(help_text.getvalue())
+
+
+def _unprinted(error: BaseException, given: argparse.Namespace) -> int:
+    """Say that stdout cannot be written, unless its reader, for example `head`, has enough."""
+    # Windows calls a pipe without reader an invalid argument.
     is_invalid = isinstance(error, OSError) and error.errno == errno.EINVAL
-    return isinstance(error, BrokenPipeError) or (os.name == "nt" and is_invalid)
+    is_unread = isinstance(error, BrokenPipeError) or (os.name == "nt" and is_invalid)
+    for stream in (sys.stdout, sys.stderr) if is_unread else (sys.stdout,):
+        # Python writes the rest at its end.
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    if is_unread:
+        return UNREAD
+    sys.stderr.write(f"{given.command or 'gearbow'}: stdout cannot be written: {error}\n")
+    return FAILED
 
 
 def _write(answer: Answer | None, given: argparse.Namespace) -> None:
     """Print an answer, then draw its figure: an error of the figure must not lose the answer."""
     if answer is None:
         return
-    text = answer.json() if given.json else answer.text
+    text = answer.text
+    if given.json:
+        text = json.dumps(_plain(answer.data), indent=2, allow_nan=False)
     _print(f"{text}\n" if text else "")
-    if answer.drawing is not None:
-        answer.drawing.save()
-        _print("" if given.json else f"figure: {answer.drawing.path}\n")
+    path = getattr(given, "figure", None)
+    if answer.draw is not None and path is not None:
+        save_figure(answer.draw(), path)
+        _print("" if given.json else f"figure: {path}\n")
+
+
+def _plain(value: Any) -> Any:
+    """Give a value as JSON has it; numbers that it lacks (NaN, infinity) become null."""
+    if is_dataclass(value):
+        value = {field.name: getattr(value, field.name) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def save_figure(figure: "Figure", path: Path) -> None:
+    """Write a figure to a file."""
+    ending = path.suffix[1:].lower()
+    with replacing(path) as file:
+        if ending == "svg":  # a file of XML, which a name may not make invalid
+            stream = io.StringIO()
+            figure.savefig(stream, format=ending)
+            file.write(printable(stream.getvalue()).encode())
+        else:
+            figure.savefig(file, format=ending)
 
 
 def _print(text: str) -> None:
+    if not text:
+        return
     try:
         sys.stdout.write(text)
         sys.stdout.flush()
@@ -171,10 +249,19 @@ def _fail(given: argparse.Namespace, error: Exception, code: int) -> int:
     # The parser of TOML draws the line of the file below its message.
     lines = [line.strip() for line in text.splitlines()]
     text = "; ".join(line for line in lines if line and not re.match(r"\d* *\|", line))
-    sys.stderr.write(f"{given.command}: {text}\n")
+    sys.stderr.write(f"{given.command}: {_in_options(text, given.options)}\n")
     return code
 
 
-def _show(message: Warning | str, *_: Any) -> None:
+def _show(given: argparse.Namespace, message: Warning | str, *_: Any) -> None:
     """Write a warning as one line."""
-    sys.stderr.write(f"warning: {message}\n")
+    sys.stderr.write(f"warning: {_in_options(str(message), given.options)}\n")
+
+
+def _in_options(text: str, options: Mapping[str, str]) -> str:
+    """Name the options of the command in a message that names arguments of a method."""
+    place = re.match(r"(\w+)(\[\d+\]|\.\w+)*(?=: )", text)
+    if place is not None:
+        text = options.get(place[1], place[0]) + text[place.end() :]
+    # As in "give noise= or more speeds".
+    return re.sub(r"\b(\w+)=(?= )", lambda found: options.get(found[1], found[0]), text)

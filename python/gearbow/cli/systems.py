@@ -12,8 +12,6 @@ from gearbow.system.read import REXS, format_of, read
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
 
-__all__ = ["add_options", "read_options", "read_system", "refuse_options"]
-
 #: Words in place of the values of a bearing or coupling.
 _WORDS = {"none": None, CATALOGUE: CATALOGUE}
 #: Options of files of other programs, by the argument of `gearbow.read`.

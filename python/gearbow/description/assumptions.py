@@ -9,8 +9,6 @@ from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import STEEL, Shaft, segments_of
 from gearbow.description.stiffness import Stiffness
 
-__all__ = ["assumptions"]
-
 #: Models of tooth pairs, which have an engagement.
 _PAIRS = ("square", "parabolic", "potential_energy")
 

@@ -11,8 +11,6 @@ from gearbow._types import At
 from gearbow.description.part import Part
 from gearbow.description.places import place
 
-__all__ = ["DISPLACEMENTS", "VELOCITIES", "BowLimit"]
-
 #: Peak-to-peak displacement of a shaft relative to its bearing: factor over √n with the speed n in
 #: rpm, and the largest value [m]. ISO 20816-3 (before: ISO 7919-3), boundaries of its zones; API
 #: 617, √(12000/n) mil and at most 1 mil.

@@ -11,8 +11,6 @@ from gearbow.description.part import Part
 from gearbow.description.places import place
 from gearbow.description.time_series import TimeSeries
 
-__all__ = ["Coupling", "Drive", "Force"]
-
 
 @dataclass(frozen=True)
 class Coupling(Part):

@@ -10,8 +10,6 @@ from gearbow.description.part import tuples
 from gearbow.description.speed import evaluated
 from gearbow.errors import SceneError
 
-__all__ = ["described_ratios", "given_ratios"]
-
 #: Keys of a table over the frequency, and the key of the modes without a ratio of their own.
 _TABLE, _OTHER = ("frequencies", "ratios"), "other"
 #: Exponents of ten of the frequencies [rad/s] at which a function is sampled, and points for a

@@ -3,8 +3,6 @@
 from collections.abc import Iterable
 from typing import Any
 
-__all__ = ["left_out"]
-
 #: Excitations that turn once with a shaft, which the synchronous vibration contains.
 _TURNING = (
     "bow",

@@ -10,8 +10,6 @@ from gearbow.description.part import Part
 from gearbow.description.stiffness import Stiffness
 from gearbow.description.teeth import MeshFriction, TipRelief, TransmissionError
 
-__all__ = ["Disk", "Gear", "Mesh"]
-
 
 class _Body(Part):
     """Base of disks and gears: a quantity with an angle in the shaft is complex."""

@@ -13,8 +13,6 @@ from gearbow._types import Array, FilmModel, Plain
 from gearbow.description.part import Part, freeze
 from gearbow.description.supports import Base, with_support
 
-__all__ = ["FilmCoefficients", "JournalBearing"]
-
 
 @dataclass(frozen=True, eq=False)
 class FilmCoefficients(ReadOnly):

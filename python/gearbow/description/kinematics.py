@@ -22,8 +22,6 @@ from gearbow.description.places import place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft
 
-__all__ = ["Kinematics", "Order", "Train"]
-
 #: Largest number of harmonics and of sidebands, which bounds the memory for the list of orders.
 MOST_HARMONICS = 1000
 

@@ -18,18 +18,6 @@ from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Material, Shaft, Sleeve, segments_of
 from gearbow.description.supports import Housing
 
-__all__ = [
-    "BaseOutline",
-    "BodyOutline",
-    "Layout",
-    "ShaftOutline",
-    "ShearLengths",
-    "Step",
-    "layout",
-    "reference_radius",
-    "shear_lengths",
-]
-
 #: End and shear length √(12EI/(κGA)) of each part of a shaft [m].
 ShearLengths: TypeAlias = tuple[tuple[float, float], ...]
 

@@ -12,8 +12,6 @@ from gearbow.description.speed import evaluated
 from gearbow.description.time_series import TimeSeries
 from gearbow.errors import SceneError
 
-__all__ = ["described_value", "functions", "over_time", "refuse_functions"]
-
 P = TypeVar("P", bound=Part)
 
 #: Time at the beginning of a function from which elements are chosen [s]: that over which the

@@ -17,8 +17,6 @@ from gearbow.description.speed_table import SpeedTable
 from gearbow.description.supports import Base, with_support
 from gearbow.description.time_series import TimeSeries
 
-__all__ = ["Bearing", "Torque"]
-
 
 @dataclass(frozen=True)
 class Bearing(Part):

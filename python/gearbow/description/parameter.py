@@ -14,8 +14,6 @@ from gearbow.description.train import PARTS
 from gearbow.errors import SceneError
 from gearbow.units.fields import unit_of
 
-__all__ = ["Parameter"]
-
 #: Options of a system that are numbers.
 _OPTIONS = ("modal_damping", "rayleigh", "gravity")
 #: A step of a path: a field, the number of an entry or "*" for all entries, or a name in quotes.

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import complex_number, nested, real, shown, text
-from gearbow._keywords import CheckedKeywords
+from gearbow._lookup import CheckedKeywords
 from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
-from gearbow.units.convert import has_quantity, is_quantity, magnitude, quantities_exist
+from gearbow.units.parse import has_quantity, is_quantity, magnitude, quantities_exist
 
 P = TypeVar("P", bound="Part")
 

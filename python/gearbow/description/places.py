@@ -1,23 +1,14 @@
 """Places: names, positions on shafts and meshes, found among known ones."""
 
 import numbers
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import Any
 
 from gearbow._convert import BYTES, real, shown
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import SceneError
-from gearbow.units.convert import is_quantity
-
-__all__ = [
-    "Places",
-    "is_pair",
-    "is_place",
-    "names_of_bases",
-    "place",
-    "place_label",
-    "places",
-]
+from gearbow.units.parse import is_quantity
 
 #: Positions with a smaller difference [m], or relative to a position above 1 m, are equal.
 _SAME_POSITION = 1e-9
@@ -124,3 +115,14 @@ def names_of_bases(own: Iterable[object], *listed: Support | Housing) -> list[st
     """Give the names of what bearings stand on: their own supports, and those that are listed."""
     bases = [*listed, *(base for base in own if isinstance(base, Support))]
     return [base.name for base in bases if base.name is not None]
+
+
+def cleaned(name: str) -> str:
+    """Replace what names of gearbow do not contain: "/" and ":"."""
+    return re.sub("[/:]", "-", name)
+
+
+def unique(name: str, number: int, taken: Container[str]) -> str:
+    """Clean a name, and add the number of its component if another part has it."""
+    found = cleaned(name)
+    return f"{found} [{number}]" if found in taken else found

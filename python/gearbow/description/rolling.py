@@ -15,8 +15,6 @@ from gearbow.description.part import Part
 from gearbow.description.supports import Base, with_support
 from gearbow.errors import SceneError
 
-__all__ = ["RingCoefficients", "RollingBearing", "RollingCoefficients", "RollingEstimate"]
-
 #: Fields of a rolling bearing of which a description has at least one.
 ROLLING_FIELDS = ("elements", "designation", "boundary")
 

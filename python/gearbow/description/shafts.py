@@ -16,8 +16,6 @@ from gearbow._types import Plain
 from gearbow.description.bow import Bow
 from gearbow.description.part import Part, expect, parts
 
-__all__ = ["STEEL", "Material", "Segment", "Shaft", "Sleeve", "segments_of"]
-
 
 @dataclass(frozen=True)
 class Material(Part):

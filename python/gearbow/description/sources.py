@@ -13,15 +13,6 @@ from gearbow.description.part import Part
 from gearbow.description.places import place, place_label
 from gearbow.errors import SceneError
 
-__all__ = [
-    "GroundMotion",
-    "MeshExcitation",
-    "ShaftExcitation",
-    "Source",
-    "phasor",
-    "plain_sources",
-]
-
 
 @dataclass(frozen=True)
 class MeshExcitation(Part):

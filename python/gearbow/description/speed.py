@@ -13,8 +13,6 @@ from gearbow._read_only import ReadOnly
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
 
-__all__ = ["SpeedProfile", "evaluated", "plain_speed", "read_speed", "sampled"]
-
 #: Tolerance of the sampling of a function, relative to the largest speed. Each cubic piece is
 #: compared with the function at two points; elsewhere the error is at most twice as large.
 _ACCURACY = 5e-11

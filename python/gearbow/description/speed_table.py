@@ -16,8 +16,6 @@ from gearbow._types import Array, BearingQuantity, OutsideTable, Plain, TableAxe
 from gearbow.description.part import Part, freeze
 from gearbow.errors import SceneError, SceneWarning, outside
 
-__all__ = ["SpeedTable"]
-
 #: Letter of the columns of each quantity.
 _LETTERS = {"stiffness": "k", "damping": "c"}
 #: Letter of the columns of added masses.

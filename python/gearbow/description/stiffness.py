@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike
 from gearbow._types import Foundation, MeshPhase, StiffnessModel
 from gearbow.description.part import Part, freeze
 
-__all__ = ["Stiffness"]
-
 
 @dataclass(frozen=True)
 class Stiffness(Part):

@@ -11,8 +11,6 @@ from gearbow._types import Plain
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.errors import SceneError
 
-__all__ = ["Base", "Housing", "Support", "with_support"]
-
 
 @dataclass(frozen=True)
 class Support(Part):

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 
 from gearbow.description.part import Part, freeze
 
-__all__ = ["MeshFriction", "TipRelief", "TransmissionError"]
-
 #: (amplitude [m], phase [rad]) of the orders 1, 2, ….
 Harmonics = Sequence[Sequence[float]]
 

@@ -12,8 +12,6 @@ from gearbow.description.part import Part, expect
 from gearbow.description.places import place
 from gearbow.description.sources import phasor
 
-__all__ = ["ThermalBow"]
-
 
 @dataclass(frozen=True)
 class ThermalBow(Part):

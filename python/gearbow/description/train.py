@@ -19,8 +19,6 @@ from gearbow.description.shafts import Shaft, Sleeve
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import AccuracyWarning
 
-__all__ = ["PARTS", "Train", "parts_of"]
-
 #: Class of the parts of each list of a system.
 PARTS: dict[str, type[Part]] = {
     "shafts": Shaft,

@@ -32,6 +32,7 @@ from gearbow.exchange.universal import (
     whole_line,
     write,
 )
+from gearbow.units.fields import MOTIONS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,7 +43,6 @@ _UFF_DIRECTIONS = {"x": 1, "y": 2, "z": 3, "twist": 4}
 #: Data types of UFF 58: displacement, velocity, acceleration, and excitation force.
 _UFF_TYPES = {"m": 8, "rad": 8, "N": 13}
 _UFF_QUANTITIES = {8: "displacement", 11: "velocity", 12: "acceleration"}
-_UNITS = {8: "m", 11: "m/s", 12: "m/s^2"}
 _DIRECTIONS = {number: name for name, number in _UFF_DIRECTIONS.items()}
 _TWIST = _UFF_DIRECTIONS["twist"]
 #: What the last line of text of a file of gearbow says.
@@ -209,7 +209,8 @@ def reference_of(source: Mapping[str, Any]) -> _Reference:
     quantity = Quantity(13, "N")
     if kind == "ground":
         quantities = {name: number for number, name in _UFF_QUANTITIES.items()}
-        quantity = Quantity(quantities[source["quantity"]], _UNITS[quantities[source["quantity"]]])
+        name = source["quantity"]
+        quantity = Quantity(quantities[name], MOTIONS[name].replace("²", "^2"))  # in ASCII
     acting = [i for i, part in enumerate(parts, start=1) if part]
     if len(acting) != 1:
         return _Reference(float(np.linalg.norm(parts)) or 1.0, quantity)

@@ -13,8 +13,8 @@ from gearbow._convert import whole
 from gearbow._files import parsing
 from gearbow._shown import Shown, Table
 from gearbow._types import Plain
+from gearbow.description.places import unique
 from gearbow.errors import SceneError
-from gearbow.exchange.names import unique
 from gearbow.exchange.rexs_file import Component, RexsFile, read_rexs_file
 from gearbow.exchange.rexs_joints import Joints, MissingValue, check_given
 from gearbow.exchange.rexs_shafts import PlacedShaft, Shafts, segment

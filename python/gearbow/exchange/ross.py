@@ -25,8 +25,8 @@ import numpy as np
 
 from gearbow._files import parsing, reading
 from gearbow._types import Array, Plain
+from gearbow.description.places import cleaned
 from gearbow.errors import SceneError, SceneWarning, outside
-from gearbow.exchange.names import cleaned
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -8,9 +8,7 @@ from gearbow._lookup import nearest
 from gearbow._shown import Shown
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
-from gearbow.units.values import rpm
-
-__all__ = ["Example", "example", "examples", "scene_files"]
+from gearbow.units.speed import rpm
 
 #: First line of a file: what the machine is. Its line with the rated speed.
 _TITLE = re.compile(r"# (.+?)\.?\n")

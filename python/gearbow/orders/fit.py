@@ -29,15 +29,20 @@ from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
 from gearbow.orders.channel import channel
-from gearbow.orders.harmonics import ALWAYS, MOST_HARMONICS, significant
-from gearbow.orders.segments import OrderFit, SignalSegment, cut, fit
 from gearbow.orders.separation import (
+    ALWAYS,
+    MOST_HARMONICS,
     SEGMENT_SEPARATION,
     SEPARATION,
+    OrderFit,
     Sampling,
     Separated,
+    SignalSegment,
+    cut,
+    fit,
     separated,
     shortcomings,
+    significant,
 )
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
@@ -46,8 +51,6 @@ from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["Orders", "orders"]
 
 #: Largest share of the remainder in the RMS about the mean without a warning: the orders then
 #: contain 91 % of the power.

@@ -13,7 +13,7 @@ import numpy as np
 
 from gearbow._convert import number, shown
 from gearbow._extras import extra
-from gearbow._keywords import checked
+from gearbow._lookup import checked
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_micrometres, written_unit
 from gearbow._shown import span
@@ -36,8 +36,6 @@ from gearbow.units.speed import SpeedUnit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["Waterfall", "waterfall"]
 
 #: Length of the segments of a run-up by default, relative to the run, and distance of neighbouring
 #: segments, relative to their length.

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from gearbow._types import ComplexArray, Dof, NodalDof
+from gearbow.description.coordinates import Entries, motion_within
 from gearbow.description.layout import Layout
-from gearbow.description.within_elements import Entries, motion_within
 
 __all__ = ["refined"]
 

@@ -20,9 +20,7 @@ from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
 from gearbow.recording.channels import CHANNELS, OWNERS, with_signals
 from gearbow.recording.container import Container, Header, opened, suffix, write_netcdf
-from gearbow.recording.errors import ErrorEstimate, Errors
-from gearbow.recording.record import RunRecord
-from gearbow.recording.request import OPTIONS, RunRequest
+from gearbow.recording.record import OPTIONS, ErrorEstimate, Errors, RunRecord, RunRequest
 from gearbow.recording.schema import (
     any_number,
     anything,
@@ -38,8 +36,6 @@ from gearbow.recording.schema import (
 )
 from gearbow.recording.tables import FORMAT, arrays_of, metadata_of, to_xarray
 from gearbow.units.speed import speed_factor
-
-__all__ = ["load", "read", "save"]
 
 #: Arrays of the final state. Their lengths depend on the method.
 _STATE = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}

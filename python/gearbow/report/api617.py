@@ -25,8 +25,6 @@ from gearbow.results.modes import Modes
 if TYPE_CHECKING:
     from gearbow.report.contents import Contents
 
-__all__ = ["level_1", "unbalance"]
-
 #: Unbalance of the response analysis: W/N times this [g mm rpm/kg].
 _UNBALANCE = 2.0 * 6350.0
 #: Displacement of a second plane from which it has half the unbalance, relative to the largest.

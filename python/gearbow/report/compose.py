@@ -16,8 +16,6 @@ from gearbow.report.contents import SECTIONS, Contents, Options
 from gearbow.report.page import Block, Code, Note, Section, write
 from gearbow.units.speed import SpeedUnit, speed_text
 
-__all__ = ["compose"]
-
 
 def compose(system: Any, path: Path, options: Options, progress: bool | Progress | None) -> None:
     """Compute the sections and write the page, after Ctrl-C with the finished sections."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from gearbow._result import Column, in_micrometres, in_percent
 from gearbow._types import Array
-from gearbow.analysis.bow_elements import with_elements_for
+from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.description.assumptions import assumptions
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.bow_limit import BowLimit
@@ -34,8 +34,6 @@ from gearbow.results.static import Static
 from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
-
-__all__ = ["SECTIONS", "Contents", "Options"]
 
 #: Damping ratio, without its sign, of a mode that neither grows nor decays.
 _GROWTH = 1e-6

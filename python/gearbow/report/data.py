@@ -12,8 +12,6 @@ from gearbow._shown import short
 from gearbow.report.page import Table
 from gearbow.units.fields import DIMENSIONLESS, unit_of
 
-__all__ = ["parts_tables"]
-
 #: How a drawing writes quantities in SI units: factor and unit.
 _WRITTEN = {
     "m": (1e3, "mm"),

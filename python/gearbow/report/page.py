@@ -20,8 +20,6 @@ from gearbow.units.speed import SpeedUnit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Block", "Code", "Note", "Picture", "Section", "Table", "picture", "write"]
-
 #: Resolution of an image in three dimensions [1/in]; the others are vector graphics.
 _RESOLUTION = 110
 

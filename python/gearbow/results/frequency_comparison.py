@@ -11,6 +11,7 @@ from gearbow._result import Column, Result
 from gearbow._shown import short
 from gearbow._types import Array, ComplexArray
 from gearbow.errors import SceneError
+from gearbow.units.fields import MOTIONS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -135,7 +136,7 @@ class FrequencyComparison(Result, ReadOnly):
         quantities = {one.quantity for one in self.measured}
         if len(quantities) > 1:
             raise SceneError(f"plot: the curves have different quantities: {sorted(quantities)}")
-        unit = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}[quantities.pop()]
+        unit = MOTIONS[quantities.pop()]
         lines = {}
         for one, own, frac in zip(self.measured, self.computed, self.frac, strict=True):
             lines[f"{one.label}, measured"] = (one.frequencies, one.values)

@@ -8,8 +8,7 @@ import numpy as np
 from gearbow._types import Array, At
 from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError
-from gearbow.sensors.accelerometer import Accelerometer
-from gearbow.sensors.probe import Probe
+from gearbow.sensors.probe import Accelerometer, Probe
 from gearbow.sensors.sensor import SignalSensor
 
 if TYPE_CHECKING:

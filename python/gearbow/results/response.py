@@ -32,8 +32,7 @@ from gearbow.recording import access, tables
 from gearbow.recording.bearing_motion import BearingMotion
 from gearbow.recording.contact import ContactShares
 from gearbow.recording.energy import EnergyBalance
-from gearbow.recording.errors import Errors
-from gearbow.recording.record import Event, MeshResponse, RunRecord, Statistics
+from gearbow.recording.record import Errors, Event, MeshResponse, RunRecord, Statistics
 from gearbow.recording.resample import resampled
 from gearbow.results.motion import animate
 from gearbow.results.run_figures import plot
@@ -46,7 +45,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gearbow.description.kinematics import Kinematics
-    from gearbow.recording.request import RunRequest
+    from gearbow.recording.record import RunRequest
 
 __all__ = ["Response"]
 

@@ -9,8 +9,6 @@ from gearbow._shown import Shown
 from gearbow._types import Array, At
 from gearbow.recording.record import Recorded
 
-__all__ = ["Motion", "Sensor", "SignalSensor", "degrees_text"]
-
 #: A quantity ("displacement", "axial_acceleration", …) of the motion of a place: over time, or its
 #: phasors.
 Motion: TypeAlias = Callable[[Any, At], Any]

@@ -14,8 +14,6 @@ from gearbow.recording import access
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
 from gearbow.sensors.sensor import Sensor
 
-__all__ = ["Tacho"]
-
 
 @dataclass(frozen=True)
 class Tacho(Sensor):

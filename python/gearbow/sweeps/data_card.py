@@ -16,8 +16,6 @@ from gearbow.sweeps.result import Sweep
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CARD_SIGN", "data_card"]
-
 #: A sentence by which a data card is known.
 CARD_SIGN = "The data are computed, not measured."
 

@@ -17,8 +17,7 @@ import numpy as np
 from gearbow._convert import number, shown, text, whole
 from gearbow._extras import extra
 from gearbow._files import check_output, printable, replacing
-from gearbow._keywords import checked
-from gearbow._lookup import nearest
+from gearbow._lookup import checked, nearest
 from gearbow._types import Array, Progress
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.fit import orders as fitted_orders
@@ -36,8 +35,6 @@ from gearbow.units.fields import DIMENSIONLESS, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["dataset"]
 
 #: Label of a sample that is the seed of its random noise.
 _SEED = "noise_seed"

@@ -16,8 +16,6 @@ import numpy as np
 
 from gearbow.errors import GearbowError
 
-__all__ = ["identity"]
-
 
 def identity(function: Callable[..., Any]) -> dict[str, str]:
     """Return the name and the digest of a function."""

@@ -14,8 +14,6 @@ from gearbow.results.response import Response
 if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
 
-__all__ = ["simulate_many"]
-
 
 def simulate_many(
     system: System,

@@ -1,8 +1,10 @@
-"""Points of a sweep: a grid of parameter values, or a list of them."""
+"""Points of a sweep, a grid of parameter values or a list of them, and the outcome of each."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TypeAlias, overload
+import traceback
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias, overload
 
 import numpy as np
 
@@ -10,7 +12,9 @@ from gearbow._convert import BYTES, shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
 
-__all__ = ["Parameters", "Points"]
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
 
 #: Accepted parameters of a sweep: a grid, or a list of points.
 Parameters: TypeAlias = Mapping[str, Iterable[Any]] | Iterable[Mapping[str, Any]]
@@ -131,3 +135,64 @@ def _plain(value: Any, where: str) -> Plain:
         f"{shown(value)}; use a number or a name as the parameter, and make the object from it in "
         "`make`"
     )
+
+
+#: Name of the value if `measure` returns no dict.
+SINGLE = "value"
+
+#: Measured values by name: NumPy scalars, and arrays.
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Measured values of a point, or its error."""
+
+    values: Values | None = None
+    error: str = ""
+    details: str = field(default="", repr=False)
+
+
+def compute(
+    make: Callable[..., Any], measure: Callable[..., Any], parameters: dict[str, Any]
+) -> Outcome:
+    """Make the system of a point and measure it."""
+    try:
+        return Outcome(_values(measure(make(**parameters), **parameters)))
+    except Exception as error:  # noqa: BLE001  # the other points continue
+        return failure(error)
+
+
+def failure(error: BaseException) -> Outcome:
+    """Return the outcome of a failed point."""
+    name = type(error).__qualname__
+    text = f"{name}: {error}" if str(error) else name
+    return Outcome(None, text, "".join(traceback.format_exception(error)))
+
+
+def _values(found: object) -> dict[str, Any]:
+    if not isinstance(found, Mapping):
+        return {SINGLE: _value(found, "measure")}
+    if not found:
+        raise SceneError("measure: must return at least one value, got an empty dict")
+    for name in found:
+        if not isinstance(name, str):
+            raise SceneError(f"measure: the name of a value must be text, got {shown(name)}")
+    return {str(name): _value(value, f"measure: {name!r}") for name, value in found.items()}
+
+
+def _value(value: object, where: str) -> Any:
+    wanted = "must be a number, a text or an array of them"
+    if isinstance(value, np.ma.MaskedArray):
+        raise SceneError(f"{where}: must not be a masked array; give its `.filled()` values")
+    try:
+        array: NDArray[Any] = np.asarray(value)
+    except (TypeError, ValueError):  # rows of different lengths
+        raise SceneError(f"{where}: {wanted}, got {shown(value)}") from None
+    if array.dtype.kind not in "biufcU":
+        raise SceneError(f"{where}: {wanted}, got {shown(value)}")
+    kind = array.dtype.newbyteorder("=")
+    if kind.char in "gG":  # extended precision depends on the machine
+        kind = np.dtype(np.float64 if kind.char == "g" else np.complex128)
+    # A copy: `measure` may change its array later. `[()]` makes a scalar of an array without axes.
+    return np.array(array, dtype=kind, order="C")[()]

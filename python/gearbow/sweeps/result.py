@@ -20,15 +20,12 @@ from gearbow._types import Plain
 from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording.container import suffix, write_netcdf
 from gearbow.sweeps import store, tables
-from gearbow.sweeps.outcome import Outcome, Values
-from gearbow.sweeps.points import Points
+from gearbow.sweeps.points import Outcome, Points, Values
 from gearbow.units.fields import DIMENSIONLESS, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-
-__all__ = ["Sweep", "SweepPoint"]
 
 
 @dataclass(frozen=True, eq=False)

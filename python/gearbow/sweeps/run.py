@@ -9,18 +9,15 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from gearbow._convert import shown
-from gearbow._keywords import checked
+from gearbow._lookup import checked
 from gearbow._parallel import ParallelCalls
 from gearbow._progress import reported
 from gearbow._types import Progress
 from gearbow.errors import GearbowError, SceneError
 from gearbow.sweeps.functions import identity
-from gearbow.sweeps.outcome import Outcome, compute, failure
-from gearbow.sweeps.points import Parameters, Points
+from gearbow.sweeps.points import Outcome, Parameters, Points, compute, failure
 from gearbow.sweeps.result import Sweep
 from gearbow.sweeps.store import Store, head_of
-
-__all__ = ["check_call", "sweep"]
 
 
 @checked

@@ -27,16 +27,12 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._compare import differences, short
 from gearbow._core import __version__
-from gearbow._files import FileLock, check_name, parsing, replacing
+from gearbow._files import FileLock, check_name, differences, parsing, replacing, short
 from gearbow._types import Plain
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
 from gearbow.recording.schema import anything, each, entries, record, row, text, whole
-from gearbow.sweeps.outcome import Outcome
-from gearbow.sweeps.points import Points
-
-__all__ = ["SUFFIX", "Contents", "Store", "head_of", "points_of", "read", "write"]
+from gearbow.sweeps.points import Outcome, Points
 
 #: The tables of a file.
 _TABLES = (

@@ -10,13 +10,10 @@ from gearbow._core import require_memory
 from gearbow._extras import extra
 from gearbow._result import Column
 from gearbow.errors import GearbowError
-from gearbow.sweeps.outcome import Outcome
-from gearbow.sweeps.points import Points
+from gearbow.sweeps.points import Outcome, Points
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["column", "columns", "for_netcdf", "shape_of", "to_xarray"]
 
 
 def shape_of(name: str, outcomes: Mapping[int, Outcome]) -> tuple[int, ...]:

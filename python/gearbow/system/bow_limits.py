@@ -1,7 +1,7 @@
 """The bow of a shaft at which each limit of a system is reached."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +13,6 @@ from gearbow._lookup import one_of
 from gearbow._types import Array
 from gearbow.analysis.bow_checks import Check, added_check, mesh_checks, mesh_teeth
 from gearbow.analysis.bow_motion import BowMotion, Variants
-from gearbow.analysis.crossing import first_crossing
 from gearbow.analysis.protocol import System
 from gearbow.description.bow import Bow, amplitude_of
 from gearbow.description.bow_limit import BowLimit
@@ -23,8 +22,6 @@ from gearbow.errors import ContactError, ConvergenceError, SceneError, Stability
 from gearbow.results.bow_limits import BowLimits, ReachedLimit
 from gearbow.system.steady import steady_state
 from gearbow.units.speed import given_unit
-
-__all__ = ["bow_limits"]
 
 #: Relative tolerance of a bow from the linear motion, and from steady states, which cost more.
 _TOLERANCE, _STEADY_TOLERANCE = 1e-6, 2e-3
@@ -220,3 +217,35 @@ def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimi
         return replace(found, why=text)
     why = f"{check.why}; exceeded without this bow" if bow == 0.0 else check.why
     return replace(found, bow=bow, why=why, **_of_phases(phases))
+
+
+def first_crossing(
+    margin: Callable[[float], float], first: float, most: float, tolerance: float
+) -> float | None:
+    """Find the smallest value up to `most` with a margin that is not positive; None without one."""
+    low, below = 0.0, margin(0.0)
+    if below <= 0.0:
+        return 0.0
+    high = min(first, most)
+    while (above := margin(high)) > 0.0:
+        if high >= most:
+            return None
+        low, below, high = high, above, min(2.0 * high, most)
+    kept = 0
+    root = low
+    while high - low > tolerance * high:
+        # An infinite margin, beyond which there is no motion, has no slope.
+        part = below / (below - above) if math.isfinite(above) else 0.5
+        before, root = root, low + (high - low) * part
+        if abs(root - before) <= 0.5 * tolerance * root:
+            return root
+        value = margin(root)
+        if value > 0.0:
+            low, below = root, value
+            above = above / 2.0 if kept > 0 else above
+            kept = 1
+        else:
+            high, above = root, value
+            below = below / 2.0 if kept < 0 else below
+            kept = -1
+    return (low + high) / 2.0

@@ -16,9 +16,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from gearbow._compare import differences, short
 from gearbow._core import __version__, check_final
-from gearbow._files import FileLock
+from gearbow._files import FileLock, differences, short
 from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside

@@ -32,8 +32,7 @@ from gearbow._types import (
     RunData,
 )
 from gearbow.accuracy.levels import LEVELS, check_reduction
-from gearbow.analysis.arclength import Settings, branch
-from gearbow.analysis.branch_point import BranchPoint
+from gearbow.analysis.arclength import BranchPoint, Settings, branch
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import scaled
 from gearbow.description.kinematics import Kinematics
@@ -46,8 +45,6 @@ from gearbow.system.run import requests
 from gearbow.system.simulation import accuracy_level
 from gearbow.system.steady import period_samples, steady_state
 from gearbow.units.speed import SpeedUnit, given_unit
-
-__all__ = ["continuation"]
 
 #: Smallest number of recorded instants in a period.
 _SAMPLES = 128

@@ -24,22 +24,12 @@ from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.sensor import SignalSensor
 from gearbow.system.motions import Motions, is_damped, require_memory_of
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
-
-__all__ = ["of_equilibrium", "of_harmonic", "of_synchronous"]
+from gearbow.units.fields import MOTIONS, QUANTITIES
 
 #: Round-off of differences over the sum of absolute elastic terms, relative to that over a result.
 _ROUND_OFF_OF_TERMS = 1e-3
-#: Unit, and number of derivatives with respect to time, of a quantity at a place.
-_QUANTITIES = {
-    "displacement": ("m", 0),
-    "velocity": ("m/s", 1),
-    "acceleration": ("m/s²", 2),
-    "twist": ("rad", 0),
-    "axial_displacement": ("m", 0),
-    "bearing_force": ("N", 0),
-}
-#: Integrations from the quantity of a motion of the ground to its displacement.
-_INTEGRATIONS = {"displacement": 0, "velocity": 1, "acceleration": 2}
+#: Derivatives with respect to time of the displacement in a motion; other quantities have none.
+_DERIVATIVES = {quantity: number for number, quantity in enumerate(MOTIONS)}
 
 
 @dataclass(frozen=True)
@@ -68,9 +58,7 @@ class _Signal:
         lateral = quantity not in ("twist", "axial_displacement")
         name = "" if quantity == "displacement" else f" {quantity.replace('_', ' ')}"
         label = f"{place_label(found)}{name}"
-        return cls(
-            found, quantity, label, _QUANTITIES[quantity][0], ("y", "z") if lateral else ("",)
-        )
+        return cls(found, quantity, label, QUANTITIES[quantity], ("y", "z") if lateral else ("",))
 
     @property
     def kind(self) -> str:
@@ -89,7 +77,7 @@ class _Signal:
     def derivatives(self) -> int:
         """Give the number of derivatives of the displacement with respect to time."""
         if self.quantity != "sensor":
-            return _QUANTITIES.get(self.quantity, ("", 0))[1]
+            return _DERIVATIVES.get(self.quantity, 0)
         asked: list[str] = []
 
         def of(quantity: str, _: Any) -> Array:
@@ -97,7 +85,7 @@ class _Signal:
             return np.zeros(2)
 
         self.at._sensed(of)
-        return _QUANTITIES[asked[0].replace("axial_", "").replace("axial", "displacement")][1]
+        return _DERIVATIVES.get(asked[0].removeprefix("axial_"), 0)
 
     def moved(self, coordinates: Coordinates, motion: Any) -> Any:
         """Give the displacements of which the signal consists, with its components last."""
@@ -147,7 +135,7 @@ def _harmonic(
         base._model.harmonic_adjoint(frequencies, speeds, outputs),
         sources,
         outputs,
-        [_INTEGRATIONS.get(str(each.get("quantity")), 0) for each in sources],
+        [_DERIVATIVES.get(str(each.get("quantity")), 0) for each in sources],
         is_damped(family, parameters),
     )
     # At a node, the outputs do not depend on the elements.
@@ -185,7 +173,7 @@ def of_harmonic(
 ) -> ResponseSensitivity:
     """Give the derivatives of a signal of a frequency response."""
     _require_own(family, of.description)
-    signal = _Signal.of(at, quantity, tuple(_QUANTITIES))
+    signal = _Signal.of(at, quantity, tuple(QUANTITIES))
     shape = of.frequencies.shape
     phasors = of.phasors.reshape(-1, *of.phasors.shape[-2:])
     motions = (of.frequencies.ravel(), of.speeds.ravel(), of._sources, phasors)
@@ -216,7 +204,7 @@ def of_synchronous(
     _require_own(family, of.description)
     if of.slow_roll is not None:
         raise SceneError("of: give the response before the subtraction of slow-roll amplitudes")
-    signal = _Signal.of(at, quantity, tuple(_QUANTITIES))
+    signal = _Signal.of(at, quantity, tuple(QUANTITIES))
     index = _index(signal, family.origin, of._bearings)
     parts = []
     for i, (shaft, ratio) in enumerate(zip(of.shafts, family.base.speed_ratios, strict=True)):

@@ -10,8 +10,7 @@ import numpy as np
 from gearbow._convert import copied, nested, showing, shown, text
 from gearbow._core import Model
 from gearbow._files import check_name, replacing
-from gearbow._keywords import CheckedKeywords
-from gearbow._lookup import nearest
+from gearbow._lookup import CheckedKeywords, nearest
 from gearbow._shown import Shown, Table, listed
 from gearbow._types import Accuracy, Array, Dof, Plain, ShaftMotion
 from gearbow.accuracy.levels import DEFAULT
@@ -54,13 +53,11 @@ from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
 from gearbow.tradeoff.ask import tradeoff
-from gearbow.units.convert import without_texts
+from gearbow.units.parse import without_texts
 from gearbow.units.speed import SpeedUnit, unit_in_texts
 
 if TYPE_CHECKING:
     from typing_extensions import Self
-
-__all__ = ["RotorSystem"]
 
 #: Further classes of a list of parts.
 _OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing, RollingBearing)}

@@ -9,15 +9,13 @@ from gearbow._convert import copied, showing
 from gearbow._core import Model
 from gearbow._files import reading
 from gearbow.errors import SceneError
-from gearbow.units.convert import without_texts
+from gearbow.units.parse import without_texts
 from gearbow.units.speed import SpeedUnit, unit_in_texts
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
-
-__all__ = ["read_scene"]
 
 _NUL = re.compile(r"\\(u0000|U00000000)")
 

@@ -29,7 +29,7 @@ from gearbow.analysis.protocol import S, System
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
 from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
-from gearbow.recording.request import RunRequest
+from gearbow.recording.record import RunRequest
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 from gearbow.system.run import (
@@ -44,8 +44,6 @@ from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
     from gearbow.system.checkpoint import Checkpoint
-
-__all__ = ["accuracy_level", "default_output_step", "require_memory_of_runs", "simulate"]
 
 
 def simulate(

@@ -8,15 +8,13 @@ from gearbow._convert import items, number, positive, truth, whole
 from gearbow._lookup import one_of
 from gearbow._times import grid
 from gearbow._types import InitialState, Progress
-from gearbow.accuracy.refine import MAX_DEGREE
+from gearbow.accuracy.estimate import MAX_DEGREE
 from gearbow.analysis.protocol import S, System
 from gearbow.errors import SceneError
 from gearbow.tradeoff.models import degrees_of, simplified
 from gearbow.tradeoff.result import Tradeoff
 from gearbow.tradeoff.settings import METHODS, ladders
 from gearbow.tradeoff.signals import read_signals
-
-__all__ = ["tradeoff"]
 
 
 def tradeoff(  # numpydoc ignore=PR01

@@ -4,13 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic
 
-from gearbow.accuracy.refine import MAX_DEGREE
+from gearbow.accuracy.estimate import MAX_DEGREE
 from gearbow.analysis.protocol import S, System, variant
 from gearbow.description.shafts import Shaft
 from gearbow.description.stiffness import Stiffness
 from gearbow.results.discretisation import ShaftElements
-
-__all__ = ["GIVEN", "Model", "degrees_of", "refined", "simplified"]
 
 #: Name of the model without simplification.
 GIVEN = "as given"

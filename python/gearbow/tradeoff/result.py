@@ -8,7 +8,7 @@ from gearbow._convert import positive, truth
 from gearbow._extras import extra
 from gearbow._result import Column, Result
 from gearbow._shown import Shown
-from gearbow.accuracy.scale import UNIT
+from gearbow.accuracy.levels import UNIT_OF_ERRORS
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError
 from gearbow.tradeoff.models import GIVEN
@@ -17,8 +17,6 @@ from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["Recommendation", "Tradeoff"]
 
 #: Error of the setting that a printed study recommends; that of mesh forces at "engineering".
 _RECOMMENDED_ERROR = 1e-2
@@ -270,7 +268,7 @@ class Tradeoff(Result, Generic[S]):
         speed = speed_text(self.speed, speed_unit)
         lines = [
             f"{self.duration:g} s at {speed}; signals: {', '.join(self.signals)}",
-            f"error: RMS of the difference / {UNIT}{worst}",
+            f"error: RMS of the difference / {UNIT_OF_ERRORS}{worst}",
             f"reference: {self.reference}; uncertainty {self.floor:.1e} (check: {self.check})",
         ]
         if self.discretisation is not None:

@@ -8,8 +8,6 @@ from typing import Any
 
 from gearbow.analysis.protocol import System
 
-__all__ = ["METHODS", "Method", "Setting", "ladders", "references"]
-
 
 @dataclass(frozen=True)
 class Method:

@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 
 from gearbow._types import Array, At
-from gearbow.accuracy.scale import root_mean_square, unit_of_errors, variation
+from gearbow.accuracy.levels import root_mean_square, unit_of_errors, variation
 from gearbow.analysis.protocol import System
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import is_pair, is_place, place, place_label
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.response import Response
-
-__all__ = ["Signal", "check", "error", "errors", "read_signals"]
 
 
 @dataclass(frozen=True)

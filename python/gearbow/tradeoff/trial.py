@@ -10,8 +10,6 @@ from gearbow._shown import Shown
 from gearbow.analysis.protocol import S
 from gearbow.tradeoff.models import GIVEN
 
-__all__ = ["Skipped", "Trial", "columns"]
-
 
 @dataclass(frozen=True, eq=False)
 class Trial(Shown, Generic[S]):

@@ -7,13 +7,16 @@ files, and speeds on the command line are converted with it.
 import re
 from functools import cache
 
-__all__ = ["DIMENSIONLESS", "FIELDS", "is_frequency", "unit_of"]
-
 #: Unit of a field without a unit.
 DIMENSIONLESS = "1"
 
 #: (shaft, position) or ("bearing", shaft, position).
 _PLACE = (None, "m", "m")
+
+#: Unit of a motion, each the derivative of the one before with respect to time.
+MOTIONS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
+#: Unit of each quantity that a result has at a place.
+QUANTITIES = {**MOTIONS, "twist": "rad", "axial_displacement": "m", "bearing_force": "N"}
 
 #: Unit of each field by the end of its path, without indices. A longer end precedes a shorter one,
 #: and `*` stands for any name. A tuple gives the unit of each entry of a list; None is a text.

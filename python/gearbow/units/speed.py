@@ -1,30 +1,20 @@
-"""Units of speeds in tables and figures: rad/s, or rpm where the user gave it."""
+"""Speeds in rad/s or rpm, as the user gave them, and numbers in SI units from rpm, mm, degrees."""
 
 import math
-import re
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from gearbow._convert import matrix
 from gearbow._lookup import one_of
-from gearbow.units.convert import is_quantity
-
-__all__ = [
-    "RevolutionsPerMinute",
-    "RevolutionsPerMinuteArray",
-    "SpeedUnit",
-    "given_unit",
-    "speed_factor",
-    "speed_text",
-    "unit_in_texts",
-]
+from gearbow._types import Array
+from gearbow.units.parse import is_quantity
 
 #: Unit of speeds in tables and figures.
 SpeedUnit: TypeAlias = Literal["rad/s", "rpm"]
 #: What multiplies a speed in rad/s.
 _FACTORS: dict[str, float] = {"rad/s": 1.0, "rpm": 30.0 / math.pi}
-#: A text that gives a speed in rpm.
-_IN_RPM = re.compile(r"\s*[-+]?[\d.]\S*\s*rpm\s*")
 
 
 class RevolutionsPerMinute(float):
@@ -71,3 +61,105 @@ def unit_in_texts(plain: Any) -> SpeedUnit:
         isinstance(plain, str) and plain.split()[-1:] == ["rpm"] and plain[0] in "+-.0123456789"
     )
     return "rpm" if is_rpm else "rad/s"
+
+
+@overload
+def rpm(value: float) -> float: ...  # numpydoc ignore=GL08
+
+
+@overload
+def rpm(value: "ArrayLike") -> float | Array: ...  # numpydoc ignore=GL08
+
+
+def rpm(value: "ArrayLike") -> float | Array:
+    """Convert revolutions per minute to rad/s.
+
+    Parameters
+    ----------
+    value : float or array_like
+        Speed [rpm].
+
+    Returns
+    -------
+    float or ndarray
+        Speed [rad/s]. Tables and figures of its results write speeds in rpm.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> print(f"{gb.rpm(1500):.4f}")
+    157.0796
+    >>> gb.rpm([0, 60]) / (2 * 3.141592653589793)
+    array([0., 1.])
+    """
+    found = _given(matrix(value, "rpm") * np.pi / 30.0)
+    if isinstance(found, float):
+        return RevolutionsPerMinute(found)
+    return found.view(RevolutionsPerMinuteArray)
+
+
+@overload
+def mm(value: float) -> float: ...  # numpydoc ignore=GL08
+
+
+@overload
+def mm(value: "ArrayLike") -> float | Array: ...  # numpydoc ignore=GL08
+
+
+def mm(value: "ArrayLike") -> float | Array:
+    """Convert millimetres to metres.
+
+    Parameters
+    ----------
+    value : float or array_like
+        Length [mm].
+
+    Returns
+    -------
+    float or ndarray
+        Length [m].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.mm(5)
+    0.005
+    >>> gb.mm([250, 500])
+    array([0.25, 0.5 ])
+    """
+    return _given(matrix(value, "mm") / 1000.0)
+
+
+@overload
+def degrees(value: float) -> float: ...  # numpydoc ignore=GL08
+
+
+@overload
+def degrees(value: "ArrayLike") -> float | Array: ...  # numpydoc ignore=GL08
+
+
+def degrees(value: "ArrayLike") -> float | Array:
+    """Convert degrees to radians.
+
+    Parameters
+    ----------
+    value : float or array_like
+        Angle [°].
+
+    Returns
+    -------
+    float or ndarray
+        Angle [rad].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> print(f"{gb.degrees(20):.4f}")
+    0.3491
+    """
+    return _given(np.radians(matrix(value, "degrees")))
+
+
+def _given(values: Array) -> float | Array:
+    """Give a float for a scalar."""
+    return float(values) if np.ndim(values) == 0 else values

@@ -38,9 +38,9 @@ def command(*given: object) -> None:
 
 
 def drawing(path: Path) -> None:
-    from gearbow.cli.answer import Drawing
+    from gearbow.cli.main import save_figure
 
-    Drawing(lambda: rotor().modes(count=2).plot(), path).save()
+    save_figure(rotor().modes(count=2).plot(), path)
 
 
 def imported(path: Path) -> None:
@@ -104,10 +104,10 @@ WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
     "system.rotor_system.save": {"rotor.toml": lambda path: rotor().save(path)},
     "report.page.write": {"page.html": lambda path: rotor().report(path, modes=2)},
     "results.motion.animate": {"run.gif": animation},
-    "cli.answer.save": {"modes.svg": drawing, "modes.png": drawing},
-    "cli.importing.import_": {"train.toml": imported},
+    "cli.main.save_figure": {"modes.svg": drawing, "modes.png": drawing},
+    "cli.answers.import_": {"train.toml": imported},
     "exchange.rexs_writer.write_rexs": {"train.rexs": lambda path: rotor().save(path)},
-    "cli.new.new": {},  # it replaces no file
+    "cli.answers.new": {},  # it replaces no file
 }
 
 
@@ -221,13 +221,13 @@ def test_a_figure_with_any_text_is_xml(tmp_path: Path):
 
     from matplotlib.figure import Figure
 
-    from gearbow.cli.answer import Drawing
+    from gearbow.cli.main import save_figure
 
     figure = Figure()
     figure.text(0.5, 0.5, "a\ufffeb")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # no glyph for it
-        Drawing(lambda: figure, tmp_path / "a.svg").save()
+        save_figure(figure, tmp_path / "a.svg")
     ET.parse(tmp_path / "a.svg")
 
 

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.cli.answers import EXAMPLE
 from gearbow.cli.main import _parser, main
-from gearbow.cli.new import EXAMPLE
 from reference.cases import each_case
 
 COMMAND = [sys.executable, "-m", "gearbow"]
@@ -290,7 +290,7 @@ def test_tradeoff(scene: str, capsys):
         (["check", "nothing.toml"], "check: nothing.toml: No such file or directory"),
         (
             ["run", "SCENE", "--duration", "-1", "--speed", "1"],
-            "run: duration: must not be negative, got -1",
+            "run: --duration: must not be negative, got -1",
         ),
         (
             ["run", "SCENE", "--duration", "1", "--speed", "1", "--record", "pinoin"],
@@ -319,8 +319,18 @@ def test_tradeoff(scene: str, capsys):
         (["plot", "SCENE", "--out", ""], "--out: must be the name of a file, got ''"),
         (["steady", "SCENE", "--speed", "1", "--out", ""], "must be the name of a file, got ''"),
         (["new", "rotor.xyz"], "new: path: must end with .toml"),
-        (["campbell", "SCENE", "--to", "0"], "campbell: speeds: need --points of at least 2"),
-        (["modes", "SCENE", "--count", "0"], "modes: count: must be at least 1, got 0"),
+        (["campbell", "SCENE", "--to", "0"], "campbell: --to: need --points of at least 2"),
+        (["modes", "SCENE", "--count", "0"], "modes: --count: must be at least 1, got 0"),
+        (["efficiency", "SCENE", "--speed", "0"], "efficiency: --speed: must not be zero"),
+        (
+            ["run", "SCENE", "--duration", "1", "--speed", "1", "--record", "input@x"],
+            "run: --record: must be a number [m]",
+        ),
+        (
+            ["response", "SCENE", "--source", "pin:y", "--at", "pinion", "--to", "5Hz"],
+            'response: --source: no gear, disk, support or housing is called "pin"',
+        ),
+        (["orders", "SCENE"], "orders: run: must end with .npz or .nc"),
         (["swim"], "invalid choice: 'swim'"),
     ],
 )
@@ -448,6 +458,50 @@ def test_a_full_or_closed_stdout_is_an_error_of_one_line(scene: str, tmp_path: P
     found = subprocess.run(["sh", "-c", f"{line} >&-"], check=False, stderr=subprocess.PIPE)
     expected = b"gearbow: stdout is closed; redirect it, for example to /dev/null\n"
     assert (found.returncode, found.stderr) == (2, expected)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="SIGPIPE")
+@pytest.mark.parametrize(
+    ("arguments", "streams"),
+    [
+        (["modes", "SCENE"], ("stdout",)),
+        (["modes", "--help"], ("stdout",)),
+        (["modes", "nothing.toml"], ("stderr",)),
+        (["check", "SCENE"], ("stdout", "stderr")),
+    ],
+)
+def test_a_reader_that_ends_early_is_no_error(scene: str, arguments, streams: tuple[str, ...]):
+    text = Path(scene).read_text().replace('face_width = "30 mm"', 'face_width = "30 m"')
+    Path(scene).write_text(text)  # with warnings
+    ours, theirs = os.pipe()
+    os.close(ours)
+    given = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **dict.fromkeys(streams, theirs)}
+    arguments = [scene if each == "SCENE" else each for each in arguments]
+    found = subprocess.run([*COMMAND, *arguments], check=False, **given)
+    os.close(theirs)
+    assert found.returncode == 128 + signal.SIGPIPE
+    printed = (found.stdout or b"") + (found.stderr or b"")
+    assert all(line.startswith(b"warning: ") for line in printed.splitlines())
+
+
+@pytest.mark.parametrize("missing", [["plotly"], ["jinja2"], ["matplotlib"]])
+def test_the_demo_names_the_extra_that_it_needs(missing, tmp_path, capsys, monkeypatch):
+    for name in list(sys.modules):
+        if name.partition(".")[0] in missing:
+            monkeypatch.delitem(sys.modules, name)
+    for name in missing:
+        monkeypatch.setitem(sys.modules, name, None)
+    computed: list[object] = []
+    monkeypatch.setattr(gb.RotorSystem, "modes", lambda *_, **__: computed.append(None))
+    code, out, err = called(capsys, "demo", "--no-open", "--out", tmp_path / "demo.html")
+    assert (code, out, computed) == (1, "", [])
+    assert err.endswith('is not installed; install it with: pip install "gearbow[report]"\n')
+
+
+def test_the_installation_of_the_readme_has_the_extras_of_the_demo():
+    readme = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
+    (extras,) = re.findall(r'pip install "gearbow\[([\w,]+)\]"', readme)
+    assert {"plot", "report"} <= set(extras.split(","))
 
 
 def test_an_unknown_backend_is_refused_before_the_computation(scene: str, tmp_path: Path):

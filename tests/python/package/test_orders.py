@@ -11,7 +11,7 @@ import gearbow as gb
 from gearbow._types import SensitivityQuantity, SignalQuantity
 from gearbow.description.kinematics import Order
 from gearbow.orders import Kinematics, channel
-from gearbow.orders.segments import cut, fit
+from gearbow.orders.separation import cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes
 from gearbow.system import response_sensitivity
 from reference.machines import bowed_pair, hostile
@@ -490,4 +490,4 @@ def test_quantities_of_signatures_are_those_that_runs_record():
     # an editor offers the words of the type, and the table decides which of them a place has
     known = {"energy", *channel._MOTION, *channel._MESH, *channel._BEARING}
     assert set(get_args(SignalQuantity)) == known
-    assert set(get_args(SensitivityQuantity)) == set(response_sensitivity._QUANTITIES)
+    assert set(get_args(SensitivityQuantity)) == set(response_sensitivity.QUANTITIES)

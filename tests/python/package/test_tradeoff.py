@@ -12,7 +12,7 @@ import pytest
 
 import gearbow as gb
 from gearbow.accuracy.levels import LEVELS
-from gearbow.tradeoff.clock import measure
+from gearbow.tradeoff.study import measure
 from reference import independent_solution
 from reference.bows import HalfSine
 from reference.cases import each_case

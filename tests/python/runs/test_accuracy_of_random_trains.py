@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.accuracy.levels import LEVELS
-from gearbow.accuracy.refine import refined
-from gearbow.accuracy.scale import root_mean_square, unit_of_errors
+from gearbow.accuracy.estimate import refined
+from gearbow.accuracy.levels import LEVELS, root_mean_square, unit_of_errors
 
 LEVEL = LEVELS["engineering"]
 TIMES = os.environ.get("GEARBOW_CASES")

@@ -5,7 +5,7 @@ import pytest
 
 import gearbow as gb
 from gearbow._core import Model, user_order
-from gearbow.accuracy import estimate, initial
+from gearbow.accuracy import estimate
 from reference import machines
 
 
@@ -34,7 +34,7 @@ class Changed:
 def test_initial_states_satisfy_their_equations(start, speed, geometry):
     given = gb.SpeedProfile.ramp(60.0, 90.0, duration=1.0) if speed == "ramp" else speed
     run = pair().simulate(1e-3, given, initial=start, geometry=geometry, start=0.3)
-    initial.check_initial_state(Model(dict(run.request.description)), run.request.options)
+    estimate.check_initial_state(Model(dict(run.request.description)), run.request.options)
 
 
 def displaced(data):
@@ -78,7 +78,9 @@ def displaced(data):
 def test_a_wrong_initial_state_stops_the_estimate(monkeypatch, start, method, change, message):
     run = pair().simulate(1e-3, 90.0, initial=start)
     monkeypatch.setattr(estimate, "Model", lambda given: Changed(Model(given), method, change))
-    monkeypatch.setattr(initial, "user_order", lambda model, state: user_order(model._model, state))
+    monkeypatch.setattr(
+        estimate, "user_order", lambda model, state: user_order(model._model, state)
+    )
     with pytest.raises(gb.ConvergenceError, match=message):
         run.errors()
 

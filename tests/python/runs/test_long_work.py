@@ -178,7 +178,7 @@ speeds = np.linspace(1.0, 500.0, 3_000_000)
 def large_sweep():
     # One value whose array would take 8 GB, as the broadcast of one number
     value = np.broadcast_to(0.0, (10_000, 100_000))
-    from gearbow.sweeps.outcome import Outcome
+    from gearbow.sweeps.points import Outcome
     from gearbow.sweeps.tables import column
     return column("value", {{0: Outcome({{"value": value}})}}, 1)
 

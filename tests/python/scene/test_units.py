@@ -13,9 +13,8 @@ import pytest
 
 import gearbow as gb
 from gearbow.description.part import Part
-from gearbow.units.convert import magnitude
 from gearbow.units.fields import FIELDS, unit_of
-from gearbow.units.parse import parsed
+from gearbow.units.parse import magnitude, parsed
 from reference.cases import each_case
 from reference.machines import rotor
 

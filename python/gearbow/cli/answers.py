@@ -1,0 +1,482 @@
+"""What each command does and prints: one function for each command."""
+
+import argparse
+import math
+import warnings
+import webbrowser
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearbow._extras import extra
+from gearbow._files import check_name, check_output, replacing
+from gearbow._types import Array
+from gearbow.analysis.protocol import ratios_by_shaft, variant
+from gearbow.cli.arguments import (
+    figure,
+    is_run,
+    items,
+    named_item,
+    output,
+    read_run,
+    spaced,
+    speed_line,
+)
+from gearbow.cli.systems import read_options, read_system, refuse_options
+from gearbow.description.couplings import Force
+from gearbow.description.loads import Torque
+from gearbow.description.places import is_pair, is_place, place_label
+from gearbow.description.sources import MeshExcitation, Source
+from gearbow.description.speed import SpeedProfile
+from gearbow.errors import SceneError
+from gearbow.exchange.rexs import RexsContents, rexs_contents
+from gearbow.identification.identify import identify as identified
+from gearbow.identification.measurement import Measurement
+from gearbow.identification.unknown import parse
+from gearbow.machines.examples import example, scene_files
+from gearbow.results.response import Response
+from gearbow.results.steady import SteadyState
+from gearbow.system.read import REXS, format_of
+from gearbow.system.rotor_system import RotorSystem
+from gearbow.tradeoff.result import Tradeoff
+from gearbow.units.parse import parsed
+from gearbow.units.speed import given_unit, speed_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from gearbow._types import FrequencyQuantity, RunFigure
+
+#: The scene that `gearbow new` writes by itself: a pair with a comment on each part.
+EXAMPLE = Path(__file__).with_name("example.toml")
+#: The keys of a description that are lists of parts.
+_LISTS = (
+    *("shafts", "gears", "disks", "meshes", "bearings", "torques"),
+    *("supports", "housings", "couplings", "drives", "forces"),
+)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command prints, as text and as data, and what draws the figure that follows it."""
+
+    text: str
+    data: Mapping[str, Any]
+    draw: "Callable[[], Figure] | None" = None
+
+
+def _answer(
+    given: argparse.Namespace,
+    found: Any,
+    data: dict[str, Any],
+    speeds: Sequence[float],
+    *lines: str,
+    draw: "Callable[[], Figure] | None" = None,
+) -> Answer:
+    """Answer with the table of a result between the speeds and further lines."""
+    head = [speed_line(*speeds)] if speeds else []
+    for name in ("figure", "out"):
+        if name in given:
+            file = getattr(given, name)
+            data["file"] = None if file is None else str(file)
+    return Answer("\n".join([*head, found.table(), *lines]), data, draw)
+
+
+def _fields(found: object, *names: str) -> dict[str, Any]:
+    return {name: getattr(found, name) for name in names}
+
+
+def new(given: argparse.Namespace) -> Answer:
+    """Write the example."""
+    path, _ = check_name(given.path, [".toml"])
+    if path.exists() and not given.force:
+        raise SceneError(f"{path}: exists; give another name, or --force to replace it")
+    source, speed = EXAMPLE, "1500 rpm"
+    if given.example is not None:
+        machine = example(given.example)
+        source = machine.path
+        speed = speed_text(machine.speed, given_unit(machine.speed) or "rad/s")
+    with replacing(path) as file:
+        file.write(source.read_bytes())
+    text = f'wrote {path}; next: gearbow check {path}, gearbow modes {path} --speed "{speed}"'
+    return Answer(text, {"file": str(path)})
+
+
+def report(given: argparse.Namespace) -> Answer:
+    """Write a report."""
+    out, _ = check_name(given.out or f"{given.scene.stem}.html", [".html"], "--out")
+    if given.speed is not None and len(given.speed) > 2:
+        raise SceneError(f"--speed: give one speed, or two, got {len(given.speed)}")
+    if given.first is not None and given.last is None:
+        raise SceneError("--from: needs --to")
+    if given.last is not None and given.first is None:
+        # Journal bearings carry nothing at speed 0.
+        given.first = type(given.last)(0.05 * given.last)
+    speeds = None if given.last is None else spaced(given)
+    read_system(given).report(
+        out,
+        operating=None if given.speed is None else (given.speed[0], given.speed[-1]),
+        speeds=speeds,
+        modes=given.modes,
+        title=given.title or given.scene.stem,
+        progress=given.progress,
+    )
+    return Answer(f"report: {out}", {"file": str(out)})
+
+
+def demo(given: argparse.Namespace) -> Answer:
+    """Write the report of an example."""
+    machine = example(given.example)
+    out, _ = check_name(given.out or f"{machine.name}.html", [".html"], "--out")
+    machine.load().report(
+        out, operating=machine.speed, title=machine.title, progress=given.progress
+    )
+    if not given.no_open:
+        webbrowser.open(out.resolve().as_uri())
+    return Answer(f"report: {out}", {"file": str(out)})
+
+
+def import_(given: argparse.Namespace) -> Answer:
+    """Print a scene, or the contents of the file."""
+    read_options(given)  # their errors come before those of the file
+    found = format_of(given.scene)
+    data: dict[str, object] = {"file": str(given.scene)}
+    if given.list and found != REXS:
+        raise SceneError(f"--list: is for a {REXS.name}, but {given.scene} is a {found.name}")
+    contents = rexs_contents(given.scene) if found == REXS else None
+    if contents is not None:
+        data |= _fields(contents, "load_cases", "missing", "notes")
+        if given.list:
+            return Answer(contents.table(), data)
+    system = read_system(given)
+    data["scene"] = system.description
+    heading = f"# From {given.scene.name}, a {found.name}"
+    if contents is not None:
+        heading = _heading(given, contents)
+    if given.out is None:
+        return Answer(f"{heading}\n\n{system._model.to_toml()}", data)
+    path, ending = check_name(given.out, [".toml", ".rexs"], "--out")
+    if ending == ".rexs":
+        system.save(path)
+    else:
+        with replacing(path) as file:
+            file.write(f"{heading}\n\n{system._model.to_toml()}".encode())
+    return Answer(f"wrote {path}; next: gearbow check {path}", data)
+
+
+def _heading(given: argparse.Namespace, contents: RexsContents) -> str:
+    heading = f"# From {given.scene.name}, REXS {contents.version} of {contents.application}"
+    case = contents.load_cases[(given.load_case or 1) - 1]
+    if case.speed is None:
+        return heading
+    return f'{heading}\n# Load case {case.number}: {case.speed!r} rad/s of "{contents.reference}"'
+
+
+def check(given: argparse.Namespace) -> Answer:
+    """Check a scene."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        system = read_system(given)
+    for warning in caught:
+        warnings.showwarning(warning.message, warning.category, warning.filename, warning.lineno)
+    found = [str(warning.message) for warning in caught]
+    data = {
+        "scene": str(given.scene),
+        "warnings": found,
+        "parts": {key: len(value) for key, value in system.description.items() if key in _LISTS},
+        "degrees_of_freedom": len(system.dofs),
+        "speed_ratios": ratios_by_shaft(system),
+    }
+    count = f"{len(found)} warning{'' if len(found) == 1 else 's'}" if found else "no warnings"
+    return Answer(f"{given.scene}: valid, {count}\n{system}", data)
+
+
+def plot(given: argparse.Namespace) -> Answer:
+    """Draw the train, or the signals of a run."""
+    draw: Callable[[], Figure]
+    if is_run(given.scene):
+        refuse_options(given)
+        run = read_run(given.scene)
+        recorded = (run.response if isinstance(run, SteadyState) else run).recorded
+        at = None if given.at is None else [named_item(recorded, text, "at") for text in given.at]
+        kind: RunFigure = given.kind or "orbits"
+        name, draw = f"{kind}.png", lambda: run.plot(kind, at)
+    else:
+        for option in ("kind", "at"):
+            if getattr(given, option) is not None:
+                raise SceneError(
+                    f"--{option}: is for the file of a run (.npz or .nc); leave it out"
+                )
+        name, draw = "train.png", read_system(given).plot
+    given.figure = given.figure or figure(name)
+    return Answer("", {"file": str(given.figure)}, draw)
+
+
+def modes(given: argparse.Namespace) -> Answer:
+    """Find modes."""
+    found = read_system(given).modes(given.speed, count=given.count, vibrating=given.vibrating)
+    rows = zip(found.frequencies_hz, found.damping_ratios, found.whirl, found.names(), strict=True)
+    keys = ("frequency_hz", "damping_ratio", "whirl", "name")
+    data = {"speed": given.speed, "modes": [dict(zip(keys, row, strict=True)) for row in rows]}
+    return _answer(given, found, data, [given.speed] if given.speed else [])
+
+
+def campbell(given: argparse.Namespace) -> Answer:
+    """Find the Campbell diagram."""
+    speeds = spaced(given)
+    found = read_system(given).campbell(speeds, count=given.count, harmonics=given.harmonics)
+    keys = ("speed", "frequency_hz", "damping_ratio", "whirl", "mode")
+    data = {
+        **_fields(found, "speeds", "frequencies_hz", "damping_ratios", "thresholds"),
+        "intersections": [
+            {**_fields(one, *keys), "excited_by": one.line.name} for one in found.intersections
+        ],
+    }
+    return _answer(given, found, data, (given.first, given.last), draw=found.plot)
+
+
+def efficiency(given: argparse.Namespace) -> Answer:
+    """Find the losses of the meshes."""
+    found = read_system(given).efficiency(given.speed)
+    keys = ("speeds", "input_power", "power", "force", "coefficient", "loss", "efficiency")
+    return _answer(given, found, _fields(found, "meshes", *keys), given.speed, draw=found.plot)
+
+
+def bow_limits(given: argparse.Namespace) -> Answer:
+    """Find the limits of a bow."""
+    found = read_system(given).bow_limits(given.shaft, given.speed, phase=given.phase)
+    data = {**_fields(found, "shafts", "present"), "limits": found.found}
+    return _answer(given, found, data, given.speed, draw=found.plot)
+
+
+def response(given: argparse.Namespace) -> Answer:
+    """Find the response to a harmonic source."""
+    frequencies = spaced(given)
+    system = read_system(given)
+    (at,) = items(system, [given.at], "at")
+    source = _source(given.source)
+    found = system.frequency_response(frequencies, source=source, speed=given.speed)
+    motion: FrequencyQuantity = "twist" if system.motion == "torsion" else "displacement"
+    signals: dict[str, Any]
+    if is_pair(at):
+        unit, signals = "N", {"mesh_force": found.mesh_force(at)[:, 0]}
+    elif motion == "twist":
+        unit, signals = "rad", {"twist": found.twist(at)[:, 0]}
+    else:
+        unit, signals = "m", dict(zip("yz", found.displacement(at)[:, 0, :2].T, strict=True))
+    lines = [f"largest response at {given.at} to {given.source}:"]
+    data: dict[str, Any] = {"frequencies": frequencies, "speed": given.speed, "unit": unit}
+    for name, values in signals.items():
+        size = np.abs(values)
+        peak = int(np.argmax(size))
+        hertz = frequencies[peak] / (2.0 * math.pi)
+        lines.append(f"  {name.replace('_', ' ')}: {size[peak]:.4g} {unit} at {hertz:.4g} Hz")
+        data |= {f"{name}_real": values.real, f"{name}_imag": values.imag}
+    data["file"] = None if given.figure is None else str(given.figure)
+    return Answer("\n".join(lines), data, lambda: found.plot(at, motion))
+
+
+def _source(text: str) -> Source:
+    """Read a source."""
+    if "/" in text:
+        return MeshExcitation(text)
+    place, _, direction = text.rpartition(":")
+    name, sign, position = place.rpartition(":")
+    at: Any = (name, parsed(position, "source.position", bare=True)) if sign else place
+    if direction == "twist":
+        return Torque(at, 1.0)
+    forces = {"y": {"value": 1.0}, "z": {"value": 1j}, "x": {"axial": 1.0}}
+    if not place or direction not in forces:
+        raise SceneError(
+            f"source: must be a place and a direction, such as input:0.2:y, pinion:z, "
+            f"pinion:twist, or a mesh such as pinion/wheel, got {text!r}"
+        )
+    return Force(at, **forces[direction])  # type: ignore[arg-type]  # either is a number
+
+
+def _loaded(given: argparse.Namespace) -> RotorSystem:
+    """Load the scene with the accuracy that the command gives."""
+    system = read_system(given)
+    if given.accuracy is None:
+        return system
+    # The warnings of the scene are those of `load`.
+    return variant(system, accuracy=given.accuracy)
+
+
+def run(given: argparse.Namespace) -> Answer:
+    """Simulate."""
+    system = _loaded(given)
+    wanted: float | SpeedProfile = given.speed
+    if given.end_speed is not None:
+        wanted = SpeedProfile.ramp(given.speed, given.end_speed, given.duration)
+    try:
+        found = system.simulate(
+            given.duration,
+            wanted,
+            record=given.record and items(system, given.record, "record"),
+            checkpoint=given.checkpoint,
+            progress=given.progress,
+        )
+    except KeyboardInterrupt as stop:
+        partial: Response | None = getattr(stop, "response", None)
+        if partial is not None and partial.time.size:
+            stop.answer = _saved(partial, given, complete=False)  # type: ignore[attr-defined]
+        raise
+    return _saved(found, given, complete=True)
+
+
+def _saved(found: Response, given: argparse.Namespace, *, complete: bool) -> Answer:
+    """Save a response, and describe it."""
+    ends = [given.speed] + ([] if given.end_speed is None else [given.end_speed])
+    found.speed_unit = given_unit(ends) or found.speed_unit
+    data = {
+        "complete": complete,
+        "accuracy": found._level,
+        "time": [found.time[0], found.time[-1]],
+        "samples": found.time.size,
+        **_signals(found),
+        "events": len(found.events),
+        "statistics": found.statistics,
+    }
+    lines = [f"{found.statistics.steps} steps, {len(found.events)} events"]
+    lines += _save(found, given)
+    return _answer(given, found, data, ends, *lines, draw=lambda: found.plot(given.kind))
+
+
+def steady(given: argparse.Namespace) -> Answer:
+    """Find the steady state."""
+    system = _loaded(given)
+    record = given.record and items(system, given.record, "record")
+    found = system.steady_state(given.speed, record=record, progress=given.progress)
+    multipliers = found.multipliers()
+    largest = float(abs(multipliers[0])) if multipliers.size else None
+    data = {
+        **_fields(found, "period", "residual", "method"),
+        "accuracy": found.response._level,
+        "stable": found.is_stable(),
+        "instability": found.instability(),
+        "largest_multiplier": largest,
+        **_signals(found.response),
+    }
+    state = "stable" if found.is_stable() else f"unstable: {found.instability()}"
+    size = "below 0.9" if largest is None else f"{largest:.6g}"
+    line = f"{state}; magnitude of the largest multiplier {size}"
+    return _answer(given, found, data, [given.speed], line, *_save(found, given))
+
+
+def _save(found: Response | SteadyState, given: argparse.Namespace) -> list[str]:
+    """Save the signals if the command names a file, and give the line that says so."""
+    if given.out is None:
+        return []
+    found.save(given.out)
+    return [f"signals: {given.out}"]
+
+
+def _signals(response: Response) -> dict[str, Any]:
+    """Describe the recorded signals."""
+    points, meshes, bearings = {}, {}, {}
+    recorded: list[Any] = response.recorded
+    for one in recorded:
+        if is_pair(one):
+            mesh = response.mesh(one)
+            sizes = {"force": _size(mesh.force), "contact_ratio": _size(mesh.contact_ratio)}
+            meshes["/".join(one)] = sizes
+        elif isinstance(one, tuple) and len(one) == 3:
+            force = np.linalg.norm(response.bearing_force(one[1:]), axis=1)
+            bearings[place_label(one[1:])] = {"force": _size(force)}
+        elif is_place(one) or (isinstance(one, str) and one != "energy"):
+            values = response.displacement(one)
+            points[place_label(one)] = {
+                "peak_to_peak": np.ptp(values, axis=0),
+                "mean": values.mean(axis=0),
+            }
+    return {"points": points, "meshes": meshes, "bearings": bearings}
+
+
+def _size(values: Array) -> dict[str, float]:
+    return {"min": float(values.min()), "max": float(values.max()), "mean": float(values.mean())}
+
+
+def tradeoff(given: argparse.Namespace) -> Answer:
+    """Measure error and CPU time of many settings."""
+    system = read_system(given)
+    signals = given.signals and items(system, given.signals, "signals")
+    try:
+        found = system.tradeoff(
+            given.duration, given.speed, signals, budget=given.budget, progress=given.progress
+        )
+    except KeyboardInterrupt as stop:
+        partial: Tradeoff[RotorSystem] | None = getattr(stop, "tradeoff", None)
+        if partial is not None:
+            stop.answer = _trials(partial, given)  # type: ignore[attr-defined]
+        raise
+    return _trials(found, given)
+
+
+def _trials(found: Tradeoff[RotorSystem], given: argparse.Namespace) -> Answer:
+    """Describe the trials of a study."""
+    keys = ("model", "method", "model_error", "errors", "error", "seconds", "rate", "steps")
+    front = found.front()
+    data = {
+        **_fields(found, "duration", "speed", "signals"),
+        "uncertainty": found.floor,
+        "trials": [
+            {**_fields(trial, *keys), "setting": str(trial), "front": trial in front}
+            for trial in found.trials
+        ],
+        "skipped": [str(skipped) for skipped in found.skipped],
+    }
+    return _answer(given, found, data, [found.speed])
+
+
+def orders(given: argparse.Namespace) -> Answer:
+    """Find the orders of a signal."""
+    run = read_run(given.run)
+    response = run.response if isinstance(run, SteadyState) else run
+    recorded: list[Any] = response.recorded
+    at = recorded[0] if given.at is None else named_item(recorded, given.at, "at")
+    found = response.orders(at, given.quantity, skip_time=given.skip_time)
+    rows = zip(found.orders, found.frequencies_hz, found.amplitudes, strict=True)
+    data = {
+        "signal": found.label,
+        **_fields(found, "unit", "mean", "rest"),
+        "orders": [
+            {"order": o.value, "frequency_hz": hertz, "amplitude": abs(a), "excited_by": str(o)}
+            for o, hertz, a in rows
+        ],
+    }
+    return Answer(found.table(given.count), data)
+
+
+def export(given: argparse.Namespace) -> Answer:
+    """Write a run to a file of another format."""
+    run = read_run(given.run)
+    check_output(Path(given.out))
+    run.save(given.out)
+    return Answer(f"signals: {given.out}", {"file": given.out})
+
+
+def identify(given: argparse.Namespace) -> Answer:
+    """Identify unknowns."""
+    unknowns = [parse(text) for text in given.unknown]
+    measured = [Measurement.read_csv(path, detection=given.detection) for path in given.measured]
+    system = read_system(given)
+    found = identified(system, measured, unknowns, runout=not given.no_runout, noise=given.noise)
+    return _answer(given, found, dict(found.to_dict()), [], draw=found.plot)
+
+
+def completion(given: argparse.Namespace) -> Answer:
+    """Print the script with which a shell completes the commands."""
+    with extra("completion"):
+        import shtab  # noqa: PLC0415
+
+    for command in given.commands.choices.values():
+        for action in command._actions:
+            if action.type in (Path, output, figure) or action.dest in ("path", "out"):
+                action.complete = shtab.FILE
+            if action.dest == "example":
+                action.choices = list(scene_files())
+    return Answer(shtab.complete(given.program, shell=given.shell), {})
