@@ -6,7 +6,7 @@ from typing import Any
 
 from gearbow._convert import BYTES, real, shown
 from gearbow.description.supports import Housing, Support
-from gearbow.errors import SceneError
+from gearbow.errors import ChannelError, SceneError
 from gearbow.units.convert import is_quantity
 
 __all__ = [
@@ -57,6 +57,20 @@ class Places:
             if abs(x - position) <= _SAME_POSITION * max(1.0, abs(x)):
                 return i
         return None
+
+    def index(self, at: object) -> int:
+        """Give the index of a known place."""
+        found = self.find(at)
+        if found is None:
+            where = place(at)
+            named = f"of {where[0]!r} with {where[1]!r}" if is_pair(where) else f"at {where}"
+            raise ChannelError(f"no {self.kind} {named}; there are {self}")
+        return found
+
+    @classmethod
+    def of(cls, kind: str, known: Iterable[Sequence[Any]]) -> "Places":
+        """Make known places of one form each."""
+        return cls(kind, ([tuple(each)] for each in known))
 
     def positions(self, shaft: str) -> list[float]:
         """Give the known positions on a shaft [m]."""

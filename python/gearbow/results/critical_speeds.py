@@ -202,12 +202,12 @@ class CriticalSpeedMap(Result, ReadOnly):
             If `ax` or the unit is invalid.
         """
         with extra("plot"):
-            from gearbow.plotting import frequency  # noqa: PLC0415
+            from gearbow.plotting import campbell  # noqa: PLC0415
 
         most = whole(count, "count")
         found = dict.fromkeys(name for names in self.whirl for name in names)
         lines = {whirl: self.lines(whirl)[:, :most] for whirl in found}
-        return frequency.critical_speed_map(
+        return campbell.critical_speed_map(
             self.stiffnesses,
             lines,
             self.order,

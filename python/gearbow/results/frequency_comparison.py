@@ -138,9 +138,9 @@ class FrequencyComparison(Result, ReadOnly):
         unit = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}[quantities.pop()]
         lines = {}
         for one, own, frac in zip(self.measured, self.computed, self.frac, strict=True):
-            lines[f"{one.label}, measured"] = (one.frequencies, one.values)
-            lines[f"{one.label}, computed (FRAC {frac:.3f})"] = (one.frequencies, own)
-        return figures.bode(lines, unit, "frequency", pairs=True, ax=ax)
+            for name, values in (("measured", one.values), (f"computed (FRAC {frac:.3f})", own)):
+                lines[f"{one.label}, {name}"] = figures.Curve.of(one.frequencies, values)
+        return figures.bode(lines, unit, over="frequency", frf=True, pairs=True, ax=ax)
 
 
 def _assurance(measured: Any, computed: Any, axis: int) -> Any:

@@ -20,6 +20,7 @@ from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.description.places import places as checked_places
 from gearbow.errors import GearbowError, SceneError
+from gearbow.results.at_places import Motion
 from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
     from gearbow.exchange.mode_shapes import MeasuredShapes
     from gearbow.results.mode_comparison import ModeComparison
 
-__all__ = ["Modes"]
-
 #: A smaller damping ratio [%] is round-off of the eigenvalue.
 _ROUND_OFF_PERCENT = 1e-10
 #: A smaller share of the largest displacement or rotation of a shape is round-off.
@@ -41,7 +40,7 @@ _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"
 
 
 @dataclass(frozen=True, eq=False)
-class Modes(Result, ReadOnly):
+class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
     """Natural modes at one speed, in ascending order of the size of their eigenvalues.
 
     Parameters
@@ -152,48 +151,9 @@ class Modes(Result, ReadOnly):
             speed_unit=speed_unit,
         )
 
-    def displacement(self, at: At) -> ComplexArray:
-        """Lateral displacement of a place in the shape of each mode.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]),
-            also between nodes.
-
-        Returns
-        -------
-        ndarray, shape (m, 2)
-            Displacements along y and z, in the unit of `shapes`.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
-        """
-        displacement: ComplexArray = self.coordinates.displacement(self.shapes, at)
-        return displacement
-
-    def twist(self, at: At) -> ComplexArray:
-        """Twist of a place in the shape of each mode.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            As for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (m,)
-            Twists, in the unit of `shapes`.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no torsion.
-        """
-        twist: ComplexArray = self.coordinates.twisted(self.shapes, at)
-        return twist
+    def _at(self, quantity: str, at: Any) -> Any:
+        kind = "twisted" if quantity == "twist" else quantity
+        return getattr(self.coordinates, kind)(self.shapes, at)
 
     def shapes_at(self, places: Sequence[At]) -> ComplexArray:
         """Lateral displacements of several places in the shape of each mode.

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,6 +35,7 @@ from gearbow.recording.energy import EnergyBalance
 from gearbow.recording.errors import Errors
 from gearbow.recording.record import Event, MeshResponse, RunRecord, Statistics
 from gearbow.recording.resample import resampled
+from gearbow.results.at_places import AxialMotion, Vibration
 from gearbow.results.motion import animate
 from gearbow.results.run_figures import plot
 from gearbow.sensors.sensor import Sensor, SignalSensor
@@ -48,11 +49,11 @@ if TYPE_CHECKING:
     from gearbow.description.kinematics import Kinematics
     from gearbow.recording.request import RunRequest
 
-__all__ = ["Response"]
 
-
-class Response(Result, ReadOnly):
+class Response(Result, ReadOnly, AxialMotion[Array, Array], Vibration[Array, Array]):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
+
+    The first axis of all values is that of the times.
 
     Parameters
     ----------
@@ -249,72 +250,11 @@ class Response(Result, ReadOnly):
         """
         return access.spin(self.to_record(), shaft, times)
 
-    def displacement(self, at: At) -> Array:
-        """Lateral displacement of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Name of a gear, disk, support, housing or point of a housing, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Displacements along y and z [m].
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded; the message says what to record.
-        """
-        return access.motion(self.to_record(), "displacement", at)
-
-    def twist(self, at: At) -> Array:
-        """Twist of a place, relative to the rigid-body rotation.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Twist about x [rad].
-        """
-        return access.motion(self.to_record(), "twist", at)
-
-    def axial(self, at: At) -> Array:
-        """Axial displacement of a place, in a system with axial motion.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Displacement along x [m].
-        """
-        return access.motion(self.to_record(), "axial", at)
-
-    def velocity(self, at: At) -> Array:
-        """Lateral velocity of a place.
-
-        It belongs to the state of the run; no difference of displacements is taken.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Velocities along y and z [m/s].
-        """
-        return access.motion(self.to_record(), "velocity", at)
+    def _at(self, quantity: str, at: Any) -> Any:
+        record = self.to_record()
+        if quantity in get_args(access.Quantity):
+            return access.motion(record, quantity, at)  # type: ignore[arg-type]
+        return getattr(access, quantity)(record, at)
 
     def twist_rate(self, at: At) -> Array:
         """Rate of the twist of a place: its angular velocity beyond the prescribed one.
@@ -329,25 +269,8 @@ class Response(Result, ReadOnly):
         ndarray, shape (k,)
             Rate of the twist about x [rad/s].
         """
-        return access.motion(self.to_record(), "twist_rate", at)
-
-    def acceleration(self, at: At) -> Array:
-        """Lateral acceleration of a place.
-
-        It follows from the state and the equation of motion; no difference is taken. If the run
-        leaves out modes, it is the acceleration of the reduced model.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Accelerations along y and z [m/s²].
-        """
-        return access.motion(self.to_record(), "acceleration", at)
+        found: Array = self._at("twist_rate", at)
+        return found
 
     def axial_velocity(self, at: At) -> Array:
         """Axial velocity of a place, in a system with axial motion.
@@ -362,7 +285,8 @@ class Response(Result, ReadOnly):
         ndarray, shape (k,)
             Velocity along x [m/s].
         """
-        return access.motion(self.to_record(), "axial_velocity", at)
+        found: Array = self._at("axial_velocity", at)
+        return found
 
     def axial_acceleration(self, at: At) -> Array:
         """Axial acceleration of a place, in a system with axial motion.
@@ -377,69 +301,8 @@ class Response(Result, ReadOnly):
         ndarray, shape (k,)
             Acceleration along x [m/s²].
         """
-        return access.motion(self.to_record(), "axial_acceleration", at)
-
-    def bearing_force(self, at: tuple[str, float]) -> Array:
-        """Force of a shaft on a bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Components along y and z [N].
-        """
-        return access.bearing_force(self.to_record(), at)
-
-    def axial_bearing_force(self, at: tuple[str, float]) -> Array:
-        """Force of a shaft on a bearing along the axis, in a system with axial motion.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Component along x [N].
-        """
-        return access.axial_bearing_force(self.to_record(), at)
-
-    def bearing_displacement(self, at: tuple[str, float]) -> Array:
-        """Displacement of a shaft relative to what its bearing stands on.
-
-        A proximity probe in the bearing housing measures it.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Components along y and z [m].
-        """
-        return access.bearing_displacement(self.to_record(), at)
-
-    def journal(self, at: tuple[str, float]) -> BearingMotion:
-        """Time history of a journal bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        BearingMotion
-            Force, eccentricity ratio and attitude angle.
-        """
-        return access.journal(self.to_record(), at)
+        found: Array = self._at("axial_acceleration", at)
+        return found
 
     def rolling(self, at: tuple[str, float]) -> BearingMotion:
         """Time history of a rolling bearing.

@@ -11,18 +11,16 @@ from gearbow._extras import extra
 from gearbow._read_only import ReadOnly, read_only
 from gearbow._result import Column, Result, in_micrometres
 from gearbow._shown import MOST_ROWS, Shown
-from gearbow._types import Array, At, Plain, StaticData
+from gearbow._types import Array, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.description.places import Places, place, place_label
-from gearbow.errors import ChannelError
-from gearbow.recording.bearing_motion import BearingMotion, journal_motion
+from gearbow.recording.bearing_motion import journal_motion
+from gearbow.results.at_places import AxialMotion
 from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["MeshState", "Static"]
 
 #: Size of a displacement that is round-off, relative to the largest one.
 _ROUND_OFF = 1e-9
@@ -43,7 +41,7 @@ class MeshState(Shown):
     thrust: float
 
 
-class Static(Result, ReadOnly):
+class Static(Result, ReadOnly, AxialMotion[Array, float]):
     """Equilibrium under torque, gravity and mesh forces. The rotating bow does not contribute.
 
     Parameters
@@ -137,124 +135,17 @@ class Static(Result, ReadOnly):
         """
         return max(self.residuals.values())
 
-    def displacement(self, at: At) -> Array:
-        """Lateral displacement of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (2,)
-            Displacements along y and z [m].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
-        """
-        displacement: Array = self.coordinates.displacement(self.state, at)
-        return displacement
-
-    def twist(self, at: At) -> float:
-        """Twist of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        float
-            Twist [rad].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no twist.
-        """
-        return float(self.coordinates.twisted(self.state, at))
-
-    def axial(self, at: At) -> float:
-        """Axial displacement of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        float
-            Displacement along x [m].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no axial motion.
-        """
-        return float(self.coordinates.axial_displacement(self.state, at))
-
-    def axial_bearing_force(self, at: tuple[str, float]) -> float:
-        """Force of a shaft on a bearing along the axis.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        float
-            Component along x [N].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing.
-        """
-        return float(self._data["axial_bearing_force"][self._bearing(at)])
-
-    def bearing_force(self, at: tuple[str, float]) -> Array:
-        """Force of a shaft on a bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (2,)
-            Components along y and z [N].
-        """
-        force: Array = self._data["bearing_force"][self._bearing(at)]
-        return force
-
-    def journal(self, at: tuple[str, float]) -> BearingMotion:
-        """State of a journal bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        BearingMotion
-            Force, eccentricity ratio and attitude angle.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such journal bearing.
-        """
-        force = self.bearing_force(at)
-        displacement = self._data["bearing_displacement"][self._bearing(at)]
-        return journal_motion(self._bearings, place(at), displacement, force)
+    def _at(self, quantity: str, at: Any) -> Any:
+        if quantity == "displacement":
+            return self.coordinates.displacement(self.state, at)
+        if quantity in ("twist", "axial"):
+            kind = {"twist": "twisted", "axial": "axial_displacement"}[quantity]
+            return float(getattr(self.coordinates, kind)(self.state, at))
+        if quantity == "journal":
+            force, moved = self.bearing_force(at), self.bearing_displacement(at)
+            return journal_motion(self._bearings, place(at), moved, force)
+        found = self._data[quantity][Places.of("bearing", self._data["bearings"]).index(at)]  # type: ignore[literal-required]
+        return float(found) if quantity == "axial_bearing_force" else found
 
     def mesh(self, at: str | tuple[str, str]) -> MeshState:
         """State of one mesh.
@@ -274,11 +165,7 @@ class Static(Result, ReadOnly):
         ChannelError
             If there is no such mesh.
         """
-        known = Places("mesh", ([pair] for pair in map(tuple, self._data["meshes"])))
-        i = known.find(at)
-        if i is None:
-            driver, driven = place(at)
-            raise ChannelError(f"no mesh of {driver!r} with {driven!r}; there are {known}")
+        i = Places.of("mesh", self._data["meshes"]).index(at)
         # The equilibrium contains no friction.
         own = [field.name for field in dataclasses.fields(MeshState)]
         found = {name: float(self._data["mesh"][name][i]) for name in own}
@@ -286,13 +173,6 @@ class Static(Result, ReadOnly):
         if found["pairs_in_contact"] > 0.0:
             found["pairs_in_contact"] = found["contact_ratio"]
         return MeshState(**found)
-
-    def _bearing(self, at: object) -> int:
-        known = Places("bearing", ([at] for at in map(tuple, self._data["bearings"])))
-        i = known.find(at)
-        if i is None:
-            raise ChannelError(f"no bearing at {place(at)}; there are {known}")
-        return i
 
     def __repr__(self) -> str:
         forces = [

@@ -453,6 +453,7 @@ def synchronous(
         _bearings=tuple(data["bearings"]),
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
+        _ratios=self.speed_ratios,
         speed_unit=given_unit(speeds) or self._speed_unit,
         left_out=left_out(self) if excitation == "both" else (),
     )
