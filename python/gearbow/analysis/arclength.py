@@ -19,8 +19,6 @@ from gearbow.analysis.branch_point import KINDS, BranchPoint, critical
 from gearbow.analysis.low_rank import LowRank
 from gearbow.errors import ConvergenceError, GearbowError
 
-__all__ = ["Map", "Settings", "branch"]
-
 #: Difference of states for a derivative, relative to the size of the state: a derivative has six or
 #: seven digits, by the rounding error of the map divided by it.
 _DIFFERENCE = 1e-7

@@ -27,16 +27,6 @@ from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = [
-    "Balance",
-    "balance",
-    "body_of",
-    "semi_axes",
-    "shaft_of_planes",
-    "shafts_of_bodies",
-    "with_unbalances",
-]
-
 #: Unbalance of a trial run [kg m]. The response is linear; this one is small on every rotor,
 #: so that no displacement looks too large.
 _TRIAL = 1e-9
@@ -145,7 +135,7 @@ class Balance(Result, ReadOnly, Generic[S]):
             Major semi-axis of the deflection over the position, or bars for points with names.
         """
         with extra("plot"):
-            from gearbow.plotting import balance as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         unit = self._speed_unit(speed_unit)
         return figures.balance(

@@ -20,8 +20,6 @@ from gearbow.description.supports import Support
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.results.response import Response
 
-__all__ = ["Check", "added_check", "mesh_checks", "mesh_teeth"]
-
 #: Directions in which the largest vibration is sought, over half a turn; a maximum between two of
 #: them is missed by at most 1 − cos(π/72) = 0.1 %.
 _DIRECTIONS = 36

@@ -8,8 +8,6 @@ from gearbow.analysis.protocol import S, variant
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.shafts import Shaft
 
-__all__ = ["with_elements_for"]
-
 #: Amplitude of the bows [m]. The elements depend on the shape only, as the response is linear.
 _AMPLITUDE = 1e-6
 

@@ -19,8 +19,6 @@ from gearbow.analysis.protocol import System, silent, variant
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.results.synchronous import Synchronous
 
-__all__ = ["BowMotion", "BowSignal", "Margin", "Variants"]
-
 #: Instants of one turn of the fastest shaft of a group. A maximum between two of them is missed by
 #: at most 1 − cos(π/72) = 0.1 % of an orbit.
 _INSTANTS = 72

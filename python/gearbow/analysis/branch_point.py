@@ -8,8 +8,6 @@ import numpy as np
 from gearbow._types import Array, ComplexArray
 from gearbow.analysis.low_rank import LowRank
 
-__all__ = ["KINDS", "BranchPoint", "critical"]
-
 #: Kinds of located points.
 KINDS = ("fold", "flip", "contact loss")
 

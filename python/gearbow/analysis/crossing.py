@@ -8,8 +8,6 @@ Dowell and P. Jarratt, *A modified regula falsi method for computing the root of
 import math
 from collections.abc import Callable
 
-__all__ = ["first_crossing"]
-
 
 def first_crossing(
     margin: Callable[[float], float], first: float, most: float, tolerance: float

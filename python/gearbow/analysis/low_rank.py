@@ -11,8 +11,6 @@ import numpy as np
 
 from gearbow._types import Array
 
-__all__ = ["LowRank"]
-
 #: Number of columns from which the matrix is compressed, and number of columns after that.
 _COLUMNS = 60
 _KEPT = 30

@@ -23,8 +23,6 @@ from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit
 
-__all__ = ["S", "System", "silent", "variant"]
-
 
 class System(Protocol):
     """A system that can be modified and analysed; `gearbow.RotorSystem` is one."""

@@ -130,7 +130,7 @@ class Correction(Result, ReadOnly, Generic[S]):
             Major semi-axis of the orbits.
         """
         with extra("plot"):
-            from gearbow.plotting import balance as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         unit = self._speed_unit(speed_unit)
         return figures.balance(

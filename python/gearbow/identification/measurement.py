@@ -420,12 +420,12 @@ class Measurement(Result, ReadOnly):
             Phase above, amplitude below.
         """
         with extra("plot"):
-            from gearbow.plotting import identification as figures  # noqa: PLC0415
+            from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
         unit = self._speed_unit(speed_unit)
         factor = speed_factor(unit)
         series = dict(zip(self.labels, self.amplitudes.T, strict=True))
-        return figures.bode(factor * self.speeds, series, {}, unit=unit, ax=ax)
+        return figures.measured_bode(factor * self.speeds, series, {}, unit=unit, ax=ax)
 
     def _facts(self) -> dict[str, str]:
         unit = self.speed_unit

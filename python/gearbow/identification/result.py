@@ -302,7 +302,7 @@ class Identification(Result, ReadOnly, Generic[S]):
             noise, and estimates with 95 % ellipses relative to their detectable amplitude.
         """
         with extra("plot"):
-            from gearbow.plotting import identification as figures  # noqa: PLC0415
+            from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
         unit = self._speed_unit(speed_unit)
         return figures.identification(

@@ -87,7 +87,7 @@ class TrialInfluence(Result, ReadOnly):
             probe.
         """
         with extra("plot"):
-            from gearbow.plotting import identification as figures  # noqa: PLC0415
+            from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
         unit = self._speed_unit(speed_unit)
         curves: dict[str, list[int]] = {}

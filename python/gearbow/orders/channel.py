@@ -17,8 +17,6 @@ from gearbow.recording.channels import CHANNELS, quantities
 from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
 
-__all__ = ["Channel", "channel"]
-
 #: Quantities of each kind of place: array, component and unit.
 _MOTION, _MESH = (
     {quantity: (array, component, CHANNELS[array].unit) for quantity, array, component in known}

@@ -47,8 +47,6 @@ from gearbow.units.speed import SpeedUnit, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Orders", "orders"]
-
 #: Largest share of the remainder in the RMS about the mean without a warning: the orders then
 #: contain 91 % of the power.
 _LARGE_REST = 0.3

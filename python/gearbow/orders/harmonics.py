@@ -8,8 +8,6 @@ from gearbow.description.kinematics import Order
 from gearbow.orders.segments import OrderFit, SignalSegment
 from gearbow.orders.separation import Sampling
 
-__all__ = ["ALWAYS", "MOST_HARMONICS", "significant"]
-
 #: Number of harmonics of every tooth frequency that belong to the default, and largest number.
 ALWAYS, MOST_HARMONICS = 3, 30
 #: Largest number of orders that are added to those, which bounds the cost of the fit.

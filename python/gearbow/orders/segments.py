@@ -15,8 +15,6 @@ import numpy as np
 from gearbow._types import Array, ComplexArray
 from gearbow.description.kinematics import Order
 
-__all__ = ["OrderFit", "SignalSegment", "cut", "fit"]
-
 #: Degree of the amplitudes in a segment. A parabola follows the peak of a resonance.
 _DEGREE = 2
 #: Distance of neighbouring segments, relative to their length. The window has 85 % of its largest

@@ -8,15 +8,6 @@ from itertools import pairwise
 
 from gearbow.description.kinematics import Order
 
-__all__ = [
-    "SEGMENT_SEPARATION",
-    "SEPARATION",
-    "Sampling",
-    "Separated",
-    "separated",
-    "shortcomings",
-]
-
 #: Smallest phase difference of neighbouring orders over a complete record, in periods.
 SEPARATION = 0.5
 #: The same over a segment, whose amplitudes are parabolas: the condition of the fit of five orders

@@ -25,15 +25,6 @@ from gearbow.units.speed import SpeedUnit, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = [
-    "WINDOWS",
-    "Spectrum",
-    "amplitudes",
-    "default_window",
-    "order_frequencies",
-    "spectrum",
-]
-
 #: Coefficients of the window functions a₀ − a₁ cos + a₂ cos 2 − … after Heinzel, Rüdiger and
 #: Schilling, *Spectrum and spectral density estimation by the DFT* (2002). A flat-top window gives
 #: the amplitude of a sine between two spectral lines.

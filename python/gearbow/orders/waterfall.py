@@ -37,8 +37,6 @@ from gearbow.units.speed import SpeedUnit, speed_factor
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Waterfall", "waterfall"]
-
 #: Length of the segments of a run-up by default, relative to the run, and distance of neighbouring
 #: segments, relative to their length.
 _PART, _DISTANCE = 1 / 16, 0.25

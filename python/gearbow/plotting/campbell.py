@@ -14,7 +14,6 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from gearbow._types import Array
-from gearbow.plotting.curve import smooth
 from gearbow.plotting.style import (
     MARKS,
     OPERATING,
@@ -26,12 +25,11 @@ from gearbow.plotting.style import (
     place_legend,
     remark,
     shade_operating,
+    smooth,
     speed_axis,
     text_extent,
     text_size,
 )
-
-__all__ = ["campbell"]
 
 #: Ratio of the largest to the smallest damping ratio above which their scale is logarithmic, and
 #: the smallest damping ratio on that scale [%].

@@ -28,16 +28,6 @@ from gearbow.plotting.style import (
     text_size,
 )
 
-__all__ = [
-    "name_orders",
-    "orders",
-    "say_resolution",
-    "spectrum",
-    "spectrum_limits",
-    "tracks",
-    "waterfall",
-]
-
 #: Smallest amplitudes of a spectrum, of its highest frequency and of a waterfall, relative to the
 #: largest amplitude.
 _LINES, _SIGNAL, _COLOURS = 1e-6, 1e-4, 1e-3

@@ -23,25 +23,6 @@ from gearbow.recording.contact import (
 from gearbow.recording.energy import EnergyBalance
 from gearbow.recording.record import Event, MeshResponse, RunRecord
 
-__all__ = [
-    "angle",
-    "axial_bearing_force",
-    "bearing_displacement",
-    "bearing_force",
-    "contact_shares",
-    "energy",
-    "energy_balance",
-    "events",
-    "journal",
-    "mesh",
-    "mesh_names",
-    "motion",
-    "reference_angle",
-    "rolling",
-    "speeds",
-    "spin",
-]
-
 #: Quantities of the motion of a place, by the names of their arrays.
 Quantity = Literal[
     "displacement",

@@ -10,8 +10,6 @@ from gearbow._types import Array, Plain
 from gearbow.description.places import Places
 from gearbow.errors import ChannelError
 
-__all__ = ["BearingMotion", "journal_motion"]
-
 
 @dataclass(frozen=True, eq=False)
 class BearingMotion(ReadOnly):

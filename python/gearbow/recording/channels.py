@@ -13,8 +13,6 @@ from gearbow._core import connection_channels
 from gearbow._types import Array, RunData
 from gearbow.recording.energy import ENERGIES, WORKS
 
-__all__ = ["CHANNELS", "OWNERS", "RecordedChannel", "quantities", "signals", "with_signals"]
-
 #: Entry of the data of a run that lists the places of each kind of owner.
 OWNERS = {
     "point": "points",

@@ -15,8 +15,6 @@ from gearbow.description.gears import Gear
 from gearbow.recording.record import Event
 from gearbow.recording.request import RunRequest
 
-__all__ = ["Contact", "ContactShares", "MeshScene", "contact_at", "first_contact", "shares"]
-
 
 class Contact(IntEnum):
     """Flanks of a mesh that are in contact.

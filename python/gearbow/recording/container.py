@@ -31,8 +31,6 @@ from gearbow.errors import GearbowError
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ENDINGS", "Container", "Header", "opened", "seal", "suffix", "write_netcdf"]
-
 #: Suffixes of the formats.
 ENDINGS = (".npz", ".nc")
 

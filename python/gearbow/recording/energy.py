@@ -13,8 +13,6 @@ from gearbow._types import Array
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["EnergyBalance"]
-
 #: Fields that are energies of the system, and fields that are work done on it.
 ENERGIES = ("kinetic", "shafts", "bearings", "meshes")
 WORKS = ("torque", "gravity", "drive", "unbalance", "teeth", "damping")

@@ -7,8 +7,6 @@ from typing import Any
 from gearbow._shown import Shown
 from gearbow._types import Plain
 
-__all__ = ["ErrorEstimate", "Errors"]
-
 
 @dataclass(frozen=True)
 class ErrorEstimate(Shown):

@@ -39,8 +39,6 @@ from gearbow.recording.schema import (
 from gearbow.recording.tables import FORMAT, arrays_of, metadata_of, to_xarray
 from gearbow.units.speed import speed_factor
 
-__all__ = ["load", "read", "save"]
-
 #: Arrays of the final state. Their lengths depend on the method.
 _STATE = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}
 

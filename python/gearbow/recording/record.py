@@ -18,8 +18,6 @@ from gearbow.recording.errors import Errors
 from gearbow.recording.request import RunRequest
 from gearbow.units.speed import SpeedUnit
 
-__all__ = ["Event", "MeshResponse", "Recorded", "RunRecord", "Statistics", "recorded_run"]
-
 
 @dataclass(frozen=True, eq=False)
 class RunRecord(Shown):

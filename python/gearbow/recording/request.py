@@ -11,8 +11,6 @@ from gearbow._types import Plain
 from gearbow.description.part import tuples
 from gearbow.errors import GearbowError
 
-__all__ = ["OPTIONS", "RunRequest"]
-
 #: Names of the options of a run.
 OPTIONS = (
     *("duration", "speed", "method", "step", "rtol", "stages", "modes"),

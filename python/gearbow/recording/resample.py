@@ -24,8 +24,6 @@ from gearbow.recording import access
 from gearbow.recording.channels import signals, with_signals
 from gearbow.recording.record import RunRecord
 
-__all__ = ["PASS", "STOP", "LowPass", "resampled"]
-
 #: Frequencies up to which signals pass, and from which they are suppressed, as fractions of the new
 #: rate. The second one is the highest frequency that the new rate represents.
 PASS, STOP = 0.4, 0.5

@@ -11,21 +11,6 @@ from typing import Any, TypeAlias
 
 from gearbow.errors import GearbowError
 
-__all__ = [
-    "Check",
-    "any_number",
-    "anything",
-    "each",
-    "entries",
-    "flag",
-    "number",
-    "optional",
-    "record",
-    "row",
-    "text",
-    "whole",
-]
-
 Check: TypeAlias = Callable[[Any, str], None]
 
 #: Counters are 64-bit integers in the core.

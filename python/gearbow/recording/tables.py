@@ -17,8 +17,6 @@ from gearbow.recording.record import RunRecord
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FORMAT", "arrays_of", "metadata_of", "series", "summary", "to_xarray"]
-
 #: Size of a mean value that is an error of the times of a run, relative to its extremes.
 _ROUND_OFF = 1e-4
 #: Number of the file format. It increases if older readers cannot read a newer file.

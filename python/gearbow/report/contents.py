@@ -344,7 +344,7 @@ def modes(contents: Contents) -> Iterator[Block]:
 def _in_space(found: Modes, number: int) -> Picture:
     """Show a mode in three dimensions."""
     from gearbow.plotting.interactive import scene  # noqa: PLC0415
-    from gearbow.plotting.mode_shape import parts  # noqa: PLC0415
+    from gearbow.plotting.shapes import parts  # noqa: PLC0415
 
     title, shape, dofs = found._drawn(number)
     space = scene(parts(shape, dofs, found.layout), title)

@@ -17,8 +17,6 @@ from gearbow.units.speed import SpeedUnit, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["BowLimits", "ReachedLimit"]
-
 
 @dataclass(frozen=True)
 class ReachedLimit(Shown):
@@ -166,7 +164,7 @@ class BowLimits(Result, ReadOnly):
             One curve for each of the seven smallest limits that are reached.
         """
         with extra("plot"):
-            from gearbow.plotting import bow_limits as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         lines = {
             f"{own[0].limit}, {own[0].at}": np.array([one.bow for one in own])

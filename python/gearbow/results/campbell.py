@@ -18,8 +18,6 @@ from gearbow.units.speed import SpeedUnit, speed_factor
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Campbell", "ExcitationLine", "Intersection"]
-
 
 @dataclass(frozen=True)
 class ExcitationLine(Shown):

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-__all__ = ["UNITS", "BranchData", "Continuation", "summary"]
-
 #: Unit of each parameter; torque and bow are factors.
 UNITS = {"speed": "rad/s", "torque": "", "bow": "", "backlash": "m"}
 #: Statistics of a signal over a period, in the order of the rows of each point.
@@ -223,7 +221,7 @@ class Continuation(Result):
             If nothing was recorded, or `ax` is not one panel.
         """
         with extra("plot"):
-            from gearbow.plotting import branch as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
             from gearbow.plotting.style import speed_axis  # noqa: PLC0415
 
         factor, label = speed_axis(self._speed_unit(speed_unit))

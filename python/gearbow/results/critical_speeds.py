@@ -20,8 +20,6 @@ from gearbow.units.speed import SpeedUnit, speed_factor
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["CriticalSpeedMap"]
-
 
 @dataclass(frozen=True, eq=False)
 class CriticalSpeedMap(Result, ReadOnly):

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from gearbow._shown import Shown
 from gearbow._types import Plain
 
-__all__ = ["Discretisation", "ShaftElements"]
-
 
 @dataclass(frozen=True)
 class ShaftElements(Shown):

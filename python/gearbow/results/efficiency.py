@@ -14,8 +14,6 @@ from gearbow.units.speed import SpeedUnit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Efficiency"]
-
 
 @dataclass(frozen=True, eq=False)
 class Efficiency(Result, ReadOnly):
@@ -147,7 +145,7 @@ class Efficiency(Result, ReadOnly):
             If `ax` or the unit is invalid.
         """
         with extra("plot"):
-            from gearbow.plotting.efficiency import losses  # noqa: PLC0415
+            from gearbow.plotting.analyses import losses  # noqa: PLC0415
 
         return losses(
             self.speeds,

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from gearbow.exchange.harmonic import MeasuredCurve
 
-__all__ = ["FrequencyComparison"]
-
 
 @dataclass(frozen=True, eq=False)
 class FrequencyComparison(Result, ReadOnly):

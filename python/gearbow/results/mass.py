@@ -10,8 +10,6 @@ from gearbow._result import Column, Result
 from gearbow._types import Array
 from gearbow.units.speed import SpeedUnit
 
-__all__ = ["MassProperties"]
-
 
 @dataclass(frozen=True, eq=False)
 class MassProperties(Result, ReadOnly):

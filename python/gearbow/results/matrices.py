@@ -7,8 +7,6 @@ from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._types import Dof, SparseMatricesData
 
-__all__ = ["Matrices"]
-
 
 @dataclass(frozen=True, eq=False)
 class Matrices(ReadOnly):

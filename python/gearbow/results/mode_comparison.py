@@ -14,8 +14,6 @@ from gearbow._types import Array
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["ModeComparison"]
-
 
 @dataclass(frozen=True, eq=False)
 class ModeComparison(Result, ReadOnly):
@@ -81,7 +79,7 @@ class ModeComparison(Result, ReadOnly):
             Computed modes along the horizontal axis, measured ones along the vertical axis.
         """
         with extra("plot"):
-            from gearbow.plotting import modes as figures  # noqa: PLC0415
+            from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
         return figures.assurance(self.mac, self.computed_hz, self.measured_hz, ax=ax)
 

@@ -388,7 +388,7 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
             If there is no such mode, or `ax` is invalid.
         """
         with extra("plot"):
-            from gearbow.plotting import mode_shape, modes, within_elements  # noqa: PLC0415
+            from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
         if number is None:
             titles = self._titles()
@@ -398,8 +398,8 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
                 share = sum(share for (_, direction), share in shares.items() if direction == rod)
                 drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
             chosen = np.arange(min(whole(count, "count"), len(self.whirl)))
-            shapes, dofs = within_elements.refined(self.shapes[chosen], self.dofs, self.layout)
-            return modes.overview(
+            shapes, dofs = figures.refined(self.shapes[chosen], self.dofs, self.layout)
+            return figures.overview(
                 [titles[mode] for mode in chosen],
                 shapes,
                 dofs,
@@ -408,16 +408,16 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
                 ax=ax,
             )
         title, shape, nodes = self._drawn(whole(number, "number"))
-        return mode_shape.draw(title, shape, nodes, self.layout, ax=ax)
+        return figures.draw(title, shape, nodes, self.layout, ax=ax)
 
     def _drawn(self, number: int) -> tuple[str, ComplexArray, Sequence[NodalDof]]:
         """Give title, shape and degrees of freedom of a mode, from 1, with points in elements."""
-        from gearbow.plotting import within_elements  # noqa: PLC0415
+        from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
         own = self.shapes[number - 1 : number]
-        shapes, dofs = within_elements.refined(own, self.dofs, self.layout)
+        shapes, dofs = figures.refined(own, self.dofs, self.layout)
         return self._titles()[number - 1], shapes[0], dofs
 
 

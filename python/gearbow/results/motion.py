@@ -23,8 +23,6 @@ from gearbow.recording.record import RunRecord
 if TYPE_CHECKING:
     from gearbow.plotting.animation import Motion
 
-__all__ = ["animate"]
-
 #: Largest number of frames of an animation.
 MOST_FRAMES = 2000
 
@@ -41,7 +39,7 @@ def animate(
 ) -> None:
     """Write an animation of the train in motion, seen along -x."""
     with extra("plot"):
-        from gearbow.plotting import animation, movie  # noqa: PLC0415
+        from gearbow.plotting import animation  # noqa: PLC0415
 
     path, ending = check_name(path, [".gif", ".html"])
     length, rate = _positive(duration, "duration"), _positive(fps, "fps")
@@ -58,9 +56,9 @@ def animate(
     drawn = list(animation.frames(motion, factor))
     with replacing(path) as file:
         if ending == ".gif":
-            movie.write_gif(drawn, file, fps=rate)
+            animation.write_gif(drawn, file, fps=rate)
         else:
-            movie.write_html(drawn, file, fps=rate, title="gearbow: train in motion")
+            animation.write_html(drawn, file, fps=rate, title="gearbow: train in motion")
 
 
 def _positive(value: object, path: str) -> float:

@@ -15,8 +15,6 @@ from gearbow.units.speed import SpeedUnit, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["ResponseSensitivity"]
-
 
 @dataclass(frozen=True, eq=False)
 class ResponseSensitivity(Result, ReadOnly):

@@ -19,8 +19,6 @@ from gearbow.recording.record import RunRecord
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["PLOT_KINDS", "plot"]
-
 #: Quantities of the figures of meshes.
 _MESH_FIELDS = {
     "mesh": ("force", "deflection", "stiffness"),

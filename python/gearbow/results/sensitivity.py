@@ -15,8 +15,6 @@ from gearbow.units.speed import SpeedUnit, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Sensitivity"]
-
 #: Unit of each kind of output that has always the same one.
 _UNITS = {"frequency": "Hz", "critical speed": "rad/s"}
 #: Name of the column of the outputs of each kind.
@@ -113,7 +111,7 @@ class Sensitivity(Result, ReadOnly):
             The relative change of each output for 1 % of each parameter (tornado diagram).
         """
         with extra("plot"):
-            from gearbow.plotting import sensitivity as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         shown = np.flatnonzero(np.isfinite(self.relative).any(axis=0))[: whole(count, "count")]
         return figures.tornado(

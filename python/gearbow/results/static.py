@@ -234,6 +234,6 @@ class Static(Result, ReadOnly, AxialMotion[Array, float]):
             Displacements along the shafts, with marks at gears and disks.
         """
         with extra("plot"):
-            from gearbow.plotting import deflection  # noqa: PLC0415
+            from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
-        return deflection.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)
+        return figures.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)

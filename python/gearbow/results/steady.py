@@ -19,8 +19,6 @@ from gearbow.units.speed import SpeedUnit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["SMALLEST_MULTIPLIER", "SteadyState", "instability"]
-
 #: Magnitude of the smallest multiplier that `SteadyState.multipliers` gives by default.
 SMALLEST_MULTIPLIER = 0.9
 #: Error of a multiplier. A motion with undamped modes, whose multipliers have the magnitude 1,

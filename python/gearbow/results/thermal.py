@@ -18,8 +18,6 @@ from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["ThermalSpiral", "ThermalStability"]
-
 
 @dataclass(frozen=True, eq=False)
 class ThermalStability(Result, ReadOnly):
@@ -153,7 +151,7 @@ class ThermalStability(Result, ReadOnly):
             Real and imaginary part of the loop gain, and the rate of growth.
         """
         with extra("plot"):
-            from gearbow.plotting import thermal as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         unit = self._speed_unit(speed_unit)
         growth = 60.0 * self.eigenvalues.real
@@ -234,7 +232,7 @@ class ThermalSpiral(Result, ReadOnly):
             Path of the vibration in the complex plane, and its amplitude over time.
         """
         with extra("plot"):
-            from gearbow.plotting import thermal as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         return figures.spiral(self.time, self.vibration, ax)
 

@@ -9,8 +9,6 @@ import numpy as np
 from gearbow._shown import Shown
 from gearbow._types import Array, ComplexArray
 
-__all__ = ["StabilityThreshold", "unstable_ranges"]
-
 #: Smallest ratio of a growth rate Re λ to |λ| that counts as unstable; round-off causes smaller
 #: ones. The core has the same limit.
 _MIN_GROWTH = 1e-6

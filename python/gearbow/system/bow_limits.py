@@ -24,8 +24,6 @@ from gearbow.results.bow_limits import BowLimits, ReachedLimit
 from gearbow.system.steady import steady_state
 from gearbow.units.speed import given_unit
 
-__all__ = ["bow_limits"]
-
 #: Relative tolerance of a bow from the linear motion, and from steady states, which cost more.
 _TOLERANCE, _STEADY_TOLERANCE = 1e-6, 2e-3
 #: First bow of a search among steady states, as a part of the bow at which the linear motion ends.

@@ -47,8 +47,6 @@ from gearbow.system.simulation import accuracy_level
 from gearbow.system.steady import period_samples, steady_state
 from gearbow.units.speed import SpeedUnit, given_unit
 
-__all__ = ["continuation"]
-
 #: Smallest number of recorded instants in a period.
 _SAMPLES = 128
 #: Refinement of the recorded instants in which the smallest deflection is sought.

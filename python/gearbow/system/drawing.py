@@ -11,8 +11,6 @@ from gearbow.errors import SceneError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot"]
-
 
 def plot(  # numpydoc ignore=PR01
     self: System, *, ax: Any = None, magnify: float | None = None

@@ -16,8 +16,6 @@ from gearbow.description.sources import MeshExcitation, Source, plain_sources
 from gearbow.errors import ChannelError, SceneError
 from gearbow.results.frequency_response import FrequencyResponse
 
-__all__ = ["frequency_response", "mesh_response"]
-
 
 def frequency_response(
     self: System,

@@ -32,17 +32,6 @@ if TYPE_CHECKING:
     from gearbow.results.mass import MassProperties
     from gearbow.results.thermal import ThermalStability
 
-__all__ = [
-    "campbell",
-    "critical_speed_map",
-    "efficiency",
-    "mass_properties",
-    "matrices",
-    "modes",
-    "static",
-    "synchronous",
-]
-
 
 def matrices(
     self: System, speed: float = 0.0, sparse: bool = False, *, frequency: float | None = None

@@ -16,8 +16,6 @@ from gearbow.results.sensitivity import Sensitivity
 from gearbow.system.motions import Motions, Terms, is_damped, require_memory_of
 from gearbow.system.parameter_family import ParameterFamily
 
-__all__ = ["of_intersections", "of_modes"]
-
 #: Eigenvalues with a smaller relative difference are equal.
 _EQUAL = 1e-8
 

@@ -13,8 +13,6 @@ from gearbow._types import Array, ComplexArray, Plain
 from gearbow.description.parameter import Parameter
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
 
-__all__ = ["Motions", "Terms", "is_damped", "require_memory_of"]
-
 #: Number of motions that judge differences.
 _JUDGED = 50
 #: Columns of the entries: factors of 1, i sgn(Im λ), λ, λΩ and -λ², as in the core.

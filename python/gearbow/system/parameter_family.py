@@ -16,8 +16,6 @@ from gearbow.description.shafts import Segment, Shaft, Sleeve, segments_of
 from gearbow.description.train import PARTS
 from gearbow.errors import ConvergenceError, GearbowError
 
-__all__ = ["ParameterFamily", "extrapolated"]
-
 #: Largest step of the difference quotients, divided by the value of the parameter, and number of
 #: trials. The next trial has a tenth of the step if the quotients of three steps do not agree, for
 #: example because a part would move past a node.

@@ -11,8 +11,6 @@ from gearbow._lookup import one_of
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
 
-__all__ = ["REXS", "format_of", "read"]
-
 #: What the tables of a rotor of ROSS are called, in TOML and JSON.
 _ROSS = re.compile(
     rb'^\s*\{?\s*(ross_version\s*=|"ross_version"|\["?ShaftElement|"ShaftElement)', re.M

@@ -16,8 +16,6 @@ from gearbow.description.part import parts
 from gearbow.results.peak import operating_range
 from gearbow.units.speed import RevolutionsPerMinute, RevolutionsPerMinuteArray, given_unit
 
-__all__ = ["report"]
-
 #: Default speeds of the diagrams: their number, and the lowest and the highest one divided by the
 #: highest operating speed. API RP 684 (2005) requires the response to unbalance up to 1.5. The
 #: speed 0 is left out, because journal bearings carry no load there.

@@ -25,8 +25,6 @@ from gearbow.sensors.sensor import SignalSensor
 from gearbow.system.motions import Motions, is_damped, require_memory_of
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
 
-__all__ = ["of_equilibrium", "of_harmonic", "of_synchronous"]
-
 #: Round-off of differences over the sum of absolute elastic terms, relative to that over a result.
 _ROUND_OFF_OF_TERMS = 1e-3
 #: Unit, and number of derivatives with respect to time, of a quantity at a place.

@@ -60,8 +60,6 @@ from gearbow.units.speed import SpeedUnit, unit_in_texts
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-__all__ = ["RotorSystem"]
-
 #: Further classes of a list of parts.
 _OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing, RollingBearing)}
 

@@ -17,8 +17,6 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-__all__ = ["read_scene"]
-
 _NUL = re.compile(r"\\(u0000|U00000000)")
 
 

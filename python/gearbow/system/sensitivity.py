@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from gearbow.results.response_sensitivity import ResponseSensitivity
     from gearbow.results.sensitivity import Sensitivity
 
-__all__ = ["sensitivity"]
-
 
 @overload
 def sensitivity(

@@ -45,8 +45,6 @@ from gearbow.units.speed import given_unit
 if TYPE_CHECKING:
     from gearbow.system.checkpoint import Checkpoint
 
-__all__ = ["accuracy_level", "default_output_step", "require_memory_of_runs", "simulate"]
-
 
 def simulate(
     self: S,

@@ -26,8 +26,6 @@ from gearbow.system.simulation import accuracy_level
 from gearbow.system.superposition import Superposition, recorded_duration
 from gearbow.units.speed import given_unit
 
-__all__ = ["period_samples", "steady_state"]
-
 
 def steady_state(
     self: S,

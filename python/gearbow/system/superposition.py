@@ -21,8 +21,6 @@ from gearbow.description.teeth import TransmissionError
 from gearbow.description.time_series import TimeSeries
 from gearbow.orders.separation import SEPARATION
 
-__all__ = ["Superposition", "recorded_duration"]
-
 #: Turns of the slowest shaft in a record that does not separate its orders, and the largest number
 #: for one that does: of example machines with rolling bearings, ten turns take up to 4.8 s.
 _UNSEPARATED, _MOST = 2.0, 10.0

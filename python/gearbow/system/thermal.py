@@ -19,8 +19,6 @@ from gearbow.results.synchronous import Synchronous
 from gearbow.results.thermal import ThermalStability
 from gearbow.units.speed import given_unit
 
-__all__ = ["thermal_stability"]
-
 
 def thermal_stability(self: System, bow: ThermalBow, speeds: "ArrayLike") -> ThermalStability:
     """Find the growth of a thermal bow over the speed."""
