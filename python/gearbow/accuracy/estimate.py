@@ -28,8 +28,7 @@ from gearbow.accuracy.refine import refined
 from gearbow.accuracy.scale import root_mean_square, unit_of_errors, variation
 from gearbow.errors import AccuracyWarning
 from gearbow.recording.channels import signals
-from gearbow.recording.errors import ErrorEstimate, Errors
-from gearbow.recording.request import RunRequest
+from gearbow.recording.record import ErrorEstimate, Errors, RunRequest
 
 __all__ = ["estimate_errors"]
 

@@ -1,4 +1,4 @@
-"""Branches of fixed points of a map over a parameter: pseudo-arclength continuation.
+"""Branches of solutions by pseudo-arclength, and events along them.
 
 The method of H. B. Keller (*Numerical solution of bifurcation and nonlinear eigenvalue problems*,
 in Applications of Bifurcation Theory, Academic Press 1977) follows a branch x(s), λ(s) by its
@@ -8,16 +8,154 @@ differences along few directions, and passed on from point to point.
 """
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace as changed
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace as changed
 from typing import Any, Protocol
 
 import numpy as np
 
 from gearbow._types import Array, ComplexArray
-from gearbow.analysis.branch_point import KINDS, BranchPoint, critical
-from gearbow.analysis.low_rank import LowRank
 from gearbow.errors import ConvergenceError, GearbowError
+
+# The derivative of a preconditioned residual: minus the identity, plus a matrix of low rank.
+#
+# Broyden's update (C. G. Broyden, *Mathematics of Computation* 19, 1965) makes the derivative agree
+# with a measured change. Its inverse follows from a small system (the Sherman-Morrison-Woodbury
+# formula).
+
+#: Number of columns from which the matrix is compressed, and number of columns after that.
+_COLUMNS = 60
+_KEPT = 30
+#: Part of a step outside the columns of R below which it is round-off.
+_DEPENDENT = 1e-10
+
+
+@dataclass(frozen=True)
+class LowRank:
+    """The derivative [−I + L Rᵀ, s] with respect to n states and a parameter."""
+
+    left: Array
+    right: Array
+    slope: Array
+
+    @classmethod
+    def identity(cls, slope: Array) -> "LowRank":
+        """Give the derivative without a matrix of low rank."""
+        return cls(np.zeros((slope.size, 0)), np.zeros((slope.size, 0)), slope)
+
+    def product(self, step: Array) -> Array:
+        """Multiply by a step."""
+        states, value = step[:-1], step[-1]
+        change: Array = self.left @ (self.right.T @ states) - states + self.slope * value
+        return change
+
+    def updated(self, step: Array, change: Array) -> "LowRank":
+        """Agree with the change of the residual along a step."""
+        length = float(step @ step)
+        if not length > 0.0:
+            return self
+        error = (change - self.product(step)) / length
+        known = self.right.T @ step[:-1]
+        left = self.left + np.outer(error, known)
+        rest = step[:-1] - self.right @ known
+        rest = rest - self.right @ (self.right.T @ rest)
+        part = float(np.linalg.norm(rest))
+        right = self.right
+        if part > _DEPENDENT * np.sqrt(length):
+            left = np.column_stack([left, part * error])
+            right = np.column_stack([right, rest / part])
+        if left.shape[1] > _COLUMNS:
+            left, right = _compressed(left, right)
+        return LowRank(left, right, self.slope + error * step[-1])
+
+    def solve(self, row: Array, change: Array, length: float) -> Array:
+        """Find the step with a change of the residual and a length along a row."""
+        left, right, slope = self.left, self.right, self.slope
+        count = left.shape[1]
+        # The states of the step are L c + s λ − change with c = Rᵀ states.
+        matrix = np.eye(count + 1)
+        matrix[:count, :count] -= right.T @ left
+        matrix[:count, count] = -right.T @ slope
+        matrix[count, :count] = row[:-1] @ left
+        matrix[count, count] = row[:-1] @ slope + row[-1]
+        known = np.append(-right.T @ change, length + row[:-1] @ change)
+        found = np.linalg.solve(matrix, known)
+        return np.append(left @ found[:-1] + slope * found[-1] - change, found[-1])
+
+
+def _compressed(left: Array, right: Array) -> tuple[Array, Array]:
+    """Keep the largest singular values of L Rᵀ."""
+    directions = np.linalg.svd(left, full_matrices=False)[2][:_KEPT].T
+    return left @ directions, right @ directions
+
+
+#: Kinds of located points.
+KINDS = ("fold", "flip", "contact loss")
+
+
+@dataclass
+class BranchPoint:
+    """A fixed point with its derivative."""
+
+    state: Array
+    value: float
+    scale: float
+    derivative: LowRank
+    tangent: Array = field(default_factory=lambda: np.zeros(0))
+    margin: float = np.inf
+    kept: Any = None
+    multipliers: ComplexArray = field(default_factory=lambda: np.zeros(0, complex))
+    kind: str = ""
+
+
+def critical(point: BranchPoint, kind: str) -> float:
+    """Give the function whose sign changes at a kind of special points."""
+    if kind == "fold":
+        return float(point.tangent[-1])
+    if kind == "contact loss":
+        return point.margin
+    negative = point.multipliers.real[(point.multipliers.imag == 0.0)]
+    return 1.0 + float(min(negative, default=0.0))
+
+
+# The first root of a function that is positive at first: doubling steps, then Illinois' method.
+#
+# Steps double from a first one, so that a dip of the function within one step is missed. Method: M.
+# Dowell and P. Jarratt, *A modified regula falsi method for computing the root of an equation*, BIT
+# 11 (1971).
+
+
+def first_crossing(
+    margin: Callable[[float], float], first: float, most: float, tolerance: float
+) -> float | None:
+    """Find the smallest value up to `most` with a margin that is not positive; None without one."""
+    low, below = 0.0, margin(0.0)
+    if below <= 0.0:
+        return 0.0
+    high = min(first, most)
+    while (above := margin(high)) > 0.0:
+        if high >= most:
+            return None
+        low, below, high = high, above, min(2.0 * high, most)
+    kept = 0
+    root = low
+    while high - low > tolerance * high:
+        # An infinite margin, beyond which there is no motion, has no slope.
+        part = below / (below - above) if math.isfinite(above) else 0.5
+        before, root = root, low + (high - low) * part
+        if abs(root - before) <= 0.5 * tolerance * root:
+            return root
+        value = margin(root)
+        if value > 0.0:
+            low, below = root, value
+            above = above / 2.0 if kept > 0 else above
+            kept = 1
+        else:
+            high, above = root, value
+            below = below / 2.0 if kept < 0 else below
+            kept = -1
+    return (low + high) / 2.0
+
 
 #: Difference of states for a derivative, relative to the size of the state: a derivative has six or
 #: seven digits, by the rounding error of the map divided by it.
@@ -37,7 +175,7 @@ _TANGENT = 1e-4
 #: Largest number of directions in which a derivative is taken for one linear system.
 _DIRECTIONS = 40
 #: Part of a direction that is not in the span of the others, below which it is round-off.
-_DEPENDENT = 1e-8
+_DEPENDENT_DIRECTION = 1e-8
 #: Largest angle between two tangents [cos], and that up to which steps become longer.
 _TURN = 0.9
 _SMALL_TURN = 0.96
@@ -219,7 +357,7 @@ class _Follower:
             for _ in range(2):
                 direction = direction - measured @ (measured.T @ direction)
             length, whole = np.linalg.norm(direction), np.linalg.norm(step[:-1])
-            if length <= _DEPENDENT * whole:
+            if length <= _DEPENDENT_DIRECTION * whole:
                 break
             unit = np.append(direction / length, 0.0)
             change = self.change(at, unit[:-1])

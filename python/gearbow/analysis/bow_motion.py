@@ -1,4 +1,4 @@
-"""Static and synchronous motion of a train at one speed, as a function of the size of bows.
+"""Systems with bows of any size, and their motion at one speed.
 
 A signal x of the motion is x₀ + Σ_s Re(a_s e^{iϑ_s}) + b Σ_s Re(u_s e^{i(ϑ_s + φ_s)}): the static
 value, what turns with each shaft without the bows, and the bow of the size b and the phase φ_s of
@@ -8,16 +8,48 @@ so that the values of x are the sums of one value of each group.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from gearbow._types import Array, At, ComplexArray
-from gearbow.analysis.bow_elements import with_elements_for
-from gearbow.analysis.protocol import System, silent, variant
+from gearbow.analysis.protocol import S, System, silent, variant
 from gearbow.description.bow import Bow, amplitude_of, scaled
+from gearbow.description.shafts import Shaft
 from gearbow.results.synchronous import Synchronous
+
+#: Amplitude of the bows [m]. The elements depend on the shape only, as the response is linear.
+_AMPLITUDE = 1e-6
+
+
+def with_elements_for(system: S, *cases: Mapping[str, Bow]) -> S:
+    """Make a system with fixed elements, as fine as if the bows of any case were its own."""
+    # The bows of a case, by shaft, act at the same time, without those of other shafts.
+    shafts: list[dict[str, Any]] = system._model.resolved()["shafts"]
+    for bows in cases:
+        largest = max(map(amplitude_of, bows.values()), default=0.0)
+        if largest > 0.0:
+            own = {name: scaled(bow, _AMPLITUDE / largest) for name, bow in bows.items()}
+            bent = [replace(shaft, bow=own.get(shaft.name)) for shaft in system.shafts]
+            chosen = variant(system, shafts=bent)._model.resolved()["shafts"]
+            shafts = [_finer(a, b) for a, b in zip(shafts, chosen, strict=True)]
+    return variant(system, shafts=[Shaft._from_description(shaft) for shaft in shafts])
+
+
+def _finer(given: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
+    """Give a shaft, or a segment of one, the larger numbers and degrees of elements of two."""
+    numbers = {
+        key: max(given[key], other[key])
+        for key in ("elements", "degree")
+        if given.get(key) is not None and other.get(key) is not None
+    }
+    if given.get("segments"):
+        pairs = zip(given["segments"], other["segments"], strict=True)
+        numbers["segments"] = [_finer(*pair) for pair in pairs]
+    return {**given, **numbers}
+
 
 #: Instants of one turn of the fastest shaft of a group. A maximum between two of them is missed by
 #: at most 1 − cos(π/72) = 0.1 % of an orbit.

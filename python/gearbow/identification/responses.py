@@ -15,7 +15,7 @@ from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import body_of, shafts_of_bodies, with_unbalances
-from gearbow.analysis.bow_elements import with_elements_for
+from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.analysis.protocol import S, System, ratios_by_shaft, variant, without_scene_warnings
 from gearbow.description.bow import Bow, scaled
 from gearbow.description.parameter import Parameter

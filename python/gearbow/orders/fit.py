@@ -1,4 +1,4 @@
-"""Amplitudes at known orders, by least squares.
+"""Amplitudes of a recorded signal at the orders of the train.
 
 The orders that a train excites are known exactly, and so is the angle of its shafts. A simultaneous
 least-squares fit of the sines and cosines of all orders over this angle therefore replaces a
@@ -19,26 +19,23 @@ from gearbow._convert import number, text, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_degrees, in_micrometres, written_unit
-from gearbow._types import (
-    Array,
-    ComplexArray,
-    Record,
-    SignalQuantity,
-)
+from gearbow._types import Array, ComplexArray, Record, SignalQuantity
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
-from gearbow.orders.channel import channel
-from gearbow.orders.harmonics import ALWAYS, MOST_HARMONICS, significant
-from gearbow.orders.segments import OrderFit, SignalSegment, cut, fit
 from gearbow.orders.separation import (
     SEGMENT_SEPARATION,
     SEPARATION,
+    OrderFit,
     Sampling,
     Separated,
+    SignalSegment,
+    cut,
+    fit,
     separated,
     shortcomings,
 )
+from gearbow.orders.spectrum import channel
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
@@ -46,6 +43,45 @@ from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+#: Number of harmonics of every tooth frequency that belong to the default, and largest number.
+ALWAYS, MOST_HARMONICS = 3, 30
+#: Largest number of orders that are added to those, which bounds the cost of the fit.
+_MOST_ADDED = 100
+#: Smallest amplitude of an added order, relative to the largest amplitude of all orders. A figure
+#: with a linear scale shows no smaller one.
+_SIGNIFICANT = 0.01
+
+
+def significant(
+    segments: Sequence[SignalSegment],
+    fitted: OrderFit,
+    candidates: Sequence[Order],
+    sampling: Sampling,
+) -> list[Order]:
+    """Choose orders that carry a significant part of what a fit leaves."""
+    resolved = [order for order in candidates if sampling.resolves(order.value)]
+    values = np.array([order.value for order in resolved])
+    sizes = np.zeros(values.size)
+    for segment, remainder in zip(segments, fitted.remainders, strict=True):
+        # The window keeps a line from appearing at the others.
+        weighted = 2.0 * segment.window * remainder
+        for j, value in enumerate(values):
+            wave = np.exp(-2j * np.pi * value * (segment.turns - segment.turns[0]))
+            sizes[j] = max(sizes[j], abs(wave @ weighted))
+    least = _SIGNIFICANT * max(fitted.largest.max(initial=0.0), sizes.max(initial=0.0))
+    most = min(_MOST_ADDED, sampling.most_orders - len(fitted.orders))
+    taken: list[float] = fitted.values.tolist()
+    chosen: list[Order] = []
+    for j in np.argsort(-sizes, kind="stable"):
+        if len(chosen) >= most or not sizes[j] > least:
+            break
+        if np.abs(np.array(taken) - values[j]).min(initial=np.inf) >= sampling.distance:
+            taken.append(float(values[j]))
+            chosen.append(resolved[j])
+    return chosen
+
 
 #: Largest share of the remainder in the RMS about the mean without a warning: the orders then
 #: contain 91 % of the power.

@@ -12,8 +12,7 @@ from gearbow._core import mesh_geometry
 from gearbow._shown import Shown
 from gearbow._types import Array
 from gearbow.description.gears import Gear
-from gearbow.recording.record import Event
-from gearbow.recording.request import RunRequest
+from gearbow.recording.record import Event, RunRequest
 
 
 class Contact(IntEnum):

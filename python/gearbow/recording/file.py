@@ -18,25 +18,34 @@ from gearbow._files import replacing
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
-from gearbow.recording.channels import CHANNELS, OWNERS, with_signals
-from gearbow.recording.container import Container, Header, opened, suffix, write_netcdf
-from gearbow.recording.errors import ErrorEstimate, Errors
-from gearbow.recording.record import RunRecord
-from gearbow.recording.request import OPTIONS, RunRequest
-from gearbow.recording.schema import (
+from gearbow.recording.channels import (
+    CHANNELS,
+    FORMAT,
+    OWNERS,
+    arrays_of,
+    metadata_of,
+    to_xarray,
+    with_signals,
+)
+from gearbow.recording.container import (
+    Container,
+    Header,
     any_number,
     anything,
     each,
     entries,
     flag,
     number,
+    opened,
     optional,
     record,
     row,
+    suffix,
     text,
     whole,
+    write_netcdf,
 )
-from gearbow.recording.tables import FORMAT, arrays_of, metadata_of, to_xarray
+from gearbow.recording.record import OPTIONS, ErrorEstimate, Errors, RunRecord, RunRequest
 from gearbow.units.speed import speed_factor
 
 #: Arrays of the final state. Their lengths depend on the method.

@@ -1,7 +1,7 @@
-"""A recorded run as plain data."""
+"""A recorded run as plain data, with its request and its errors."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -10,13 +10,117 @@ from numpy.typing import NDArray
 from gearbow._convert import shown
 from gearbow._read_only import ReadOnly
 from gearbow._shown import Shown, short, to_html
-from gearbow._types import Array, Record, RunData
+from gearbow._types import Array, Plain, Record, RunData
 from gearbow.description.kinematics import Kinematics
+from gearbow.description.part import tuples
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import ChannelError, SceneError
-from gearbow.recording.errors import Errors
-from gearbow.recording.request import RunRequest
+from gearbow.errors import ChannelError, GearbowError, SceneError
 from gearbow.units.speed import SpeedUnit
+
+
+@dataclass(frozen=True)
+class ErrorEstimate(Shown):
+    """Error of one kind of signal: RMS of the difference / RMS of the signal about its mean."""
+
+    elements: float
+    modes: float
+    integration: float
+    total: float
+
+
+class Errors(dict[str, ErrorEstimate]):
+    """Estimated errors of a run by the kind of signal."""
+
+    def __init__(
+        self, estimates: Mapping[str, ErrorEstimate], *, window: float, chaotic: bool
+    ) -> None:
+        super().__init__(estimates)
+        self.window = window
+        self.chaotic = chaotic
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _made, (dict(self), self.window, self.chaotic)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{kind}: {each.total:.1e} (elements {each.elements:.1e}, modes {each.modes:.1e}, "
+            f"integration {each.integration:.1e})"
+            for kind, each in self.items()
+        ]
+        lines.append(f"over the first {self.window:g} s")
+        if self.chaotic:
+            lines.append(
+                "chaotic contact: small differences grow to the size of the signals, so that no "
+                "run predicts the time history after the first impacts"
+            )
+        return "\n".join(lines)
+
+    def plain(self) -> dict[str, Plain]:
+        """Convert to data that JSON can hold."""
+        estimates = {kind: asdict(each) for kind, each in self.items()}
+        return {"window": self.window, "chaotic": self.chaotic, "estimates": estimates}
+
+    @classmethod
+    def from_plain(cls, given: Mapping[str, Plain] | None) -> "Errors | None":
+        """Read the data of `plain`."""
+        if given is None:
+            return None
+        estimates = {kind: ErrorEstimate(**each) for kind, each in given["estimates"].items()}
+        return _made(estimates, given["window"], given["chaotic"])
+
+
+def _made(estimates: Mapping[str, ErrorEstimate], window: float, chaotic: bool) -> Errors:
+    return Errors(estimates, window=window, chaotic=chaotic)
+
+
+#: Names of the options of a run.
+OPTIONS = (
+    *("duration", "speed", "method", "step", "rtol", "stages", "modes"),
+    *("initial", "record", "geometry", "start", "accuracy"),
+)
+#: Arrays of a final state from which a run continues.
+_ARRAYS = {"state": np.float64, "memory": np.float64, "contact_modes": np.int64}
+
+
+@dataclass(frozen=True, eq=False)
+class RunRequest(Shown):
+    """The scene and the options of a run, from which the same run can be made again."""
+
+    description: Mapping[str, Plain]
+    options: Mapping[str, Any]
+
+    def plain(self) -> dict[str, Plain]:
+        """Convert to data that JSON can hold."""
+        return {"description": dict(self.description), "options": _plain(dict(self.options))}
+
+    @classmethod
+    def from_plain(cls, given: Mapping[str, Plain] | None) -> "RunRequest | None":
+        """Read the data of `plain`."""
+        if given is None:
+            return None
+        options = dict(given["options"])
+        initial = options.get("initial")
+        if isinstance(initial, Mapping):
+            options["initial"] = {name: _array(name, value) for name, value in initial.items()}
+        options["record"] = [tuples(item) for item in options["record"]]
+        return cls(given["description"], options)
+
+
+def _array(name: str, value: Plain) -> Any:
+    """Convert a list of numbers to an array; another entry stays the same."""
+    if name not in _ARRAYS:
+        return value
+    try:
+        return np.array(value, dtype=_ARRAYS[name]).reshape(len(value))
+    except (TypeError, ValueError, OverflowError) as error:
+        raise GearbowError(f"request.options.initial.{name}: {error}") from None
+
+
+def _plain(value: Any) -> Plain:
+    """Convert arrays in mappings to lists."""
+    if isinstance(value, Mapping):
+        return {name: _plain(entry) for name, entry in value.items()}
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 @dataclass(frozen=True, eq=False)

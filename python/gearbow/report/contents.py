@@ -16,7 +16,7 @@ import numpy as np
 
 from gearbow._result import Column, in_micrometres, in_percent
 from gearbow._types import Array
-from gearbow.analysis.bow_elements import with_elements_for
+from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.description.assumptions import assumptions
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.bow_limit import BowLimit

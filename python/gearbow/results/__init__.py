@@ -33,7 +33,7 @@ _MODULES = {
     "Orders": "gearbow.orders.fit",
     "Spectrum": "gearbow.orders.spectrum",
     "Waterfall": "gearbow.orders.waterfall",
-    "BearingMotion": "gearbow.recording.bearing_motion",
+    "BearingMotion": "gearbow.recording.access",
     "Contact": "gearbow.recording.contact",
     "ContactShares": "gearbow.recording.contact",
     "EnergyBalance": "gearbow.recording.energy",
@@ -46,24 +46,24 @@ _MODULES = {
     "Intersection": "gearbow.results.campbell",
     "Continuation": "gearbow.results.continuation",
     "CriticalSpeedMap": "gearbow.results.critical_speeds",
-    "Discretisation": "gearbow.results.discretisation",
-    "Efficiency": "gearbow.results.efficiency",
-    "FrequencyComparison": "gearbow.results.frequency_comparison",
+    "Discretisation": "gearbow.results.properties",
+    "Efficiency": "gearbow.results.static",
+    "FrequencyComparison": "gearbow.results.harmonic",
     "FrequencyResponse": "gearbow.results.frequency_response",
-    "MassProperties": "gearbow.results.mass",
-    "Matrices": "gearbow.results.matrices",
+    "MassProperties": "gearbow.results.properties",
+    "Matrices": "gearbow.results.properties",
     "MeasuredShapes": "gearbow.exchange.mode_shapes",
-    "ModeComparison": "gearbow.results.mode_comparison",
+    "ModeComparison": "gearbow.results.modes",
     "Modes": "gearbow.results.modes",
     "Peak": "gearbow.results.peak",
     "Peaks": "gearbow.results.peak",
     "Response": "gearbow.results.response",
-    "ResponseSensitivity": "gearbow.results.response_sensitivity",
+    "ResponseSensitivity": "gearbow.results.sensitivity",
     "Sensitivity": "gearbow.results.sensitivity",
     "Static": "gearbow.results.static",
     "SteadyState": "gearbow.results.steady",
     "Synchronous": "gearbow.results.synchronous",
-    "StabilityThreshold": "gearbow.results.threshold",
+    "StabilityThreshold": "gearbow.results.campbell",
     "ThermalSpiral": "gearbow.results.thermal",
     "ThermalStability": "gearbow.results.thermal",
     "Sweep": "gearbow.sweeps.result",
@@ -94,7 +94,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
-    from gearbow.recording.bearing_motion import BearingMotion as BearingMotion
+    from gearbow.recording.access import BearingMotion as BearingMotion
     from gearbow.recording.contact import (
         Contact as Contact,
         ContactShares as ContactShares,
@@ -109,34 +109,36 @@ if _typing.TYPE_CHECKING:
         Campbell as Campbell,
         ExcitationLine as ExcitationLine,
         Intersection as Intersection,
+        StabilityThreshold as StabilityThreshold,
     )
     from gearbow.results.continuation import Continuation as Continuation
     from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
-    from gearbow.results.discretisation import Discretisation as Discretisation
-    from gearbow.results.efficiency import Efficiency as Efficiency
-    from gearbow.results.frequency_comparison import (
+    from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
+    from gearbow.results.harmonic import (
         FrequencyComparison as FrequencyComparison,
     )
-    from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
-    from gearbow.results.mass import MassProperties as MassProperties
-    from gearbow.results.matrices import Matrices as Matrices
-    from gearbow.results.mode_comparison import ModeComparison as ModeComparison
-    from gearbow.results.modes import Modes as Modes
+    from gearbow.results.modes import ModeComparison as ModeComparison, Modes as Modes
     from gearbow.results.peak import (
         Peak as Peak,
         Peaks as Peaks,
     )
+    from gearbow.results.properties import (
+        Discretisation as Discretisation,
+        MassProperties as MassProperties,
+        Matrices as Matrices,
+    )
     from gearbow.results.response import Response as Response
-    from gearbow.results.response_sensitivity import ResponseSensitivity as ResponseSensitivity
-    from gearbow.results.sensitivity import Sensitivity as Sensitivity
-    from gearbow.results.static import Static as Static
+    from gearbow.results.sensitivity import (
+        ResponseSensitivity as ResponseSensitivity,
+        Sensitivity as Sensitivity,
+    )
+    from gearbow.results.static import Efficiency as Efficiency, Static as Static
     from gearbow.results.steady import SteadyState as SteadyState
     from gearbow.results.synchronous import Synchronous as Synchronous
     from gearbow.results.thermal import (
         ThermalSpiral as ThermalSpiral,
         ThermalStability as ThermalStability,
     )
-    from gearbow.results.threshold import StabilityThreshold as StabilityThreshold
     from gearbow.sweeps.result import (
         Sweep as Sweep,
         SweepPoint as SweepPoint,

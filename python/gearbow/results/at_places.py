@@ -4,7 +4,7 @@ from abc import abstractmethod
 from typing import Any, Generic, TypeVar
 
 from gearbow._types import At
-from gearbow.recording.bearing_motion import BearingMotion
+from gearbow.recording.access import BearingMotion
 
 #: Arrays of vectors, and of numbers.
 V = TypeVar("V")

@@ -22,9 +22,9 @@ from gearbow._types import (
 )
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
-from gearbow.orders.channel import channel
+from gearbow.orders.spectrum import channel
 from gearbow.recording.channels import CHANNELS, signals, with_signals
-from gearbow.recording.schema import each, number, record, row, text, whole
+from gearbow.recording.container import each, number, record, row, text, whole
 from gearbow.results.response import Response
 from gearbow.results.steady import instability
 from gearbow.units.speed import SpeedUnit, speed_text

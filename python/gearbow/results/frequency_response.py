@@ -27,8 +27,12 @@ from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import Places, is_pair, place, place_label, places
 from gearbow.description.sources import plain_sources
 from gearbow.errors import GearbowError, SceneError
-from gearbow.results.frequency_comparison import FrequencyComparison
-from gearbow.results.harmonic import DERIVATIVES, PRINTED_PLACES, HarmonicResponse
+from gearbow.results.harmonic import (
+    DERIVATIVES,
+    PRINTED_PLACES,
+    FrequencyComparison,
+    HarmonicResponse,
+)
 from gearbow.sensors.sensor import SignalSensor
 from gearbow.units.speed import SpeedUnit
 

@@ -25,19 +25,16 @@ from gearbow._types import (
 from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
-from gearbow.orders.channel import channel
 from gearbow.orders.fit import Orders, orders
-from gearbow.orders.spectrum import Spectrum, spectrum
-from gearbow.recording import access, tables
-from gearbow.recording.bearing_motion import BearingMotion
+from gearbow.orders.spectrum import Spectrum, channel, spectrum
+from gearbow.recording import access, channels
+from gearbow.recording.access import BearingMotion
+from gearbow.recording.channels import resampled
 from gearbow.recording.contact import ContactShares
 from gearbow.recording.energy import EnergyBalance
-from gearbow.recording.errors import Errors
-from gearbow.recording.record import Event, MeshResponse, RunRecord, Statistics
-from gearbow.recording.resample import resampled
+from gearbow.recording.record import Errors, Event, MeshResponse, RunRecord, Statistics
 from gearbow.results.at_places import AxialMotion, Vibration
-from gearbow.results.motion import animate
-from gearbow.results.run_figures import plot
+from gearbow.results.run_figures import animate, plot
 from gearbow.sensors.sensor import Sensor, SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
@@ -47,7 +44,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gearbow.description.kinematics import Kinematics
-    from gearbow.recording.request import RunRequest
+    from gearbow.recording.record import RunRequest
 
 
 class Response(Result, ReadOnly, AxialMotion[Array, Array], Vibration[Array, Array]):
@@ -760,7 +757,7 @@ class Response(Result, ReadOnly, AxialMotion[Array, Array], Vibration[Array, Arr
         xarray.Dataset
             Variables over time, point, axis, mesh and bearing, each with its unit as an attribute.
         """
-        return tables.to_xarray(self.to_record())
+        return channels.to_xarray(self.to_record())
 
     def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
         from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
@@ -828,7 +825,7 @@ class Response(Result, ReadOnly, AxialMotion[Array, Array], Vibration[Array, Arr
         return lines
 
     def _columns(self) -> list[Column]:
-        return tables.summary(self.to_record())
+        return channels.summary(self.to_record())
 
     def _series(self) -> list[Column]:
-        return tables.series(self.to_record())
+        return channels.series(self.to_record())

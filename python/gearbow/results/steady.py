@@ -12,7 +12,7 @@ from gearbow._progress import working
 from gearbow._result import Column, Result
 from gearbow._types import ComplexArray, RunFigure
 from gearbow.errors import GearbowError
-from gearbow.recording.schema import any_number, each, number, optional, record, row, text, whole
+from gearbow.recording.container import any_number, each, number, optional, record, row, text, whole
 from gearbow.results.response import Response
 from gearbow.units.speed import SpeedUnit
 

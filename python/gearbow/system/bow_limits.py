@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array
 from gearbow._lookup import one_of
 from gearbow._types import Array
+from gearbow.analysis.arclength import first_crossing
 from gearbow.analysis.bow_checks import Check, added_check, mesh_checks, mesh_teeth
 from gearbow.analysis.bow_motion import BowMotion, Variants
-from gearbow.analysis.crossing import first_crossing
 from gearbow.analysis.protocol import System
 from gearbow.description.bow import Bow, amplitude_of
 from gearbow.description.bow_limit import BowLimit

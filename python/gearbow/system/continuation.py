@@ -32,8 +32,7 @@ from gearbow._types import (
     RunData,
 )
 from gearbow.accuracy.levels import LEVELS, check_reduction
-from gearbow.analysis.arclength import Settings, branch
-from gearbow.analysis.branch_point import BranchPoint
+from gearbow.analysis.arclength import BranchPoint, Settings, branch
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import scaled
 from gearbow.description.kinematics import Kinematics

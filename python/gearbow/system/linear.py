@@ -20,16 +20,16 @@ from gearbow.description.speed_table import SpeedTable
 from gearbow.errors import SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
-from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
+from gearbow.results.properties import Matrices
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
     from gearbow.description.thermal_bow import ThermalBow
-    from gearbow.results.efficiency import Efficiency
-    from gearbow.results.mass import MassProperties
+    from gearbow.results.properties import MassProperties
+    from gearbow.results.static import Efficiency
     from gearbow.results.thermal import ThermalStability
 
 
@@ -145,7 +145,7 @@ def mass_properties(self: System) -> "MassProperties":
     MassProperties
         The shafts with their sleeves, gears and disks. Compare them with a drawing first.
     """
-    from gearbow.results.mass import MassProperties  # noqa: PLC0415
+    from gearbow.results.properties import MassProperties  # noqa: PLC0415
 
     names = [shaft.name for shaft in self.shafts]
     origins = [layout_of(self).shaft(name).origin for name in names]
@@ -242,7 +242,7 @@ def efficiency(
     (1958). Churning of oil, seals and the friction of bearings are not modelled. Bow, unbalance and
     tooth errors are left out; `MeshResponse.friction_power` of a run contains them.
     """
-    from gearbow.results.efficiency import Efficiency  # noqa: PLC0415
+    from gearbow.results.static import Efficiency  # noqa: PLC0415
 
     wanted = array(speeds, "speeds")
     one_of(geometry, get_args(Geometry), "geometry")

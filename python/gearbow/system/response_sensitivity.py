@@ -18,7 +18,7 @@ from gearbow.description.parameter import Parameter
 from gearbow.description.places import Places, is_pair, place, place_label
 from gearbow.errors import ChannelError, SceneError
 from gearbow.results.frequency_response import FrequencyResponse
-from gearbow.results.response_sensitivity import ResponseSensitivity
+from gearbow.results.sensitivity import ResponseSensitivity
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.sensor import SignalSensor

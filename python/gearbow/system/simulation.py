@@ -29,7 +29,7 @@ from gearbow.analysis.protocol import S, System
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
 from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
-from gearbow.recording.request import RunRequest
+from gearbow.recording.record import RunRequest
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 from gearbow.system.run import (
@@ -43,7 +43,7 @@ from gearbow.system.run import (
 from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
-    from gearbow.system.checkpoint import Checkpoint
+    from gearbow.system.run import Checkpoint
 
 
 def simulate(
@@ -282,7 +282,7 @@ def _checkpoint(
         raise SceneError(f"checkpoint_interval: must be positive, got {interval}")
     if path is None:
         return nullcontext()
-    from gearbow.system.checkpoint import Checkpoint  # noqa: PLC0415  # with libraries for files
+    from gearbow.system.run import Checkpoint  # noqa: PLC0415  # with libraries for files
 
     return Checkpoint(path, interval, {"scene": system.description, **identity})
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.recording.errors import ErrorEstimate, Errors
-from gearbow.recording.request import OPTIONS, RunRequest
+from gearbow.recording.record import OPTIONS, ErrorEstimate, Errors, RunRequest
 from reference.records import ENERGIES, KINEMATICS, MESH_UNITS, WORKS, response
 
 TIME = 2.0 + 0.25 * np.arange(5)
