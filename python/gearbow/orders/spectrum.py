@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from gearbow._convert import text
-from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_micrometres, written_unit
+from gearbow._result import Column, Figured, in_micrometres, written_unit
 from gearbow._shown import Shown
 from gearbow._types import Array, Record, SignalQuantity, Window
 from gearbow.description.places import is_pair, place, place_label
@@ -111,8 +110,12 @@ _NAMED_HARMONICS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum(Result, ReadOnly):
+class Spectrum(Figured, ReadOnly):
     """Amplitudes against frequency. A sine of amplitude 1 on a spectral line gives 1.
+
+    `plot` draws the amplitude on a logarithmic scale, up to the highest frequency with a
+    signal. Marks show the peaks at orders of shafts, meshes, their sidebands and bearings; the
+    largest have names.
 
     Parameters
     ----------
@@ -155,27 +158,8 @@ class Spectrum(Result, ReadOnly):
     speed_unit: SpeedUnit = "rad/s"
     periodic: bool = False
 
-    def plot(self, *, ax: Any = None) -> "Figure":
-        """Draw the spectrum on a logarithmic scale, up to the highest frequency with a signal.
-
-        Parameters
-        ----------
-        ax : Axes, optional
-            Panel for the spectrum; None makes a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Amplitude against frequency [Hz]. Marks show the peaks at orders of shafts, meshes,
-            their sidebands and bearings; the largest have names.
-
-        Raises
-        ------
-        GearbowError
-            If `ax` is not one panel.
-        """
-        with extra("plot"):
-            from gearbow.plotting import orders as figures  # noqa: PLC0415
+    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import orders as figures  # noqa: PLC0415
 
         factor, unit = written_unit(self.unit)
         return figures.spectrum(

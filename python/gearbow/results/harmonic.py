@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._core import Model
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result
+from gearbow._result import Column, Figured, Result
 from gearbow._shown import short
 from gearbow._types import Array, At, ComplexArray, Plain
 from gearbow.description.coordinates import Coordinates
@@ -19,6 +18,7 @@ from gearbow.description.train import Train
 from gearbow.errors import SceneError
 from gearbow.results.at_places import Vibration
 from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -153,8 +153,11 @@ class HarmonicResponse(Result, ReadOnly, Vibration[ComplexArray, ComplexArray]):
 
 
 @dataclass(frozen=True, eq=False)
-class FrequencyComparison(Result, ReadOnly):
+class FrequencyComparison(Figured, ReadOnly):
     """Measured curves, and the computed ones at the same frequencies.
+
+    `plot` draws amplitudes above phases, the measured curves solid and the computed ones
+    dashed; all curves have one quantity.
 
     Parameters
     ----------
@@ -243,26 +246,8 @@ class FrequencyComparison(Result, ReadOnly):
         )
         return mac
 
-    def plot(self, *, ax: Any = None) -> "Figure":
-        """Draw the measured and the computed curves on the same axes.
-
-        Parameters
-        ----------
-        ax : sequence of two Axes, optional
-            Panels for amplitude and phase; None makes a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Amplitudes above, phases below; measured curves solid, computed ones dashed.
-
-        Raises
-        ------
-        SceneError
-            If the curves have different quantities.
-        """
-        with extra("plot"):
-            from gearbow.plotting import harmonic as figures  # noqa: PLC0415
+    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
         quantities = {one.quantity for one in self.measured}
         if len(quantities) > 1:

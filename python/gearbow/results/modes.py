@@ -13,7 +13,7 @@ from gearbow._extras import extra
 from gearbow._files import check_name
 from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_percent, plain_text
+from gearbow._result import Column, Figured, Result, in_percent, plain_text
 from gearbow._shown import listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
 from gearbow.description.coordinates import Coordinates
@@ -32,8 +32,10 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class ModeComparison(Result, ReadOnly):
+class ModeComparison(Figured, ReadOnly):
     """MAC of computed and measured mode shapes.
+
+    `plot` draws MAC as a table of colours, with the computed modes along the horizontal axis.
 
     Parameters
     ----------
@@ -81,21 +83,8 @@ class ModeComparison(Result, ReadOnly):
         best = np.argmax(self.mac, axis=0).tolist() if self.mac.size else []
         return tuple((i + 1, j + 1) for j, i in enumerate(best))
 
-    def plot(self, *, ax: Any = None) -> "Figure":
-        """Draw MAC as a table of colours.
-
-        Parameters
-        ----------
-        ax : Axes, optional
-            The panel; None makes a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Computed modes along the horizontal axis, measured ones along the vertical axis.
-        """
-        with extra("plot"):
-            from gearbow.plotting import shapes as figures  # noqa: PLC0415
+    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
         return figures.assurance(self.mac, self.computed_hz, self.measured_hz, ax=ax)
 

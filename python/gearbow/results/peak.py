@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from gearbow._convert import BYTES, number
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_micrometres
+from gearbow._result import Column, Figured, in_micrometres
 from gearbow._shown import Shown, listed
 from gearbow._types import Array, At
 from gearbow.description.places import place_label
@@ -188,8 +187,11 @@ class Peak(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Peaks(Result, ReadOnly, Sequence[Peak]):
+class Peaks(Figured, ReadOnly, Sequence[Peak]):
     """The peaks of the synchronous response at a place: a sequence of `Peak` with a table.
+
+    `plot` draws a Bode diagram, phase above amplitude, with the operating speeds, in which each
+    peak has its amplification factor.
 
     Parameters
     ----------
@@ -251,23 +253,8 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
     def __hash__(self) -> int:
         return hash(self.peaks)
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw amplitude and phase against the speed, with the peaks and the operating speeds.
-
-        Parameters
-        ----------
-        ax : sequence of two Axes, optional
-            Panels for phase and amplitude; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            A Bode diagram, in which each peak has its amplification factor.
-        """
-        with extra("plot"):
-            from gearbow.plotting import harmonic  # noqa: PLC0415
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import harmonic  # noqa: PLC0415
 
         label = place_label(self.at)
         return harmonic.bode(
@@ -275,7 +262,7 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
             "m",
             peaks={label: marks(self.peaks)},
             operating=self.operating,
-            speed_unit=self._speed_unit(speed_unit),
+            speed_unit=unit,
             ax=ax,
         )
 

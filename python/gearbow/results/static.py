@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly, read_only
-from gearbow._result import Column, Result, in_micrometres, in_percent
+from gearbow._result import Column, Figured, in_micrometres, in_percent
 from gearbow._shown import MOST_ROWS, Shown
 from gearbow._types import Array, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
@@ -42,8 +41,11 @@ class MeshState(Shown):
     thrust: float
 
 
-class Static(Result, ReadOnly, AxialMotion[Array, float]):
+class Static(Figured, ReadOnly, AxialMotion[Array, float]):
     """Equilibrium under torque, gravity and mesh forces. The rotating bow does not contribute.
+
+    `plot` draws the displacements along y and z over the shafts in two panels, with marks at
+    gears and disks; of a system without lateral motion the twist in one.
 
     Parameters
     ----------
@@ -220,29 +222,18 @@ class Static(Result, ReadOnly, AxialMotion[Array, float]):
             Column("mesh deflection", np.array([row[4] for row in rows]), "m", ".4g", um),
         ]
 
-    def plot(self, *, ax: Any = None) -> "Figure":
-        """Draw the deflection of the shafts.
-
-        Parameters
-        ----------
-        ax : sequence of two Axes, optional
-            Panels for the displacements along y and z, or one panel for the twist of a system
-            without lateral motion; None makes a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Displacements along the shafts, with marks at gears and disks.
-        """
-        with extra("plot"):
-            from gearbow.plotting import shapes as figures  # noqa: PLC0415
+    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
         return figures.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)
 
 
 @dataclass(frozen=True, eq=False)
-class Efficiency(Result, ReadOnly):
+class Efficiency(Figured, ReadOnly):
     """Power, loss and efficiency of each of k meshes, and of the train, at m speeds.
+
+    `plot` draws the losses relative to the input power over the speed, a line for each mesh and
+    one for their sum; bars at a single speed.
 
     Parameters
     ----------
@@ -349,34 +340,14 @@ class Efficiency(Result, ReadOnly):
         meshes = "1 mesh" if len(self.meshes) == 1 else f"{len(self.meshes)} meshes"
         return f"Efficiency({meshes}, {speeds}, {text} %)"
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw the losses of the meshes relative to the input power over the speed.
-
-        Parameters
-        ----------
-        ax : Axes, optional
-            Panel; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            One line for each mesh and one for their sum; bars at a single speed.
-
-        Raises
-        ------
-        GearbowError
-            If `ax` or the unit is invalid.
-        """
-        with extra("plot"):
-            from gearbow.plotting.analyses import losses  # noqa: PLC0415
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting.analyses import losses  # noqa: PLC0415
 
         return losses(
             self.speeds,
             ["/".join(pair) for pair in self.meshes],
             100.0 * _ratio(self.loss, self.input_power[:, np.newaxis]),
-            speed_unit=self._speed_unit(speed_unit),
+            speed_unit=unit,
             ax=ax,
         )
 
