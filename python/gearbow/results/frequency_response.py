@@ -23,12 +23,11 @@ from gearbow._types import (
     LateralDirection,
     Plain,
 )
-from gearbow.description.coordinates import Coordinates
+from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.places import Places, is_pair, place, place_label, places
 from gearbow.description.sources import plain_sources
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.harmonic import (
-    DERIVATIVES,
     PRINTED_PLACES,
     FrequencyComparison,
     HarmonicResponse,
@@ -520,12 +519,9 @@ class FrequencyResponse(HarmonicResponse):
             sources, _ = plain_sources(curve.source)
         found = Model(dict(self.description)).frequency_response(at, speeds, sources, 1)
         phasors = found["phasors"]
-        if curve.direction == "twist":
-            values = self.coordinates.twisted(phasors, curve.at)[:, 0]
-        elif curve.direction == "x":
-            values = self.coordinates.axial_displacement(phasors, curve.at)[:, 0]
-        else:
-            values = self.coordinates.displacement(phasors, curve.at)[:, 0]
+        kind = {"twist": "twist", "x": "axial"}.get(curve.direction, "displacement")
+        values = self.coordinates.motion(phasors, kind, curve.at)[:, 0]
+        if kind == "displacement":
             values = values[:, "yz".index(curve.direction)]
-        computed: ComplexArray = values * (1j * at) ** DERIVATIVES[curve.quantity]
+        computed: ComplexArray = values * (1j * at) ** time_derivatives(curve.quantity)
         return computed

@@ -12,7 +12,7 @@ from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, Result
 from gearbow._shown import short
 from gearbow._types import Array, At, ComplexArray, Plain
-from gearbow.description.coordinates import Coordinates
+from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.places import Places
 from gearbow.description.train import Train
 from gearbow.errors import SceneError
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from gearbow.exchange.harmonic import MeasuredCurve
 
 
-#: Power of iω by which each kind of motion follows from the displacement.
-DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
 #: Largest number of places in a table, and in a figure without names.
 PRINTED_PLACES = 3
 
@@ -111,22 +109,13 @@ class HarmonicResponse(Result, ReadOnly, Vibration[ComplexArray, ComplexArray]):
             found = self._bearing_force[..., 2 * i : 2 * i + 2]
         elif quantity == "bearing_displacement":
             found = self._in_bearing(at)
-        elif quantity == "twist":
-            found = self.coordinates.twisted(self._motion, at)
-        elif quantity.startswith("axial"):
-            kind = quantity.removeprefix("axial").removeprefix("_") or "displacement"
-            found = self.coordinates.axial_displacement(self._motion, at)
-            found = self._derived(found, self._rates, kind)
         else:
-            found = self.coordinates.displacement(self._motion, at)
-            found = self._derived(found, self._rates[..., None], quantity)
+            found = self.coordinates.motion(self._motion, quantity, at)
+            power = time_derivatives(quantity)
+            if power:
+                along = quantity.startswith("axial")
+                found = found * (1j * (self._rates if along else self._rates[..., None])) ** power
         return found
-
-    @staticmethod
-    def _derived(phasors: ComplexArray, rates: Array, quantity: str) -> ComplexArray:
-        """Multiply displacements by the power of iω."""
-        power = DERIVATIVES[quantity]
-        return phasors * (1j * rates) ** power if power else phasors
 
     def _in_bearing(self, at: Any) -> ComplexArray:
         """Give the displacement of a shaft relative to what its bearing stands on."""

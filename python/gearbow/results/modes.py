@@ -229,8 +229,7 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         )
 
     def _at(self, quantity: str, at: Any) -> Any:
-        kind = "twisted" if quantity == "twist" else quantity
-        return getattr(self.coordinates, kind)(self.shapes, at)
+        return self.coordinates.motion(self.shapes, quantity, at)
 
     def shapes_at(self, places: Sequence[At]) -> ComplexArray:
         """Lateral displacements of several places in the shape of each mode.

@@ -139,11 +139,9 @@ class Static(Figured, ReadOnly, AxialMotion[Array, float]):
         return max(self.residuals.values())
 
     def _at(self, quantity: str, at: Any) -> Any:
-        if quantity == "displacement":
-            return self.coordinates.displacement(self.state, at)
-        if quantity in ("twist", "axial"):
-            kind = {"twist": "twisted", "axial": "axial_displacement"}[quantity]
-            return float(getattr(self.coordinates, kind)(self.state, at))
+        if quantity in ("displacement", "twist", "axial"):
+            moved = self.coordinates.motion(self.state, quantity, at)
+            return moved if quantity == "displacement" else float(moved)
         if quantity == "journal":
             force, moved = self.bearing_force(at), self.bearing_displacement(at)
             return journal_motion(self._bearings, place(at), moved, force)

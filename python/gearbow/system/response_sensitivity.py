@@ -13,7 +13,7 @@ from gearbow._core import Model
 from gearbow._lookup import one_of
 from gearbow._types import Array, ComplexArray, Plain
 from gearbow.analysis.protocol import System
-from gearbow.description.coordinates import Coordinates
+from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.parameter import Parameter
 from gearbow.description.places import Places, is_pair, place, place_label
 from gearbow.errors import ChannelError, SceneError
@@ -27,17 +27,15 @@ from gearbow.system.parameter_family import ParameterFamily, extrapolated
 
 #: Round-off of differences over the sum of absolute elastic terms, relative to that over a result.
 _ROUND_OFF_OF_TERMS = 1e-3
-#: Unit, and number of derivatives with respect to time, of a quantity at a place.
+#: Unit of a quantity at a place.
 _QUANTITIES = {
-    "displacement": ("m", 0),
-    "velocity": ("m/s", 1),
-    "acceleration": ("m/s²", 2),
-    "twist": ("rad", 0),
-    "axial_displacement": ("m", 0),
-    "bearing_force": ("N", 0),
+    "displacement": "m",
+    "velocity": "m/s",
+    "acceleration": "m/s²",
+    "twist": "rad",
+    "axial_displacement": "m",
+    "bearing_force": "N",
 }
-#: Integrations from the quantity of a motion of the ground to its displacement.
-_INTEGRATIONS = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
 @dataclass(frozen=True)
@@ -66,9 +64,8 @@ class _Signal:
         lateral = quantity not in ("twist", "axial_displacement")
         name = "" if quantity == "displacement" else f" {quantity.replace('_', ' ')}"
         label = f"{place_label(found)}{name}"
-        return cls(
-            found, quantity, label, _QUANTITIES[quantity][0], ("y", "z") if lateral else ("",)
-        )
+        components = ("y", "z") if lateral else ("",)
+        return cls(found, quantity, label, _QUANTITIES[quantity], components)
 
     @property
     def kind(self) -> str:
@@ -86,32 +83,22 @@ class _Signal:
 
     def derivatives(self) -> int:
         """Give the number of derivatives of the displacement with respect to time."""
-        if self.quantity != "sensor":
-            return _QUANTITIES.get(self.quantity, ("", 0))[1]
-        asked: list[str] = []
+        asked = [self.quantity]
 
         def of(quantity: str, _: Any) -> Array:
-            asked.append(quantity)
+            asked[0] = quantity
             return np.zeros(2)
 
-        self.at._sensed(of)
-        return _QUANTITIES[asked[0].replace("axial_", "").replace("axial", "displacement")][1]
+        if self.quantity == "sensor":
+            self.at._sensed(of)
+        return time_derivatives(asked[0])
 
     def moved(self, coordinates: Coordinates, motion: Any) -> Any:
         """Give the displacements of which the signal consists, with its components last."""
         if self.quantity == "sensor":
-
-            def of(quantity: str, at: Any) -> Any:
-                if quantity.startswith("axial"):
-                    return coordinates.axial_displacement(motion, at)
-                return coordinates.displacement(motion, at)
-
-            return self.at._sensed(of)[..., None]
-        if self.quantity == "twist":
-            return coordinates.twisted(motion, self.at)[..., None]
-        if self.quantity == "axial_displacement":
-            return coordinates.axial_displacement(motion, self.at)[..., None]
-        return coordinates.displacement(motion, self.at)
+            return self.at._sensed(partial(coordinates.motion, motion))[..., None]
+        found = coordinates.motion(motion, self.quantity, self.at)
+        return found[..., None] if len(self.components) == 1 else found
 
 
 def _harmonic(
@@ -145,7 +132,7 @@ def _harmonic(
         base._model.harmonic_adjoint(frequencies, speeds, outputs),
         sources,
         outputs,
-        [_INTEGRATIONS.get(str(each.get("quantity")), 0) for each in sources],
+        [time_derivatives(str(each.get("quantity"))) for each in sources],
         is_damped(family, parameters),
     )
     # At a node, the outputs do not depend on the elements.
