@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from typing import Any, Generic, TypeVar
 
+from gearbow._keywords import CheckedMethods
 from gearbow._types import At
 from gearbow.recording.access import BearingMotion
 
@@ -11,7 +12,7 @@ V = TypeVar("V")
 S = TypeVar("S")
 
 
-class Motion(Generic[V, S]):
+class Motion(CheckedMethods, Generic[V, S]):
     """Displacements of places; the first axes of all values are those of the result."""
 
     @abstractmethod

@@ -12,11 +12,9 @@ from gearbow._read_only import ReadOnly, read_only
 from gearbow._result import Column, Result
 from gearbow._shown import span
 from gearbow._types import (
-    Abscissa,
     Array,
     Record,
     RunData,
-    RunFigure,
     SignalQuantity,
     Window,
 )
@@ -36,7 +34,6 @@ from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from gearbow.description.kinematics import Kinematics
     from gearbow.recording.record import RunRequest
@@ -378,111 +375,9 @@ class Response(Result, ReadOnly, RecordedMotion):
         """
         return Response.from_record(resampled(self.to_record(), rate, shaft))
 
-    def plot(
-        self,
-        kind: RunFigure = "orbits",
-        at: Any = None,
-        *,
-        times: tuple[float, float] | None = None,
-        skip_time: float | None = None,
-        against: Abscissa = "time",
-        ax: Any = None,
-        speed_unit: SpeedUnit | None = None,
-    ) -> "Figure":
-        """Draw recorded signals.
+    plot = plot
 
-        Parameters
-        ----------
-        kind : str
-            - "orbits": orbits of the centres. An orbit below a tenth of the largest has its own
-              scale.
-            - "history": displacement about its mean against time.
-            - "twist": twist against time.
-            - "mesh": force, deflection and stiffness of the meshes against time.
-            - "geometry": contact ratio, pressure angle, angle of the line of centres and centre
-              distance of the meshes against time.
-            - "bearings": forces on the bearings against time.
-            - "spectrum": amplitude spectrum of the displacement, with the orders of the train.
-        at : str, tuple or sequence of them, optional
-            Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh" and "geometry";
-            (shaft, position [m]) for "bearings". None is all recorded items; of places, the named
-            ones if there are any, for "twist" those that twist.
-        times : tuple of (float, float), optional
-            First and last time of the figure [s]; None is the complete record. A few revolutions
-            show what fills the figure of a long run.
-        skip_time : float, optional
-            Time at the beginning with the transient [s]: orbits and histories show it in grey,
-            spectra omit it. The values after it set the scale and the mean; a title gives the range
-            of earlier values beyond this scale. None takes the last turn of the slowest shaft for
-            the scale, without shading, if the speed is constant; 0 shows all values.
-        against : {"time", "speed", "angle"}
-            Horizontal axis of figures against time: time [s], speed of the reference shaft in a
-            run at a changing speed, or revolutions of the reference shaft.
-        ax : Axes or sequence of Axes, optional
-            One panel for each place, for a bearing two, for a mesh three and for its geometry four;
-            None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is `speed_unit` of the response.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The figure. It is neither shown nor saved.
-
-        Raises
-        ------
-        GearbowError
-            If the kind, `against` or `ax` is invalid, or no suitable signal was recorded.
-        SceneError
-            If `skip_time` is negative or longer than the record, or `times` are not in it.
-        """
-        return plot(
-            self.to_record(),
-            kind,
-            at,
-            times=times,
-            skip_time=skip_time,
-            against=against,
-            speed_unit=self._speed_unit(speed_unit),
-            ax=ax,
-        )
-
-    def animate(
-        self,
-        path: str | os.PathLike[str],
-        *,
-        mesh: str | tuple[str, str] | None = None,
-        times: tuple[float, float] | None = None,
-        magnify: float | None = None,
-        duration: float = 6.0,
-        fps: float = 15.0,
-    ) -> None:
-        """Write an animation of the train in motion, seen along -x.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".gif" or ".html".
-        mesh : (driver, driven) or "driver/driven", optional
-            Mesh whose line of action and curves it shows; None is the first recorded one.
-        times : tuple of (float, float), optional
-            First and last time [s]; None is the last turn of the slowest shaft.
-        magnify : float, optional
-            Factor that enlarges displacements and twists; None chooses one.
-        duration : float
-            Duration of the animation [s].
-        fps : float
-            Frames per second, at most 50.
-        """
-        animate(
-            self.to_record(),
-            path,
-            mesh=mesh,
-            times=times,
-            magnify=magnify,
-            duration=duration,
-            fps=fps,
-        )
+    animate = animate
 
     def to_dataframe(self, sensors: Sequence[SignalSensor] = ()) -> "pd.DataFrame":
         """Convert all recorded signals to a table.

@@ -20,7 +20,8 @@ from gearbow.description.train import Train
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.spectrum import amplitudes, default_window, order_frequencies
 from gearbow.recording import access
-from gearbow.recording.record import RunRecord
+from gearbow.recording.record import Recorded, RunRecord
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,24 +41,72 @@ _WITHOUT_TIME = ("orbits", "spectrum")
 
 
 def plot(
-    run: RunRecord,
-    kind: RunFigure,
-    at: Any,
+    self: Recorded,
+    kind: RunFigure = "orbits",
+    at: Any = None,
     *,
-    times: tuple[float, float] | None,
-    skip_time: float | None,
-    against: Abscissa,
-    speed_unit: str,
-    ax: Any,
+    times: tuple[float, float] | None = None,
+    skip_time: float | None = None,
+    against: Abscissa = "time",
+    ax: Any = None,
+    speed_unit: SpeedUnit | None = None,
 ) -> "Figure":
-    """Draw recorded signals."""
+    """Draw recorded signals.
+
+    Parameters
+    ----------
+    kind : str
+        - "orbits": orbits of the centres. An orbit below a tenth of the largest has its own
+          scale.
+        - "history": displacement about its mean against time.
+        - "twist": twist against time.
+        - "mesh": force, deflection and stiffness of the meshes against time.
+        - "geometry": contact ratio, pressure angle, angle of the line of centres and centre
+          distance of the meshes against time.
+        - "bearings": forces on the bearings against time.
+        - "spectrum": amplitude spectrum of the displacement, with the orders of the train.
+    at : str, tuple or sequence of them, optional
+        Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh" and "geometry";
+        (shaft, position [m]) for "bearings". None is all recorded items; of places, the named
+        ones if there are any, for "twist" those that twist.
+    times : tuple of (float, float), optional
+        First and last time of the figure [s]; None is the complete record. A few revolutions
+        show what fills the figure of a long run.
+    skip_time : float, optional
+        Time at the beginning with the transient [s]: orbits and histories show it in grey,
+        spectra omit it. The values after it set the scale and the mean; a title gives the range
+        of earlier values beyond this scale. None takes the last turn of the slowest shaft for
+        the scale, without shading, if the speed is constant; 0 shows all values.
+    against : {"time", "speed", "angle"}
+        Horizontal axis of figures against time: time [s], speed of the reference shaft in a
+        run at a changing speed, or revolutions of the reference shaft.
+    ax : Axes or sequence of Axes, optional
+        One panel for each place, for a bearing two, for a mesh three and for its geometry four;
+        None makes a new figure.
+    speed_unit : {"rad/s", "rpm"}, optional
+        Unit of the axis of speeds; None is `speed_unit` of the response.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure. It is neither shown nor saved.
+
+    Raises
+    ------
+    GearbowError
+        If the kind, `against` or `ax` is invalid, or no suitable signal was recorded.
+    SceneError
+        If `skip_time` is negative or longer than the record, or `times` are not in it.
+    """
+    run = self.to_record()
     with extra("plot"):
         from gearbow.plotting import response as figures  # noqa: PLC0415
 
     one_of(kind, PLOT_KINDS, "kind")
     cut = window(run.time, times)
     skipped = _skipped(run, skip_time, cut)
-    x, label = _abscissa(run, kind, against, speed_unit)
+    unit = run.speed_unit if speed_unit is None else speed_unit
+    x, label = _abscissa(run, kind, against, unit)
     time = x[cut]
     settled: Any = {"skipped": skipped, "transient": skip_time is not None, "ax": ax}
     if kind not in _WITHOUT_TIME:
@@ -162,16 +211,33 @@ MOST_FRAMES = 2000
 
 
 def animate(
-    run: RunRecord,
+    self: Recorded,
     path: str | os.PathLike[str],
     *,
-    mesh: object = None,
+    mesh: str | tuple[str, str] | None = None,
     times: tuple[float, float] | None = None,
     magnify: float | None = None,
     duration: float = 6.0,
     fps: float = 15.0,
 ) -> None:
-    """Write an animation of the train in motion, seen along -x."""
+    """Write an animation of the train in motion, seen along -x.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file. Its name ends with ".gif" or ".html".
+    mesh : (driver, driven) or "driver/driven", optional
+        Mesh whose line of action and curves it shows; None is the first recorded one.
+    times : tuple of (float, float), optional
+        First and last time [s]; None is the last turn of the slowest shaft.
+    magnify : float, optional
+        Factor that enlarges displacements and twists; None chooses one.
+    duration : float
+        Duration of the animation [s].
+    fps : float
+        Frames per second, at most 50.
+    """
+    run = self.to_record()
     with extra("plot"):
         from gearbow.plotting import animation  # noqa: PLC0415
 
