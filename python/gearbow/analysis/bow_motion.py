@@ -229,8 +229,7 @@ class BowMotion:
 
     def velocity(self, at: At) -> BowSignal:
         """Give the velocity of a place [m/s]."""
-        rates = 1j * self.ratios[:, None] * self.speed
-        return self._of(np.zeros(2), lambda each: each.displacement(at) * rates)
+        return self._of(np.zeros(2), lambda each: each.velocity(at))
 
     def bearing_force(self, at: tuple[str, float]) -> BowSignal:
         """Give the force on a bearing [N]."""

@@ -26,7 +26,7 @@ from gearbow.orders.spectrum import Spectrum, channel, spectrum
 from gearbow.recording import channels
 from gearbow.recording.channels import resampled
 from gearbow.recording.record import Errors, RunRecord, Statistics
-from gearbow.results.recorded_motion import RecordedMotion
+from gearbow.results.at_places import RecordedMotion
 from gearbow.results.run_figures import animate, plot
 from gearbow.sensors.sensor import Sensor, SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
