@@ -93,17 +93,14 @@ def bode(
                 continue
             # The phase has no jumps of 360°; its value at the first point is unchanged.
             turned = np.degrees(np.unwrap(curve.phase[known]))
-            lines = {phases: (curve.along[known], turned)}
             own = (peaks or {}).get(signal, ())
-            lines[amplitudes] = _merged(curve, own)
+            x, size = _merged(curve, own)
             if frf:
                 # A logarithmic axis has no zero.
-                lines[amplitudes] = (curve.along, np.where(curve.size == 0.0, np.nan, curve.size))
-            for panel, (x, values) in lines.items():
-                named: dict[str, Any] = {"label": signal} if panel is axes[0] else {}
-                panel.plot(
-                    factor * x, (scale if panel is amplitudes else 1.0) * values, **named, **style
-                )
+                size = np.where(size == 0.0, np.nan, size)
+            phases.plot(factor * curve.along[known], turned, **style)
+            amplitudes.plot(factor * x, scale * size, **style)
+            axes[0].lines[-1].set_label(signal)
             for speed, peak, text in own:
                 if text is not None:
                     at = (factor * speed, scale * peak)
@@ -119,11 +116,16 @@ def bode(
         else:
             _scale(amplitudes, has_peaks=bool(marked))
         legend(figure, axes[0], ax=ax)
-    labels = Labels(amplitudes, 0.0)
-    for at, text, shade in marked:
+    _name(amplitudes, marked)
+    return figure
+
+
+def _name(panel: Axes, points: Sequence[tuple[tuple[float, float], str, Any]]) -> None:
+    """Write the texts of points beside them, each in its colour."""
+    labels = Labels(panel, 0.0)
+    for at, text, shade in points:
         labels.add(text, [(at, way) for way in _AROUND], fontsize=text_size(0.79), color=shade)
     labels.place()
-    return figure
 
 
 def _scale(panel: Axes, *, has_peaks: bool) -> None:
@@ -169,10 +171,7 @@ def polar(
         panel.locator_params(axis="x", nbins=5)
         panel.set(xlabel=f"real part [{shown}]", ylabel=f"imaginary part [{shown}]")
         legend(figure, panel, ax=ax)
-    labels = Labels(panel, 0.0)
-    for at, text, shade in named:
-        labels.add(text, [(at, way) for way in _AROUND], fontsize=text_size(0.79), color=shade)
-    labels.place()
+    _name(panel, named)
     return figure
 
 
@@ -293,9 +292,7 @@ def influence(curves: Mapping[str, Influence], *, unit: str, ax: GivenAxes = Non
             phase.plot(x, np.degrees(np.angle(model)), "x-", **style)
             amplitude.errorbar(curve.speeds, size, curve.half_widths, **marks)
             amplitude.plot(x, np.abs(model), "x-", **style)
-        phase.set(ylabel="phase [°]", ylim=(-190.0, 190.0), yticks=[-180, -90, 0, 90, 180])
-        amplitude.set(ylabel="influence [µm/(g mm)]")
-        amplitude.set_ylim(bottom=0.0)
+        _scale_measured(phase, amplitude, "influence [µm/(g mm)]")
         remark(phase, "points: trial runs with 95 % intervals, crosses: model")
         label_x(axes, speed_axis(unit)[1])
         legend(figure, phase, ax=ax)
@@ -361,8 +358,13 @@ def _measured(
             line = fitted[name][order]
             phase.plot(speeds[order], np.degrees(np.angle(line)), **style)
             amplitude.plot(speeds[order], MICRO * np.abs(line), **style)
+    _scale_measured(phase, amplitude, "amplitude [µm]")
+
+
+def _scale_measured(phase: Axes, amplitude: Axes, label: str) -> None:
+    """Scale phases to one turn, because measured ones may jump, and amplitudes from zero."""
     phase.set(ylabel="phase [°]", ylim=(-190.0, 190.0), yticks=[-180, -90, 0, 90, 180])
-    amplitude.set(ylabel="amplitude [µm]")
+    amplitude.set(ylabel=label)
     amplitude.set_ylim(bottom=0.0)
 
 
