@@ -239,25 +239,10 @@ class Campbell(Result, ReadOnly):
     speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
-    def from_data(
+    def _from_data(
         cls, speeds: Array, data: CampbellData, *, speed_unit: SpeedUnit = "rad/s"
     ) -> "Campbell":
-        """Make a diagram of the plain data of the core.
-
-        Parameters
-        ----------
-        speeds : ndarray, shape (k,)
-            Speeds of the reference shaft [rad/s].
-        data : mapping
-            Eigenvalues, lines, intersections and thresholds.
-        speed_unit : {"rad/s", "rpm"}
-            Unit in which the speeds were given.
-
-        Returns
-        -------
-        Campbell
-            The diagram.
-        """
+        """Make a diagram of the plain data of the core."""
         lines = []
         for (kind, names, harmonic), order in zip(data["lines"], data["orders"], strict=True):
             source = names[0] if kind == "shaft" else (names[0], names[1])

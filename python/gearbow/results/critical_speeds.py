@@ -71,7 +71,7 @@ class CriticalSpeedMap(Result, ReadOnly):
     speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
-    def from_rows(
+    def _from_rows(
         cls,
         stiffnesses: Array,
         order: float,
@@ -80,26 +80,7 @@ class CriticalSpeedMap(Result, ReadOnly):
         *,
         speed_unit: SpeedUnit = "rad/s",
     ) -> "CriticalSpeedMap":
-        """Make a map of the plain data of the core.
-
-        Parameters
-        ----------
-        stiffnesses : ndarray, shape (k,)
-            Stiffness of every bearing [N/m].
-        order : float
-            Order of the excitation.
-        found : sequence of sequence of (float, str, float, int)
-            Critical speeds [rad/s] with whirl, residual and number of the line, for each stiffness.
-        actual : tuple of float
-            Stiffnesses of the bearings of the system [N/m].
-        speed_unit : {"rad/s", "rpm"}
-            Unit of speeds of the system.
-
-        Returns
-        -------
-        CriticalSpeedMap
-            The map.
-        """
+        """Make a map of the plain data of the core."""
         return cls(
             stiffnesses,
             order,

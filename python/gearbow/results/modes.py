@@ -175,7 +175,7 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
     _own_endings: ClassVar[tuple[str, ...]] = (".uff",)
 
     @classmethod
-    def from_data(
+    def _from_data(
         cls,
         data: ModesData,
         speed: float,
@@ -184,26 +184,7 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         *,
         speed_unit: SpeedUnit = "rad/s",
     ) -> "Modes":
-        """Make modes of the plain data of the core.
-
-        Parameters
-        ----------
-        data : mapping
-            Eigenvalues, shapes, and share of each degree of freedom in the kinetic energy.
-        speed : float
-            Speed of the reference shaft [rad/s].
-        coordinates : Coordinates
-            Degrees of freedom of the system.
-        layout : Layout
-            Geometry of the train at rest.
-        speed_unit : {"rad/s", "rpm"}
-            Unit in which the speed was given.
-
-        Returns
-        -------
-        Modes
-            The modes.
-        """
+        """Make modes of the plain data of the core."""
         dofs = coordinates.dofs
         groups = [
             (shaft, _DIRECTION[direction.rstrip("0123456789")]) for shaft, _, direction in dofs

@@ -316,14 +316,12 @@ class Synchronous(HarmonicResponse):
         named: list[At] = [name for name, (shaft, _) in bodies if shaft in self.shafts and nodes]
         if named:
             return named
-        largest: dict[str, At] = {}
-        sizes: dict[str, float] = {}
-        for shaft, x in nodes:
-            if shaft in self.shafts:
-                size = float(self.orbit((shaft, x)).max(initial=0.0))
-                if size > sizes.get(shaft, -1.0):
-                    sizes[shaft], largest[shaft] = size, (shaft, x)
-        return list(largest.values())
+        by_shaft = ([node for node in nodes if node[0] == shaft] for shaft in self.shafts)
+        return [
+            max(own, key=lambda node: float(self.orbit(node).max(initial=0.0)))
+            for own in by_shaft
+            if own
+        ]
 
     def bode(
         self,

@@ -119,7 +119,7 @@ def modes(
     most = None if count is None else whole(count, "count")
     with working(progress, "modes"):
         data = self._model.modes(speed, most, truth(vibrating, "vibrating"))
-    return Modes.from_data(data, speed, self.coordinates, layout_of(self), speed_unit=unit)
+    return Modes._from_data(data, speed, self.coordinates, layout_of(self), speed_unit=unit)
 
 
 def layout_of(self: System) -> Layout:
@@ -316,7 +316,7 @@ def campbell(
     unit = given_unit(speeds) or self._speed_unit
     with working(progress, f"Campbell diagram of {wanted.size} speeds"):
         data = self._model.campbell(wanted, count, harmonics, workers)
-    return Campbell.from_data(wanted, data, speed_unit=unit)
+    return Campbell._from_data(wanted, data, speed_unit=unit)
 
 
 def critical_speed_map(
@@ -376,7 +376,7 @@ def critical_speed_map(
     with working(progress, f"critical speeds at {wanted.size} stiffnesses"):
         found = self._model.critical_speed_map(wanted, order, count, workers)
     actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
-    return CriticalSpeedMap.from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
+    return CriticalSpeedMap._from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
 
 
 def synchronous(
