@@ -58,13 +58,13 @@ class Places:
                 return i
         return None
 
-    def index(self, at: object) -> int:
-        """Give the index of a known place."""
+    def index(self, at: object, what: str = "") -> int:
+        """Give the index of a known place; `what` is its name in the error if there is none."""
         found = self.find(at)
         if found is None:
             where = place(at)
             named = f"of {where[0]!r} with {where[1]!r}" if is_pair(where) else f"at {where}"
-            raise ChannelError(f"no {self.kind} {named}; there are {self}")
+            raise ChannelError(f"at: no {what or self.kind} {named}; there are {self}")
         return found
 
     @classmethod

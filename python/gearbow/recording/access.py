@@ -79,10 +79,8 @@ def journal_motion(
 ) -> BearingMotion:
     """Find the motion of a journal from the displacement of the shaft relative to its bearing."""
     journals = [bearing for bearing in bearings if "viscosity" in bearing]
-    known = Places("bearing", ([(each["shaft"], each["position"])] for each in journals))
-    i = known.find(at)
-    if i is None:
-        raise ChannelError(f"no journal bearing at {at!r}; there are {known}")
+    known = Places.of("bearing", [(each["shaft"], each["position"]) for each in journals])
+    i = known.index(at, "journal bearing")
     (y, z), (along_y, along_z) = np.moveaxis(displacement, -1, 0), np.moveaxis(force, -1, 0)
     return BearingMotion(
         force=force,
@@ -152,17 +150,14 @@ def journal(run: RunRecord, at: object) -> BearingMotion:
 def rolling(run: RunRecord, at: object) -> BearingMotion:
     """Give the load of a rolling bearing."""
     force = bearing_force(run, at)
-    known = Places("bearing", ([at] for at in map(tuple, run.data["rolling_bearings"])))
-    i = known.find(at)
-    if i is None:
-        raise ChannelError(f"no rolling bearing at {place(at)}; there are {known}")
+    i = Places.of("bearing", run.data["rolling_bearings"]).index(at, "rolling bearing")
     loaded, largest = np.moveaxis(run.data["rolling_contact"][:, i], -1, 0)
     return BearingMotion(force, loaded_elements=loaded, largest_contact_force=largest)
 
 
 def _bearing(run: RunRecord, at: object) -> int:
     """Find a recorded bearing."""
-    i = Places("bearing", ([at] for at in map(tuple, run.data["bearings"]))).find(at)
+    i = Places.of("bearing", run.data["bearings"]).find(at)
     if i is None:
         shaft, position = place(at)
         what = f"the bearing force at ({shaft!r}, {position:g})"
@@ -202,7 +197,7 @@ def mesh_names(run: RunRecord, at: object) -> tuple[str, str]:
 
 def _mesh(run: RunRecord, at: object) -> int:
     """Find a recorded mesh."""
-    i = Places("mesh", ([pair] for pair in map(tuple, run.data["meshes"]))).find(at)
+    i = Places.of("mesh", run.data["meshes"]).find(at)
     if i is None:
         driver, driven = place(at)
         raise run.missing(f"the mesh of {driver!r} with {driven!r}", (driver, driven))

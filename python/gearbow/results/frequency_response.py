@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, get_args
 import numpy as np
 
 from gearbow._convert import items, shown
-from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._lookup import one_of
@@ -517,7 +516,7 @@ class FrequencyResponse(HarmonicResponse):
             sources = [self._sources[curve.source]]
         else:
             sources, _ = plain_sources(curve.source)
-        found = Model(dict(self.description)).frequency_response(at, speeds, sources, 1)
+        found = self._model().frequency_response(at, speeds, sources, 1)
         phasors = found["phasors"]
         kind = {"twist": "twist", "x": "axial"}.get(curve.direction, "displacement")
         values = self.coordinates.motion(phasors, kind, curve.at)[:, 0]

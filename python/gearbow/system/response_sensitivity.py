@@ -16,7 +16,7 @@ from gearbow.analysis.protocol import System
 from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.parameter import Parameter
 from gearbow.description.places import Places, is_pair, place, place_label
-from gearbow.errors import ChannelError, SceneError
+from gearbow.errors import SceneError
 from gearbow.results.frequency_response import FrequencyResponse
 from gearbow.results.sensitivity import ResponseSensitivity
 from gearbow.results.static import Static
@@ -74,12 +74,7 @@ class _Signal:
 
     def index(self, known: Sequence[Any]) -> int:
         """Find the number of a bearing or mesh among those of a result."""
-        kind = self.kind
-        places = Places(kind, ([tuple(each)] for each in known))
-        found = places.find(self.at)
-        if found is None:
-            raise ChannelError(f"at: no {kind} {shown(self.at)}; there are {places}")
-        return found
+        return Places.of(self.kind, known).index(self.at)
 
     def derivatives(self) -> int:
         """Give the number of derivatives of the displacement with respect to time."""

@@ -137,7 +137,7 @@ def test_the_force_on_a_bearing_follows_from_its_displacement_on_its_base():
     at = ("rotor", 0.05)
     found = rotor_on_pedestal().frequency_response([300.0], source=gb.Force("left", 1.0))
     assert found.bearing_force(at) == pytest.approx(1e8 * found.bearing_displacement(at))
-    with pytest.raises(gb.ChannelError, match=r"^no bearing at \('rotor', 0.3\)"):
+    with pytest.raises(gb.ChannelError, match=r"^at: no bearing at \('rotor', 0.3\)"):
         found.bearing_displacement(("rotor", 0.3))
 
 
