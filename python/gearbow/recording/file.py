@@ -105,11 +105,6 @@ def save(run: RunRecord, path: str | os.PathLike[str], **more: Any) -> None:
         np.savez(file, metadata=np.array(metadata), **arrays_of(run))  # type: ignore[arg-type]
 
 
-def load(path: str | os.PathLike[str]) -> RunRecord:
-    """Read a file of `save`."""
-    return read(path)[0]
-
-
 def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
     """Read a file of `save` with its metadata."""
     with opened(path) as file:

@@ -34,12 +34,60 @@ from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from typing_extensions import Self
 
     from gearbow.description.kinematics import Kinematics
     from gearbow.recording.record import RunRequest
 
 
-class Response(Result, ReadOnly, RecordedMotion):
+class Stored(Result):
+    """A result that a file holds without rounding: a recorded run, and entries of its own."""
+
+    _own_endings = (".npz", ".nc")
+
+    def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
+        """Give the run, and the entries of the metadata of the file."""
+        raise NotImplementedError
+
+    @classmethod
+    def _restored(cls, run: RunRecord, about: dict[str, Any], path: Any) -> "Self":
+        """Make the result of the run and the metadata of a file."""
+        raise NotImplementedError
+
+    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
+        run, more = self._stored()
+        file.save(run, path, **more)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Self":
+        """Read a file that `save` wrote.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. Its name ends with ".npz" or ".nc".
+
+        Returns
+        -------
+        Response, SteadyState or Continuation
+            The result, of the class that reads; a simulation can continue from a response.
+
+        Raises
+        ------
+        GearbowError
+            If the file is damaged or has another content; the message names the file and the
+            problem. The check comes before any memory is allocated for the arrays of the file.
+        OSError
+            If the file cannot be opened.
+        """
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
+        return cls._restored(*file.read(path), path)
+
+
+class Response(Stored, ReadOnly, RecordedMotion):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
 
     The first axis of all values is that of the times.
@@ -86,7 +134,6 @@ class Response(Result, ReadOnly, RecordedMotion):
     0.1 s to 0.2 s
     """
 
-    _own_endings = (".npz", ".nc")
     _indexed = True
 
     def __init__(self, data: RunData, speed: float | SpeedProfile) -> None:
@@ -134,6 +181,13 @@ class Response(Result, ReadOnly, RecordedMotion):
         response.period = record.period
         response.speed_unit = record.speed_unit
         return response
+
+    def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
+        return self.to_record(), {}
+
+    @classmethod
+    def _restored(cls, run: RunRecord, _about: dict[str, Any], _path: Any) -> "Response":
+        return cls.from_record(run)
 
     def to_record(self) -> RunRecord:
         """Give the recording as plain data.
@@ -416,37 +470,6 @@ class Response(Result, ReadOnly, RecordedMotion):
             Variables over time, point, axis, mesh and bearing, each with its unit as an attribute.
         """
         return channels.to_xarray(self.to_record())
-
-    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
-
-        file.save(self.to_record(), path)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> "Response":
-        """Read a file that `save` wrote.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".npz" or ".nc".
-
-        Returns
-        -------
-        Response
-            The response; a simulation can continue from it.
-
-        Raises
-        ------
-        GearbowError
-            If the file is damaged or has another content; the message names the file and the
-            problem. The check comes before any memory is allocated for the arrays of the file.
-        OSError
-            If the file cannot be opened.
-        """
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
-
-        return cls.from_record(file.load(path))
 
     def __repr__(self) -> str:
         data = self._data
