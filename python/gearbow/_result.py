@@ -21,6 +21,7 @@ from gearbow.units.speed import SpeedUnit, speed_factor
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 #: Number of rows that `print` shows.
 PRINTED_ROWS = 12
@@ -319,3 +320,37 @@ class Result(Shown):
                 units,
             )
         return xr.Dataset(variables)
+
+
+class Figured(Result):
+    """Base of results that one figure shows."""
+
+    def _draw(self, ax: Any, unit: SpeedUnit, /) -> "Figure":
+        """Draw the figure with speeds in a unit."""
+        raise NotImplementedError
+
+    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
+        """Draw the result, as the description of its class says.
+
+        Parameters
+        ----------
+        ax : Axes or sequence of Axes, optional
+            One for each panel of the figure; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of speeds; None is that in which the speed was given. An error for a result without
+            speeds.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure. It is neither shown nor saved.
+
+        Raises
+        ------
+        GearbowError
+            If `ax` has another number of panels, the unit is unknown or the result has no speeds.
+        """
+        with extra("plot"):
+            from gearbow.plotting import style  # noqa: F401, PLC0415  # as the figure does
+
+        return self._draw(ax, self._speed_unit(speed_unit))

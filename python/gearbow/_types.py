@@ -101,6 +101,8 @@ SensitivityQuantity: TypeAlias = Literal[
 Abscissa: TypeAlias = Literal["time", "speed", "angle"]
 #: What a figure of a frequency response shows.
 FrequencyFigure: TypeAlias = Literal["bode", "nyquist", "waterfall"]
+#: Kind of the figure of a synchronous response.
+SynchronousFigure: TypeAlias = Literal["orbit", "bode", "polar"]
 #: Quantity of a place in a figure of a frequency response.
 FrequencyQuantity: TypeAlias = Literal[
     "displacement", "velocity", "acceleration", "twist", "bearing_force"

@@ -1,4 +1,4 @@
-"""Branches of fixed points of a map over a parameter: pseudo-arclength continuation.
+"""Branches of solutions by pseudo-arclength, and events along them.
 
 The method of H. B. Keller (*Numerical solution of bifurcation and nonlinear eigenvalue problems*,
 in Applications of Bifurcation Theory, Academic Press 1977) follows a branch x(s), λ(s) by its
@@ -8,7 +8,7 @@ differences along few directions, and passed on from point to point.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace as changed
 from typing import Any, Protocol
 
@@ -16,6 +16,12 @@ import numpy as np
 
 from gearbow._types import Array, ComplexArray
 from gearbow.errors import ConvergenceError, GearbowError
+
+# The derivative of a preconditioned residual: minus the identity, plus a matrix of low rank.
+#
+# Broyden's update (C. G. Broyden, *Mathematics of Computation* 19, 1965) makes the derivative agree
+# with a measured change. Its inverse follows from a small system (the Sherman-Morrison-Woodbury
+# formula).
 
 #: Number of columns from which the matrix is compressed, and number of columns after that.
 _COLUMNS = 60
@@ -112,6 +118,45 @@ def critical(point: BranchPoint, kind: str) -> float:
     return 1.0 + float(min(negative, default=0.0))
 
 
+# The first root of a function that is positive at first: doubling steps, then Illinois' method.
+#
+# Steps double from a first one, so that a dip of the function within one step is missed. Method: M.
+# Dowell and P. Jarratt, *A modified regula falsi method for computing the root of an equation*, BIT
+# 11 (1971).
+
+
+def first_crossing(
+    margin: Callable[[float], float], first: float, most: float, tolerance: float
+) -> float | None:
+    """Find the smallest value up to `most` with a margin that is not positive; None without one."""
+    low, below = 0.0, margin(0.0)
+    if below <= 0.0:
+        return 0.0
+    high = min(first, most)
+    while (above := margin(high)) > 0.0:
+        if high >= most:
+            return None
+        low, below, high = high, above, min(2.0 * high, most)
+    kept = 0
+    root = low
+    while high - low > tolerance * high:
+        # An infinite margin, beyond which there is no motion, has no slope.
+        part = below / (below - above) if math.isfinite(above) else 0.5
+        before, root = root, low + (high - low) * part
+        if abs(root - before) <= 0.5 * tolerance * root:
+            return root
+        value = margin(root)
+        if value > 0.0:
+            low, below = root, value
+            above = above / 2.0 if kept > 0 else above
+            kept = 1
+        else:
+            high, above = root, value
+            below = below / 2.0 if kept < 0 else below
+            kept = -1
+    return (low + high) / 2.0
+
+
 #: Difference of states for a derivative, relative to the size of the state: a derivative has six or
 #: seven digits, by the rounding error of the map divided by it.
 _DIFFERENCE = 1e-7
@@ -130,7 +175,7 @@ _TANGENT = 1e-4
 #: Largest number of directions in which a derivative is taken for one linear system.
 _DIRECTIONS = 40
 #: Part of a direction that is not in the span of the others, below which it is round-off.
-_DEPENDENT = 1e-8
+_DEPENDENT_DIRECTION = 1e-8
 #: Largest angle between two tangents [cos], and that up to which steps become longer.
 _TURN = 0.9
 _SMALL_TURN = 0.96
@@ -312,7 +357,7 @@ class _Follower:
             for _ in range(2):
                 direction = direction - measured @ (measured.T @ direction)
             length, whole = np.linalg.norm(direction), np.linalg.norm(step[:-1])
-            if length <= _DEPENDENT * whole:
+            if length <= _DEPENDENT_DIRECTION * whole:
                 break
             unit = np.append(direction / length, 0.0)
             change = self.change(at, unit[:-1])

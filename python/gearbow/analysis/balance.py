@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import array
 from gearbow._core import require_memory
-from gearbow._extras import extra
 from gearbow._lookup import nearest, nodal, one_of
 from gearbow._progress import working
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, Written, in_degrees
+from gearbow._result import Column, Figured, Written, in_degrees
 from gearbow._shown import listed
 from gearbow._types import Array, At, BalanceTarget, ComplexArray, Excitation
 from gearbow.analysis.protocol import S, System, variant
@@ -33,8 +32,12 @@ _TRIAL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Balance(Result, ReadOnly, Generic[S]):
+class Balance(Figured, ReadOnly, Generic[S]):
     """A balancing correction and the predicted residual deflection.
+
+    `plot` draws the major semi-axis of the deflection before and after the correction over the
+    position of the measuring points, or as bars for points with names, in one panel for each
+    speed.
 
     Parameters
     ----------
@@ -119,25 +122,9 @@ class Balance(Result, ReadOnly, Generic[S]):
         before = float(np.linalg.norm(self.before))
         return float(np.linalg.norm(self.residual)) / before if before else 0.0
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw the deflection at the measuring points before and after the correction.
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
-        Parameters
-        ----------
-        ax : Axes or sequence of Axes, optional
-            One panel for each speed; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the speeds; None is that in which they were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Major semi-axis of the deflection over the position, or bars for points with names.
-        """
-        with extra("plot"):
-            from gearbow.plotting import balance as figures  # noqa: PLC0415
-
-        unit = self._speed_unit(speed_unit)
         return figures.balance(
             [f"{speed_factor(unit) * speed:.6g} {unit}" for speed in self.speeds],
             [point if isinstance(point, str) else float(point[1]) for point in self.points],

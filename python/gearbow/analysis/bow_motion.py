@@ -1,4 +1,4 @@
-"""Static and synchronous motion of a train at one speed, as a function of the size of bows.
+"""Systems with bows of any size, and their motion at one speed.
 
 A signal x of the motion is x₀ + Σ_s Re(a_s e^{iϑ_s}) + b Σ_s Re(u_s e^{i(ϑ_s + φ_s)}): the static
 value, what turns with each shaft without the bows, and the bow of the size b and the phase φ_s of
@@ -229,8 +229,7 @@ class BowMotion:
 
     def velocity(self, at: At) -> BowSignal:
         """Give the velocity of a place [m/s]."""
-        rates = 1j * self.ratios[:, None] * self.speed
-        return self._of(np.zeros(2), lambda each: each.displacement(at) * rates)
+        return self._of(np.zeros(2), lambda each: each.velocity(at))
 
     def bearing_force(self, at: tuple[str, float]) -> BowSignal:
         """Give the force on a bearing [N]."""

@@ -17,7 +17,7 @@ from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft, Sleeve
 from gearbow.description.supports import Housing
 from gearbow.errors import SceneWarning
-from gearbow.results.discretisation import Discretisation
+from gearbow.results.properties import Discretisation
 from gearbow.results.response import Response
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous

@@ -129,6 +129,14 @@ class Coordinates(Shown):
         lengths = {shaft.name: shear_lengths(shaft, sleeves) for shaft in shafts}
         return cls(tuple(dofs), bodies, points, lengths)
 
+    def motion(self, values: Any, quantity: str, at: At) -> Any:
+        """Give the displacement or twist of a place of which a quantity is a time derivative."""
+        if quantity == "twist":
+            return self.twisted(values, at)
+        if quantity.startswith("axial"):
+            return self.axial_displacement(values, at)
+        return self.displacement(values, at)
+
     def displacement(self, values: Any, at: At) -> Any:
         """Give the lateral displacement of a place."""
         at = place(at)
@@ -138,7 +146,11 @@ class Coordinates(Shown):
             return np.stack(planes, axis=-1)
         if not isinstance(at, str) or at not in self.points:
             return values[..., self.lateral(at)]
-        housing, (x, y, z) = self.points[at]
+        return self.of_point(values, *self.points[at])
+
+    def of_point(self, values: Any, housing: str, arm: Sequence[float]) -> Any:
+        """Give the lateral displacement of a point at a distance from the centre of a housing."""
+        x, y, z = arm
         moved = values[..., self.lateral(housing)].copy()
         if (*self._node(housing), "twist") in self._indices:
             b, g, twist = (
@@ -276,6 +288,11 @@ class Coordinates(Shown):
         raise SceneError(
             f'at: shaft "{shaft}" has no node at {position} m; the nearest is at {near} m'
         )
+
+
+def time_derivatives(quantity: str) -> int:
+    """Count the derivatives with respect to time from a displacement to a quantity."""
+    return 2 if quantity.endswith("acceleration") else int(quantity.endswith("velocity"))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Any
 
 from gearbow._convert import BYTES, real, shown
 from gearbow.description.supports import Housing, Support
-from gearbow.errors import SceneError
+from gearbow.errors import ChannelError, SceneError
 from gearbow.units.parse import is_quantity
 
 #: Positions with a smaller difference [m], or relative to a position above 1 m, are equal.
@@ -48,6 +48,20 @@ class Places:
             if abs(x - position) <= _SAME_POSITION * max(1.0, abs(x)):
                 return i
         return None
+
+    def index(self, at: object, what: str = "") -> int:
+        """Give the index of a known place; `what` is its name in the error if there is none."""
+        found = self.find(at)
+        if found is None:
+            where = place(at)
+            named = f"of {where[0]!r} with {where[1]!r}" if is_pair(where) else f"at {where}"
+            raise ChannelError(f"at: no {what or self.kind} {named}; there are {self}")
+        return found
+
+    @classmethod
+    def of(cls, kind: str, known: Iterable[Sequence[Any]]) -> "Places":
+        """Make known places of one form each."""
+        return cls(kind, ([tuple(each)] for each in known))
 
     def positions(self, shaft: str) -> list[float]:
         """Give the known positions on a shaft [m]."""

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, Written, in_degrees
+from gearbow._result import Column, Figured, Written, in_degrees
 from gearbow._shown import listed
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import Balance, balance, semi_axes, shaft_of_planes, with_unbalances
@@ -33,8 +32,11 @@ _SAMPLES = 4000
 
 
 @dataclass(frozen=True, eq=False)
-class Correction(Result, ReadOnly, Generic[S]):
+class Correction(Figured, ReadOnly, Generic[S]):
     """Balancing weights and the vibration that they leave.
+
+    `plot` draws the major semi-axis of the orbits at the points before and after the
+    correction, in one panel for each speed.
 
     Parameters
     ----------
@@ -114,25 +116,9 @@ class Correction(Result, ReadOnly, Generic[S]):
         before = float(np.linalg.norm(self.before))
         return float(np.linalg.norm(self.remaining)) / before if before > 0.0 else 0.0
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw the vibration at the points before and after the correction.
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
-        Parameters
-        ----------
-        ax : Axes or sequence of Axes, optional
-            One panel for each speed; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the speeds; None is that in which they were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Major semi-axis of the orbits.
-        """
-        with extra("plot"):
-            from gearbow.plotting import balance as figures  # noqa: PLC0415
-
-        unit = self._speed_unit(speed_unit)
         return figures.balance(
             [f"{speed_factor(unit) * speed:.6g} {unit}" for speed in self.speeds],
             [place_label(point) for point in self.points],

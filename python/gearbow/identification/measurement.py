@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array, complex_number, items, number, shown, text, whole
-from gearbow._extras import extra
 from gearbow._files import as_path
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_degrees, in_micrometres
+from gearbow._result import Column, Figured, in_degrees, in_micrometres
 from gearbow._shown import span
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.places import place
@@ -57,12 +56,14 @@ _LARGEST_PHASE = 7.0
 
 
 @dataclass(frozen=True, eq=False)
-class Measurement(Result, ReadOnly):
+class Measurement(Figured, ReadOnly):
     """Once-per-revolution (1×) vibration of probes over the speed.
 
     The signal of a probe is ``Re(A exp(iφ))``. Its phase reference φ grows by 2π with every turn
     of the reference shaft of the probe, in either sense of rotation; it is zero where this shaft
     stands at the angle `phase_angle`, for example where its mark passes the tachometer.
+
+    `plot` draws the phase of every probe against the speed, and the amplitude below.
 
     Parameters
     ----------
@@ -404,28 +405,12 @@ class Measurement(Result, ReadOnly):
             for probe, name in zip(self.probes, self.references, strict=True)
         )
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw amplitude and phase of every probe against the speed.
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
-        Parameters
-        ----------
-        ax : sequence of two Axes, optional
-            Panels for phase and amplitude; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which they were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Phase above, amplitude below.
-        """
-        with extra("plot"):
-            from gearbow.plotting import identification as figures  # noqa: PLC0415
-
-        unit = self._speed_unit(speed_unit)
         factor = speed_factor(unit)
         series = dict(zip(self.labels, self.amplitudes.T, strict=True))
-        return figures.bode(factor * self.speeds, series, {}, unit=unit, ax=ax)
+        return figures.measured_bode(factor * self.speeds, series, {}, unit=unit, ax=ax)
 
     def _facts(self) -> dict[str, str]:
         unit = self.speed_unit

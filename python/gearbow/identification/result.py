@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import text
-from gearbow._extras import extra
 from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, Written
+from gearbow._result import Column, Figured, Written
 from gearbow._shown import Shown, listed, short
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S
@@ -64,8 +63,12 @@ class ProbeResidual(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Identification(Result, ReadOnly, Generic[S]):
+class Identification(Figured, ReadOnly, Generic[S]):
     """Unknowns of a system, estimated from measured 1× vibration.
+
+    `plot` has five panels: measured and fitted phase and amplitude over the speed, vectors in
+    the complex plane, residuals over the noise, and estimates with 95 % ellipses relative to
+    their detectable amplitude.
 
     Parameters
     ----------
@@ -285,26 +288,9 @@ class Identification(Result, ReadOnly, Generic[S]):
 
         return correct(self, planes, speeds, points)
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw measured and fitted vibration, residuals, and the estimates with their ellipses.
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
-        Parameters
-        ----------
-        ax : sequence of five Axes, optional
-            Panels; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which they were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Phase and amplitude over the speed, vectors in the complex plane, residuals over the
-            noise, and estimates with 95 % ellipses relative to their detectable amplitude.
-        """
-        with extra("plot"):
-            from gearbow.plotting import identification as figures  # noqa: PLC0415
-
-        unit = self._speed_unit(speed_unit)
         return figures.identification(
             [speed_factor(unit) * each.speeds for each in self.measurements],
             [dict(zip(each.labels, each.amplitudes.T, strict=True)) for each in self.measurements],

@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, Written, in_degrees
+from gearbow._result import Column, Figured, Written, in_degrees
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.places import place_label
 from gearbow.identification.measurement import Measurement
@@ -26,11 +25,14 @@ _WRITTEN = Written("µm/(g mm)", 1.0)
 
 
 @dataclass(frozen=True, eq=False)
-class TrialInfluence(Result, ReadOnly):
+class TrialInfluence(Figured, ReadOnly):
     """Influence coefficients of trial runs, beside those of the identified model.
 
     A coefficient is the change of the 1× vibration of a probe for each unbalance in a plane. That
     of a trial run is its difference to a run without trial weight at the same speed.
+
+    `plot` draws phase and amplitude of the coefficients against the speed: points of the trial
+    runs with 95 % intervals and lines of the model, for each plane and probe.
 
     Parameters
     ----------
@@ -70,26 +72,9 @@ class TrialInfluence(Result, ReadOnly):
     half_widths: Array
     speed_unit: SpeedUnit = "rad/s"
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw the coefficients of the trial runs and of the model against the speed.
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
-        Parameters
-        ----------
-        ax : sequence of two Axes, optional
-            Panels for phase and amplitude; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which they were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Points of the trial runs with 95 % intervals, and lines of the model, for each plane and
-            probe.
-        """
-        with extra("plot"):
-            from gearbow.plotting import identification as figures  # noqa: PLC0415
-
-        unit = self._speed_unit(speed_unit)
         curves: dict[str, list[int]] = {}
         for i, (plane, probe) in enumerate(zip(self.planes, self.probes, strict=True)):
             curves.setdefault(f"{place_label(plane)} → {probe}", []).append(i)

@@ -1,4 +1,4 @@
-"""Amplitudes at known orders, by least squares.
+"""Amplitudes of a recorded signal at the orders of the train.
 
 The orders that a train excites are known exactly, and so is the angle of its shafts. A simultaneous
 least-squares fit of the sines and cosines of all orders over this angle therefore replaces a
@@ -19,16 +19,10 @@ from gearbow._convert import number, text, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, in_degrees, in_micrometres, written_unit
-from gearbow._types import (
-    Array,
-    ComplexArray,
-    Record,
-    SignalQuantity,
-)
+from gearbow._types import Array, ComplexArray, Record, SignalQuantity
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
-from gearbow.orders.channel import channel
 from gearbow.orders.separation import (
     ALWAYS,
     MOST_HARMONICS,
@@ -44,6 +38,7 @@ from gearbow.orders.separation import (
     shortcomings,
     significant,
 )
+from gearbow.orders.spectrum import channel
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
@@ -51,6 +46,7 @@ from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
 
 #: Largest share of the remainder in the RMS about the mean without a warning: the orders then
 #: contain 91 % of the power.

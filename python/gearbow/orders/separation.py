@@ -1,4 +1,4 @@
-"""Signals of runs in segments, the orders that they separate, and the choice of harmonics."""
+"""Segments of a record, and the orders that it separates."""
 
 import math
 from bisect import bisect
@@ -10,6 +10,14 @@ import numpy as np
 
 from gearbow._types import Array, ComplexArray
 from gearbow.description.kinematics import Order
+
+# Least squares over the angle of the reference shaft: a complete record, or segments of it.
+#
+# A signal is a mean and the sum of A_j cos(2π n_j θ + φ_j) over the revolutions θ of the reference
+# shaft, for orders n_j that are known exactly. In a record at a constant speed, mean and
+# amplitudes are constants. In a segment of a run-up they are polynomials, and a Hann window gives
+# the middle of the segment the largest weight (local regression: Fan and Gijbels, *Local
+# polynomial modelling and its applications*, 1996).
 
 #: Degree of the amplitudes in a segment. A parabola follows the peak of a resonance.
 _DEGREE = 2

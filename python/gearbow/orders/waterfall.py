@@ -26,11 +26,10 @@ from gearbow._types import (
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
-from gearbow.orders.channel import channel
-from gearbow.orders.spectrum import amplitudes, spectrum
+from gearbow.orders.spectrum import amplitudes, channel, spectrum
 from gearbow.recording import access
+from gearbow.recording.channels import PASS, LowPass
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
-from gearbow.recording.resample import PASS, LowPass
 from gearbow.sensors.sensor import SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_factor
 

@@ -1,8 +1,12 @@
-"""Frames of the train in motion: end view with enlarged motion, and curves over time."""
+"""The train in motion: frames, and their files."""
 
+import base64
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from html import escape
+from io import BytesIO
+from typing import Any, BinaryIO
 
 import matplotlib as mpl
 import numpy as np
@@ -15,11 +19,9 @@ from PIL import Image
 from gearbow._types import Array
 from gearbow.description.layout import BodyOutline
 from gearbow.description.train import Train
-from gearbow.plotting import end_view
-from gearbow.plotting.side_view import bows
+from gearbow.plotting import views
 from gearbow.plotting.style import PALETTE, STYLE, colour, plain_texts, round_factor
-
-__all__ = ["MeshMotion", "Motion", "frames"]
+from gearbow.plotting.views import bows
 
 #: Size of a frame [in] and its resolution [dot/in].
 _SIZE, _DPI = (11.0, 5.0), 80
@@ -62,7 +64,7 @@ def frames(motion: Motion, magnify: float | None) -> Iterator[Image.Image]:
             view, marks = _panels(figure, motion)
             moving = [
                 _Body(view, motion, body, factor)
-                for body in end_view.circles(motion.train)
+                for body in views.circles(motion.train)
                 if body.name in motion.centres
             ]
         line = _Line(view, motion, factor) if motion.mesh is not None else None
@@ -148,7 +150,7 @@ class _Line:
         )
         pitch = a + (b - a) * pair[0].radius / (pair[0].radius + pair[1].radius)
         sense = float(np.sign(motion.train.ratios[pair[0].shaft] * (motion.speed[0] or 1.0)))
-        way = end_view.line_of_action(mesh.pressure_angle, mesh.centre_line_angle, sense)
+        way = views.line_of_action(mesh.pressure_angle, mesh.centre_line_angle, sense)
         reach = 0.9 * min(body.radius for body in pair)
         self._ends = np.stack([pitch - reach * way, pitch + reach * way], axis=1)
         self._middle = pitch
@@ -186,7 +188,7 @@ def _panels(figure: Figure, motion: Motion) -> tuple[Axes, Sequence[Any]]:
 
 def _limits(view: Axes, motion: Motion, factor: float) -> None:
     """Set limits that include all parts at all times."""
-    left, bottom, right, top = end_view.extent(motion.train)
+    left, bottom, right, top = views.end_extent(motion.train)
     shift = factor * max(float(np.abs(values).max()) for values in motion.centres.values())
     margin = shift + 0.1 * (top - bottom)
     view.set(xlim=(left - margin, right + margin), ylim=(bottom - margin, top + margin))
@@ -195,5 +197,77 @@ def _limits(view: Axes, motion: Motion, factor: float) -> None:
 def _factor(motion: Motion) -> float:
     """Choose a round factor at which the largest displacement is visible."""
     largest = max(float(np.abs(values).max()) for values in motion.centres.values())
-    radii = [body.radius for body in end_view.circles(motion.train) if body.name in motion.centres]
+    radii = [body.radius for body in views.circles(motion.train) if body.name in motion.centres]
     return round_factor(_LARGEST * min(radii) / largest) if largest > 0.0 else 1.0
+
+
+#: Number of colours of a frame: few make the file small.
+_COLOURS = 48
+#: Colours with larger components are white.
+_WHITE = 244
+
+_PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head><meta charset="utf-8"><title>{title}</title></head>
+<body style="font-family: sans-serif; text-align: center">
+<p><img id="frame" alt="{title}" style="max-width: 100%"></p>
+<p><button id="play">pause</button>
+<input id="time" type="range" min="0" max="{last}" value="0" style="width: 60%"></p>
+<script>
+const frames = {frames};
+const image = document.getElementById("frame"), time = document.getElementById("time");
+const play = document.getElementById("play");
+let running = true;
+function show(n) {{ time.value = n; image.src = "data:image/png;base64," + frames[n]; }}
+play.onclick = () => {{ running = !running; play.textContent = running ? "pause" : "play"; }};
+time.oninput = () => {{ running = false; play.textContent = "play"; show(Number(time.value)); }};
+setInterval(() => {{ if (running) show((Number(time.value) + 1) % frames.length); }}, {delay});
+show(0);
+</script>
+</body>
+</html>
+"""
+
+
+def write_gif(frames: Sequence[Image.Image], file: BinaryIO, *, fps: float) -> None:
+    """Write an animated GIF, which repeats."""
+    first, *others = _reduced(frames)
+    first.save(
+        file,
+        format="GIF",
+        save_all=True,
+        append_images=others,
+        duration=round(1000.0 / fps),
+        loop=0,
+        optimize=True,
+    )
+
+
+def write_html(frames: Sequence[Image.Image], file: BinaryIO, *, fps: float, title: str) -> None:
+    """Write a page that contains all frames and shows them, with a button and a slider."""
+    encoded = []
+    for frame in _reduced(frames):
+        data = BytesIO()
+        frame.save(data, format="PNG", optimize=True)
+        encoded.append(base64.b64encode(data.getvalue()).decode("ascii"))
+    page = _PAGE.format(
+        title=escape(title),
+        last=len(encoded) - 1,
+        frames=json.dumps(encoded),
+        delay=round(1000.0 / fps),
+    )
+    file.write(page.encode())
+
+
+def _reduced(frames: Sequence[Image.Image]) -> list[Image.Image]:
+    """Reduce all frames to the colours of one in the middle."""
+    middle = frames[len(frames) // 2].convert("RGB")
+    few = middle.quantize(_COLOURS, dither=Image.Dither.NONE)
+    # The reduction averages similar colours: the background has to stay white.
+    shades = np.array(few.getpalette(), dtype=np.uint8).reshape(-1, 3)
+    shades[shades.min(axis=1) >= _WHITE] = 255
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(shades.ravel().tolist())
+    return [
+        frame.convert("RGB").quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames
+    ]

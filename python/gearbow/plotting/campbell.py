@@ -1,6 +1,6 @@
-"""Figure of a Campbell diagram: frequencies and damping ratios against the speed."""
+"""Figures of a Campbell diagram and of a critical speed map."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -14,23 +14,22 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from gearbow._types import Array
-from gearbow.plotting.curve import smooth
 from gearbow.plotting.style import (
     MARKS,
     OPERATING,
     GivenAxes,
     label_x,
+    legend,
     log_scale,
     panels,
     place_legend,
     remark,
     shade_operating,
+    smooth,
     speed_axis,
     text_extent,
     text_size,
 )
-
-__all__ = ["campbell"]
 
 #: Ratio of the largest to the smallest damping ratio above which their scale is logarithmic, and
 #: the smallest damping ratio on that scale [%].
@@ -243,3 +242,45 @@ def _by_whirl(
             markevery=max(1, len(speeds) // 24),
             label=str(whirl[first]),
         )
+
+
+def critical_speed_map(
+    stiffnesses: Array,
+    lines: Mapping[str, Array],
+    order: float,
+    *,
+    actual: Sequence[float] = (),
+    speed_unit: str = "rad/s",
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw critical speeds against the bearing stiffness."""
+    factor, _ = speed_axis(speed_unit)
+    with panels(1, 6.0, columns=1, width=9.0, ax=ax) as (figure, (panel,)):
+        for whirl, (shade, line, mark) in MARKS.items():
+            style: dict[str, Any] = {
+                "color": shade,
+                "linestyle": line,
+                "marker": mark,
+                "markersize": 4,
+            }
+            for number, speeds in enumerate(lines[whirl].T if whirl in lines else ()):
+                label = whirl if number == 0 else None
+                panel.plot(stiffnesses, factor * speeds, label=label, **style)
+        panel.set_xscale("log")
+        log_scale(panel)
+        if actual:
+            _span(panel, min(actual), max(actual), "stiffness of the system")
+        panel.set(xlabel="stiffness of every bearing [N/m]")
+        panel.set(ylabel=f"critical speed of the reference shaft [{speed_unit}]")
+        if order != 1.0:
+            panel.set(title=f"excitation of the order {order:g}")
+        legend(figure, panel, ax=ax)
+    return figure
+
+
+def _span(panel: Axes, low: float, high: float, label: str) -> None:
+    """Shade a range of a logarithmic axis; a narrow one is a line."""
+    if high > 1.05 * low:
+        panel.axvspan(low, high, color="0.85", linewidth=0.0, zorder=0.5, label=label)
+    else:
+        panel.axvline(low, color="0.4", linestyle=(0, (6, 3)), zorder=0.5, label=label)

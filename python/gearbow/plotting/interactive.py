@@ -24,9 +24,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Affine2D, Transform
 
 from gearbow._types import Array
-from gearbow.plotting.mode_shape import Path as Line, Surface
-
-__all__ = ["WIDTH", "converted", "scene"]
+from gearbow.plotting.shapes import Path as Line, Surface
 
 #: Width of a figure that is as wide as a page [px], and of matplotlib [in].
 WIDTH, _PAGE = 960.0, 12.0

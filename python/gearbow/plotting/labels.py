@@ -15,8 +15,6 @@ from matplotlib.axes import Axes
 from gearbow._types import Array
 from gearbow.plotting.style import figure_of, text_extent, text_size
 
-__all__ = ["Box", "Labels", "around", "series"]
-
 #: Smallest number of bodies on a shaft with numbered names that share one label.
 _SERIES = 4
 

@@ -28,16 +28,6 @@ from gearbow.plotting.style import (
     text_size,
 )
 
-__all__ = [
-    "name_orders",
-    "orders",
-    "say_resolution",
-    "spectrum",
-    "spectrum_limits",
-    "tracks",
-    "waterfall",
-]
-
 #: Smallest amplitudes of a spectrum, of its highest frequency and of a waterfall, relative to the
 #: largest amplitude.
 _LINES, _SIGNAL, _COLOURS = 1e-6, 1e-4, 1e-3
@@ -363,24 +353,39 @@ def waterfall(
     if highest is None:
         highest = _highest(frequencies_hz, amplitudes, _COLOURS)
     with panels(1, 6.0, columns=1, ax=ax) as (figure, (panel,)):
-        # The segments of a run-up have frequencies of their own.
-        rows = np.broadcast_to(factor * speeds[:, np.newaxis], amplitudes.shape)
-        drawn = panel.pcolormesh(
-            frequencies_hz,
-            rows,
-            np.maximum(amplitudes, _COLOURS * top),
-            norm=LogNorm(_COLOURS * top, top) if top > 0.0 else None,
-            cmap="cividis",
-            shading="nearest",
-            rasterized=True,
-        )
-        figure.colorbar(drawn, ax=panel, label=label)
-        panel.grid(visible=False)
-        panel.set(xlabel="frequency [Hz]", ylabel=speed)
+        speed_map(panel, frequencies_hz, factor * speeds, amplitudes, label, least=_COLOURS * top)
+        panel.set(ylabel=speed)
         panel.set_xlim(0.0, highest)
         background = _Background(frequencies_hz, factor * speeds, amplitudes < _STRONG * top)
         _order_lines(panel, background, lines, factor)
     return figure
+
+
+def speed_map(
+    panel: Axes,
+    frequencies_hz: Array,
+    speeds: Array,
+    amplitudes: Array,
+    label: str,
+    *,
+    least: float,
+) -> None:
+    """Draw amplitudes over frequency and speed as colours on a logarithmic scale."""
+    top = float(amplitudes.max())
+    # The segments of a run-up have frequencies of their own.
+    shape = amplitudes.shape
+    drawn = panel.pcolormesh(
+        np.broadcast_to(frequencies_hz, shape),
+        np.broadcast_to(speeds[:, np.newaxis], shape),
+        np.maximum(amplitudes, least),
+        norm=LogNorm(least, top) if top > 0.0 else None,
+        cmap="cividis",
+        shading="nearest",
+        rasterized=True,
+    )
+    figure_of(panel).colorbar(drawn, ax=panel, label=label)
+    panel.grid(visible=False)
+    panel.set(xlabel="frequency [Hz]")
 
 
 @dataclass(frozen=True, eq=False)

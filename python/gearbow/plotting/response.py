@@ -32,17 +32,6 @@ from gearbow.plotting.style import (
     text_size,
 )
 
-__all__ = [
-    "bearings",
-    "energy_balance",
-    "geometry",
-    "history",
-    "mesh",
-    "orbits",
-    "spectrum",
-    "twist",
-]
-
 #: Colour of the transient at the beginning of a run.
 TRANSIENT = "0.75"
 

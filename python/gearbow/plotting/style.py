@@ -1,4 +1,4 @@
-"""Style of all figures: colours, settings, panels and legends."""
+"""Style of all figures: colours, settings, panels, legends and smooth curves."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -21,35 +21,6 @@ from gearbow._core import whirl_classes
 from gearbow._types import Array
 from gearbow.errors import GearbowError
 from gearbow.units.speed import speed_factor
-
-__all__ = [
-    "MARKS",
-    "MICRO",
-    "OPERATING",
-    "PALETTE",
-    "ROUND_OFF",
-    "STYLE",
-    "GivenAxes",
-    "colour",
-    "common_round_off",
-    "equal_ranges",
-    "figure_of",
-    "given_axes",
-    "label_x",
-    "legend",
-    "log_scale",
-    "named_ticks",
-    "panels",
-    "place_legend",
-    "plain_texts",
-    "quantity",
-    "remark",
-    "round_factor",
-    "shade_operating",
-    "speed_axis",
-    "text_extent",
-    "text_size",
-]
 
 #: Micrometres per metre.
 MICRO = 1e6
@@ -334,3 +305,40 @@ def round_factor(exact: float) -> float:
 def colour(number: int) -> str:
     """Give the colour of a line by its number."""
     return PALETTE[number % len(PALETTE)]
+
+
+#: Number of parts of the interval between two points.
+_PARTS = 16
+#: Points closer than this part of the whole range count as one.
+_SAME = 1e-9
+
+
+def smooth(x: Array, y: Array) -> tuple[Array, Array]:
+    """Draw a monotone cubic through points, so that a curve has no corners and no overshoot."""
+    order = np.argsort(x, kind="stable")
+    x, y = x[order], y[order]
+    distinct = np.diff(x, prepend=-np.inf) > _SAME * np.ptp(x) if x.size else np.empty(0, bool)
+    x, y = x[distinct], y[distinct]
+    if x.size < 3:
+        return x, y
+    step = np.diff(x)
+    secant = np.diff(y) / step
+    slope = np.concatenate([secant[:1], np.zeros(x.size - 2), secant[-1:]])
+    left, right = secant[:-1], secant[1:]
+    rising = left * right > 0.0
+    weights = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
+    means = (weights[0] + weights[1])[rising] / (
+        weights[0][rising] / left[rising] + weights[1][rising] / right[rising]
+    )
+    slope[1:-1][rising] = means
+    part = np.arange(_PARTS) / _PARTS
+    low, high = 1.0 - part, part
+    # Cubic Hermite polynomial of each interval, shape (intervals, parts).
+    values = (
+        np.outer(y[:-1], low**2 * (1.0 + 2.0 * high))
+        + np.outer(y[1:], high**2 * (1.0 + 2.0 * low))
+        + np.outer(step * slope[:-1], low**2 * high)
+        - np.outer(step * slope[1:], high**2 * low)
+    )
+    places = x[:-1, np.newaxis] + np.outer(step, part)
+    return np.append(places.ravel(), x[-1]), np.append(values.ravel(), y[-1])

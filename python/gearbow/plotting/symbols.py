@@ -1,5 +1,8 @@
-"""Symbols of a side view: bearings and what they stand on, couplings, torques, drives, forces."""
+"""Symbols of the parts and loads of a train, and the heights of its shafts in a side view."""
 
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,14 +11,16 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Patch, Polygon, Rectangle
 from matplotlib.path import Path
 
-from gearbow._types import Array
+from gearbow._types import Array, At
+from gearbow.description.gears import Disk
 from gearbow.description.journal import JournalBearing
+from gearbow.description.layout import BodyOutline, ShaftOutline
+from gearbow.description.loads import Torque
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.supports import Support
 from gearbow.description.train import Train
-from gearbow.plotting.development import Box
-
-__all__ = ["arrow", "bearing", "bearing_kind", "coupling", "ground", "handles", "kinds", "support"]
+from gearbow.plotting.labels import Box, Labels, around
+from gearbow.plotting.style import quantity
 
 #: Sizes of the symbols [pt].
 BEARING, GROUND = 11.0, 6.0
@@ -141,3 +146,242 @@ def handles(kinds: list[str]) -> list[Any]:
             shade = {"coupling": "0.35", "support": "0.6"}.get(kind, "0.9")
             found.append(Patch(facecolor=shade, edgecolor="black"))
     return found
+
+
+# The shafts of a side view are developed into one plane. The distance of two shafts in mesh is
+# their centre distance. A shaft lies above or below the shaft that it meshes with, as at rest; on
+# the other side where it would cover another shaft there; and farther away where both sides are
+# covered.
+
+#: Density of the solid disk whose width represents a disk or a gear without a face width [kg/m³].
+_STEEL = 7850.0
+#: Part of a box that another one may cover: pitch circles in mesh touch.
+_TOUCH = 0.05
+
+
+@dataclass(frozen=True)
+class Development:
+    """Heights of the shafts."""
+
+    heights: dict[str, float]
+    true: bool
+    moved: tuple[str, ...]
+
+
+def developed(train: Train) -> Development:
+    """Find the heights."""
+    first = train.layout.shafts[0]
+    heights = {first.name: 0.0}
+    placed = list(_boxes(train, first, 0.0))
+    moved = []
+    waiting = deque([first.name])
+    while waiting:
+        known = waiting.popleft()
+        for name, distance in _neighbours(train, known):
+            if name in heights:
+                continue
+            shaft = train.layout.shaft(name)
+            wanted = [heights[known] + distance, heights[known] - distance]
+            free = [y for y in wanted if not _covered(_boxes(train, shaft, y), placed)]
+            if not free and distance != 0.0:
+                moved.append(name)
+            heights[name] = free[0] if free else _beyond(train, shaft, wanted, placed)
+            placed += _boxes(train, shaft, heights[name])
+            waiting.append(name)
+    true = all(
+        abs(heights[shaft.name] - shaft.origin[1]) < 1e-9 and abs(shaft.origin[2]) < 1e-9
+        for shaft in train.layout.shafts
+    )
+    return Development(heights, true, tuple(moved))
+
+
+def width(train: Train, body: BodyOutline) -> float:
+    """Give the width at which a gear or disk is drawn."""
+    part = next(p for p in (*train.parts["gears"], *train.parts["disks"]) if p.name == body.name)
+    if not isinstance(part, Disk) and part.face_width is not None:
+        return float(part.face_width)
+    if part.mass is None or body.radius == 0.0:
+        return 0.3 * body.radius
+    return float(part.mass / (_STEEL * np.pi * body.radius**2))
+
+
+def body_box(train: Train, body: BodyOutline, height: float) -> Box:
+    """Give the box of a gear or disk in the side view."""
+    x = float(train.layout.shaft(body.shaft).origin[0]) + body.position
+    half = width(train, body) / 2.0
+    return x - half, height - body.radius, x + half, height + body.radius
+
+
+def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
+    """Give the shafts that mesh with a shaft or lie on its axis, with their signed distance."""
+    found = []
+    origins = {shaft.name: shaft.origin for shaft in train.layout.shafts}
+    gears = {gear.name: gear for gear in train.parts["gears"]}
+    for mesh in train.parts["meshes"]:
+        pair = (gears[mesh.driver].shaft, gears[mesh.driven].shaft)
+        for own, other in (pair, pair[::-1]):
+            if own == known:
+                y, z = origins[other][1:] - origins[own][1:]
+                upwards = y if abs(y) > 1e-9 * abs(z) else z
+                found.append((other, float(np.copysign(np.hypot(y, z), upwards))))
+    bodies = {body.name: body.shaft for body in train.layout.bodies}
+    for coupling in train.parts["couplings"]:
+        ends = [bodies[at] if isinstance(at, str) else at[0] for at in (coupling.a, coupling.b)]
+        found += [(other, 0.0) for own, other in (ends, ends[::-1]) if own == known]
+    for bearing in train.parts["bearings"]:
+        if isinstance(bearing.support, tuple):
+            pair = (bearing.shaft, bearing.support[0])
+            found += [(other, 0.0) for own, other in (pair, pair[::-1]) if own == known]
+    return found
+
+
+def _boxes(train: Train, shaft: ShaftOutline, height: float) -> list[Box]:
+    """Give the boxes of the segments, sleeves, gears and disks of a shaft."""
+    left = float(shaft.origin[0])
+    boxes = [
+        (left + step.begin, height - step.largest, left + step.end, height + step.largest)
+        for step in (*shaft.steps, *shaft.sleeves)
+    ]
+    own = (body for body in train.layout.bodies if body.shaft == shaft.name)
+    return [*boxes, *(body_box(train, body, height) for body in own)]
+
+
+def _covered(boxes: list[Box], placed: list[Box]) -> bool:
+    """Whether one of the boxes covers more of a placed one than gears that touch."""
+    for a in boxes:
+        for b in placed:
+            common = [min(a[i + 2], b[i + 2]) - max(a[i], b[i]) for i in (0, 1)]
+            smaller = [min(a[i + 2] - a[i], b[i + 2] - b[i]) for i in (0, 1)]
+            if all(c > _TOUCH * s for c, s in zip(common, smaller, strict=True)):
+                return True
+    return False
+
+
+def _beyond(train: Train, shaft: ShaftOutline, wanted: list[float], placed: list[Box]) -> float:
+    """Give the height beyond all placed boxes that is closer to a wanted one."""
+    if wanted[0] == wanted[1]:  # coaxial shafts keep their common axis
+        return wanted[0]
+    own = _boxes(train, shaft, 0.0)
+    reach = max(box[3] for box in own)
+    gap = 0.1 * reach
+    above = max(box[3] for box in placed) + reach + gap
+    below = min(box[1] for box in placed) - reach - gap
+    return min((above, below), key=lambda y: min(abs(y - w) for w in wanted))
+
+
+#: Directions of the labels of loads.
+_WAYS: tuple[tuple[float, float], ...] = (
+    (0, 1),
+    (0, -1),
+    (1, 0.7),
+    (1, -0.7),
+    (-1, 0.7),
+    (-1, -0.7),
+)
+
+#: Number of equal torques on a shaft from which one label names them.
+_EQUAL = 3
+
+
+def place_of_load(train: Train, heights: Mapping[str, float], at: At) -> tuple[float, float, float]:
+    """Find a place in the side view."""
+    if isinstance(at, str):
+        body = next(body for body in train.layout.bodies if body.name == at)
+        name, position = body.shaft, body.position
+    else:
+        name, position = at
+    shaft = train.layout.shaft(name)
+    return float(shaft.origin[0]) + position, heights[name], shaft.outer_radius(position)
+
+
+def draw_loads(labels: Labels, train: Train, heights: Mapping[str, float]) -> None:
+    """Draw all torques, drives and forces with their values."""
+    arcs: dict[tuple[float, str], list[Box]] = {}
+    for torque in train.parts["torques"]:
+        value = _value(train, torque)
+        text = "torque" if value is None else quantity(value, "N m")
+        text += " (balance)" if torque.value == "balance" else ""
+        box = _turning(labels, (train, heights, torque.at), value)
+        arcs.setdefault((place_of_load(train, heights, torque.at)[1], text), []).append(box)
+    for (_, text), boxes in arcs.items():
+        edges = np.array(boxes)
+        # Equal torques side by side, as of the cylinders of an engine, have one label.
+        if len(boxes) >= _EQUAL:
+            left, bottom = edges[:, :2].min(axis=0).tolist()
+            right, top = edges[:, 2:].max(axis=0).tolist()
+            labels.add(f"{len(boxes)} × {text}", around(left, bottom, right, top, _WAYS))
+        else:
+            for box in boxes:
+                labels.add(text, around(*box, _WAYS))
+    for drive in train.parts["drives"]:
+        box = _turning(labels, (train, heights, drive.at), None)
+        labels.add("drive", around(*box, _WAYS))
+    for force in train.parts["forces"]:
+        _force(labels, place_of_load(train, heights, force.at), force)
+
+
+def _turning(labels: Labels, at: tuple[Train, Mapping[str, float], At], value: float | None) -> Box:
+    """Draw an arc in front of a shaft: positive about +x moves the front of the shaft downwards."""
+    x, y, radius = place_of_load(*at)
+    if isinstance(at[2], str):  # beside a gear or disk, where the shaft is visible
+        body = next(body for body in at[0].layout.bodies if body.name == at[2])
+        x = body_box(at[0], body, y)[2]
+    point = labels.point
+    across, up = 9.0 * point, radius + 8.0 * point
+    angle = np.linspace(0.5 * np.pi, -0.5 * np.pi, 30) * (-1.0 if (value or 0.0) < 0.0 else 1.0)
+    path = np.column_stack([x + 2.0 * point + across * np.cos(angle), y + up * np.sin(angle)])
+    arrow(labels.panel, path, both=value is None)
+    box = (x, y - up, x + 1.3 * across, y + up)
+    labels.avoid(box, strictly=True)
+    return box
+
+
+def _force(labels: Labels, at: tuple[float, float, float], force: Any) -> None:
+    """Draw an arrow towards the shaft, with the components of a constant force."""
+    x, y, radius = at
+    if force.axial != 0.0:
+        tail, head = (x - np.sign(force.axial) * 30.0 * labels.point, y), (x, y)
+        _arrow(labels, tail, head, f"{quantity(force.axial, 'N')} axial")
+        if force.value == 0.0:
+            return
+    text = "force"
+    downwards = 1.0
+    if isinstance(force.value, (int, float, complex)):
+        value = complex(force.value)
+        order = "" if force.order is None else f", order {force.order:g}"
+        components = {"y": value.real, "z": value.imag}
+        parts = [f"{quantity(x, 'N')} along {axis}" for axis, x in components.items() if x]
+        text = (", ".join(parts) or "0 N") + order
+        downwards = -1.0 if value.real > 0.0 else 1.0
+    head = (x, y + downwards * radius)
+    _arrow(labels, (x, y + downwards * (radius + 30.0 * labels.point)), head, text)
+
+
+def _arrow(labels: Labels, tail: tuple[float, float], head: tuple[float, float], text: str) -> None:
+    arrow(labels.panel, np.array([tail, head]))
+    box = (
+        min(tail[0], head[0]),
+        min(tail[1], head[1]),
+        max(tail[0], head[0]),
+        max(tail[1], head[1]),
+    )
+    labels.avoid(box, strictly=True)
+    labels.add(text, around(*box, _WAYS))
+
+
+def _value(train: Train, torque: Torque) -> float | None:
+    """Give the value of a torque [N m]; None if it varies or cannot be balanced from constants."""
+    if isinstance(torque.value, (int, float)):
+        return float(torque.value)
+    if torque.value != "balance":
+        return None
+    ratios = {}
+    shafts = {body.name: body.shaft for body in train.layout.bodies}
+    for each in train.parts["torques"]:
+        shaft = shafts[each.at] if isinstance(each.at, str) else each.at[0]
+        ratios[id(each)] = train.ratios[shaft]
+    others = [each for each in train.parts["torques"] if each is not torque]
+    if not all(isinstance(each.value, (int, float)) for each in others):
+        return None
+    power = sum(each.value * ratios[id(each)] for each in others)
+    return float(-power / ratios[id(torque)])

@@ -8,12 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearbow.description.train import Train
-from gearbow.plotting import end_view, symbols
-from gearbow.plotting.development import Box
-from gearbow.plotting.side_view import SideView, bows
+from gearbow.plotting import symbols, views
+from gearbow.plotting.labels import Box
 from gearbow.plotting.style import STYLE, figure_of, given_axes, plain_texts, round_factor
-
-__all__ = ["draw", "magnification"]
+from gearbow.plotting.views import SideView, bows
 
 #: Width and largest height of the figure, and height of legend and labels of the axes [in].
 _WIDTH, _HEIGHT, _BELOW = 13.5, 7.5, 1.6
@@ -31,7 +29,7 @@ _BOW = 0.12
 def draw(train: Train, magnify: float | None, ax: Axes | Sequence[Axes] | None) -> Figure:
     """Draw a train."""
     side = SideView(train, magnification(train) if magnify is None else magnify)
-    boxes = [side.extent(), end_view.extent(train)]
+    boxes = [side.extent(), views.end_extent(train)]
     entries = (symbols.handles(side.kinds), side.kinds)
     if ax is not None:
         panels = given_axes(ax, (1, 2), "side view, or side view and end view")
@@ -55,7 +53,7 @@ def magnification(train: Train) -> float:
     largest = max((float(np.abs(bow).max()) for _, bow in bows(train).values()), default=0.0)
     if largest == 0.0:
         return 1.0
-    low, high = (end_view.extent(train)[i] for i in (1, 3))
+    low, high = (views.end_extent(train)[i] for i in (1, 3))
     return round_factor(_BOW * (high - low) / largest)
 
 
@@ -96,7 +94,7 @@ def _views(figure: Figure, side: SideView, panels: Sequence[Axes], boxes: Sequen
         panel.set_aspect("equal", adjustable="box")
     side.draw(panels[0], points[0])
     if len(panels) > 1:
-        end_view.draw(panels[1], side.train, side.shades, points[1])
+        views.draw_end_view(panels[1], side.train, side.shades, points[1])
 
 
 def _fit_all(panels: Sequence[Axes], boxes: Sequence[Box]) -> list[float]:

@@ -1,17 +1,19 @@
 """Recorded signals of a run by place, and its prescribed rotation."""
 
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array, text
+from gearbow._read_only import ReadOnly
 from gearbow._times import begin_after
-from gearbow._types import Array
+from gearbow._types import Array, Plain
 from gearbow.description.places import Places, place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import ChannelError
-from gearbow.recording.bearing_motion import BearingMotion, journal_motion
 from gearbow.recording.contact import (
     Contact,
     ContactShares,
@@ -22,6 +24,70 @@ from gearbow.recording.contact import (
 )
 from gearbow.recording.energy import EnergyBalance
 from gearbow.recording.record import Event, MeshResponse, RunRecord
+
+
+@dataclass(frozen=True, eq=False)
+class BearingMotion(ReadOnly):
+    """Force on a journal or rolling bearing, with the place of the journal or the load of elements.
+
+    At an equilibrium the values are those of one instant, in a response those of its k times.
+
+    Parameters
+    ----------
+    force : ndarray, shape (2,) or (k, 2)
+        Force of the shaft on the bearing along y and z [N].
+    eccentricity_ratio : float or ndarray, shape (k,), optional
+        Displacement of the journal over the radial clearance; None for a rolling bearing.
+    attitude_angle : float or ndarray, shape (k,), optional
+        Angle from the force to the displacement, from y towards z [rad], between −π and π. In a
+        steady film it has the sign of the rotation of the shaft. None for a rolling bearing.
+    loaded_elements : ndarray, shape (k,), optional
+        Number of rolling elements that carry load; None for a journal bearing.
+    largest_contact_force : ndarray, shape (k,), optional
+        Contact force of the most loaded rolling element [N]; None for a journal bearing.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> size = {"diameter": 0.05, "length": 0.02, "clearance": 5e-5}
+    >>> films = [gb.JournalBearing("rotor", x, viscosity=0.02, **size) for x in (0.0, 1.0)]
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+    >>> system = gb.RotorSystem([rotor], bearings=films, gravity=9.81)
+    >>> print(f"{system.static(speed=300.0).journal(('rotor', 0.0)).eccentricity_ratio:.3f}")
+    0.185
+    >>> size = {"elements": 9, "element_diameter": 0.0127, "pitch_diameter": 0.065}
+    >>> bearings = [
+    ...     gb.RollingBearing("rotor", x, **size, clearance=1e-5, damping=100.0) for x in (0.0, 1.0)
+    ... ]
+    >>> run = system.replace(bearings=bearings).simulate(0.01, 300.0, record=["bearings"])
+    >>> run.rolling(("rotor", 0.0)).loaded_elements.shape == run.time.shape
+    True
+    """
+
+    force: Array
+    eccentricity_ratio: Array | None = None
+    attitude_angle: Array | None = None
+    loaded_elements: Array | None = None
+    largest_contact_force: Array | None = None
+
+
+def journal_motion(
+    bearings: Iterable[Mapping[str, Plain]],
+    at: tuple[str, float],
+    displacement: Array,
+    force: Array,
+) -> BearingMotion:
+    """Find the motion of a journal from the displacement of the shaft relative to its bearing."""
+    journals = [bearing for bearing in bearings if "viscosity" in bearing]
+    known = Places.of("bearing", [(each["shaft"], each["position"]) for each in journals])
+    i = known.index(at, "journal bearing")
+    (y, z), (along_y, along_z) = np.moveaxis(displacement, -1, 0), np.moveaxis(force, -1, 0)
+    return BearingMotion(
+        force=force,
+        eccentricity_ratio=np.hypot(y, z) / float(journals[i]["clearance"]),
+        attitude_angle=np.arctan2(along_y * z - along_z * y, along_y * y + along_z * z),
+    )
+
 
 #: Quantities of the motion of a place, by the names of their arrays.
 Quantity = Literal[
@@ -84,17 +150,14 @@ def journal(run: RunRecord, at: object) -> BearingMotion:
 def rolling(run: RunRecord, at: object) -> BearingMotion:
     """Give the load of a rolling bearing."""
     force = bearing_force(run, at)
-    known = Places("bearing", ([at] for at in map(tuple, run.data["rolling_bearings"])))
-    i = known.find(at)
-    if i is None:
-        raise ChannelError(f"no rolling bearing at {place(at)}; there are {known}")
+    i = Places.of("bearing", run.data["rolling_bearings"]).index(at, "rolling bearing")
     loaded, largest = np.moveaxis(run.data["rolling_contact"][:, i], -1, 0)
     return BearingMotion(force, loaded_elements=loaded, largest_contact_force=largest)
 
 
 def _bearing(run: RunRecord, at: object) -> int:
     """Find a recorded bearing."""
-    i = Places("bearing", ([at] for at in map(tuple, run.data["bearings"]))).find(at)
+    i = Places.of("bearing", run.data["bearings"]).find(at)
     if i is None:
         shaft, position = place(at)
         what = f"the bearing force at ({shaft!r}, {position:g})"
@@ -134,7 +197,7 @@ def mesh_names(run: RunRecord, at: object) -> tuple[str, str]:
 
 def _mesh(run: RunRecord, at: object) -> int:
     """Find a recorded mesh."""
-    i = Places("mesh", ([pair] for pair in map(tuple, run.data["meshes"]))).find(at)
+    i = Places.of("mesh", run.data["meshes"]).find(at)
     if i is None:
         driver, driven = place(at)
         raise run.missing(f"the mesh of {driver!r} with {driven!r}", (driver, driven))

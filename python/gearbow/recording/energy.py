@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result
+from gearbow._result import Column, Figured
 from gearbow._types import Array
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,8 +19,11 @@ WORKS = ("torque", "gravity", "drive", "unbalance", "teeth", "damping")
 
 
 @dataclass(frozen=True, eq=False)
-class EnergyBalance(Result, ReadOnly):
+class EnergyBalance(Figured, ReadOnly):
     """Energies of a system and the work done on it, at the k times of a response.
+
+    `plot` draws energies, works and the residual against time in three panels. Terms that are
+    zero throughout are omitted.
 
     Parameters
     ----------
@@ -118,21 +121,8 @@ class EnergyBalance(Result, ReadOnly):
         total, work = self.total, self.work
         return (total - total[:1]) - (work - work[:1])
 
-    def plot(self, *, ax: Any = None) -> "Figure":
-        """Draw energies, works and the residual against time.
-
-        Parameters
-        ----------
-        ax : sequence of three Axes, optional
-            Panels for energies, works and residual; None makes a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            A panel for each. Terms that are zero throughout are omitted.
-        """
-        with extra("plot"):
-            from gearbow.plotting import response as figures  # noqa: PLC0415
+    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import response as figures  # noqa: PLC0415
 
         def _terms(names: tuple[str, ...]) -> dict[str, Array]:
             return {name: getattr(self, name) for name in names}

@@ -18,23 +18,34 @@ from gearbow._files import replacing
 from gearbow.description.kinematics import Kinematics
 from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
-from gearbow.recording.channels import CHANNELS, OWNERS, with_signals
-from gearbow.recording.container import Container, Header, opened, suffix, write_netcdf
-from gearbow.recording.record import OPTIONS, ErrorEstimate, Errors, RunRecord, RunRequest
-from gearbow.recording.schema import (
+from gearbow.recording.channels import (
+    CHANNELS,
+    FORMAT,
+    OWNERS,
+    arrays_of,
+    metadata_of,
+    to_xarray,
+    with_signals,
+)
+from gearbow.recording.container import (
+    Container,
+    Header,
     any_number,
     anything,
     each,
     entries,
     flag,
     number,
+    opened,
     optional,
     record,
     row,
+    suffix,
     text,
     whole,
+    write_netcdf,
 )
-from gearbow.recording.tables import FORMAT, arrays_of, metadata_of, to_xarray
+from gearbow.recording.record import OPTIONS, ErrorEstimate, Errors, RunRecord, RunRequest
 from gearbow.units.speed import speed_factor
 
 #: Arrays of the final state. Their lengths depend on the method.
@@ -92,11 +103,6 @@ def save(run: RunRecord, path: str | os.PathLike[str], **more: Any) -> None:
         return
     with replacing(path) as file:
         np.savez(file, metadata=np.array(metadata), **arrays_of(run))  # type: ignore[arg-type]
-
-
-def load(path: str | os.PathLike[str]) -> RunRecord:
-    """Read a file of `save`."""
-    return read(path)[0]
 
 
 def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:

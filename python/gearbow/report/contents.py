@@ -28,7 +28,7 @@ from gearbow.report.data import parts_tables
 from gearbow.report.page import Block, Note, Picture, Section, Table, picture
 from gearbow.results.campbell import Campbell, Intersection
 from gearbow.results.modes import Modes
-from gearbow.results.peak import Peak, computed, marks
+from gearbow.results.peak import Peak, marks
 from gearbow.results.response import Response
 from gearbow.results.static import Static
 from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
@@ -342,7 +342,7 @@ def modes(contents: Contents) -> Iterator[Block]:
 def _in_space(found: Modes, number: int) -> Picture:
     """Show a mode in three dimensions."""
     from gearbow.plotting.interactive import scene  # noqa: PLC0415
-    from gearbow.plotting.mode_shape import parts  # noqa: PLC0415
+    from gearbow.plotting.shapes import parts  # noqa: PLC0415
 
     title, shape, dofs = found._drawn(number)
     space = scene(parts(shape, dofs, found.layout), title)
@@ -524,7 +524,7 @@ def stability(contents: Contents) -> Iterator[Block]:
 
 def response(contents: Contents) -> Iterator[Block]:
     """Show the response to bow and unbalance."""
-    from gearbow.plotting import frequency  # noqa: PLC0415
+    from gearbow.plotting import harmonic  # noqa: PLC0415
 
     system, found = contents.system, contents.synchronous
     places = _largest(contents)
@@ -537,17 +537,15 @@ def response(contents: Contents) -> Iterator[Block]:
         )
         yield Note(f"There is no response to bow and unbalance: {reason}.")
         return
-    lines, peaks, known = {}, {}, {}
+    curves, peaks = {}, {}
     for place in places:
-        own = _peaks(contents, place)
-        lines[place_label(place)] = (own.phase, own.amplitude)
-        peaks[place_label(place)] = marks(own)
-        known[place_label(place)] = computed(own)
-    figure = frequency.bode(
-        found.speeds,
-        lines,
+        own, label = _peaks(contents, place), place_label(place)
+        curves[label] = harmonic.Curve(found.speeds, own.amplitude, own.phase)
+        peaks[label] = marks(own)
+    figure = harmonic.bode(
+        curves,
+        "m",
         peaks=peaks,
-        known=known,
         operating=contents.options.operating,
         speed_unit=contents.options.unit,
     )

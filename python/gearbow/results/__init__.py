@@ -13,65 +13,52 @@ Examples
 import typing as _typing
 from importlib import import_module as _import_module
 
-#: Module of each name. It is imported at the first use, because the modules of the package import
+#: Names of each module. It is imported at the first use, because the modules of the package import
 #: each other's results.
-_MODULES = {
-    "Balance": "gearbow.analysis.balance",
-    "FilmCoefficients": "gearbow.description.journal",
-    "Order": "gearbow.description.kinematics",
-    "RingCoefficients": "gearbow.description.rolling",
-    "RollingCoefficients": "gearbow.description.rolling",
-    "RollingEstimate": "gearbow.description.rolling",
-    "Correction": "gearbow.identification.correction",
-    "Identification": "gearbow.identification.result",
-    "TrialInfluence": "gearbow.identification.trials",
-    "ProbeResidual": "gearbow.identification.result",
-    "MeasuredCurve": "gearbow.exchange.harmonic",
-    "LoadCase": "gearbow.exchange.rexs",
-    "RexsContents": "gearbow.exchange.rexs",
-    "MissingValue": "gearbow.exchange.rexs_joints",
-    "Orders": "gearbow.orders.fit",
-    "Spectrum": "gearbow.orders.spectrum",
-    "Waterfall": "gearbow.orders.waterfall",
-    "BearingMotion": "gearbow.recording.bearing_motion",
-    "Contact": "gearbow.recording.contact",
-    "ContactShares": "gearbow.recording.contact",
-    "EnergyBalance": "gearbow.recording.energy",
-    "Event": "gearbow.recording.record",
-    "MeshResponse": "gearbow.recording.record",
-    "BowLimits": "gearbow.results.bow_limits",
-    "ReachedLimit": "gearbow.results.bow_limits",
-    "Campbell": "gearbow.results.campbell",
-    "ExcitationLine": "gearbow.results.campbell",
-    "Intersection": "gearbow.results.campbell",
-    "Continuation": "gearbow.results.continuation",
-    "CriticalSpeedMap": "gearbow.results.critical_speeds",
-    "Discretisation": "gearbow.results.discretisation",
-    "Efficiency": "gearbow.results.efficiency",
-    "FrequencyComparison": "gearbow.results.frequency_comparison",
-    "FrequencyResponse": "gearbow.results.frequency_response",
-    "MassProperties": "gearbow.results.mass",
-    "Matrices": "gearbow.results.matrices",
-    "MeasuredShapes": "gearbow.exchange.mode_shapes",
-    "ModeComparison": "gearbow.results.mode_comparison",
-    "Modes": "gearbow.results.modes",
-    "Peak": "gearbow.results.peak",
-    "Peaks": "gearbow.results.peak",
-    "Response": "gearbow.results.response",
-    "ResponseSensitivity": "gearbow.results.response_sensitivity",
-    "Sensitivity": "gearbow.results.sensitivity",
-    "Static": "gearbow.results.static",
-    "SteadyState": "gearbow.results.steady",
-    "Synchronous": "gearbow.results.synchronous",
-    "StabilityThreshold": "gearbow.results.threshold",
-    "ThermalSpiral": "gearbow.results.thermal",
-    "ThermalStability": "gearbow.results.thermal",
-    "Sweep": "gearbow.sweeps.result",
-    "SweepPoint": "gearbow.sweeps.result",
-    "Recommendation": "gearbow.tradeoff.result",
-    "Tradeoff": "gearbow.tradeoff.result",
-    "Trial": "gearbow.tradeoff.trial",
+_NAMES = {
+    "gearbow.analysis.balance": ("Balance",),
+    "gearbow.description.journal": ("FilmCoefficients",),
+    "gearbow.description.kinematics": ("Order",),
+    "gearbow.description.rolling": ("RingCoefficients", "RollingCoefficients", "RollingEstimate"),
+    "gearbow.identification.correction": ("Correction",),
+    "gearbow.identification.result": ("Identification", "ProbeResidual"),
+    "gearbow.identification.trials": ("TrialInfluence",),
+    "gearbow.exchange.harmonic": ("MeasuredCurve",),
+    "gearbow.exchange.rexs": ("LoadCase", "RexsContents"),
+    "gearbow.exchange.rexs_joints": ("MissingValue",),
+    "gearbow.orders.fit": ("Orders",),
+    "gearbow.orders.spectrum": ("Spectrum",),
+    "gearbow.orders.waterfall": ("Waterfall",),
+    "gearbow.recording.access": ("BearingMotion",),
+    "gearbow.recording.contact": ("Contact", "ContactShares"),
+    "gearbow.recording.energy": ("EnergyBalance",),
+    "gearbow.recording.record": ("Event", "MeshResponse"),
+    "gearbow.results.bow_limits": ("BowLimits", "ReachedLimit"),
+    "gearbow.results.campbell": (
+        "Campbell",
+        "ExcitationLine",
+        "Intersection",
+        "StabilityThreshold",
+    ),
+    "gearbow.results.continuation": ("Continuation",),
+    "gearbow.results.critical_speeds": ("CriticalSpeedMap",),
+    "gearbow.results.properties": ("Discretisation", "MassProperties", "Matrices"),
+    "gearbow.results.static": ("Efficiency", "Static"),
+    "gearbow.results.harmonic": ("FrequencyComparison",),
+    "gearbow.results.frequency_response": ("FrequencyResponse",),
+    "gearbow.exchange.mode_shapes": ("MeasuredShapes",),
+    "gearbow.results.modes": ("ModeComparison", "Modes"),
+    "gearbow.results.peak": ("Peak", "Peaks"),
+    "gearbow.results.response": ("Response",),
+    "gearbow.results.sensitivity": ("ResponseSensitivity", "Sensitivity"),
+    "gearbow.results.steady": ("SteadyState",),
+    "gearbow.results.synchronous": ("Synchronous",),
+    "gearbow.results.thermal": ("ThermalSpiral", "ThermalStability"),
+    "gearbow.sweeps.result": ("Sweep", "SweepPoint"),
+    "gearbow.tradeoff.result": ("Recommendation", "Tradeoff"),
+    "gearbow.tradeoff.trial": ("Trial",),
 }
+_MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 if _typing.TYPE_CHECKING:
     from gearbow.analysis.balance import Balance as Balance
@@ -94,7 +81,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
-    from gearbow.recording.bearing_motion import BearingMotion as BearingMotion
+    from gearbow.recording.access import BearingMotion as BearingMotion
     from gearbow.recording.contact import (
         Contact as Contact,
         ContactShares as ContactShares,
@@ -109,34 +96,36 @@ if _typing.TYPE_CHECKING:
         Campbell as Campbell,
         ExcitationLine as ExcitationLine,
         Intersection as Intersection,
+        StabilityThreshold as StabilityThreshold,
     )
     from gearbow.results.continuation import Continuation as Continuation
     from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
-    from gearbow.results.discretisation import Discretisation as Discretisation
-    from gearbow.results.efficiency import Efficiency as Efficiency
-    from gearbow.results.frequency_comparison import (
+    from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
+    from gearbow.results.harmonic import (
         FrequencyComparison as FrequencyComparison,
     )
-    from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
-    from gearbow.results.mass import MassProperties as MassProperties
-    from gearbow.results.matrices import Matrices as Matrices
-    from gearbow.results.mode_comparison import ModeComparison as ModeComparison
-    from gearbow.results.modes import Modes as Modes
+    from gearbow.results.modes import ModeComparison as ModeComparison, Modes as Modes
     from gearbow.results.peak import (
         Peak as Peak,
         Peaks as Peaks,
     )
+    from gearbow.results.properties import (
+        Discretisation as Discretisation,
+        MassProperties as MassProperties,
+        Matrices as Matrices,
+    )
     from gearbow.results.response import Response as Response
-    from gearbow.results.response_sensitivity import ResponseSensitivity as ResponseSensitivity
-    from gearbow.results.sensitivity import Sensitivity as Sensitivity
-    from gearbow.results.static import Static as Static
+    from gearbow.results.sensitivity import (
+        ResponseSensitivity as ResponseSensitivity,
+        Sensitivity as Sensitivity,
+    )
+    from gearbow.results.static import Efficiency as Efficiency, Static as Static
     from gearbow.results.steady import SteadyState as SteadyState
     from gearbow.results.synchronous import Synchronous as Synchronous
     from gearbow.results.thermal import (
         ThermalSpiral as ThermalSpiral,
         ThermalStability as ThermalStability,
     )
-    from gearbow.results.threshold import StabilityThreshold as StabilityThreshold
     from gearbow.sweeps.result import (
         Sweep as Sweep,
         SweepPoint as SweepPoint,

@@ -7,17 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_degrees, in_micrometres
+from gearbow._result import Column, Figured, in_degrees, in_micrometres
 from gearbow._shown import Shown
 from gearbow._types import Array
 from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["BowLimits", "ReachedLimit"]
 
 
 @dataclass(frozen=True)
@@ -71,8 +68,11 @@ class ReachedLimit(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class BowLimits(Result, ReadOnly):
+class BowLimits(Figured, ReadOnly):
     """The bow at which each limit is reached, and the margin to the present bow.
+
+    `plot` draws the seven smallest limits that are reached against the speed, and the present
+    bow.
 
     Parameters
     ----------
@@ -150,23 +150,8 @@ class BowLimits(Result, ReadOnly):
         """
         return math.inf if self.deciding is None else self.deciding.bow - self.present
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw the limits against the speed, and the present bow.
-
-        Parameters
-        ----------
-        ax : Axes, optional
-            The panel; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            One curve for each of the seven smallest limits that are reached.
-        """
-        with extra("plot"):
-            from gearbow.plotting import bow_limits as figures  # noqa: PLC0415
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         lines = {
             f"{own[0].limit}, {own[0].at}": np.array([one.bow for one in own])
@@ -178,7 +163,7 @@ class BowLimits(Result, ReadOnly):
             {name: lines[name] for name in order},
             self.present,
             label=f"bow of {', '.join(self.shafts)}",
-            speed_unit=self._speed_unit(speed_unit),
+            speed_unit=unit,
             ax=ax,
         )
 

@@ -1,6 +1,5 @@
 """A branch of steady states over a parameter: amplitudes, stability, special points, files."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
@@ -10,7 +9,7 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import read_only
-from gearbow._result import Column, Result, data_frame, in_micrometres, written_unit
+from gearbow._result import Column, data_frame, in_micrometres, written_unit
 from gearbow._shown import short
 from gearbow._types import (
     Array,
@@ -22,10 +21,11 @@ from gearbow._types import (
 )
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
-from gearbow.orders.channel import channel
+from gearbow.orders.spectrum import channel
 from gearbow.recording.channels import CHANNELS, signals, with_signals
-from gearbow.recording.schema import each, number, record, row, text, whole
-from gearbow.results.response import Response
+from gearbow.recording.container import each, number, record, row, text, whole
+from gearbow.recording.record import RunRecord
+from gearbow.results.response import Response, Stored
 from gearbow.results.steady import instability
 from gearbow.units.speed import SpeedUnit, speed_text
 
@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
-
-__all__ = ["UNITS", "BranchData", "Continuation", "summary"]
 
 #: Unit of each parameter; torque and bow are factors.
 UNITS = {"speed": "rad/s", "torque": "", "bow": "", "backlash": "m"}
@@ -66,7 +64,7 @@ class BranchData:
     message: str = ""
 
 
-class Continuation(Result):
+class Continuation(Stored):
     """A branch of steady states, made by `gearbow.RotorSystem.continuation`.
 
     Parameters
@@ -108,8 +106,6 @@ class Continuation(Result):
     >>> print(f"{amplitude[-1] / amplitude[0]:.3f}", branch.stable.all())
     2.000 True
     """
-
-    _own_endings = (".npz", ".nc")
 
     def __init__(self, signals: Response, data: BranchData) -> None:
         self._signals, self._data = signals, data
@@ -223,7 +219,7 @@ class Continuation(Result):
             If nothing was recorded, or `ax` is not one panel.
         """
         with extra("plot"):
-            from gearbow.plotting import branch as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
             from gearbow.plotting.style import speed_axis  # noqa: PLC0415
 
         factor, label = speed_axis(self._speed_unit(speed_unit))
@@ -314,33 +310,11 @@ class Continuation(Result):
             raise GearbowError("nothing was recorded; give record=['meshes'] to continuation")
         return recorded[0]
 
-    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
-
-        file.save(self._signals.to_record(), path, branch=vars(self._data))
+    def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
+        return self._signals.to_record(), {"branch": vars(self._data)}
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> "Continuation":
-        """Read a file that `save` wrote.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".npz" or ".nc".
-
-        Returns
-        -------
-        Continuation
-            The branch.
-
-        Raises
-        ------
-        GearbowError
-            If the file is damaged or has another content.
-        """
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
-
-        run, about = file.read(path)
+    def _restored(cls, run: RunRecord, about: dict[str, Any], path: Any) -> "Continuation":
         if "branch" not in about:
             raise GearbowError(f"{path}: is not a continuation")
         _BRANCH(about["branch"], "branch")

@@ -20,8 +20,6 @@ from gearbow.units.speed import SpeedUnit, speed_factor
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["CriticalSpeedMap"]
-
 
 @dataclass(frozen=True, eq=False)
 class CriticalSpeedMap(Result, ReadOnly):
@@ -73,7 +71,7 @@ class CriticalSpeedMap(Result, ReadOnly):
     speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
-    def from_rows(
+    def _from_rows(
         cls,
         stiffnesses: Array,
         order: float,
@@ -82,26 +80,7 @@ class CriticalSpeedMap(Result, ReadOnly):
         *,
         speed_unit: SpeedUnit = "rad/s",
     ) -> "CriticalSpeedMap":
-        """Make a map of the plain data of the core.
-
-        Parameters
-        ----------
-        stiffnesses : ndarray, shape (k,)
-            Stiffness of every bearing [N/m].
-        order : float
-            Order of the excitation.
-        found : sequence of sequence of (float, str, float, int)
-            Critical speeds [rad/s] with whirl, residual and number of the line, for each stiffness.
-        actual : tuple of float
-            Stiffnesses of the bearings of the system [N/m].
-        speed_unit : {"rad/s", "rpm"}
-            Unit of speeds of the system.
-
-        Returns
-        -------
-        CriticalSpeedMap
-            The map.
-        """
+        """Make a map of the plain data of the core."""
         return cls(
             stiffnesses,
             order,
@@ -202,12 +181,12 @@ class CriticalSpeedMap(Result, ReadOnly):
             If `ax` or the unit is invalid.
         """
         with extra("plot"):
-            from gearbow.plotting import frequency  # noqa: PLC0415
+            from gearbow.plotting import campbell  # noqa: PLC0415
 
         most = whole(count, "count")
         found = dict.fromkeys(name for names in self.whirl for name in names)
         lines = {whirl: self.lines(whirl)[:, :most] for whirl in found}
-        return frequency.critical_speed_map(
+        return campbell.critical_speed_map(
             self.stiffnesses,
             lines,
             self.order,

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, get_args
 import numpy as np
 
 from gearbow._convert import items, shown
-from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._lookup import one_of
-from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, Written
+from gearbow._result import Column, Written
 from gearbow._shown import short, span
 from gearbow._types import (
     Array,
@@ -24,11 +22,15 @@ from gearbow._types import (
     LateralDirection,
     Plain,
 )
-from gearbow.description.coordinates import Coordinates
+from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.places import Places, is_pair, place, place_label, places
 from gearbow.description.sources import plain_sources
-from gearbow.errors import ChannelError, GearbowError, SceneError
-from gearbow.results.frequency_comparison import FrequencyComparison
+from gearbow.errors import GearbowError, SceneError
+from gearbow.results.harmonic import (
+    PRINTED_PLACES,
+    FrequencyComparison,
+    HarmonicResponse,
+)
 from gearbow.sensors.sensor import SignalSensor
 from gearbow.units.speed import SpeedUnit
 
@@ -39,20 +41,14 @@ if TYPE_CHECKING:
 
     from gearbow.exchange.harmonic import Curve, MeasuredCurve
 
-__all__ = ["FrequencyResponse"]
-
-#: Largest number of places in a table.
-_PRINTED_PLACES = 3
-#: Power of iω by which each kind of motion follows from the displacement.
-_DERIVATIVES = {"displacement": 0, "velocity": 1, "acceleration": 2}
-
 
 @dataclass(frozen=True, eq=False)
-class FrequencyResponse(Result, ReadOnly):
+class FrequencyResponse(HarmonicResponse):
     """Harmonic response of a system to one or several sources.
 
-    All results are phasors x: the physical value is the real part of x exp(iωt). Their first axes
-    are those of `frequencies`: k in the shapes below stands for both of them where there are two.
+    All results are phasors x: the physical value is the real part of x exp(iωt), so that all
+    amplitudes are zero to peak. The first axes of all values are those of `frequencies`, k in the
+    shapes below, which stands for both of them where there are two, and the sources.
 
     Parameters
     ----------
@@ -118,109 +114,13 @@ class FrequencyResponse(Result, ReadOnly):
             "sources": short(self.sources),
         }
 
-    def displacement(self, at: At) -> ComplexArray:
-        """Lateral displacement of a place.
+    @property
+    def _motion(self) -> ComplexArray:
+        return self.phasors
 
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]),
-            also between nodes.
-
-        Returns
-        -------
-        ndarray, shape (k, sources, 2)
-            Phasors along y and z [m].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
-        """
-        displacement: ComplexArray = self.coordinates.displacement(self.phasors, at)
-        return displacement
-
-    def velocity(self, at: At) -> ComplexArray:
-        """Lateral velocity of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            As for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k, sources, 2)
-            Phasors along y and z [m/s].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
-        """
-        return self._derived(self.displacement(at), 1)
-
-    def acceleration(self, at: At) -> ComplexArray:
-        """Lateral acceleration of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            As for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k, sources, 2)
-            Phasors along y and z [m/s²].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
-        """
-        return self._derived(self.displacement(at), 2)
-
-    def twist(self, at: At) -> ComplexArray:
-        """Twist of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]), also between nodes.
-
-        Returns
-        -------
-        ndarray, shape (k, sources)
-            Phasors [rad].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no torsion.
-        """
-        twist: ComplexArray = self.coordinates.twisted(self.phasors, at)
-        return twist
-
-    def axial_displacement(self, at: At) -> ComplexArray:
-        """Axial displacement of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            As for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k, sources)
-            Phasors [m].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no axial motion.
-        """
-        displacement: ComplexArray = self.coordinates.axial_displacement(self.phasors, at)
-        return displacement
+    @property
+    def _rates(self) -> Array:
+        return self.frequencies[..., np.newaxis]
 
     def mesh_force(self, at: str | tuple[str, str]) -> ComplexArray:
         """Dynamic force of a mesh normal to the teeth.
@@ -241,77 +141,8 @@ class FrequencyResponse(Result, ReadOnly):
         ChannelError
             If there is no such mesh.
         """
-        known = Places("mesh", ([mesh] for mesh in self._meshes))
-        i = known.find(at)
-        if i is None:
-            raise ChannelError(f"no mesh is called {place(at)}; there are {known}")
-        force: ComplexArray = self._mesh_force[..., i]
+        force: ComplexArray = self._mesh_force[..., Places.of("mesh", self._meshes).index(at)]
         return force
-
-    def bearing_force(self, at: tuple[str, float]) -> ComplexArray:
-        """Force of a shaft on a bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (k, sources, 2)
-            Phasors along y and z [N].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing.
-        """
-        known = Places("bearing", ([bearing] for bearing in self._bearings))
-        i = known.find(at)
-        if i is None:
-            raise ChannelError(f"no bearing at {place(at)}; there are {known}")
-        force: ComplexArray = self._bearing_force[..., 2 * i : 2 * i + 2]
-        return force
-
-    def measure(self, sensor: SignalSensor) -> ComplexArray:
-        """Signal of a sensor.
-
-        Parameters
-        ----------
-        sensor : Probe or Accelerometer
-            The sensor. The run-out of a probe has no part in the response to a source.
-
-        Returns
-        -------
-        ndarray, shape (k, sources)
-            Phasors in the unit of the sensor.
-
-        Raises
-        ------
-        SceneError
-            If the sensor gives no signal, as a tachometer.
-        GearbowError
-            If the system has no such place, or not the motion that the sensor measures.
-        """
-        if not isinstance(sensor, SignalSensor):
-            raise SceneError(f"sensor: must be a gb.Probe or gb.Accelerometer, got {sensor!r}")
-        signal: ComplexArray = sensor._sensed(self._motion)
-        return signal
-
-    def _motion(self, quantity: str, at: At) -> ComplexArray:
-        """Give a motion under its name in a recorded run."""
-        if quantity == "axial" or quantity.startswith("axial_"):
-            order = _DERIVATIVES[quantity.removeprefix("axial_").replace("axial", "displacement")]
-            return self._derived(self.axial_displacement(at), order)
-        return self._derived(self.displacement(at), _DERIVATIVES[quantity])
-
-    def _derived(self, phasors: ComplexArray, order: int) -> ComplexArray:
-        """Multiply by (iω)^order."""
-        rate = (1j * self.frequencies) ** order
-        derived: ComplexArray = phasors * rate.reshape(
-            rate.shape + (1,) * (phasors.ndim - rate.ndim)
-        )
-        return derived
 
     def plot(
         self,
@@ -368,20 +199,17 @@ class FrequencyResponse(Result, ReadOnly):
             )
         if two:
             parts = {
-                f"{name}, {text}": (own, values[index])
+                f"{name}, {text}": figures.Curve.of(own, values[index])
                 for name, values in lines.items()
                 for text, index, own in self._rows_of_axes()
             }
         else:
-            parts = {name: (self._along(), values) for name, values in lines.items()}
+            along = self.speeds if self.axes == ("speed",) else self.frequencies
+            parts = {name: figures.Curve.of(along, values) for name, values in lines.items()}
         if kind == "nyquist":
-            return figures.nyquist(parts, unit, ax=ax)
+            return figures.polar(parts, unit, ax=ax)
         over = "frequency" if self.axes[-1] == "frequency" else "speed"
-        return figures.bode(parts, unit, over, ax=ax)
-
-    def _along(self) -> Array:
-        """Give the values of the only axis."""
-        return self.speeds if self.axes == ("speed",) else self.frequencies
+        return figures.bode(parts, unit, over=over, frf=True, ax=ax)
 
     def _rows_of_axes(self) -> Iterator[tuple[str, Any, Array]]:
         """Give label, index and horizontal axis of each line of a response with two axes."""
@@ -617,7 +445,7 @@ class FrequencyResponse(Result, ReadOnly):
                 size = np.abs(curve.values.ravel()) ** 2
                 sizes[curve.place] = sizes.get(curve.place, 0.0) + size
         largest = sorted(sizes, key=lambda place: -float(np.max(sizes[place], initial=0.0)))
-        for name in largest[:_PRINTED_PLACES]:
+        for name in largest[:PRINTED_PLACES]:
             columns.append(Column(f"{name} amplitude", np.sqrt(sizes[name]), "m", ".4g"))
         return columns
 
@@ -688,14 +516,11 @@ class FrequencyResponse(Result, ReadOnly):
             sources = [self._sources[curve.source]]
         else:
             sources, _ = plain_sources(curve.source)
-        found = Model(dict(self.description)).frequency_response(at, speeds, sources, 1)
+        found = self._model().frequency_response(at, speeds, sources, 1)
         phasors = found["phasors"]
-        if curve.direction == "twist":
-            values = self.coordinates.twisted(phasors, curve.at)[:, 0]
-        elif curve.direction == "x":
-            values = self.coordinates.axial_displacement(phasors, curve.at)[:, 0]
-        else:
-            values = self.coordinates.displacement(phasors, curve.at)[:, 0]
+        kind = {"twist": "twist", "x": "axial"}.get(curve.direction, "displacement")
+        values = self.coordinates.motion(phasors, kind, curve.at)[:, 0]
+        if kind == "displacement":
             values = values[:, "yz".index(curve.direction)]
-        computed: ComplexArray = values * (1j * at) ** _DERIVATIVES[curve.quantity]
+        computed: ComplexArray = values * (1j * at) ** time_derivatives(curve.quantity)
         return computed

@@ -1,4 +1,4 @@
-"""Natural modes at one speed, with names of their shapes."""
+"""Natural modes at one speed, and their comparison with measured ones."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -13,13 +13,14 @@ from gearbow._extras import extra
 from gearbow._files import check_name
 from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_percent, plain_text
+from gearbow._result import Column, Figured, Result, in_percent, plain_text
 from gearbow._shown import listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.description.places import places as checked_places
 from gearbow.errors import GearbowError, SceneError
+from gearbow.results.at_places import Motion
 from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
@@ -28,9 +29,84 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gearbow.exchange.mode_shapes import MeasuredShapes
-    from gearbow.results.mode_comparison import ModeComparison
 
-__all__ = ["Modes"]
+
+@dataclass(frozen=True, eq=False)
+class ModeComparison(Figured, ReadOnly):
+    """MAC of computed and measured mode shapes.
+
+    `plot` draws MAC as a table of colours, with the computed modes along the horizontal axis.
+
+    Parameters
+    ----------
+    mac : ndarray, shape (m, k)
+        Modal assurance criterion of each computed mode with each measured one.
+    computed_hz : ndarray, shape (m,)
+        Computed natural frequencies [Hz].
+    measured_hz : ndarray, shape (k,)
+        Measured natural frequencies [Hz].
+
+    Notes
+    -----
+    MAC is abs(Σ conj(φ_m) φ_c)²/(Σ abs(φ_m)² Σ abs(φ_c)²) over the measured places and directions
+    (R. J. Allemang, D. L. Brown, *A correlation coefficient for modal vector analysis*, IMAC 1982):
+    1 for proportional shapes, 0 for orthogonal ones and for a shape without motion there, such as
+    a rotation.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=(1e7, 2e7)) for x in (0.0, 1.0)]
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
+    >>> modes = gb.RotorSystem([rotor], bearings=bearings, motion="lateral").modes(count=2)
+    >>> places = (("rotor", 0.0), ("rotor", 0.5))
+    >>> shapes = modes.shapes_at(places)
+    >>> found = modes.compare(gb.results.MeasuredShapes(places, modes.frequencies_hz, shapes))
+    >>> found.mac.round(6)
+    array([[1., 0.],
+           [0., 1.]])
+    """
+
+    mac: Array
+    computed_hz: Array
+    measured_hz: Array
+
+    @property
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        """The computed mode with the largest MAC for each measured one.
+
+        Returns
+        -------
+        tuple of (int, int)
+            Numbers of the computed and the measured mode, from 1.
+        """
+        best = np.argmax(self.mac, axis=0).tolist() if self.mac.size else []
+        return tuple((i + 1, j + 1) for j, i in enumerate(best))
+
+    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import shapes as figures  # noqa: PLC0415
+
+        return figures.assurance(self.mac, self.computed_hz, self.measured_hz, ax=ax)
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each measured mode."""
+        computed, own = np.reshape(np.array(self.pairs, dtype=np.intp), (-1, 2)).T - 1
+        found, measured = self.computed_hz[computed], self.measured_hz[own]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            difference = 100.0 * (found / measured - 1.0)
+        return [
+            Column("measured mode", own + 1),
+            Column("measured", measured, "Hz", ".3f"),
+            Column("computed mode", computed + 1),
+            Column("computed", found, "Hz", ".3f"),
+            Column("difference", difference, "%", ".2f"),
+            Column("MAC", self.mac[computed, own], "", ".4f"),
+        ]
+
+    def __repr__(self) -> str:
+        best = self.mac.max(axis=0, initial=0.0)
+        return f"ModeComparison({len(best)} measured modes, largest MAC {listed(best)})"
+
 
 #: A smaller damping ratio [%] is round-off of the eigenvalue.
 _ROUND_OFF_PERCENT = 1e-10
@@ -41,7 +117,7 @@ _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"
 
 
 @dataclass(frozen=True, eq=False)
-class Modes(Result, ReadOnly):
+class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
     """Natural modes at one speed, in ascending order of the size of their eigenvalues.
 
     Parameters
@@ -99,7 +175,7 @@ class Modes(Result, ReadOnly):
     _own_endings: ClassVar[tuple[str, ...]] = (".uff",)
 
     @classmethod
-    def from_data(
+    def _from_data(
         cls,
         data: ModesData,
         speed: float,
@@ -108,26 +184,7 @@ class Modes(Result, ReadOnly):
         *,
         speed_unit: SpeedUnit = "rad/s",
     ) -> "Modes":
-        """Make modes of the plain data of the core.
-
-        Parameters
-        ----------
-        data : mapping
-            Eigenvalues, shapes, and share of each degree of freedom in the kinetic energy.
-        speed : float
-            Speed of the reference shaft [rad/s].
-        coordinates : Coordinates
-            Degrees of freedom of the system.
-        layout : Layout
-            Geometry of the train at rest.
-        speed_unit : {"rad/s", "rpm"}
-            Unit in which the speed was given.
-
-        Returns
-        -------
-        Modes
-            The modes.
-        """
+        """Make modes of the plain data of the core."""
         dofs = coordinates.dofs
         groups = [
             (shaft, _DIRECTION[direction.rstrip("0123456789")]) for shaft, _, direction in dofs
@@ -152,48 +209,8 @@ class Modes(Result, ReadOnly):
             speed_unit=speed_unit,
         )
 
-    def displacement(self, at: At) -> ComplexArray:
-        """Lateral displacement of a place in the shape of each mode.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]),
-            also between nodes.
-
-        Returns
-        -------
-        ndarray, shape (m, 2)
-            Displacements along y and z, in the unit of `shapes`.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
-        """
-        displacement: ComplexArray = self.coordinates.displacement(self.shapes, at)
-        return displacement
-
-    def twist(self, at: At) -> ComplexArray:
-        """Twist of a place in the shape of each mode.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            As for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (m,)
-            Twists, in the unit of `shapes`.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no torsion.
-        """
-        twist: ComplexArray = self.coordinates.twisted(self.shapes, at)
-        return twist
+    def _at(self, quantity: str, at: Any) -> Any:
+        return self.coordinates.motion(self.shapes, quantity, at)
 
     def shapes_at(self, places: Sequence[At]) -> ComplexArray:
         """Lateral displacements of several places in the shape of each mode.
@@ -246,7 +263,6 @@ class Modes(Result, ReadOnly):
             If there is no such place.
         """
         from gearbow.exchange.mode_shapes import MeasuredShapes, read_uff  # noqa: PLC0415
-        from gearbow.results.mode_comparison import ModeComparison  # noqa: PLC0415
 
         if places is not None and not isinstance(places, Mapping):
             raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
@@ -428,7 +444,7 @@ class Modes(Result, ReadOnly):
             If there is no such mode, or `ax` is invalid.
         """
         with extra("plot"):
-            from gearbow.plotting import mode_shape, modes, within_elements  # noqa: PLC0415
+            from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
         if number is None:
             titles = self._titles()
@@ -438,8 +454,8 @@ class Modes(Result, ReadOnly):
                 share = sum(share for (_, direction), share in shares.items() if direction == rod)
                 drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
             chosen = np.arange(min(whole(count, "count"), len(self.whirl)))
-            shapes, dofs = within_elements.refined(self.shapes[chosen], self.dofs, self.layout)
-            return modes.overview(
+            shapes, dofs = figures.refined(self.shapes[chosen], self.dofs, self.layout)
+            return figures.overview(
                 [titles[mode] for mode in chosen],
                 shapes,
                 dofs,
@@ -448,16 +464,16 @@ class Modes(Result, ReadOnly):
                 ax=ax,
             )
         title, shape, nodes = self._drawn(whole(number, "number"))
-        return mode_shape.draw(title, shape, nodes, self.layout, ax=ax)
+        return figures.draw(title, shape, nodes, self.layout, ax=ax)
 
     def _drawn(self, number: int) -> tuple[str, ComplexArray, Sequence[NodalDof]]:
         """Give title, shape and degrees of freedom of a mode, from 1, with points in elements."""
-        from gearbow.plotting import within_elements  # noqa: PLC0415
+        from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
         own = self.shapes[number - 1 : number]
-        shapes, dofs = within_elements.refined(own, self.dofs, self.layout)
+        shapes, dofs = figures.refined(own, self.dofs, self.layout)
         return self._titles()[number - 1], shapes[0], dofs
 
 

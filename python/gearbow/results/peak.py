@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from gearbow._convert import BYTES, number
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_micrometres
+from gearbow._result import Column, Figured, in_micrometres
 from gearbow._shown import Shown, listed
 from gearbow._types import Array, At
 from gearbow.description.places import place_label
@@ -20,10 +19,15 @@ from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Peak", "Peaks"]
-
 #: A response with a smaller amplification factor is critically damped and needs no separation.
 CRITICALLY_DAMPED = 2.5
+
+#: Where the amplitude stays above the half-power one, by what a peak lacks.
+_STAYS = {
+    "no N₁": "from standstill or the lowest speed to the peak",
+    "no N₂": "from the peak to the last speed; give speeds beyond it",
+    "no N₁ and N₂": "at all speeds on both sides; give more speeds",
+}
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,21 @@ class Peak(Shown):
         """
         width = abs(self.upper - self.lower)
         return math.inf if width == 0.0 else abs(self.speed) / width
+
+    @property
+    def missing(self) -> str | None:
+        """Name what the amplification factor lacks.
+
+        Returns
+        -------
+        str or None
+            "no N₁" if the amplitude does not fall to 1/√2 of the peak between standstill and the
+            peak, as where a bow is large, "no N₂" if it does not beyond the peak within the speeds
+            of the response, or both; None if the factor is known.
+        """
+        ends = {"N₁": self.lower, "N₂": self.upper}
+        unknown = " and ".join(name for name, speed in ends.items() if math.isnan(speed))
+        return f"no {unknown}" if unknown else None
 
     @property
     def separation_margin(self) -> float:
@@ -168,8 +187,11 @@ class Peak(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Peaks(Result, ReadOnly, Sequence[Peak]):
+class Peaks(Figured, ReadOnly, Sequence[Peak]):
     """The peaks of the synchronous response at a place: a sequence of `Peak` with a table.
+
+    `plot` draws a Bode diagram, phase above amplitude, with the operating speeds, in which each
+    peak has its amplification factor.
 
     Parameters
     ----------
@@ -231,32 +253,16 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
     def __hash__(self) -> int:
         return hash(self.peaks)
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw amplitude and phase against the speed, with the peaks and the operating speeds.
-
-        Parameters
-        ----------
-        ax : sequence of two Axes, optional
-            Panels for phase and amplitude; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            A Bode diagram, in which each peak has its amplification factor.
-        """
-        with extra("plot"):
-            from gearbow.plotting import frequency  # noqa: PLC0415
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import harmonic  # noqa: PLC0415
 
         label = place_label(self.at)
-        return frequency.bode(
-            self.speeds,
-            {label: (self.phase, self.amplitude)},
+        return harmonic.bode(
+            {label: harmonic.Curve(self.speeds, self.amplitude, self.phase)},
+            "m",
             peaks={label: marks(self.peaks)},
-            known={label: computed(self.peaks)},
             operating=self.operating,
-            speed_unit=self._speed_unit(speed_unit),
+            speed_unit=unit,
             ax=ax,
         )
 
@@ -280,6 +286,15 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
             Column("verdict", [peak.verdict for peak in self.peaks]),
         ]
 
+    def _remarks(self) -> list[str]:
+        """Say why peaks have no amplification factor."""
+        return [
+            f"peak {number}: {peak.missing}, because the amplitude stays above 1/√2 of the peak "
+            f"{_STAYS[peak.missing]}"
+            for number, peak in enumerate(self.peaks, 1)
+            if peak.missing is not None
+        ]
+
     def __repr__(self) -> str:
         factor = speed_factor(self.speed_unit)
         speeds = listed([factor * peak.speed for peak in self.peaks])
@@ -287,26 +302,15 @@ class Peaks(Result, ReadOnly, Sequence[Peak]):
         return f"Peaks({len(self)} of {where}: {speeds} {self.speed_unit})"
 
 
-def computed(peaks: Sequence[Peak]) -> tuple[Array, Array]:
-    """Give the speeds and amplitudes of peaks and their half-power points for a curve."""
-    root = math.sqrt(0.5)
-    found = [
-        (speed, share * peak.amplitude)
-        for peak in peaks
-        for speed, share in ((peak.lower, root), (peak.speed, 1.0), (peak.upper, root))
-        if math.isfinite(speed)
-    ]
-    speeds, amplitudes = np.array(found).reshape(-1, 2).T
-    return speeds, amplitudes
-
-
-def marks(peaks: Sequence[Peak]) -> list[tuple[float, float, str]]:
-    """Give speed, amplitude and amplification factor of peaks for a figure."""
-    known = [(peak, peak.amplification_factor) for peak in peaks]
-    return [
-        (peak.speed, peak.amplitude, "" if math.isnan(factor) else f"AF {float(f'{factor:.3g}'):g}")
-        for peak, factor in known
-    ]
+def marks(peaks: Sequence[Peak]) -> list[tuple[float, float, str | None]]:
+    """Give speed, amplitude and text of peaks for a figure; half-power points have no text."""
+    root, found = math.sqrt(0.5), []
+    for peak in peaks:
+        factor = peak.amplification_factor
+        text = peak.missing or f"AF {float(f'{factor:.3g}'):g}"
+        points = ((peak.lower, root, None), (peak.speed, 1.0, text), (peak.upper, root, None))
+        found += [(x, y * peak.amplitude, own) for x, y, own in points if math.isfinite(x)]
+    return found
 
 
 def operating_range(given: object) -> tuple[float, float] | None:

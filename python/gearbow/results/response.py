@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from gearbow._convert import items, number, shown
 from gearbow._progress import working
@@ -13,45 +12,85 @@ from gearbow._read_only import ReadOnly, read_only
 from gearbow._result import Column, Result
 from gearbow._shown import span
 from gearbow._types import (
-    Abscissa,
     Array,
-    At,
     Record,
     RunData,
-    RunFigure,
     SignalQuantity,
     Window,
 )
 from gearbow.accuracy.estimate import estimate_errors
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
-from gearbow.orders.channel import channel
 from gearbow.orders.fit import Orders, orders
-from gearbow.orders.spectrum import Spectrum, spectrum
-from gearbow.recording import access, tables
-from gearbow.recording.bearing_motion import BearingMotion
-from gearbow.recording.contact import ContactShares
-from gearbow.recording.energy import EnergyBalance
-from gearbow.recording.record import Errors, Event, MeshResponse, RunRecord, Statistics
-from gearbow.recording.resample import resampled
-from gearbow.results.motion import animate
-from gearbow.results.run_figures import plot
+from gearbow.orders.spectrum import Spectrum, channel, spectrum
+from gearbow.recording import channels
+from gearbow.recording.channels import resampled
+from gearbow.recording.record import Errors, RunRecord, Statistics
+from gearbow.results.at_places import RecordedMotion
+from gearbow.results.run_figures import animate, plot
 from gearbow.sensors.sensor import Sensor, SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
+    from typing_extensions import Self
 
     from gearbow.description.kinematics import Kinematics
     from gearbow.recording.record import RunRequest
 
-__all__ = ["Response"]
+
+class Stored(Result):
+    """A result that a file holds without rounding: a recorded run, and entries of its own."""
+
+    _own_endings = (".npz", ".nc")
+
+    def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
+        """Give the run, and the entries of the metadata of the file."""
+        raise NotImplementedError
+
+    @classmethod
+    def _restored(cls, run: RunRecord, about: dict[str, Any], path: Any) -> "Self":
+        """Make the result of the run and the metadata of a file."""
+        raise NotImplementedError
+
+    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
+        run, more = self._stored()
+        file.save(run, path, **more)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Self":
+        """Read a file that `save` wrote.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. Its name ends with ".npz" or ".nc".
+
+        Returns
+        -------
+        Response, SteadyState or Continuation
+            The result, of the class that reads; a simulation can continue from a response.
+
+        Raises
+        ------
+        GearbowError
+            If the file is damaged or has another content; the message names the file and the
+            problem. The check comes before any memory is allocated for the arrays of the file.
+        OSError
+            If the file cannot be opened.
+        """
+        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+
+        return cls._restored(*file.read(path), path)
 
 
-class Response(Result, ReadOnly):
+class Response(Stored, ReadOnly, RecordedMotion):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
+
+    The first axis of all values is that of the times.
 
     Parameters
     ----------
@@ -95,7 +134,6 @@ class Response(Result, ReadOnly):
     0.1 s to 0.2 s
     """
 
-    _own_endings = (".npz", ".nc")
     _indexed = True
 
     def __init__(self, data: RunData, speed: float | SpeedProfile) -> None:
@@ -144,6 +182,13 @@ class Response(Result, ReadOnly):
         response.speed_unit = record.speed_unit
         return response
 
+    def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
+        return self.to_record(), {}
+
+    @classmethod
+    def _restored(cls, run: RunRecord, _about: dict[str, Any], _path: Any) -> "Response":
+        return cls.from_record(run)
+
     def to_record(self) -> RunRecord:
         """Give the recording as plain data.
 
@@ -162,376 +207,6 @@ class Response(Result, ReadOnly):
             self.period,
             self.speed_unit,
         )
-
-    @property
-    def time(self) -> Array:
-        """Recorded times.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Times [s].
-        """
-        return self._data["time"]
-
-    @property
-    def final(self) -> Mapping[str, Any]:
-        """Final state without rounding; `simulate(initial=...)` continues from it.
-
-        Returns
-        -------
-        mapping
-            Method, time, speed, a known angle of the reference shaft (time [s], angle [rad] and
-            its rounding error), and the state variables of the method.
-        """
-        return dict(self._data["final"])
-
-    @property
-    def recorded(self) -> list[Record]:
-        """Recorded items, in the form of the argument `record` of `simulate`.
-
-        Returns
-        -------
-        list of str or tuple
-            Names of gears and disks, (shaft, position), (driver, driven), ("bearing", shaft,
-            position), "velocity", "acceleration", "energy".
-        """
-        return self.to_record().recorded
-
-    @property
-    def speeds(self) -> Array:
-        """Speed of the reference shaft at the recorded times.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Speeds [rad/s].
-        """
-        return access.speeds(self.to_record())
-
-    def angle(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
-        """Prescribed angle of a shaft, without its twist.
-
-        Parameters
-        ----------
-        shaft : str
-            Name of the shaft.
-        times : array_like, shape (n,), optional
-            Times [s]; None is the k recorded times.
-
-        Returns
-        -------
-        ndarray, shape (k,) or (n,)
-            Angle about x, not reduced to one revolution [rad].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such shaft, or the response has no kinematics.
-        """
-        return access.angle(self.to_record(), shaft, times)
-
-    def spin(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
-        """Prescribed angular velocity of a shaft.
-
-        Parameters
-        ----------
-        shaft : str
-            Name of the shaft.
-        times : array_like, shape (n,), optional
-            Times [s]; None is the k recorded times.
-
-        Returns
-        -------
-        ndarray, shape (k,) or (n,)
-            Angular velocity about x [rad/s].
-        """
-        return access.spin(self.to_record(), shaft, times)
-
-    def displacement(self, at: At) -> Array:
-        """Lateral displacement of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Name of a gear, disk, support, housing or point of a housing, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Displacements along y and z [m].
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded; the message says what to record.
-        """
-        return access.motion(self.to_record(), "displacement", at)
-
-    def twist(self, at: At) -> Array:
-        """Twist of a place, relative to the rigid-body rotation.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Twist about x [rad].
-        """
-        return access.motion(self.to_record(), "twist", at)
-
-    def axial(self, at: At) -> Array:
-        """Axial displacement of a place, in a system with axial motion.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Displacement along x [m].
-        """
-        return access.motion(self.to_record(), "axial", at)
-
-    def velocity(self, at: At) -> Array:
-        """Lateral velocity of a place.
-
-        It belongs to the state of the run; no difference of displacements is taken.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Velocities along y and z [m/s].
-        """
-        return access.motion(self.to_record(), "velocity", at)
-
-    def twist_rate(self, at: At) -> Array:
-        """Rate of the twist of a place: its angular velocity beyond the prescribed one.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Rate of the twist about x [rad/s].
-        """
-        return access.motion(self.to_record(), "twist_rate", at)
-
-    def acceleration(self, at: At) -> Array:
-        """Lateral acceleration of a place.
-
-        It follows from the state and the equation of motion; no difference is taken. If the run
-        leaves out modes, it is the acceleration of the reduced model.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Accelerations along y and z [m/s²].
-        """
-        return access.motion(self.to_record(), "acceleration", at)
-
-    def axial_velocity(self, at: At) -> Array:
-        """Axial velocity of a place, in a system with axial motion.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Velocity along x [m/s].
-        """
-        return access.motion(self.to_record(), "axial_velocity", at)
-
-    def axial_acceleration(self, at: At) -> Array:
-        """Axial acceleration of a place, in a system with axial motion.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            Place, as for `displacement`.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Acceleration along x [m/s²].
-        """
-        return access.motion(self.to_record(), "axial_acceleration", at)
-
-    def bearing_force(self, at: tuple[str, float]) -> Array:
-        """Force of a shaft on a bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Components along y and z [N].
-        """
-        return access.bearing_force(self.to_record(), at)
-
-    def axial_bearing_force(self, at: tuple[str, float]) -> Array:
-        """Force of a shaft on a bearing along the axis, in a system with axial motion.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Component along x [N].
-        """
-        return access.axial_bearing_force(self.to_record(), at)
-
-    def bearing_displacement(self, at: tuple[str, float]) -> Array:
-        """Displacement of a shaft relative to what its bearing stands on.
-
-        A proximity probe in the bearing housing measures it.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (k, 2)
-            Components along y and z [m].
-        """
-        return access.bearing_displacement(self.to_record(), at)
-
-    def journal(self, at: tuple[str, float]) -> BearingMotion:
-        """Time history of a journal bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        BearingMotion
-            Force, eccentricity ratio and attitude angle.
-        """
-        return access.journal(self.to_record(), at)
-
-    def rolling(self, at: tuple[str, float]) -> BearingMotion:
-        """Time history of a rolling bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        BearingMotion
-            Force, number of loaded elements and largest contact force.
-        """
-        return access.rolling(self.to_record(), at)
-
-    def mesh(self, at: str | tuple[str, str]) -> MeshResponse:
-        """Time history of one mesh.
-
-        Parameters
-        ----------
-        at : tuple of (str, str) or str
-            The two gears, (driver, driven) in either order, or "driver/driven".
-
-        Returns
-        -------
-        MeshResponse
-            Force and deflection, and the geometry of the moving centres.
-        """
-        return access.mesh(self.to_record(), at)
-
-    def contact_shares(self, at: str | tuple[str, str], *, skip_time: float = 0.0) -> ContactShares:
-        """Find the shares of the time with contact of drive flanks, back flanks, both or none.
-
-        The contact changes at the exact times of the events, also between recorded instants.
-
-        Parameters
-        ----------
-        at : tuple of (str, str) or str
-            The mesh, as for `mesh`.
-        skip_time : float
-            Time at the beginning that is ignored [s].
-
-        Returns
-        -------
-        ContactShares
-            The shares between the first and the last recorded time; `ContactShares.lost` is the
-            share without contact of the drive flanks. A mesh without backlash is always in contact.
-
-        Raises
-        ------
-        SceneError
-            If `skip_time` is negative or longer than the record.
-        """
-        return access.contact_shares(self.to_record(), at, skip_time)
-
-    @property
-    def energy(self) -> Array:
-        """Kinetic energy of the vibration plus elastic energy of shafts, bearings and meshes.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Energy [J].
-        """
-        return access.energy(self.to_record())
-
-    def energy_balance(self) -> EnergyBalance:
-        """Compare the energies of the system with the work done on it.
-
-        Returns
-        -------
-        EnergyBalance
-            The terms, their sums, and the residual, which is the integration error.
-        """
-        return access.energy_balance(self.to_record())
-
-    @property
-    def events(self) -> tuple[Event, ...]:
-        """Contact events of the teeth.
-
-        A change of the contact mode ("contact", "back contact", "separation", "tight") is an event
-        only after the start of the run. The contact mode at the start is not an event, even if
-        flanks that touch at the start separate or press immediately.
-
-        Returns
-        -------
-        tuple of Event
-            In the order of detection. A mesh with backlash or time-varying stiffness has all its
-            events, recorded or not. Other meshes have the events that their recorded instants
-            show.
-        """
-        return access.events(self.to_record())
 
     def errors(self) -> Errors:
         """Estimated error of the run: contributions of elements, modes and integration.
@@ -754,111 +429,9 @@ class Response(Result, ReadOnly):
         """
         return Response.from_record(resampled(self.to_record(), rate, shaft))
 
-    def plot(
-        self,
-        kind: RunFigure = "orbits",
-        at: Any = None,
-        *,
-        times: tuple[float, float] | None = None,
-        skip_time: float | None = None,
-        against: Abscissa = "time",
-        ax: Any = None,
-        speed_unit: SpeedUnit | None = None,
-    ) -> "Figure":
-        """Draw recorded signals.
+    plot = plot
 
-        Parameters
-        ----------
-        kind : str
-            - "orbits": orbits of the centres. An orbit below a tenth of the largest has its own
-              scale.
-            - "history": displacement about its mean against time.
-            - "twist": twist against time.
-            - "mesh": force, deflection and stiffness of the meshes against time.
-            - "geometry": contact ratio, pressure angle, angle of the line of centres and centre
-              distance of the meshes against time.
-            - "bearings": forces on the bearings against time.
-            - "spectrum": amplitude spectrum of the displacement, with the orders of the train.
-        at : str, tuple or sequence of them, optional
-            Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh" and "geometry";
-            (shaft, position [m]) for "bearings". None is all recorded items; of places, the named
-            ones if there are any, for "twist" those that twist.
-        times : tuple of (float, float), optional
-            First and last time of the figure [s]; None is the complete record. A few revolutions
-            show what fills the figure of a long run.
-        skip_time : float, optional
-            Time at the beginning with the transient [s]: orbits and histories show it in grey,
-            spectra omit it. The values after it set the scale and the mean; a title gives the range
-            of earlier values beyond this scale. None takes the last turn of the slowest shaft for
-            the scale, without shading, if the speed is constant; 0 shows all values.
-        against : {"time", "speed", "angle"}
-            Horizontal axis of figures against time: time [s], speed of the reference shaft in a
-            run at a changing speed, or revolutions of the reference shaft.
-        ax : Axes or sequence of Axes, optional
-            One panel for each place, for a bearing two, for a mesh three and for its geometry four;
-            None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is `speed_unit` of the response.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The figure. It is neither shown nor saved.
-
-        Raises
-        ------
-        GearbowError
-            If the kind, `against` or `ax` is invalid, or no suitable signal was recorded.
-        SceneError
-            If `skip_time` is negative or longer than the record, or `times` are not in it.
-        """
-        return plot(
-            self.to_record(),
-            kind,
-            at,
-            times=times,
-            skip_time=skip_time,
-            against=against,
-            speed_unit=self._speed_unit(speed_unit),
-            ax=ax,
-        )
-
-    def animate(
-        self,
-        path: str | os.PathLike[str],
-        *,
-        mesh: str | tuple[str, str] | None = None,
-        times: tuple[float, float] | None = None,
-        magnify: float | None = None,
-        duration: float = 6.0,
-        fps: float = 15.0,
-    ) -> None:
-        """Write an animation of the train in motion, seen along -x.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".gif" or ".html".
-        mesh : (driver, driven) or "driver/driven", optional
-            Mesh whose line of action and curves it shows; None is the first recorded one.
-        times : tuple of (float, float), optional
-            First and last time [s]; None is the last turn of the slowest shaft.
-        magnify : float, optional
-            Factor that enlarges displacements and twists; None chooses one.
-        duration : float
-            Duration of the animation [s].
-        fps : float
-            Frames per second, at most 50.
-        """
-        animate(
-            self.to_record(),
-            path,
-            mesh=mesh,
-            times=times,
-            magnify=magnify,
-            duration=duration,
-            fps=fps,
-        )
+    animate = animate
 
     def to_dataframe(self, sensors: Sequence[SignalSensor] = ()) -> "pd.DataFrame":
         """Convert all recorded signals to a table.
@@ -896,38 +469,7 @@ class Response(Result, ReadOnly):
         xarray.Dataset
             Variables over time, point, axis, mesh and bearing, each with its unit as an attribute.
         """
-        return tables.to_xarray(self.to_record())
-
-    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
-
-        file.save(self.to_record(), path)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> "Response":
-        """Read a file that `save` wrote.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".npz" or ".nc".
-
-        Returns
-        -------
-        Response
-            The response; a simulation can continue from it.
-
-        Raises
-        ------
-        GearbowError
-            If the file is damaged or has another content; the message names the file and the
-            problem. The check comes before any memory is allocated for the arrays of the file.
-        OSError
-            If the file cannot be opened.
-        """
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
-
-        return cls.from_record(file.load(path))
+        return channels.to_xarray(self.to_record())
 
     def __repr__(self) -> str:
         data = self._data
@@ -964,7 +506,7 @@ class Response(Result, ReadOnly):
         return lines
 
     def _columns(self) -> list[Column]:
-        return tables.summary(self.to_record())
+        return channels.summary(self.to_record())
 
     def _series(self) -> list[Column]:
-        return tables.series(self.to_record())
+        return channels.series(self.to_record())

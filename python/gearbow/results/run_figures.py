@@ -1,25 +1,33 @@
-"""Figures of a recorded run."""
+"""Figures and animations of a recorded run."""
 
 import math
+import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from gearbow._convert import number
+from gearbow._core import Model
 from gearbow._extras import extra
+from gearbow._files import check_name, replacing
 from gearbow._lookup import one_of
-from gearbow._times import begin_after, window
+from gearbow._times import begin_after, window, within
 from gearbow._types import Abscissa, Array, At, RunFigure, Window
-from gearbow.description.places import place_label, places
+from gearbow.description.places import place, place_label, places
 from gearbow.description.speed import SpeedProfile
+from gearbow.description.train import Train
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.spectrum import amplitudes, default_window, order_frequencies
 from gearbow.recording import access
-from gearbow.recording.record import RunRecord
+from gearbow.recording.record import Recorded, RunRecord
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["PLOT_KINDS", "plot"]
+    from gearbow.plotting.animation import Motion
+
 
 #: Quantities of the figures of meshes.
 _MESH_FIELDS = {
@@ -33,24 +41,72 @@ _WITHOUT_TIME = ("orbits", "spectrum")
 
 
 def plot(
-    run: RunRecord,
-    kind: RunFigure,
-    at: Any,
+    self: Recorded,
+    kind: RunFigure = "orbits",
+    at: Any = None,
     *,
-    times: tuple[float, float] | None,
-    skip_time: float | None,
-    against: Abscissa,
-    speed_unit: str,
-    ax: Any,
+    times: tuple[float, float] | None = None,
+    skip_time: float | None = None,
+    against: Abscissa = "time",
+    ax: Any = None,
+    speed_unit: SpeedUnit | None = None,
 ) -> "Figure":
-    """Draw recorded signals."""
+    """Draw recorded signals.
+
+    Parameters
+    ----------
+    kind : str
+        - "orbits": orbits of the centres. An orbit below a tenth of the largest has its own
+          scale.
+        - "history": displacement about its mean against time.
+        - "twist": twist against time.
+        - "mesh": force, deflection and stiffness of the meshes against time.
+        - "geometry": contact ratio, pressure angle, angle of the line of centres and centre
+          distance of the meshes against time.
+        - "bearings": forces on the bearings against time.
+        - "spectrum": amplitude spectrum of the displacement, with the orders of the train.
+    at : str, tuple or sequence of them, optional
+        Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh" and "geometry";
+        (shaft, position [m]) for "bearings". None is all recorded items; of places, the named
+        ones if there are any, for "twist" those that twist.
+    times : tuple of (float, float), optional
+        First and last time of the figure [s]; None is the complete record. A few revolutions
+        show what fills the figure of a long run.
+    skip_time : float, optional
+        Time at the beginning with the transient [s]: orbits and histories show it in grey,
+        spectra omit it. The values after it set the scale and the mean; a title gives the range
+        of earlier values beyond this scale. None takes the last turn of the slowest shaft for
+        the scale, without shading, if the speed is constant; 0 shows all values.
+    against : {"time", "speed", "angle"}
+        Horizontal axis of figures against time: time [s], speed of the reference shaft in a
+        run at a changing speed, or revolutions of the reference shaft.
+    ax : Axes or sequence of Axes, optional
+        One panel for each place, for a bearing two, for a mesh three and for its geometry four;
+        None makes a new figure.
+    speed_unit : {"rad/s", "rpm"}, optional
+        Unit of the axis of speeds; None is `speed_unit` of the response.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure. It is neither shown nor saved.
+
+    Raises
+    ------
+    GearbowError
+        If the kind, `against` or `ax` is invalid, or no suitable signal was recorded.
+    SceneError
+        If `skip_time` is negative or longer than the record, or `times` are not in it.
+    """
+    run = self.to_record()
     with extra("plot"):
         from gearbow.plotting import response as figures  # noqa: PLC0415
 
     one_of(kind, PLOT_KINDS, "kind")
     cut = window(run.time, times)
     skipped = _skipped(run, skip_time, cut)
-    x, label = _abscissa(run, kind, against, speed_unit)
+    unit = run.speed_unit if speed_unit is None else speed_unit
+    x, label = _abscissa(run, kind, against, unit)
     time = x[cut]
     settled: Any = {"skipped": skipped, "transient": skip_time is not None, "ax": ax}
     if kind not in _WITHOUT_TIME:
@@ -148,3 +204,177 @@ def _connections(kind: str, group: str, recorded: Any, given: Any) -> list[tuple
     if not found:
         raise GearbowError(f"no {kind} was recorded; give record=['{group}'] to simulate")
     return found
+
+
+#: Largest number of frames of an animation.
+MOST_FRAMES = 2000
+
+
+def animate(
+    self: Recorded,
+    path: str | os.PathLike[str],
+    *,
+    mesh: str | tuple[str, str] | None = None,
+    times: tuple[float, float] | None = None,
+    magnify: float | None = None,
+    duration: float = 6.0,
+    fps: float = 15.0,
+) -> None:
+    """Write an animation of the train in motion, seen along -x.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file. Its name ends with ".gif" or ".html".
+    mesh : (driver, driven) or "driver/driven", optional
+        Mesh whose line of action and curves it shows; None is the first recorded one.
+    times : tuple of (float, float), optional
+        First and last time [s]; None is the last turn of the slowest shaft.
+    magnify : float, optional
+        Factor that enlarges displacements and twists; None chooses one.
+    duration : float
+        Duration of the animation [s].
+    fps : float
+        Frames per second, at most 50.
+    """
+    run = self.to_record()
+    with extra("plot"):
+        from gearbow.plotting import animation  # noqa: PLC0415
+
+    path, ending = check_name(path, [".gif", ".html"])
+    length, rate = _positive(duration, "duration"), _positive(fps, "fps")
+    if rate > 50.0:
+        raise SceneError(f"fps: must be at most 50, got {rate:g}")
+    count = max(2, round(length * rate))
+    if count > MOST_FRAMES:
+        raise SceneError(
+            f"duration: {length:g} s with {rate:g} frames per second are {count} frames, at most "
+            f"{MOST_FRAMES} are possible; give a shorter duration"
+        )
+    factor = None if magnify is None else _positive(magnify, "magnify")
+    motion = _motion(run, mesh, _span(run, times), count, length)
+    drawn = list(animation.frames(motion, factor))
+    with replacing(path) as file:
+        if ending == ".gif":
+            animation.write_gif(drawn, file, fps=rate)
+        else:
+            animation.write_html(drawn, file, fps=rate, title="gearbow: train in motion")
+
+
+def _positive(value: object, path: str) -> float:
+    found = number(value, path)
+    if not found > 0.0:
+        raise SceneError(f"{path}: must be positive, got {found:g}")
+    return found
+
+
+def _motion(
+    run: RunRecord,
+    mesh: object,
+    span: tuple[float, float],
+    count: int,
+    length: float,
+) -> "Motion":
+    """Collect the motion of all recorded gears and disks at the times of the frames."""
+    from gearbow.plotting import animation  # noqa: PLC0415
+
+    if run.request is None:
+        raise GearbowError(
+            "animate: this response does not know its system; take a response that simulate "
+            "returned or that save wrote"
+        )
+    description = run.request.description
+    train = Train.of(description, Model(dict(description)).speed_ratios)
+    time = np.linspace(*span, count)
+    bodies = {body.name for body in train.layout.bodies if body.radius > 0.0}
+    recorded = [name for _, _, names in run.data["points"] for name in names]
+    named = [name for name in recorded if name in bodies]
+    if not named:
+        raise GearbowError(
+            "no gear or disk was recorded; give record=['gears', 'meshes'] to simulate"
+        )
+    shown_mesh, curves = _mesh(run, mesh, named, span, time)
+    angle = _angle(run, time)
+    centres = {name: _at(run, access.motion(run, "displacement", name), time) for name in named}
+    return animation.Motion(
+        train=train,
+        time=time,
+        speed=_speed(run, time),
+        angles={name: ratio * angle for name, ratio in train.ratios.items()},
+        centres={name: values - values.mean(axis=0) for name, values in centres.items()},
+        twists={name: _at(run, access.motion(run, "twist", name), time) for name in named},
+        mesh=shown_mesh,
+        curves=curves,
+        slow=length / (span[1] - span[0]),
+    )
+
+
+def _mesh(
+    run: RunRecord,
+    mesh: object,
+    named: Sequence[str],
+    span: tuple[float, float],
+    time: Array,
+) -> tuple[Any, dict[str, tuple[Array, Array]]]:
+    """Collect the geometry of the mesh, and the curves beside the view."""
+    from gearbow.plotting import animation  # noqa: PLC0415
+
+    inside = (run.time >= span[0]) & (run.time <= span[1])
+    times = run.time[inside]
+    if mesh is None:
+        recorded = ((driver, driven) for driver, driven in run.data["meshes"])
+        mesh = next((pair for pair in recorded if set(pair) <= set(named)), None)
+    if mesh is None:
+        motion = 1e6 * access.motion(run, "displacement", named[0])[inside]
+        curves = {f"{named[0]} {axis} [µm]": (times, motion[:, i]) for i, axis in enumerate("yz")}
+        return None, curves
+    pair = access.mesh_names(run, place(mesh, "mesh", "mesh"))
+    found = access.mesh(run, pair)
+    for name in pair:
+        if name not in named:
+            raise GearbowError(f"mesh: the motion of {name!r} was not recorded; record 'gears'")
+    angles = (found.pressure_angle, found.centre_line_angle)
+    curves = {
+        "contact ratio": (times, found.contact_ratio[inside]),
+        "pressure angle [°]": (times, np.degrees(found.pressure_angle[inside])),
+    }
+    return animation.MeshMotion(*pair, *(_at(run, angle, time) for angle in angles)), curves
+
+
+def _span(run: RunRecord, times: tuple[float, float] | None) -> tuple[float, float]:
+    """Find the first and the last time of the animation."""
+    if run.time.size < 2:
+        raise GearbowError("an animation needs at least two recorded times")
+    first, last = float(run.time[0]), float(run.time[-1])
+    if times is None:
+        ratios = () if run.kinematics is None else run.kinematics.shafts
+        slowest = min((abs(ratio) for _, ratio in ratios), default=1.0)
+        speed = abs(float(_speed(run, run.time[-1:])[0]))
+        turn = 2.0 * math.pi / (slowest * speed) if slowest * speed > 0.0 else math.inf
+        return max(first, last - turn), last
+    return within(run.time, times)
+
+
+def _at(run: RunRecord, values: Array, time: Array) -> Array:
+    """Interpolate recorded values linearly."""
+    columns = values.reshape(values.shape[0], -1).T
+    found = np.column_stack([np.interp(time, run.time, column) for column in columns])
+    return found if values.ndim > 1 else found[:, 0]
+
+
+def _speed(run: RunRecord, time: Array) -> Array:
+    """Give the speed of the reference shaft [rad/s]."""
+    if isinstance(run.speed, SpeedProfile):
+        return run.speed(time)
+    return np.full(time.shape, run.speed)
+
+
+def _angle(run: RunRecord, time: Array) -> Array:
+    """Give the angle of the reference shaft [rad]; of a changing speed, since the first time."""
+    if not isinstance(run.speed, SpeedProfile):
+        return run.speed * time
+    grid = np.linspace(run.time[0], time[-1], max(2000, 4 * run.time.size))
+    speed = run.speed(grid)
+    steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(grid)
+    angle: Array = np.interp(time, grid, np.concatenate([[0.0], np.cumsum(steps)]))
+    return angle

@@ -1,4 +1,4 @@
-"""Static equilibrium."""
+"""Static equilibrium, and the losses at it."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -7,22 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly, read_only
-from gearbow._result import Column, Result, in_micrometres
+from gearbow._result import Column, Figured, in_micrometres, in_percent
 from gearbow._shown import MOST_ROWS, Shown
-from gearbow._types import Array, At, Plain, StaticData
+from gearbow._types import Array, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.description.places import Places, place, place_label
-from gearbow.errors import ChannelError
-from gearbow.recording.bearing_motion import BearingMotion, journal_motion
+from gearbow.recording.access import journal_motion
+from gearbow.results.at_places import AxialMotion
 from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["MeshState", "Static"]
 
 #: Size of a displacement that is round-off, relative to the largest one.
 _ROUND_OFF = 1e-9
@@ -43,8 +41,11 @@ class MeshState(Shown):
     thrust: float
 
 
-class Static(Result, ReadOnly):
+class Static(Figured, ReadOnly, AxialMotion[Array, float]):
     """Equilibrium under torque, gravity and mesh forces. The rotating bow does not contribute.
+
+    `plot` draws the displacements along y and z over the shafts in two panels, with marks at
+    gears and disks; of a system without lateral motion the twist in one.
 
     Parameters
     ----------
@@ -137,124 +138,15 @@ class Static(Result, ReadOnly):
         """
         return max(self.residuals.values())
 
-    def displacement(self, at: At) -> Array:
-        """Lateral displacement of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (2,)
-            Displacements along y and z [m].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
-        """
-        displacement: Array = self.coordinates.displacement(self.state, at)
-        return displacement
-
-    def twist(self, at: At) -> float:
-        """Twist of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        float
-            Twist [rad].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no twist.
-        """
-        return float(self.coordinates.twisted(self.state, at))
-
-    def axial(self, at: At) -> float:
-        """Axial displacement of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        float
-            Displacement along x [m].
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no axial motion.
-        """
-        return float(self.coordinates.axial_displacement(self.state, at))
-
-    def axial_bearing_force(self, at: tuple[str, float]) -> float:
-        """Force of a shaft on a bearing along the axis.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        float
-            Component along x [N].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing.
-        """
-        return float(self._data["axial_bearing_force"][self._bearing(at)])
-
-    def bearing_force(self, at: tuple[str, float]) -> Array:
-        """Force of a shaft on a bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (2,)
-            Components along y and z [N].
-        """
-        force: Array = self._data["bearing_force"][self._bearing(at)]
-        return force
-
-    def journal(self, at: tuple[str, float]) -> BearingMotion:
-        """State of a journal bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        BearingMotion
-            Force, eccentricity ratio and attitude angle.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such journal bearing.
-        """
-        force = self.bearing_force(at)
-        displacement = self._data["bearing_displacement"][self._bearing(at)]
-        return journal_motion(self._bearings, place(at), displacement, force)
+    def _at(self, quantity: str, at: Any) -> Any:
+        if quantity in ("displacement", "twist", "axial"):
+            moved = self.coordinates.motion(self.state, quantity, at)
+            return moved if quantity == "displacement" else float(moved)
+        if quantity == "journal":
+            force, moved = self.bearing_force(at), self.bearing_displacement(at)
+            return journal_motion(self._bearings, place(at), moved, force)
+        found = self._data[quantity][Places.of("bearing", self._data["bearings"]).index(at)]  # type: ignore[literal-required]
+        return float(found) if quantity == "axial_bearing_force" else found
 
     def mesh(self, at: str | tuple[str, str]) -> MeshState:
         """State of one mesh.
@@ -274,11 +166,7 @@ class Static(Result, ReadOnly):
         ChannelError
             If there is no such mesh.
         """
-        known = Places("mesh", ([pair] for pair in map(tuple, self._data["meshes"])))
-        i = known.find(at)
-        if i is None:
-            driver, driven = place(at)
-            raise ChannelError(f"no mesh of {driver!r} with {driven!r}; there are {known}")
+        i = Places.of("mesh", self._data["meshes"]).index(at)
         # The equilibrium contains no friction.
         own = [field.name for field in dataclasses.fields(MeshState)]
         found = {name: float(self._data["mesh"][name][i]) for name in own}
@@ -286,13 +174,6 @@ class Static(Result, ReadOnly):
         if found["pairs_in_contact"] > 0.0:
             found["pairs_in_contact"] = found["contact_ratio"]
         return MeshState(**found)
-
-    def _bearing(self, at: object) -> int:
-        known = Places("bearing", ([at] for at in map(tuple, self._data["bearings"])))
-        i = known.find(at)
-        if i is None:
-            raise ChannelError(f"no bearing at {place(at)}; there are {known}")
-        return i
 
     def __repr__(self) -> str:
         forces = [
@@ -339,21 +220,137 @@ class Static(Result, ReadOnly):
             Column("mesh deflection", np.array([row[4] for row in rows]), "m", ".4g", um),
         ]
 
-    def plot(self, *, ax: Any = None) -> "Figure":
-        """Draw the deflection of the shafts.
+    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
-        Parameters
-        ----------
-        ax : sequence of two Axes, optional
-            Panels for the displacements along y and z, or one panel for the twist of a system
-            without lateral motion; None makes a new figure.
+        return figures.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)
 
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Displacements along the shafts, with marks at gears and disks.
-        """
-        with extra("plot"):
-            from gearbow.plotting import deflection  # noqa: PLC0415
 
-        return deflection.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)
+@dataclass(frozen=True, eq=False)
+class Efficiency(Figured, ReadOnly):
+    """Power, loss and efficiency of each of k meshes, and of the train, at m speeds.
+
+    `plot` draws the losses relative to the input power over the speed, a line for each mesh and
+    one for their sum; bars at a single speed.
+
+    Parameters
+    ----------
+    meshes : tuple of (str, str)
+        Driver and driven gear of each mesh.
+    speeds : ndarray, shape (m,)
+        Speeds of the reference shaft [rad/s].
+    input_power : ndarray, shape (m,)
+        Power that torques and drives supply [W].
+    power : ndarray, shape (m, k)
+        Power that each mesh transmits [W].
+    force : ndarray, shape (m, k)
+        Mesh force normal to the teeth [N].
+    coefficient : ndarray, shape (m, k)
+        Coefficient of friction; zero without friction.
+    loss : ndarray, shape (m, k)
+        Power that friction dissipates, mean over the mesh cycle [W].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speeds were given.
+    left_out : tuple of str
+        Excitations of the system that this result does not contain.
+
+    Notes
+    -----
+    The sliding friction of the tooth flanks is the only loss: no churning of oil, no seals, no
+    friction of bearings. Mesh forces are those of the static equilibrium without friction.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> shafts = [gb.Shaft(name, length=0.2, outer_diameter=0.05) for name in ("input", "output")]
+    >>> pinion = gb.Gear("pinion", "input", 0.1, teeth=25, module=3e-3, face_width=0.03)
+    >>> wheel = gb.Gear("wheel", "output", 0.1, teeth=50, module=3e-3, face_width=0.03)
+    >>> mesh = gb.Mesh("pinion", "wheel", friction=0.05)
+    >>> places = [(shaft.name, x) for shaft in shafts for x in (0.0, 0.2)]
+    >>> bearings = [gb.Bearing(name, x, stiffness=1e9) for name, x in places]
+    >>> torques = [gb.Torque("pinion", 100.0), gb.Torque.balance("wheel")]
+    >>> system = gb.RotorSystem(shafts, [pinion, wheel], [mesh], bearings, torques)
+    >>> found = system.efficiency(gb.rpm(3000))
+    >>> print(f"{100 * found.efficiency[0]:.2f} %, H_v = {found.loss_factor[0, 0]:.4f}")
+    99.31 %, H_v = 0.1386
+    """
+
+    meshes: tuple[tuple[str, str], ...]
+    speeds: Array
+    input_power: Array
+    power: Array
+    force: Array
+    coefficient: Array
+    loss: Array
+    speed_unit: SpeedUnit = "rad/s"
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def efficiency(self) -> Array:
+        """Efficiency of the train at each speed, shape (m,); NaN without power."""
+        return 1.0 - _ratio(self.loss.sum(axis=1), self.input_power)
+
+    @property
+    def mesh_efficiency(self) -> Array:
+        """Efficiency of each mesh at each speed, shape (m, k); NaN without power."""
+        return 1.0 - _ratio(self.loss, self.power)
+
+    @property
+    def loss_factor(self) -> Array:
+        """Tooth loss factor H_v, loss over μ times power, shape (m, k); NaN without friction."""
+        return _ratio(self.loss, self.coefficient * self.power)
+
+    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002  # speeds are a column
+        return ["losses by friction of the teeth; no churning, no seals, no friction of bearings"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each mesh at each speed, and one for the train."""
+        names = [*("/".join(pair) for pair in self.meshes), "train"]
+        none = np.full((self.speeds.size, 1), np.nan)
+
+        def _with_train(of_meshes: Array, of_train: Array) -> Array:
+            found: Array = np.hstack([of_meshes, of_train.reshape(-1, 1)]).ravel()
+            return found
+
+        loss = _with_train(self.loss, self.loss.sum(axis=1))
+        return [
+            Column("speed", np.repeat(self.speeds, len(names)), "rad/s", ".6g"),
+            Column("mesh", names * self.speeds.size),
+            Column("power", _with_train(self.power, self.input_power), "W"),
+            Column("mesh force", _with_train(self.force, none), "N"),
+            Column("friction μ", _with_train(self.coefficient, none)),
+            Column("loss factor H_v", _with_train(self.loss_factor, none)),
+            Column("loss", loss, "W"),
+            Column(
+                "efficiency",
+                _with_train(self.mesh_efficiency, self.efficiency),
+                "",
+                ".3f",
+                in_percent("efficiency"),
+            ),
+        ]
+
+    def __repr__(self) -> str:
+        found = self.efficiency
+        low, high = (100.0 * float(x) for x in (found.min(), found.max()))
+        text = f"{low:.2f}" if low == high else f"{low:.2f} to {high:.2f}"
+        speeds = "1 speed" if found.size == 1 else f"{found.size} speeds"
+        meshes = "1 mesh" if len(self.meshes) == 1 else f"{len(self.meshes)} meshes"
+        return f"Efficiency({meshes}, {speeds}, {text} %)"
+
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting.analyses import losses  # noqa: PLC0415
+
+        return losses(
+            self.speeds,
+            ["/".join(pair) for pair in self.meshes],
+            100.0 * _ratio(self.loss, self.input_power[:, np.newaxis]),
+            speed_unit=unit,
+            ax=ax,
+        )
+
+
+def _ratio(part: Array, whole: Array) -> Array:
+    """Divide; NaN where the whole is zero."""
+    found: Array = np.full(np.broadcast(part, whole).shape, np.nan)
+    return np.divide(part, whole, out=found, where=whole > 0.0)

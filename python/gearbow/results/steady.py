@@ -1,7 +1,6 @@
 """Steady-state response: one period of the motion, its multipliers and its files."""
 
 import math
-import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,17 +8,16 @@ import numpy as np
 from gearbow._convert import number as number_of
 from gearbow._core import Model, multipliers
 from gearbow._progress import working
-from gearbow._result import Column, Result
+from gearbow._result import Column
 from gearbow._types import ComplexArray, RunFigure
 from gearbow.errors import GearbowError
-from gearbow.recording.schema import any_number, each, number, optional, record, row, text, whole
-from gearbow.results.response import Response
+from gearbow.recording.container import any_number, each, number, optional, record, row, text, whole
+from gearbow.recording.record import RunRecord
+from gearbow.results.response import Response, Stored
 from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["SMALLEST_MULTIPLIER", "SteadyState", "instability"]
 
 #: Magnitude of the smallest multiplier that `SteadyState.multipliers` gives by default.
 SMALLEST_MULTIPLIER = 0.9
@@ -55,7 +53,7 @@ def instability(values: ComplexArray) -> str | None:
     return "flip" if np.pi - angle < _REAL else "Neimark-Sacker"
 
 
-class SteadyState(Result):
+class SteadyState(Stored):
     """The motion that repeats after each period, made by `gearbow.RotorSystem.steady_state`.
 
     Parameters
@@ -99,7 +97,6 @@ class SteadyState(Result):
     0.0628 s, stable: True
     """
 
-    _own_endings = (".npz", ".nc")
     _indexed = True
 
     def __init__(
@@ -208,7 +205,7 @@ class SteadyState(Result):
         """
         return self.response.plot(kind, at, ax=ax)
 
-    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
+    def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
         found = self._multipliers
         steady = {
             "period": self.period,
@@ -217,32 +214,10 @@ class SteadyState(Result):
             "method": self.method,
             "multipliers": None if found is None else [[z.real, z.imag] for z in found.tolist()],
         }
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
-
-        file.save(self.response.to_record(), path, steady=steady)
+        return self.response.to_record(), {"steady": steady}
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> "SteadyState":
-        """Read a file that `save` wrote.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. Its name ends with ".npz" or ".nc".
-
-        Returns
-        -------
-        SteadyState
-            The motion.
-
-        Raises
-        ------
-        GearbowError
-            If the file is damaged or has another content.
-        """
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
-
-        run, about = file.read(path)
+    def _restored(cls, run: RunRecord, about: dict[str, Any], path: Any) -> "SteadyState":
         if "steady" not in about:
             raise GearbowError(f"{path}: is a response, not a steady state; use Response.load")
         _STEADY(about["steady"], "steady")

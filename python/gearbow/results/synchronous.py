@@ -2,40 +2,50 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
 from gearbow._convert import number, text
 from gearbow._core import Model
 from gearbow._extras import extra
-from gearbow._lookup import nodal
-from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_degrees, in_micrometres
+from gearbow._lookup import nodal, one_of
+from gearbow._result import Column, in_degrees, in_micrometres
 from gearbow._shown import short, span
-from gearbow._types import Array, At, ComplexArray, Excitation, Plain
+from gearbow._types import Array, At, ComplexArray, Excitation, Plain, SynchronousFigure
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.places import Places, place, place_label, places
-from gearbow.errors import ChannelError, GearbowError
-from gearbow.results.harmonic_signal import harmonic_signals
-from gearbow.results.peak import Peak, Peaks, computed, marks, operating_range
+from gearbow.description.places import place_label, places
+from gearbow.errors import GearbowError
+from gearbow.results.harmonic import PRINTED_PLACES, HarmonicResponse
+from gearbow.results.peak import Peak, Peaks, marks, operating_range
+from gearbow.sensors.probe import Accelerometer, Probe
 from gearbow.sensors.sensor import SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Synchronous"]
-
-#: Largest number of places in a printed table, and in a Bode diagram without names.
-_PRINTED_PLACES = 3
+    from gearbow.plotting.harmonic import Curve
 
 
 @dataclass(frozen=True, eq=False)
-class Synchronous(Result, ReadOnly):
+class _HarmonicSignal:
+    """What one shaft excites at a place or in a sensor."""
+
+    label: str
+    unit: str
+    curve: "Curve"
+    at: At | None
+    source: str
+
+
+@dataclass(frozen=True, eq=False)
+class Synchronous(HarmonicResponse):
     """Linear response to everything that turns once with a shaft, without time stepping.
 
-    Each shaft s excites the train at its own speed r_s Ω. The motion is Σ_s Re(a_s exp(i r_s Ω t)).
+    Each shaft s excites the train at its own speed r_s Ω. The motion is Σ_s Re(a_s exp(i r_s Ω t)),
+    so that all amplitudes are zero to peak. The first axes of all values are (speeds, shafts): for
+    each speed, the phasor a_s with each shaft as the source.
 
     Parameters
     ----------
@@ -89,12 +99,9 @@ class Synchronous(Result, ReadOnly):
     _bearings: tuple[tuple[str, float], ...] = field(repr=False)
     _bearing_force: ComplexArray = field(repr=False)
     _bow: ComplexArray = field(repr=False)
+    _ratios: Array = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
     left_out: tuple[str, ...] = ()
-
-    def _model(self) -> Model:
-        """Compile the system again: a result is plain data, without the compiled model."""
-        return Model(dict(self.description))
 
     def _facts(self) -> dict[str, str]:
         unit = self.speed_unit
@@ -108,48 +115,29 @@ class Synchronous(Result, ReadOnly):
         }
         return {name: text for name, text in found.items() if text is not None}
 
-    def displacement(self, at: At) -> ComplexArray:
-        """Complex amplitudes of the lateral displacement of a place.
+    @property
+    def _motion(self) -> ComplexArray:
+        return self.amplitudes
 
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
+    @property
+    def _rates(self) -> Array:
+        return self.speeds[:, np.newaxis] * self._ratios
 
-        Returns
-        -------
-        ndarray, shape (speeds, shafts, 2)
-            Amplitudes a along y and z [m] for each speed and each shaft as the source. Shaft s
-            contributes Re(a exp(i r_s Ω t)).
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no lateral motion.
-        """
-        displacement: ComplexArray = self.coordinates.displacement(self.amplitudes, at)
-        return displacement
-
-    def twist(self, at: At) -> ComplexArray:
-        """Complex amplitudes of the twist of a place.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, float)
-            A gear or disk by name, or (shaft, position [m]).
-
-        Returns
-        -------
-        ndarray, shape (speeds, shafts)
-            Amplitudes [rad] for each speed and each shaft as the source.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place, or the system has no twist.
-        """
-        twist: ComplexArray = self.coordinates.twisted(self.amplitudes, at)
-        return twist
+    def _signal(self, sensor: Any) -> ComplexArray:
+        """Give the signal of a sensor, with the run-out that turns with its shaft."""
+        signal: ComplexArray = super()._signal(sensor)
+        runout = getattr(sensor, "runout", None)
+        # The subtraction of slow-roll amplitudes removes run-out too.
+        if runout is None or sensor.shaft not in self.shafts or self.slow_roll is not None:
+            return signal
+        if not isinstance(runout, complex | float | int):
+            raise GearbowError(
+                "sensor: the run-out of a probe must be a complex number here, because the "
+                "response contains what repeats once per revolution"
+            )
+        signal = signal.copy()
+        signal[:, self.shafts.index(sensor.shaft)] += runout * np.exp(-1j * sensor.angle)
+        return signal
 
     def orbit(self, at: At) -> Array:
         """Major semi-axis of the orbit that each shaft causes at a place.
@@ -214,31 +202,6 @@ class Synchronous(Result, ReadOnly):
         if self.excitation != "unbalance" and self.slow_roll is None:
             elastic[:, own] -= self._bow[indices]
         return elastic
-
-    def bearing_force(self, at: tuple[str, float]) -> ComplexArray:
-        """Complex amplitudes of the force of a shaft on a bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        ndarray, shape (speeds, shafts, 2)
-            Amplitudes along y and z [N] for each speed and each shaft as the source.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing.
-        """
-        known = Places("bearing", ([bearing] for bearing in self._bearings))
-        i = known.find(at)
-        if i is None:
-            raise ChannelError(f"no bearing at {place(at)}; there are {known}")
-        force: ComplexArray = self._bearing_force[:, :, 2 * i : 2 * i + 2]
-        return force
 
     def subtract_slow_roll(self, speed: float) -> "Synchronous":
         """Subtract the amplitudes at a slow-roll speed, as for measured run-out.
@@ -352,14 +315,12 @@ class Synchronous(Result, ReadOnly):
         named: list[At] = [name for name, (shaft, _) in bodies if shaft in self.shafts and nodes]
         if named:
             return named
-        largest: dict[str, At] = {}
-        sizes: dict[str, float] = {}
-        for shaft, x in nodes:
-            if shaft in self.shafts:
-                size = float(self.orbit((shaft, x)).max(initial=0.0))
-                if size > sizes.get(shaft, -1.0):
-                    sizes[shaft], largest[shaft] = size, (shaft, x)
-        return list(largest.values())
+        by_shaft = ([node for node in nodes if node[0] == shaft] for shaft in self.shafts)
+        return [
+            max(own, key=lambda node: float(self.orbit(node).max(initial=0.0)))
+            for own in by_shaft
+            if own
+        ]
 
     def bode(
         self,
@@ -400,27 +361,55 @@ class Synchronous(Result, ReadOnly):
             If there is no such place or shaft, or the signals have different units.
         """
         with extra("plot"):
-            from gearbow.plotting import frequency  # noqa: PLC0415
+            from gearbow.plotting import harmonic  # noqa: PLC0415
 
-        chosen = self._largest(self._chosen()) if at is None else at
-        signals = harmonic_signals(self, chosen, source)
-        span = operating_range(operating)
-        model = self._model()
-        peaks = {
-            signal.label: self._peaks(model, signal.at, signal.source, span)
-            for signal in signals
-            if signal.at is not None and np.any(signal.amplitude)
-        }
-        return frequency.bode(
-            self.speeds,
-            {signal.label: (signal.phase, signal.amplitude) for signal in signals},
-            unit=signals[0].unit if signals else "m",
-            peaks={label: marks(found) for label, found in peaks.items()},
-            known={label: computed(found) for label, found in peaks.items()},
+        signals = self._signals(at, source)
+        span, model = operating_range(operating), self._model()
+        return harmonic.bode(
+            {one.label: one.curve for one in signals},
+            signals[0].unit if signals else "m",
+            peaks={
+                one.label: marks(self._peaks(model, one.at, one.source, span))
+                for one in signals
+                if one.at is not None and np.any(one.curve.size)
+            },
             operating=span,
             speed_unit=self._speed_unit(speed_unit),
             ax=ax,
         )
+
+    def _signals(self, given: Any, source: str | None) -> list["_HarmonicSignal"]:
+        """Give the signals of places and sensors; a place on no shaft has one for each shaft."""
+        from gearbow.plotting.harmonic import Curve  # noqa: PLC0415
+
+        if given is None:
+            given = self._largest(self._chosen())
+        if isinstance(given, SignalSensor):
+            given = [given]
+        listed = given if isinstance(given, list | tuple) else []
+        several = any(isinstance(each, SignalSensor) for each in listed)
+        found = []
+        for one in listed if several else places(given):
+            sensor = one if isinstance(one, SignalSensor) else None
+            at = one if sensor is None else _place_of(sensor)
+            shafts = self._sources(at, source)
+            for shaft in shafts:
+                own = self.shafts.index(shaft)
+                if sensor is None:
+                    label, unit = place_label(one), "m"
+                    curve = Curve(self.speeds, self.orbit(one)[:, own], self.phase(one)[:, own])
+                else:
+                    label, unit = sensor.label, sensor.unit
+                    curve = Curve.of(self.speeds, self._signal(sensor)[:, own])
+                if len(shafts) > 1:
+                    if not np.any(curve.size):
+                        continue
+                    label = f"{label}, excited by {shaft}"
+                place = None if sensor is not None or len(shafts) > 1 else one
+                found.append(_HarmonicSignal(label, unit, curve, place, shaft))
+        if len({signal.unit for signal in found}) > 1:
+            raise GearbowError("at: displacements and accelerations need a figure each")
+        return found
 
     def _chosen(self) -> list[At]:
         """Give the places of a figure without names."""
@@ -431,37 +420,68 @@ class Synchronous(Result, ReadOnly):
 
     def plot(
         self,
-        at: At | Sequence[At] | None = None,
+        at: At | SignalSensor | Sequence[At | SignalSensor] | None = None,
+        kind: SynchronousFigure = "orbit",
         *,
+        source: str | None = None,
         ax: Any = None,
         speed_unit: SpeedUnit | None = None,
     ) -> "Figure":
-        """Draw the major semi-axis of the orbits against the speed.
+        """Draw the orbits against the speed, a Bode diagram or a polar plot.
 
         Parameters
         ----------
-        at : str, tuple of (str, float), or sequence of them, optional
-            A gear or disk by name, (shaft, position [m]), or several; None is all gears and disks,
-            or the place with the largest orbit on each shaft.
+        at : str, tuple of (str, float), sensor, or sequence of them, optional
+            A gear or disk by name, (shaft, position [m]), or several, for "bode" and "polar" also
+            sensors; None is all gears and disks, or the place with the largest orbit on each shaft,
+            for "bode" and "polar" the three largest. A kind in place of a name stands for itself:
+            ``plot("polar")``.
+        kind : {"orbit", "bode", "polar"}
+            Major semi-axis of the orbits; amplitude and phase, as `bode`; or both as a curve in the
+            complex plane, with the speed at its ends and its largest amplitude.
+        source : str, optional
+            The shaft that excites. None is every shaft for "orbit", and as in `bode` for the
+            others.
         ax : Axes or sequence of Axes, optional
-            One panel for each place; None makes a new figure.
+            One panel for each place, two for "bode", one for "polar"; None makes a new figure.
         speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
+            Unit of speeds; None is that in which the speeds were given.
 
         Returns
         -------
         matplotlib.figure.Figure
-            One panel for each place, one line for each shaft as the source.
+            The figure. It is neither shown nor saved.
+
+        Raises
+        ------
+        SceneError
+            If the kind is unknown.
+        GearbowError
+            If there is no such place or shaft, or the signals have different units.
         """
         with extra("plot"):
-            from gearbow.plotting import frequency  # noqa: PLC0415
+            from gearbow.plotting import harmonic  # noqa: PLC0415
 
+        kinds = get_args(SynchronousFigure)
+        if isinstance(at, str) and at in kinds and at not in self.coordinates.bodies:
+            at, kind = None, at  # type: ignore[assignment]  # one of the kinds
+        one_of(kind, kinds, "kind")
+        unit = self._speed_unit(speed_unit)
+        if kind == "bode":
+            return self.bode(at, source, ax=ax, speed_unit=unit)
+        if kind == "polar":
+            signals = self._signals(at, source)
+            curves = {one.label: one.curve for one in signals}
+            of = signals[0].unit if signals else "m"
+            return harmonic.polar(curves, of, ends=unit, ax=ax)
         chosen = self._chosen() if at is None else places(at)
-        return frequency.synchronous(
+        shafts = self.shafts if source is None else (self.shafts[self._source(chosen[0], source)],)
+        own = [self.shafts.index(shaft) for shaft in shafts]
+        return harmonic.synchronous(
             self.speeds,
-            {place_label(one): self.orbit(one) for one in chosen},
-            self.shafts,
-            speed_unit=self._speed_unit(speed_unit),
+            {place_label(one): self.orbit(one)[:, own] for one in chosen},
+            shafts,
+            speed_unit=unit,
             ax=ax,
         )
 
@@ -470,8 +490,8 @@ class Synchronous(Result, ReadOnly):
         excitation = "bow and unbalance" if self.excitation == "both" else self.excitation
         lines = [f"synchronous response to {excitation}, {span(factor * self.speeds)} {speed_unit}"]
         count = len(self._places())
-        if count > _PRINTED_PLACES:
-            lines.append(f"{_PRINTED_PLACES} of {count} places; to_dataframe gives all")
+        if count > PRINTED_PLACES:
+            lines.append(f"{PRINTED_PLACES} of {count} places; to_dataframe gives all")
         return [*lines, "major semi-axis and phase of the orbit that the own shaft excites"]
 
     def _columns(self) -> list[Column]:
@@ -480,7 +500,7 @@ class Synchronous(Result, ReadOnly):
     def _largest(self, chosen: Sequence[At]) -> list[At]:
         """Give the places with the largest orbits, in their order."""
         sizes = {at: float(self._own(self.orbit(at), at).max(initial=0.0)) for at in chosen}
-        largest = sorted(sizes, key=lambda at: -sizes[at])[:_PRINTED_PLACES]
+        largest = sorted(sizes, key=lambda at: -sizes[at])[:PRINTED_PLACES]
         return [at for at in sizes if at in largest]
 
     def _series(self) -> list[Column]:
@@ -500,3 +520,12 @@ class Synchronous(Result, ReadOnly):
     def _own(self, values: Array, at: At) -> Array:
         """Give the values with the shaft of the place as the source."""
         return values[:, self._source(at, None)]
+
+
+def _place_of(sensor: SignalSensor) -> At:
+    """Give the place of a sensor."""
+    if isinstance(sensor, Probe):
+        return (sensor.shaft, sensor.position)
+    if isinstance(sensor, Accelerometer):
+        return sensor.at
+    raise GearbowError(f"at: must be a place, a Probe or an Accelerometer, got {sensor!r}")

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._convert import number, positive, whole
-from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_micrometres
+from gearbow._result import Column, Figured, in_micrometres
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.places import place_label
 from gearbow.errors import SceneError
@@ -18,12 +17,13 @@ from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["ThermalSpiral", "ThermalStability"]
-
 
 @dataclass(frozen=True, eq=False)
-class ThermalStability(Result, ReadOnly):
+class ThermalStability(Figured, ReadOnly):
     """Growth of a thermal bow over the speed.
+
+    `plot` draws real and imaginary part of the loop gain over the speed, and the rate of growth
+    below.
 
     Parameters
     ----------
@@ -137,25 +137,9 @@ class ThermalStability(Result, ReadOnly):
         vibration = self.vibration[near] + self.response[near] * temperature
         return ThermalSpiral(self.at, speed, time, temperature, vibration, self.speed_unit)
 
-    def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
-        """Draw the loop gain and the growth over the speed.
+    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
-        Parameters
-        ----------
-        ax : sequence of Axes, optional
-            Two panels; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the speeds; None is that in which they were given.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Real and imaginary part of the loop gain, and the rate of growth.
-        """
-        with extra("plot"):
-            from gearbow.plotting import thermal as figures  # noqa: PLC0415
-
-        unit = self._speed_unit(speed_unit)
         growth = 60.0 * self.eigenvalues.real
         return figures.stability(speed_factor(unit) * self.speeds, unit, self.loop_gain, growth, ax)
 
@@ -186,8 +170,11 @@ class ThermalStability(Result, ReadOnly):
 
 
 @dataclass(frozen=True, eq=False)
-class ThermalSpiral(Result, ReadOnly):
+class ThermalSpiral(Figured, ReadOnly):
     """Temperature difference and vibration of a thermal bow over time, at one speed.
+
+    `plot` draws the path of the vibration in the complex plane, and beside it its amplitude
+    over time.
 
     Parameters
     ----------
@@ -220,21 +207,8 @@ class ThermalSpiral(Result, ReadOnly):
     vibration: ComplexArray
     speed_unit: SpeedUnit = "rad/s"
 
-    def plot(self, *, ax: Any = None) -> "Figure":
-        """Draw the vibration in the plane of the shaft, and its amplitude over time.
-
-        Parameters
-        ----------
-        ax : sequence of Axes, optional
-            Two panels; None makes a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Path of the vibration in the complex plane, and its amplitude over time.
-        """
-        with extra("plot"):
-            from gearbow.plotting import thermal as figures  # noqa: PLC0415
+    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         return figures.spiral(self.time, self.vibration, ax)
 

@@ -234,7 +234,7 @@ class Sweep(Result, Sequence[SweepPoint]):
             numeric, the value is no number, or `ax` is not one panel.
         """
         with extra("plot"):
-            from gearbow.plotting import sweep as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         if self._points.axes is None:
             raise GearbowError("plot: needs a sweep over a grid; read values and draw them")

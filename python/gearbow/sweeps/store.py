@@ -31,7 +31,7 @@ from gearbow._core import __version__
 from gearbow._files import FileLock, check_name, differences, parsing, replacing, short
 from gearbow._types import Plain
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
-from gearbow.recording.schema import anything, each, entries, record, row, text, whole
+from gearbow.recording.container import anything, each, entries, record, row, text, whole
 from gearbow.sweeps.points import Outcome, Points
 
 #: The tables of a file.

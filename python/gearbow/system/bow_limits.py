@@ -1,7 +1,7 @@
 """The bow of a shaft at which each limit of a system is reached."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array
 from gearbow._lookup import one_of
 from gearbow._types import Array
+from gearbow.analysis.arclength import first_crossing
 from gearbow.analysis.bow_checks import Check, added_check, mesh_checks, mesh_teeth
 from gearbow.analysis.bow_motion import BowMotion, Variants
 from gearbow.analysis.protocol import System
@@ -217,35 +218,3 @@ def _steady(motion: BowMotion, check: Check, found: ReachedLimit) -> ReachedLimi
         return replace(found, why=text)
     why = f"{check.why}; exceeded without this bow" if bow == 0.0 else check.why
     return replace(found, bow=bow, why=why, **_of_phases(phases))
-
-
-def first_crossing(
-    margin: Callable[[float], float], first: float, most: float, tolerance: float
-) -> float | None:
-    """Find the smallest value up to `most` with a margin that is not positive; None without one."""
-    low, below = 0.0, margin(0.0)
-    if below <= 0.0:
-        return 0.0
-    high = min(first, most)
-    while (above := margin(high)) > 0.0:
-        if high >= most:
-            return None
-        low, below, high = high, above, min(2.0 * high, most)
-    kept = 0
-    root = low
-    while high - low > tolerance * high:
-        # An infinite margin, beyond which there is no motion, has no slope.
-        part = below / (below - above) if math.isfinite(above) else 0.5
-        before, root = root, low + (high - low) * part
-        if abs(root - before) <= 0.5 * tolerance * root:
-            return root
-        value = margin(root)
-        if value > 0.0:
-            low, below = root, value
-            above = above / 2.0 if kept > 0 else above
-            kept = 1
-        else:
-            high, above = root, value
-            below = below / 2.0 if kept < 0 else below
-            kept = -1
-    return (low + high) / 2.0

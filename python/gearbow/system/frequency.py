@@ -13,7 +13,7 @@ from gearbow.analysis.protocol import System
 from gearbow.description.excitation import left_out
 from gearbow.description.places import Places
 from gearbow.description.sources import MeshExcitation, Source, plain_sources
-from gearbow.errors import ChannelError, SceneError
+from gearbow.errors import SceneError
 from gearbow.results.frequency_response import FrequencyResponse
 
 
@@ -161,10 +161,8 @@ def mesh_response(
     ConvergenceError
         If the residual of a response exceeds 1e-4.
     """
-    known = Places("mesh", ([(mesh.driver, mesh.driven)] for mesh in self.meshes))
-    index = known.find(at)
-    if index is None:
-        raise ChannelError(f"at: no mesh is called {at!r}; there are {known}")
+    known = Places.of("mesh", [(mesh.driver, mesh.driven) for mesh in self.meshes])
+    index = known.index(at)
     driver = next(gear for gear in self.gears if gear.name == self.meshes[index].driver)
     ratio = self.speed_ratios[[shaft.name for shaft in self.shafts].index(driver.shaft)]
     numbers = [

@@ -20,16 +20,16 @@ from gearbow.description.speed_table import SpeedTable
 from gearbow.errors import SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap
-from gearbow.results.matrices import Matrices
 from gearbow.results.modes import Modes
+from gearbow.results.properties import Matrices
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
     from gearbow.description.thermal_bow import ThermalBow
-    from gearbow.results.efficiency import Efficiency
-    from gearbow.results.mass import MassProperties
+    from gearbow.results.properties import MassProperties
+    from gearbow.results.static import Efficiency
     from gearbow.results.thermal import ThermalStability
 
 
@@ -119,7 +119,7 @@ def modes(
     most = None if count is None else whole(count, "count")
     with working(progress, "modes"):
         data = self._model.modes(speed, most, truth(vibrating, "vibrating"))
-    return Modes.from_data(data, speed, self.coordinates, layout_of(self), speed_unit=unit)
+    return Modes._from_data(data, speed, self.coordinates, layout_of(self), speed_unit=unit)
 
 
 def layout_of(self: System) -> Layout:
@@ -145,7 +145,7 @@ def mass_properties(self: System) -> "MassProperties":
     MassProperties
         The shafts with their sleeves, gears and disks. Compare them with a drawing first.
     """
-    from gearbow.results.mass import MassProperties  # noqa: PLC0415
+    from gearbow.results.properties import MassProperties  # noqa: PLC0415
 
     names = [shaft.name for shaft in self.shafts]
     origins = [layout_of(self).shaft(name).origin for name in names]
@@ -242,7 +242,7 @@ def efficiency(
     (1958). Churning of oil, seals and the friction of bearings are not modelled. Bow, unbalance and
     tooth errors are left out; `MeshResponse.friction_power` of a run contains them.
     """
-    from gearbow.results.efficiency import Efficiency  # noqa: PLC0415
+    from gearbow.results.static import Efficiency  # noqa: PLC0415
 
     wanted = array(speeds, "speeds")
     one_of(geometry, get_args(Geometry), "geometry")
@@ -316,7 +316,7 @@ def campbell(
     unit = given_unit(speeds) or self._speed_unit
     with working(progress, f"Campbell diagram of {wanted.size} speeds"):
         data = self._model.campbell(wanted, count, harmonics, workers)
-    return Campbell.from_data(wanted, data, speed_unit=unit)
+    return Campbell._from_data(wanted, data, speed_unit=unit)
 
 
 def critical_speed_map(
@@ -376,7 +376,7 @@ def critical_speed_map(
     with working(progress, f"critical speeds at {wanted.size} stiffnesses"):
         found = self._model.critical_speed_map(wanted, order, count, workers)
     actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
-    return CriticalSpeedMap.from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
+    return CriticalSpeedMap._from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
 
 
 def synchronous(
@@ -442,6 +442,7 @@ def synchronous(
         _bearings=tuple(data["bearings"]),
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
+        _ratios=self.speed_ratios,
         speed_unit=given_unit(speeds) or self._speed_unit,
         left_out=left_out(self) if excitation == "both" else (),
     )

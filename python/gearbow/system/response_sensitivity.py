@@ -13,23 +13,21 @@ from gearbow._core import Model
 from gearbow._lookup import one_of
 from gearbow._types import Array, ComplexArray, Plain
 from gearbow.analysis.protocol import System
-from gearbow.description.coordinates import Coordinates
+from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.parameter import Parameter
 from gearbow.description.places import Places, is_pair, place, place_label
-from gearbow.errors import ChannelError, SceneError
+from gearbow.errors import SceneError
 from gearbow.results.frequency_response import FrequencyResponse
-from gearbow.results.response_sensitivity import ResponseSensitivity
+from gearbow.results.sensitivity import ResponseSensitivity
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.sensors.sensor import SignalSensor
 from gearbow.system.motions import Motions, is_damped, require_memory_of
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
-from gearbow.units.fields import MOTIONS, QUANTITIES
+from gearbow.units.fields import QUANTITIES
 
 #: Round-off of differences over the sum of absolute elastic terms, relative to that over a result.
 _ROUND_OFF_OF_TERMS = 1e-3
-#: Derivatives with respect to time of the displacement in a motion; other quantities have none.
-_DERIVATIVES = {quantity: number for number, quantity in enumerate(MOTIONS)}
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,8 @@ class _Signal:
         lateral = quantity not in ("twist", "axial_displacement")
         name = "" if quantity == "displacement" else f" {quantity.replace('_', ' ')}"
         label = f"{place_label(found)}{name}"
-        return cls(found, quantity, label, QUANTITIES[quantity], ("y", "z") if lateral else ("",))
+        components = ("y", "z") if lateral else ("",)
+        return cls(found, quantity, label, QUANTITIES[quantity], components)
 
     @property
     def kind(self) -> str:
@@ -67,41 +66,26 @@ class _Signal:
 
     def index(self, known: Sequence[Any]) -> int:
         """Find the number of a bearing or mesh among those of a result."""
-        kind = self.kind
-        places = Places(kind, ([tuple(each)] for each in known))
-        found = places.find(self.at)
-        if found is None:
-            raise ChannelError(f"at: no {kind} {shown(self.at)}; there are {places}")
-        return found
+        return Places.of(self.kind, known).index(self.at)
 
     def derivatives(self) -> int:
         """Give the number of derivatives of the displacement with respect to time."""
-        if self.quantity != "sensor":
-            return _DERIVATIVES.get(self.quantity, 0)
-        asked: list[str] = []
+        asked = [self.quantity]
 
         def of(quantity: str, _: Any) -> Array:
-            asked.append(quantity)
+            asked[0] = quantity
             return np.zeros(2)
 
-        self.at._sensed(of)
-        return _DERIVATIVES.get(asked[0].removeprefix("axial_"), 0)
+        if self.quantity == "sensor":
+            self.at._sensed(of)
+        return time_derivatives(asked[0])
 
     def moved(self, coordinates: Coordinates, motion: Any) -> Any:
         """Give the displacements of which the signal consists, with its components last."""
         if self.quantity == "sensor":
-
-            def of(quantity: str, at: Any) -> Any:
-                if quantity.startswith("axial"):
-                    return coordinates.axial_displacement(motion, at)
-                return coordinates.displacement(motion, at)
-
-            return self.at._sensed(of)[..., None]
-        if self.quantity == "twist":
-            return coordinates.twisted(motion, self.at)[..., None]
-        if self.quantity == "axial_displacement":
-            return coordinates.axial_displacement(motion, self.at)[..., None]
-        return coordinates.displacement(motion, self.at)
+            return self.at._sensed(partial(coordinates.motion, motion))[..., None]
+        found = coordinates.motion(motion, self.quantity, self.at)
+        return found[..., None] if len(self.components) == 1 else found
 
 
 def _harmonic(
@@ -135,7 +119,7 @@ def _harmonic(
         base._model.harmonic_adjoint(frequencies, speeds, outputs),
         sources,
         outputs,
-        [_DERIVATIVES.get(str(each.get("quantity")), 0) for each in sources],
+        [time_derivatives(str(each.get("quantity"))) for each in sources],
         is_damped(family, parameters),
     )
     # At a node, the outputs do not depend on the elements.

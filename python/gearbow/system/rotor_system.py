@@ -30,11 +30,10 @@ from gearbow.description.shafts import Shaft, Sleeve
 from gearbow.description.supports import Housing, Support
 from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning, outside
-from gearbow.results.discretisation import Discretisation
+from gearbow.results.properties import Discretisation
 from gearbow.sweeps.many import simulate_many
 from gearbow.system.bow_limits import bow_limits
 from gearbow.system.continuation import continuation
-from gearbow.system.drawing import plot
 from gearbow.system.frequency import frequency_response, mesh_response
 from gearbow.system.linear import (
     campbell,
@@ -48,7 +47,7 @@ from gearbow.system.linear import (
     synchronous,
     thermal_bow,
 )
-from gearbow.system.report import report
+from gearbow.system.outputs import plot, report
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
@@ -369,7 +368,7 @@ class RotorSystem(CheckedKeywords, Shown):
         OSError
             If the file cannot be opened.
         """
-        from gearbow.system.scene_file import read_scene  # noqa: PLC0415  # with a TOML parser
+        from gearbow.system.outputs import read_scene  # noqa: PLC0415  # with a TOML parser
 
         scene = read_scene(path)
         _warn(scene.model)

@@ -43,7 +43,7 @@ from gearbow.system.run import (
 from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
-    from gearbow.system.checkpoint import Checkpoint
+    from gearbow.system.run import Checkpoint
 
 
 def simulate(
@@ -282,7 +282,7 @@ def _checkpoint(
         raise SceneError(f"checkpoint_interval: must be positive, got {interval}")
     if path is None:
         return nullcontext()
-    from gearbow.system.checkpoint import Checkpoint  # noqa: PLC0415  # with libraries for files
+    from gearbow.system.run import Checkpoint  # noqa: PLC0415  # with libraries for files
 
     return Checkpoint(path, interval, {"scene": system.description, **identity})
 

@@ -8,7 +8,7 @@ from gearbow.accuracy.estimate import MAX_DEGREE
 from gearbow.analysis.protocol import S, System, variant
 from gearbow.description.shafts import Shaft
 from gearbow.description.stiffness import Stiffness
-from gearbow.results.discretisation import ShaftElements
+from gearbow.results.properties import ShaftElements
 
 #: Name of the model without simplification.
 GIVEN = "as given"

@@ -207,7 +207,7 @@ class Tradeoff(Result, Generic[S]):
             A line for each method, open markers for simplified models, and the Pareto front.
         """
         with extra("plot"):
-            from gearbow.plotting import tradeoff as figures  # noqa: PLC0415
+            from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         def _points(trials: Sequence[Trial[S]]) -> tuple[list[float], list[float]]:
             # A run below the uncertainty of the reference is drawn at this uncertainty.

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import gearbow as gb
-from gearbow.plotting.bow_limits import bow_limits
+from gearbow.plotting.analyses import bow_limits
 from gearbow.plotting.style import log_scale
 from reference.cases import each_case
 from reference.machines import bowed_rotor, jeffcott

@@ -87,6 +87,7 @@ FIGURES = {
     "sensitivity": (2, lambda r, ax: r["sensitivity"].plot(ax=ax)),
     "synchronous": (2, lambda r, ax: r["synchronous"].plot(["g1", "g2"], ax=ax)),
     "bode": (2, lambda r, ax: r["synchronous"].bode("g1", ax=ax)),
+    "polar": (1, lambda r, ax: r["synchronous"].plot("g1", "polar", ax=ax)),
     "measurement": (2, lambda r, ax: r["measurement"].plot(ax=ax)),
     "identification": (5, lambda r, ax: r["identification"].plot(ax=ax)),
     "efficiency": (1, lambda r, ax: r["efficiency"].plot(ax=ax)),

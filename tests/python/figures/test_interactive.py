@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Rectangle
 
 from gearbow.plotting.interactive import WIDTH, converted, scene
-from gearbow.plotting.mode_shape import parts
+from gearbow.plotting.shapes import parts
 
 
 def figure() -> tuple[Figure, list]:

@@ -9,8 +9,7 @@ import gearbow as gb
 from gearbow._lookup import nodal
 from gearbow.description.layout import layout, reference_radius
 from gearbow.description.train import Train
-from gearbow.plotting.mode_shape import _at_maximum, _lever, _ring
-from gearbow.plotting.within_elements import refined
+from gearbow.plotting.shapes import _at_maximum, _lever, _ring, refined
 from reference.machines import stepped_rotor
 
 

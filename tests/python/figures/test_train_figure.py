@@ -16,8 +16,8 @@ from matplotlib.transforms import Bbox
 
 import gearbow as gb
 from gearbow.description.train import Train
-from gearbow.plotting.development import developed
-from gearbow.plotting.end_view import line_of_action
+from gearbow.plotting.symbols import developed
+from gearbow.plotting.views import line_of_action
 from reference.equations import base_radius
 from reference.figure_texts import area, box_of, check_texts
 from reference.machines import (

@@ -21,8 +21,8 @@ import pytest
 
 import gearbow as gb
 from gearbow.recording import file as storage
+from gearbow.recording.channels import arrays_of, metadata_of
 from gearbow.recording.container import seal
-from gearbow.recording.tables import arrays_of, metadata_of
 from reference.cases import each_case
 from reference.machines import bowed_pair
 from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked

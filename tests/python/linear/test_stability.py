@@ -201,7 +201,7 @@ def test_curves_pass_intersections_and_thresholds():
 
 
 def test_the_curve_is_the_monotone_cubic():
-    from gearbow.plotting.curve import smooth
+    from gearbow.plotting.style import smooth
 
     interpolate = pytest.importorskip("scipy.interpolate")
     x, y = np.array([3.0, 0.0, 1.0, 4.5, 7.0, 1.0]), np.array([2.0, 1.0, 4.0, 2.5, 9.0, 4.0])

@@ -10,7 +10,7 @@ import pytest
 import gearbow as gb
 from reference import scenes
 from reference.bows import HalfSine
-from reference.machines import jeffcott
+from reference.machines import BEARING, jeffcott, pair_on_housing, rotor_on_pedestal
 from test_synchronous import BOWED
 
 SPEEDS = np.array([60.0, 250.0])
@@ -119,3 +119,90 @@ def test_peaks_keep_the_operating_speeds(operating: float | tuple[float, float])
     assert peak.operating == (operating if isinstance(operating, tuple) else (700.0, 700.0))
     assert peak.speed == pytest.approx(critical, rel=1e-2)
     assert peak.lower < peak.speed < peak.upper
+
+
+def test_the_force_on_a_bearing_follows_from_its_displacement_on_its_base():
+    # a housing that turns about a point beside both shafts, and supports
+    found = pair_on_housing().synchronous(SPEEDS)
+    stiffness = np.broadcast_to(BEARING["stiffness"], 2)
+    for shaft in ("input", "output"):
+        for x in (0.0, 0.4):
+            moved = found.bearing_displacement((shaft, x))
+            assert np.abs(moved - found.displacement((shaft, x))).max() > 0.01 * np.abs(moved).max()
+            rates = 1j * SPEEDS[:, None] * np.array([1.0, -0.5])
+            expected = moved * (stiffness + BEARING["damping"] * rates[..., None])
+            force = found.bearing_force((shaft, x))
+            # round-off of displacements that are larger than their difference
+            assert force == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
+    at = ("rotor", 0.05)
+    found = rotor_on_pedestal().frequency_response([300.0], source=gb.Force("left", 1.0))
+    assert found.bearing_force(at) == pytest.approx(1e8 * found.bearing_displacement(at))
+    with pytest.raises(gb.ChannelError, match=r"^at: no bearing at \('rotor', 0.3\)"):
+        found.bearing_displacement(("rotor", 0.3))
+
+
+def test_sensors_on_a_housing_measure_the_synchronous_motion():
+    # a run of a linear train contains the motion of every shaft
+    system = pair_on_housing()
+    probe = gb.Probe("input", 0.4, angle=0.4, support="corner", runout=2e-6j)
+    felt = gb.Accelerometer("corner", angle=1.1)
+    found = system.synchronous(SPEEDS)
+    rates = SPEEDS[:, None] * np.array([1.0, -0.5])
+    direction = np.array([np.cos(0.4), np.sin(0.4)])
+    moved = found.displacement(("input", 0.4)) - found.displacement("corner")
+    runout = np.array([2e-6j * np.exp(-0.4j), 0.0])
+    assert found.measure(probe) == pytest.approx(moved @ direction + runout)
+    direction = np.array([np.cos(1.1), np.sin(1.1)])
+    expected = -(rates**2) * (found.displacement("corner") @ direction)
+    assert found.measure(felt) == pytest.approx(expected)
+    assert found.velocity("g1") == pytest.approx(1j * rates[..., None] * found.displacement("g1"))
+    # run-out is the same at slow roll
+    slow = found.subtract_slow_roll(1.0)
+    expected = found.measure(probe) - system.synchronous([1.0]).measure(probe)
+    assert slow.measure(probe) == pytest.approx(expected, abs=1e-15)
+    (line, *_) = slow.bode(probe).axes[1].get_lines()
+    assert line.get_ydata() == pytest.approx(1e6 * np.abs(expected[:, 0]))
+    with pytest.raises(gb.GearbowError, match=r"^sensor: the run-out of a probe must be a complex"):
+        found.measure(gb.Probe("input", 0.4, runout=np.cos))
+    with pytest.raises(gb.SceneError, match=r"^sensor: must be a gb.Probe or gb.Accelerometer"):
+        found.measure(gb.Tacho("input"))
+
+
+def test_amplitudes_are_zero_to_peak():
+    # an unbalance of U in a disk of mass m far above the critical speed moves it by U/m
+    system = jeffcott(damping=4e3, eccentricity=1e-5)
+    critical = abs(system.modes(count=1).eigenvalues[0])
+    found = system.synchronous([100.0 * critical])
+    assert found.orbit("disk")[0, 0] == pytest.approx(1e-5, rel=1e-2)
+
+
+def test_a_polar_plot_has_amplitude_and_phase():
+    system = jeffcott(damping=4e3, eccentricity=1e-5)
+    critical = abs(system.modes(count=1).eigenvalues[0])
+    found = system.synchronous(critical * np.linspace(0.5, 2.0, 31))
+    expected = 1e6 * found.orbit("disk")[:, 0] * np.exp(1j * found.phase("disk")[:, 0])
+    for figure in (found.plot("polar"), found.plot("disk", "polar", source="s")):
+        (panel,) = figure.axes
+        assert panel.get_lines()[0].get_xydata() @ [1.0, 1j] == pytest.approx(expected)
+        assert panel.get_xlabel() == "real part [µm]"
+        speeds = [float(text.get_text().partition(" ")[0]) for text in panel.texts]
+        largest = found.speeds[np.argmax(np.abs(expected))]
+        assert speeds == pytest.approx([found.speeds[0], largest, found.speeds[-1]], rel=1e-3)
+    with pytest.raises(gb.SceneError, match=r"^kind: must be one of orbit, bode, polar, got 'x'"):
+        found.plot("disk", "x")
+
+
+def test_a_peak_without_an_amplification_factor_says_why():
+    system = jeffcott(damping=400.0, eccentricity=1e-5)
+    critical = abs(system.modes(count=1).eigenvalues[0])
+    cases = {(0.2, 1.5): None, (0.99, 1.2): "no N₁", (0.2, 1.01): "no N₂"}
+    for ends, missing in cases.items():
+        found = system.synchronous(critical * np.linspace(*ends, 400))
+        (peak,) = peaks = found.peaks("disk")
+        assert peak.missing == missing
+        assert np.isnan(peak.amplification_factor) == (missing is not None)
+        assert (f"peak 1: {missing}, because the amplitude stays above" in str(peaks)) == (
+            missing is not None
+        )
+        texts = [text.get_text() for text in found.bode("disk").axes[1].texts]
+        assert texts == ([missing] if missing else [f"AF {peak.amplification_factor:.3g}"])

@@ -10,7 +10,7 @@ import pytest
 import gearbow as gb
 from gearbow._types import SensitivityQuantity, SignalQuantity
 from gearbow.description.kinematics import Order
-from gearbow.orders import Kinematics, channel
+from gearbow.orders import Kinematics, spectrum
 from gearbow.orders.separation import cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes
 from gearbow.system import response_sensitivity
@@ -488,6 +488,6 @@ def test_the_order_of_a_force_is_among_the_orders(tmp_path):
 
 def test_quantities_of_signatures_are_those_that_runs_record():
     # an editor offers the words of the type, and the table decides which of them a place has
-    known = {"energy", *channel._MOTION, *channel._MESH, *channel._BEARING}
+    known = {"energy", *spectrum._MOTION, *spectrum._MESH, *spectrum._BEARING}
     assert set(get_args(SignalQuantity)) == known
     assert set(get_args(SensitivityQuantity)) == set(response_sensitivity.QUANTITIES)

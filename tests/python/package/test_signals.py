@@ -9,8 +9,7 @@ import pytest
 
 import gearbow as gb
 from gearbow.orders import Kinematics
-from gearbow.orders.channel import channel
-from gearbow.orders.spectrum import amplitudes
+from gearbow.orders.spectrum import amplitudes, channel
 from reference.records import ENERGIES, KINEMATICS, MESH_UNITS, WORKS, of_series, response
 
 SPEED = 100.0  # rad/s

@@ -458,6 +458,16 @@ def test_a_keyword_keeps_its_place_in_signatures_and_copies():
     assert Own([shaft], label="mine", gravity=9.81).gravity == 9.81
 
 
+def test_every_result_names_the_parameters_of_its_methods():
+    # methods that results share, and that of one class
+    machine = system()
+    for found in (machine.modes(), machine.static(), machine.synchronous([9.0]), run()):
+        with pytest.raises(TypeError, match=r"displacement: has no parameter 'place', .* are at$"):
+            found.displacement(place="pinion")
+    with pytest.raises(TypeError, match=r'plot: has no parameter .*; did you mean "speed_unit"'):
+        machine.static().plot(speed_units="rpm")
+
+
 def test_a_warning_of_the_core_points_to_the_line_of_the_user():
     stiffness = [[3e7, 2e7], [-2e7, 3e7]]
     bearings = [gb.Bearing("s", x, stiffness=stiffness, damping=2e3) for x in (0.0, 1.0)]

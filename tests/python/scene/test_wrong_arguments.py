@@ -502,17 +502,21 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         lambda: system().static(),
         {
             **{name: {"at": "g1"} for name in ("axial", "displacement", "twist")},
-            **dict.fromkeys(("axial_bearing_force", "bearing_force", "journal"), BEARING),
+            **dict.fromkeys(
+                ("axial_bearing_force", "bearing_displacement", "bearing_force", "journal"), BEARING
+            ),
             "mesh": MESH,
         },
     ),
     "Synchronous": (
         lambda: system().synchronous([0.0, 50.0, 100.0]),
         {
-            "bearing_force": BEARING,
+            **dict.fromkeys(("bearing_displacement", "bearing_force"), BEARING),
             "bode": {"at": ["g1"]},
             **{name: {"at": "g1"} for name in ("displacement", "elastic", "orbit", "peaks")},
-            **{name: {"at": "g1"} for name in ("phase", "twist")},
+            **{name: {"at": "g1"} for name in ("phase", "twist", "velocity", "acceleration")},
+            "axial_displacement": {"at": "g1"},
+            "measure": {"sensor": gb.Probe("input", 0.25)},
             "plot": {"at": ["g1"]},
             "subtract_slow_roll": {"speed": 50.0},
         },
@@ -520,7 +524,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     "FrequencyResponse": (
         lambda: system().frequency_response([50.0, 100.0], source=gb.Force("g1", 1.0)),
         {
-            "bearing_force": BEARING,
+            **dict.fromkeys(("bearing_displacement", "bearing_force"), BEARING),
             **{
                 name: {"at": "g1"} for name in ("acceleration", "displacement", "twist", "velocity")
             },
@@ -698,7 +702,7 @@ OF_WRONG_TYPE = {
 }
 #: Of sequences, integers and exceptions, from Python, and constructors from data of the core.
 NOT_FOR_USERS = re.compile(
-    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.(from_data|from_rows|of)$|(Sweep|Peaks)\.(count|index)$"
+    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.of$|(Sweep|Peaks)\.(count|index)$"
 )
 #: The system of the method, and the beginning of error messages.
 NO_ARGUMENTS = {("RotorSystem.simulate_many", "system"), ("TimeSeries.function", "path")}

@@ -1,11 +1,8 @@
-"""One mode of the train in three dimensions: geometry to scale, enlarged motion.
-
-The three axes have the same scale. One factor enlarges all displacements, rotations and twists, so
-that the drawing shows the mode shape without distortion.
-"""
+"""Figures of deflected shafts: modes along the shafts and in space, MAC, and the equilibrium."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
@@ -14,12 +11,52 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from gearbow._types import Array, ComplexArray, NodalDof
+from gearbow._types import Array, ComplexArray, Dof, NodalDof
+from gearbow.description.coordinates import Entries, motion_within
 from gearbow.description.layout import BaseOutline, BodyOutline, Layout, ShaftOutline
 from gearbow.errors import GearbowError
-from gearbow.plotting.style import STYLE, GivenAxes, colour, figure_of, given_axes, plain_texts
+from gearbow.plotting.style import (
+    MICRO,
+    STYLE,
+    GivenAxes,
+    colour,
+    common_round_off,
+    figure_of,
+    given_axes,
+    label_x,
+    legend,
+    panels,
+    plain_texts,
+    text_size,
+)
 
-__all__ = ["Path", "Surface", "draw", "parts"]
+#: Smallest number of intervals between the drawn positions of a shaft.
+INTERVALS = 48
+
+
+def refined(
+    shapes: ComplexArray, dofs: Sequence[Dof], layout: Layout
+) -> tuple[ComplexArray, list[NodalDof]]:
+    """Evaluate mode shapes at the nodes and between them."""
+    entries: dict[str, Entries] = {}
+    for n, (name, x, direction) in enumerate(dofs):
+        entries.setdefault(name, {}).setdefault(x, {})[direction] = shapes[:, n]
+    found: dict[NodalDof, ComplexArray] = {}
+    for shaft in layout.shafts:
+        own = entries.get(shaft.name, {})
+        for begin, end in pairwise(x for x in own if not isinstance(x, tuple)):
+            xi = np.linspace(0.0, 1.0, 1 + int(np.ceil(INTERVALS * (end - begin) / shaft.length)))
+            positions = [begin, *(begin + xi[1:-1] * (end - begin)).tolist(), end]
+            phi = (shaft.shear_length((begin + end) / 2.0) / (end - begin)) ** 2
+            for direction, values in motion_within(own, (begin, end), xi, phi):
+                for x, value in zip(positions, values, strict=True):
+                    found[shaft.name, x, direction] = value
+    for base in layout.bases:
+        for x, moved in entries.get(base.name, {}).items():
+            if not isinstance(x, tuple):
+                found |= {(base.name, x, direction): value for direction, value in moved.items()}
+    return np.array(list(found.values())).T, list(found)
+
 
 #: Largest motion of the drawing, relative to the diagonal of the train.
 LARGEST_MOTION = 0.07
@@ -64,6 +101,8 @@ class _Motion(NamedTuple):
         return np.array([np.interp(position, self.x, values) for values in self[1:]])
 
 
+# The three axes have the same scale. One factor enlarges all displacements, rotations and twists,
+# so that the drawing shows the mode shape without distortion.
 def draw(
     title: str,
     shape: ComplexArray,
@@ -280,3 +319,116 @@ def _orbit(dofs: Sequence[NodalDof], body: BodyOutline, scaled: Any) -> Array:
             np.real(scaled[found["w"]] * cycle),
         ]
     )
+
+
+def overview(
+    titles: Sequence[str],
+    shapes: ComplexArray,
+    dofs: Sequence[NodalDof],
+    drawn: Sequence[str],
+    layout: Layout,
+    *,
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw mode shapes along the shafts."""
+    shafts = [shaft.name for shaft in layout.shafts]
+    places = {base.name: float(np.mean([x for _, x in base.feet])) for base in layout.bases}
+    if not titles:
+        return _without_modes(ax)
+    with panels(len(titles), 3.5, columns=2, width=13.0, ax=ax) as (figure, axes):
+        for mode, (panel, title) in enumerate(zip(axes, titles, strict=True)):
+            lines = {"v": "-", "w": "--"} if drawn[mode] == "lateral" else {drawn[mode]: "-"}
+            shape = _real(shapes[mode], [direction in lines for _, _, direction in dofs])
+            for (direction, line), (i, shaft) in product(lines.items(), enumerate(shafts)):
+                at = [n for n, (s, _, d) in enumerate(dofs) if (s, d) == (shaft, direction)]
+                x = [dofs[n][1] for n in at]
+                name = None if direction == "w" else shaft
+                panel.plot(x, shape[at], line, color=colour(i), label=name)
+            for (direction, line), (i, name) in product(lines.items(), enumerate(places)):
+                at = [n for n, (s, _, d) in enumerate(dofs) if (s, d) == (name, direction)]
+                face = colour(len(shafts) + i) if line == "-" else "white"
+                style: dict[str, Any] = {"color": colour(len(shafts) + i), "markerfacecolor": face}
+                if at:
+                    own = name if line == "-" else None
+                    panel.plot(places[name], shape[at[0]], "s", markersize=8.0, label=own, **style)
+            panel.set_title(title, fontsize=text_size(1.0))
+            panel.set(xlabel="position [m]")
+            label = "y (z dashed, open)" if places else "y (z dashed)"
+            label = {"lateral": label, "u": "x"}.get(drawn[mode], drawn[mode])
+            panel.set(ylabel=label, ylim=(-1.15, 1.15))
+        legend(figure, axes[0], ax=ax)
+    return figure
+
+
+def _real(shape: ComplexArray, drawn: Sequence[bool]) -> Array:
+    """Give the real part of a complex shape, scaled so that its largest drawn entry is 1."""
+    largest = shape[int(np.argmax(np.where(drawn, np.abs(shape), 0.0)))]
+    return np.real(shape / largest) if largest != 0.0 else np.real(shape)
+
+
+def _without_modes(ax: GivenAxes) -> Figure:
+    """Say that there is no mode to draw."""
+    with panels(1, 3.5, columns=1, width=6.5, ax=ax) as (figure, (panel,)):
+        panel.set_title("no modes", fontsize=text_size(1.0))
+    return figure
+
+
+def assurance(mac: Array, computed: Array, measured: Array, *, ax: GivenAxes = None) -> Figure:
+    """Draw MAC of computed and measured modes as a table of colours."""
+    if mac.size == 0:
+        return _without_modes(ax)
+    with panels(1, 6.0, columns=1, width=8.0, ax=ax) as (figure, (panel,)):
+        image = panel.imshow(mac.T, vmin=0.0, vmax=1.0, origin="lower", cmap="Blues", aspect="auto")
+        figure.colorbar(image, ax=panel, label="MAC")
+        for (i, j), value in np.ndenumerate(mac):
+            dark = value > 0.6  # light text on a dark colour
+            if value >= 0.005:
+                panel.text(
+                    i,
+                    j,
+                    f"{value:.2f}",
+                    ha="center",
+                    va="center",
+                    color="white" if dark else "black",
+                )
+        for ticks, axis, values in (
+            (panel.set_xticks, "computed", computed),
+            (panel.set_yticks, "measured", measured),
+        ):
+            ticks(np.arange(values.size), [f"{i + 1}: {f:.4g} Hz" for i, f in enumerate(values)])
+            panel.set(**{f"{'x' if axis == 'computed' else 'y'}label": f"{axis} mode"})
+        panel.tick_params(axis="x", rotation=45.0)
+        panel.grid(visible=False)
+    return figure
+
+
+def deflection(
+    state: Array, dofs: Sequence[Dof], layout: Layout, *, ax: GivenAxes = None
+) -> Figure:
+    """Draw the displacements of the shafts along y and z, or their twist."""
+    values, nodes = refined(state[np.newaxis].astype(np.complex128), dofs, layout)
+    directions = {direction for *_, direction in nodes}
+    rows = {"v": ("displacement y [µm]", MICRO), "w": ("displacement z [µm]", MICRO)}
+    if "v" not in directions:
+        rows = {"twist": ("twist [mrad]", 1e3)}
+    with panels(len(rows), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
+        for panel, (direction, (label, factor)) in zip(axes, rows.items(), strict=True):
+            for i, shaft in enumerate(layout.shafts):
+                own = sorted(
+                    (x, factor * float(value.real))
+                    for (name, x, kind), value in zip(nodes, values[0], strict=True)
+                    if (name, kind) == (shaft.name, direction)
+                )
+                if not own:
+                    continue
+                x, y = np.array(own).T
+                panel.plot(shaft.origin[0] + x, y, color=colour(i), label=shaft.name)
+                marks = [body.position for body in layout.bodies if body.shaft == shaft.name]
+                at = shaft.origin[0] + np.array(marks)
+                panel.plot(at, np.interp(marks, x, y), "o", color=colour(i), markersize=5.0)
+            panel.set(ylabel=label)
+        # Without gravity along y, round-off would fill its panel.
+        common_round_off(axes)
+        label_x(axes, "position [m]")
+        legend(figure, axes[0], ax=ax)
+    return figure

@@ -1,0 +1,382 @@
+"""Figures of single analyses, from balancing to tradeoffs."""
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from typing import Any, TypeAlias
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from gearbow._types import Array, ComplexArray
+from gearbow.plotting.style import (
+    MICRO,
+    PALETTE,
+    GivenAxes,
+    colour,
+    label_x,
+    legend,
+    log_scale,
+    named_ticks,
+    panels,
+    remark,
+    speed_axis,
+    text_size,
+)
+from gearbow.units.speed import SpeedUnit, speed_text
+
+
+def balance(
+    speeds: Sequence[str],
+    points: Sequence[str | float],
+    before: Array,
+    residual: Array,
+    *,
+    label: str,
+    limits: tuple[Array, Array] | None = None,
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw the deflection at the points before and after the correction, a panel for each speed."""
+    named = any(isinstance(point, str) for point in points)
+    x = np.arange(len(points)) if named else np.array(points)
+    with panels(len(speeds), 3.4, columns=1, sharex=True, ax=ax) as (figure, axes):
+        for number, (panel, speed) in enumerate(zip(axes, speeds, strict=True)):
+            parts = {"before": before[number], "predicted with the correction": residual[number]}
+            for i, (name, values) in enumerate(parts.items()):
+                style: dict[str, Any] = {"color": PALETTE[i], "label": name}
+                if named:
+                    panel.bar(x + 0.4 * (i - 0.5), MICRO * values, width=0.4, **style)
+                else:
+                    panel.plot(x, MICRO * values, "o-", markersize=4.0, **style)
+            if named:
+                named_ticks(panel.xaxis, x, [str(point) for point in points])
+            if limits is not None:
+                low, high = (MICRO * each[number] for each in limits)
+                place = x + 0.2 if named else x
+                panel.vlines(place, low, high, color="black", label="95 % interval")
+            panel.set(ylabel=label)
+            panel.set_ylim(bottom=0.0)
+            panel.set_title(f"at {speed}", loc="left", fontsize=text_size(1.0))
+        label_x(axes, "measuring point" if named else "position [m]")
+        legend(figure, axes[0], ax=ax)
+    return figure
+
+
+#: Ratio of the largest to the smallest bow from which their axis is logarithmic.
+_WIDE = 30.0
+
+
+def bow_limits(
+    speeds: Array,
+    lines: Mapping[str, Array],
+    present: float,
+    *,
+    label: str,
+    speed_unit: SpeedUnit = "rad/s",
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw one curve for each of the first limits that are reached, and the present bow."""
+    if speeds.size == 1:
+        single = {name: MICRO * float(values[0]) for name, values in lines.items()}
+        at = f"at {speed_text(float(speeds[0]), speed_unit)}"
+        return _at_one_speed(single, MICRO * present, f"{label} [µm], {at}", ax=ax)
+    factor, axis = speed_axis(speed_unit)
+    with panels(1, 6.0, columns=1, width=10.0, ax=ax) as (figure, (panel,)):
+        reached = {name: MICRO * bows for name, bows in lines.items() if np.any(np.isfinite(bows))}
+        # `lines` ascend: the further ones are above all of these.
+        for number, (name, bows) in enumerate(list(reached.items())[: len(PALETTE)]):
+            style: dict[str, Any] = {
+                "color": colour(number),
+                "linestyle": ("-", "--", "-.", ":")[number % 4],
+                "marker": "o" if speeds.size < 20 else None,
+                "markersize": 4.0,
+            }
+            panel.plot(factor * speeds, np.where(bows > 0.0, bows, np.nan), label=name, **style)
+            if np.any(bows == 0.0):
+                remark(panel, f"{name}: exceeded without bow")
+        if len(reached) > len(PALETTE):
+            remark(panel, f"{len(reached) - len(PALETTE)} further limits are above")
+        if present > 0.0:
+            panel.axhline(MICRO * present, color="0.2", linewidth=2.5, label="present bow")
+        if reached or present > 0.0:
+            log_scale(panel)
+        else:
+            remark(panel, "no limit is reached")
+        if speeds.size > 1 and not panel.dataLim.width > 0.0:  # no limit has a curve
+            panel.set_xlim(*sorted(factor * speeds[[0, -1]]))
+        panel.set(xlabel=axis, ylabel=f"{label} [µm]")
+        legend(figure, panel, ax=ax)
+    return figure
+
+
+def _at_one_speed(
+    bows: Mapping[str, float], present: float, label: str, *, ax: GivenAxes
+) -> Figure:
+    """Draw a bar for each of the first limits, and the present bow as a line."""
+    shown = [(name, bow) for name, bow in bows.items() if np.isfinite(bow)][: len(PALETTE)]
+    with panels(1, 0.5 * len(shown) + 1.2, columns=1, ax=ax) as (figure, (panel,)):
+        names = [f"{name}: exceeded without bow" if bow == 0.0 else name for name, bow in shown]
+        for row, (_, bow) in enumerate(shown):
+            exceeded = bow < present
+            panel.barh(row, bow, height=0.55, color=PALETTE[1 if exceeded else 0])
+        named_ticks(panel.yaxis, range(len(shown)), names)
+        panel.set_ylim(max(len(shown), 1) - 0.5, -0.5)
+        if present > 0.0:
+            panel.axvline(present, color="0.2", linewidth=2.5, label="present bow")
+        sizes = [bow for _, bow in shown if bow > 0.0] + [present] * (present > 0.0)
+        if sizes and max(sizes) > _WIDE * min(sizes):
+            panel.set_xscale("log")
+            panel.set_xlim(0.5 * min(sizes), 1.2 * max(sizes))
+        else:
+            panel.set_xlim(0.0, 1.08 * max(sizes, default=1.0))
+        panel.grid(visible=False, axis="y")
+        panel.set(xlabel=label)
+        if not shown:
+            remark(panel, "no limit is reached")
+        elif len(bows) > len(shown):
+            left = len(bows) - len(shown)
+            limits = "limits are" if left > 1 else "limit is"
+            remark(panel, f"{left} further {limits} above, or not reached")
+        legend(figure, panel, ax=ax)
+    return figure
+
+
+#: Marker of each kind of special point.
+_MARKS = {"fold": "o", "flip": "s", "contact loss": "D"}
+
+
+def branch(
+    values: Array,
+    amplitudes: Array,
+    stable: NDArray[np.bool_],
+    kinds: Sequence[str],
+    *,
+    labels: tuple[str, str],
+    is_open: bool = False,
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw a branch: stable parts solid, unstable ones dashed; markers for points and open ends."""
+    with panels(1, 4.5, columns=1, width=7.0, ax=ax) as (drawing, (axes,)):
+        named = set()
+        for is_stable, group in groupby(
+            range(values.size - 1), key=lambda i: stable[i : i + 2].all()
+        ):
+            part = list(group)
+            points = slice(part[0], part[-1] + 2)
+            name = "stable" if is_stable else "unstable"
+            axes.plot(
+                values[points],
+                amplitudes[points],
+                linestyle="-" if is_stable else "--",
+                color=PALETTE[0] if is_stable else PALETTE[1],
+                label=None if name in named else name,
+            )
+            named.add(name)
+        for kind, mark in _MARKS.items():
+            chosen = np.array(kinds) == kind
+            if chosen.any():
+                axes.plot(
+                    values[chosen], amplitudes[chosen], mark, color="0.2", markersize=5, label=kind
+                )
+        if is_open:
+            axes.plot(
+                values[-1:],
+                amplitudes[-1:],
+                marker="o",
+                linestyle="none",
+                color=PALETTE[0] if stable[-1] else PALETTE[1],
+                markerfacecolor="white",
+                markersize=9,
+                label="open end",
+            )
+        axes.set(xlabel=labels[0], ylabel=labels[1])
+        axes.legend()
+    return drawing
+
+
+def losses(
+    speeds: Array,
+    names: Sequence[str],
+    shares: Array,
+    *,
+    speed_unit: str = "rad/s",
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw the loss of each mesh [% of the input power] over the speed; bars at a single speed."""
+    factor, axis = speed_axis(speed_unit)
+    total = shares.sum(axis=1)
+    label = "loss by friction of teeth [% of input power]"
+    height = 1.6 + 0.45 * len(names) if speeds.size == 1 else 5.0
+    with panels(1, height, columns=1, width=9.0, ax=ax) as (figure, (panel,)):
+        if speeds.size == 1:
+            rows = np.arange(len(names) + 1)
+            values = np.append(shares[0], total[0])
+            panel.barh(rows, values, color=[colour(0)] * len(names) + ["0.4"])
+            named_ticks(panel.yaxis, rows, [*names, "train"])
+            panel.invert_yaxis()
+            panel.grid(visible=False, axis="y")
+            panel.set(xlabel=label, ylabel="mesh", title=f"{factor * speeds[0]:.5g} {speed_unit}")
+        else:
+            for i, (name, values) in enumerate(zip(names, shares.T, strict=True)):
+                panel.plot(factor * speeds, values, color=colour(i), label=name)
+            panel.plot(factor * speeds, total, color="0.2", linewidth=2.5, label="train")
+            panel.set(xlabel=axis, ylabel=label)
+            legend(figure, panel, ax=ax)
+        panel.margins(y=0.08)
+    return figure
+
+
+#: Largest number of bars in a panel.
+_BARS = 12
+
+
+def tornado(
+    parameters: Sequence[str],
+    outputs: Sequence[str],
+    effects: Array,
+    *,
+    of: str,
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw bars of the effect of each parameter on each output, the largest on top."""
+    count, bars = max(len(outputs), 1), min(len(parameters), _BARS)
+    height = 1.6 + 0.45 * bars
+    with panels(count, height, columns=1, width=10.0, ax=ax) as (figure, found):
+        if not outputs:
+            remark(found[0], "no mode with stiffness")
+        for panel, output, column in zip(found, outputs, effects.T, strict=False):
+            order = np.argsort(-np.abs(column), kind="stable")[:_BARS][::-1]
+            values = column[order]
+            colours = [PALETTE[0] if value >= 0.0 else PALETTE[1] for value in values]
+            panel.barh(np.arange(order.size), values, color=colours)
+            named_ticks(panel.yaxis, np.arange(order.size), [parameters[i] for i in order])
+            panel.axvline(0.0, color="0.2", linewidth=1.0)
+            panel.grid(visible=False, axis="y")
+            # Round-off is no effect: the axis shows at least a thousandth of a percent.
+            most = max(float(np.max(np.abs(values), initial=0.0)), 1e-3)
+            panel.set_xlim(-1.1 * most, 1.1 * most)
+            axis = f"change of the {of} [%] for 1 % of the parameter"
+            panel.set(title=output, xlabel=axis, ylabel="parameter")
+            if len(parameters) > _BARS:
+                remark(panel, f"{len(parameters) - _BARS} further parameters have less effect")
+    return figure
+
+
+def sweep(
+    axes: Mapping[str, Sequence[float]],
+    values: Array,
+    name: str,
+    *,
+    labels: Mapping[str, str],
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw a value over one, two or three parameters."""
+    names = list(axes)
+    # A map needs ascending axes; a grid may have any order.
+    orders = [np.argsort(axis, kind="stable") for axis in axes.values()]
+    points = [np.array(axis)[order] for axis, order in zip(axes.values(), orders, strict=True)]
+    found = values[np.ix_(*orders)]
+    if len(names) == 1:
+        with panels(1, 4.5, columns=1, width=7.0, ax=ax) as (figure, (panel,)):
+            panel.plot(points[0], found, "o-", color=PALETTE[0], markersize=4.0)
+            panel.set(xlabel=labels[names[0]], ylabel=labels[name])
+        return figure
+    # The first of three parameters has a panel for each value.
+    parts = found if len(names) == 3 else found[np.newaxis]
+    style: dict[str, Any] = {"cmap": "cividis", "shading": "nearest", "rasterized": True}
+    style |= {"vmin": np.nanmin(found), "vmax": np.nanmax(found)}
+    width = 7.0 if len(parts) == 1 else 13.0
+    with panels(len(parts), 4.5, columns=2, width=width, ax=ax) as (figure, all_panels):
+        for number, (panel, part) in enumerate(zip(all_panels, parts, strict=True)):
+            drawn = panel.pcolormesh(*points[-2:], part.T, **style)
+            figure.colorbar(drawn, ax=panel, label=labels[name])
+            panel.grid(visible=False)
+            panel.set(xlabel=labels[names[-2]], ylabel=labels[names[-1]])
+            if len(names) == 3:
+                title = f"{labels[names[0]]} = {points[0][number]:g}"
+                panel.set_title(title, fontsize=text_size(1.0))
+    return figure
+
+
+def stability(
+    speeds: Array, unit: str, gain: ComplexArray, growth: Array, ax: GivenAxes = None
+) -> Figure:
+    """Draw the loop gain, and the growth in each minute, over speeds in their unit."""
+    with panels(2, 3.4, columns=1, sharex=True, ax=ax) as (figure, axes):
+        upper, lower = axes
+        upper.plot(speeds, gain.real, color=PALETTE[0], label="real part")
+        upper.plot(speeds, gain.imag, "--", color=PALETTE[1], label="imaginary part")
+        upper.axhline(1.0, color="black", linewidth=1.0, linestyle=":", label="limit")
+        upper.set_ylabel("loop gain")
+        legend(figure, upper, ax=ax)
+        lower.plot(speeds, growth, color=PALETTE[0])
+        lower.axhline(0.0, color="black", linewidth=1.0, linestyle=":")
+        grows = np.maximum(growth, 0.0)
+        lower.fill_between(speeds, 0.0, grows, color=PALETTE[1], alpha=0.3, linewidth=0.0)
+        lower.set_ylabel("growth [1/min]")
+        label_x(axes, speed_axis(unit)[1])
+    return figure
+
+
+def spiral(time: Array, vibration: ComplexArray, ax: GivenAxes = None) -> Figure:
+    """Draw the vibration [m] as a spiral, and its amplitude over time [s]."""
+    with panels(2, 5.0, columns=2, ax=ax) as (figure, axes):
+        plane, over_time = axes
+        scaled = MICRO * vibration
+        plane.plot(scaled.real, scaled.imag, color=PALETTE[0])
+        plane.plot(scaled.real[:1], scaled.imag[:1], "o", color=PALETTE[1])
+        plane.axhline(0.0, color="black", linewidth=0.8)
+        plane.axvline(0.0, color="black", linewidth=0.8)
+        plane.set(xlabel="real part [µm]", ylabel="imaginary part [µm]", aspect="equal")
+        plane.set_adjustable("datalim")
+        over_time.plot(time, np.abs(scaled), color=PALETTE[0])
+        over_time.set(xlabel="time [s]", ylabel="amplitude [µm]")
+        over_time.set_ylim(bottom=0.0)
+    return figure
+
+
+#: Errors and CPU times [s] of a series of runs.
+Points: TypeAlias = tuple[Sequence[float], Sequence[float]]
+
+#: Filled markers for methods, open markers for models: distinguishable without colour.
+_METHODS = ("o", "s", "D", "^", "v", "P")
+_MODELS = ("X", "d", "<", ">", "p", "h", "8", "*")
+
+
+def work_precision(
+    methods: Mapping[str, Points],
+    models: Mapping[str, Points],
+    front: Points,
+    *,
+    floor: float,
+    worst: float,
+    simulated: float,
+    ax: GivenAxes = None,
+) -> Figure:
+    """Draw the CPU time against the error, both on logarithmic axes."""
+    with panels(1, 6.2, columns=1, ax=ax) as (figure, (panel,)):
+        for i, (name, (x, y)) in enumerate(methods.items()):
+            marker = f"-{_METHODS[i % len(_METHODS)]}"
+            panel.plot(x, y, marker, color=colour(i), ms=9.0, label=name)
+        for i, (name, (x, y)) in enumerate(models.items()):
+            marker = _MODELS[i % len(_MODELS)]
+            panel.plot(
+                x, y, marker, ls="none", mfc="none", mec="0.35", mew=1.6, ms=10.0, label=name
+            )
+        # The cheapest run is optimal for every error above its own.
+        x, y = [worst, *front[0]], [front[1][0], *front[1]]
+        line: dict[str, Any] = {"color": "0.6", "lw": 7.0, "alpha": 0.5, "zorder": 1}
+        panel.step(x, y, where="pre", label="Pareto front", **line)
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        left = min(panel.get_xlim()[0], floor / 3.0)
+        panel.axvspan(left, floor, color="0.93", zorder=0, label="reference uncertainty")
+        panel.set_xlim(left=left)
+        panel.set_xlabel("error: RMS of the difference / RMS of the signal about its mean")
+        panel.set_ylabel(f"CPU time for {simulated:g} simulated s [s]")
+        handles, labels = panel.get_legend_handles_labels()
+        if ax is None:
+            figure.legend(handles, labels, loc="outside right center")
+        else:
+            panel.legend(handles, labels, loc="best", fontsize="small")
+    return figure

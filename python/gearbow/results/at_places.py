@@ -1,0 +1,471 @@
+"""Motion and forces at places: the methods with an argument `at` that results have in common."""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from typing import Any, Generic, TypeVar, get_args
+
+from numpy.typing import ArrayLike
+
+from gearbow._lookup import CheckedMethods
+from gearbow._types import Array, At, Record, RunData
+from gearbow.recording import access
+from gearbow.recording.access import BearingMotion
+from gearbow.recording.contact import ContactShares
+from gearbow.recording.energy import EnergyBalance
+from gearbow.recording.record import Event, MeshResponse, RunRecord
+
+#: Arrays of vectors, and of numbers.
+V = TypeVar("V")
+S = TypeVar("S")
+
+
+class Motion(CheckedMethods, Generic[V, S]):
+    """Displacements of places; the first axes of all values are those of the result."""
+
+    @abstractmethod
+    def _at(self, quantity: str, at: Any) -> Any:
+        """Give a quantity of a place, which has the name of its method."""
+
+    def displacement(self, at: At) -> V:
+        """Lateral displacement of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]),
+            in results of linear analyses also between nodes.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            Displacements along y and z [m], of modes in the unit of `shapes`.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no lateral motion.
+        ChannelError
+            If a run did not record it; the message says what to record.
+        """
+        return self._at("displacement", at)  # type: ignore[no-any-return]
+
+    def twist(self, at: At) -> S:
+        """Twist of a place, relative to the rigid-body rotation.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]), as for `displacement`.
+
+        Returns
+        -------
+        float or ndarray, shape (...,)
+            Twist about x [rad], of modes in the unit of `shapes`.
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no torsion.
+        ChannelError
+            If a run did not record it; the message says what to record.
+        """
+        return self._at("twist", at)  # type: ignore[no-any-return]
+
+
+class LoadedMotion(Motion[V, S]):
+    """Displacements of places, and forces on bearings."""
+
+    def bearing_force(self, at: tuple[str, float]) -> V:
+        """Force of a shaft on a bearing.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            Components along y and z [N].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such bearing, or a run did not record it.
+        """
+        return self._at("bearing_force", at)  # type: ignore[no-any-return]
+
+    def bearing_displacement(self, at: tuple[str, float]) -> V:
+        """Displacement of a shaft relative to what its bearing stands on.
+
+        A proximity probe in the bearing housing measures it.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            Components along y and z [m].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such bearing, or a run did not record it.
+        """
+        return self._at("bearing_displacement", at)  # type: ignore[no-any-return]
+
+
+class AxialMotion(LoadedMotion[V, S]):
+    """Motion and forces of runs and of equilibria, also along the axis."""
+
+    def axial(self, at: At) -> S:
+        """Axial displacement of a place, in a system with axial motion.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        float or ndarray, shape (...,)
+            Displacement along x [m].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no axial motion.
+        """
+        return self._at("axial", at)  # type: ignore[no-any-return]
+
+    def axial_bearing_force(self, at: tuple[str, float]) -> S:
+        """Force of a shaft on a bearing along the axis, in a system with axial motion.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        float or ndarray, shape (...,)
+            Component along x [N].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such bearing, or a run did not record it.
+        """
+        return self._at("axial_bearing_force", at)  # type: ignore[no-any-return]
+
+    def journal(self, at: tuple[str, float]) -> BearingMotion:
+        """Motion of the journal in a journal bearing.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        BearingMotion
+            Force, eccentricity ratio and attitude angle.
+
+        Raises
+        ------
+        ChannelError
+            If there is no such journal bearing, or a run did not record it.
+        """
+        return self._at("journal", at)  # type: ignore[no-any-return]
+
+
+class Vibration(LoadedMotion[V, S]):
+    """Motion with velocities and accelerations."""
+
+    def velocity(self, at: At) -> V:
+        """Lateral velocity of a place.
+
+        No difference of displacements is taken: in a run it belongs to the state, and a phasor is
+        that of the displacement times iω.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            Velocities along y and z [m/s].
+
+        Raises
+        ------
+        GearbowError
+            As for `displacement`.
+        """
+        return self._at("velocity", at)  # type: ignore[no-any-return]
+
+    def acceleration(self, at: At) -> V:
+        """Lateral acceleration of a place.
+
+        In a run it follows from the state and the equation of motion; no difference is taken. If
+        the run leaves out modes, it is the acceleration of the reduced model.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            Accelerations along y and z [m/s²].
+
+        Raises
+        ------
+        GearbowError
+            As for `displacement`.
+        """
+        return self._at("acceleration", at)  # type: ignore[no-any-return]
+
+
+class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
+    """Signals of a recorded run at k times."""
+
+    _data: RunData
+
+    @abstractmethod
+    def to_record(self) -> RunRecord:
+        """Give the recording as plain data."""
+
+    @property
+    def time(self) -> Array:
+        """Recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Times [s].
+        """
+        return self._data["time"]
+
+    @property
+    def final(self) -> Mapping[str, Any]:
+        """Final state without rounding; `simulate(initial=...)` continues from it.
+
+        Returns
+        -------
+        mapping
+            Method, time, speed, a known angle of the reference shaft (time [s], angle [rad] and
+            its rounding error), and the state variables of the method.
+        """
+        return dict(self._data["final"])
+
+    @property
+    def recorded(self) -> list[Record]:
+        """Recorded items, in the form of the argument `record` of `simulate`.
+
+        Returns
+        -------
+        list of str or tuple
+            Names of gears and disks, (shaft, position), (driver, driven), ("bearing", shaft,
+            position), "velocity", "acceleration", "energy".
+        """
+        return self.to_record().recorded
+
+    @property
+    def speeds(self) -> Array:
+        """Speed of the reference shaft at the recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Speeds [rad/s].
+        """
+        return access.speeds(self.to_record())
+
+    def angle(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
+        """Prescribed angle of a shaft, without its twist.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        times : array_like, shape (n,), optional
+            Times [s]; None is the k recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,) or (n,)
+            Angle about x, not reduced to one revolution [rad].
+
+        Raises
+        ------
+        ChannelError
+            If there is no such shaft, or the response has no kinematics.
+        """
+        return access.angle(self.to_record(), shaft, times)
+
+    def spin(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
+        """Prescribed angular velocity of a shaft.
+
+        Parameters
+        ----------
+        shaft : str
+            Name of the shaft.
+        times : array_like, shape (n,), optional
+            Times [s]; None is the k recorded times.
+
+        Returns
+        -------
+        ndarray, shape (k,) or (n,)
+            Angular velocity about x [rad/s].
+        """
+        return access.spin(self.to_record(), shaft, times)
+
+    def _at(self, quantity: str, at: Any) -> Any:
+        record = self.to_record()
+        if quantity in get_args(access.Quantity):
+            return access.motion(record, quantity, at)  # type: ignore[arg-type]
+        return getattr(access, quantity)(record, at)
+
+    def twist_rate(self, at: At) -> Array:
+        """Rate of the twist of a place: its angular velocity beyond the prescribed one.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Rate of the twist about x [rad/s].
+        """
+        return self._at("twist_rate", at)  # type: ignore[no-any-return]
+
+    def axial_velocity(self, at: At) -> Array:
+        """Axial velocity of a place, in a system with axial motion.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Velocity along x [m/s].
+        """
+        return self._at("axial_velocity", at)  # type: ignore[no-any-return]
+
+    def axial_acceleration(self, at: At) -> Array:
+        """Axial acceleration of a place, in a system with axial motion.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Acceleration along x [m/s²].
+        """
+        return self._at("axial_acceleration", at)  # type: ignore[no-any-return]
+
+    def rolling(self, at: tuple[str, float]) -> BearingMotion:
+        """Time history of a rolling bearing.
+
+        Parameters
+        ----------
+        at : tuple of (str, float)
+            Shaft and position of the bearing [m].
+
+        Returns
+        -------
+        BearingMotion
+            Force, number of loaded elements and largest contact force.
+        """
+        return access.rolling(self.to_record(), at)
+
+    def mesh(self, at: str | tuple[str, str]) -> MeshResponse:
+        """Time history of one mesh.
+
+        Parameters
+        ----------
+        at : tuple of (str, str) or str
+            The two gears, (driver, driven) in either order, or "driver/driven".
+
+        Returns
+        -------
+        MeshResponse
+            Force and deflection, and the geometry of the moving centres.
+        """
+        return access.mesh(self.to_record(), at)
+
+    def contact_shares(self, at: str | tuple[str, str], *, skip_time: float = 0.0) -> ContactShares:
+        """Find the shares of the time with contact of drive flanks, back flanks, both or none.
+
+        The contact changes at the exact times of the events, also between recorded instants.
+
+        Parameters
+        ----------
+        at : tuple of (str, str) or str
+            The mesh, as for `mesh`.
+        skip_time : float
+            Time at the beginning that is ignored [s].
+
+        Returns
+        -------
+        ContactShares
+            The shares between the first and the last recorded time; `ContactShares.lost` is the
+            share without contact of the drive flanks. A mesh without backlash is always in contact.
+
+        Raises
+        ------
+        SceneError
+            If `skip_time` is negative or longer than the record.
+        """
+        return access.contact_shares(self.to_record(), at, skip_time)
+
+    @property
+    def energy(self) -> Array:
+        """Kinetic energy of the vibration plus elastic energy of shafts, bearings and meshes.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Energy [J].
+        """
+        return access.energy(self.to_record())
+
+    def energy_balance(self) -> EnergyBalance:
+        """Compare the energies of the system with the work done on it.
+
+        Returns
+        -------
+        EnergyBalance
+            The terms, their sums, and the residual, which is the integration error.
+        """
+        return access.energy_balance(self.to_record())
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Contact events of the teeth.
+
+        A change of the contact mode ("contact", "back contact", "separation", "tight") is an event
+        only after the start of the run. The contact mode at the start is not an event, even if
+        flanks that touch at the start separate or press immediately.
+
+        Returns
+        -------
+        tuple of Event
+            In the order of detection. A mesh with backlash or time-varying stiffness has all its
+            events, recorded or not. Other meshes have the events that their recorded instants
+            show.
+        """
+        return access.events(self.to_record())

@@ -1,0 +1,257 @@
+"""Harmonic responses: phasors at places and of sensors, and comparison with measured ones."""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearbow._core import Model
+from gearbow._read_only import ReadOnly
+from gearbow._result import Column, Figured, Result
+from gearbow._shown import short
+from gearbow._types import Array, At, ComplexArray, Plain
+from gearbow.description.coordinates import Coordinates, time_derivatives
+from gearbow.description.places import Places
+from gearbow.description.train import Train
+from gearbow.errors import SceneError
+from gearbow.results.at_places import Vibration
+from gearbow.sensors.sensor import SignalSensor
+from gearbow.units.fields import MOTIONS
+from gearbow.units.speed import SpeedUnit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from gearbow.exchange.harmonic import MeasuredCurve
+
+
+#: Largest number of places in a table, and in a figure without names.
+PRINTED_PLACES = 3
+
+
+class HarmonicResponse(Result, ReadOnly, Vibration[ComplexArray, ComplexArray]):
+    """Phasors x of a motion: each source contributes the real part of x exp(iωt)."""
+
+    coordinates: Coordinates
+    description: Mapping[str, Plain]
+    _bearings: tuple[tuple[str, float], ...]
+    _bearing_force: ComplexArray
+
+    @property
+    @abstractmethod
+    def _motion(self) -> ComplexArray:
+        """Displacement of each degree of freedom, shape (..., sources, n)."""
+
+    @property
+    @abstractmethod
+    def _rates(self) -> Array:
+        """Angular frequency of each source [rad/s], shape (..., sources) or (..., 1)."""
+
+    def _model(self) -> Model:
+        """Compile the system again: a result is plain data, without the compiled model."""
+        return Model(dict(self.description))
+
+    def axial_displacement(self, at: At) -> ComplexArray:
+        """Axial displacement of a place.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            Place, as for `displacement`.
+
+        Returns
+        -------
+        ndarray, shape (...,)
+            Phasors [m].
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place, or the system has no axial motion.
+        """
+        return self._at("axial", at)
+
+    def measure(self, sensor: SignalSensor) -> ComplexArray:
+        """Signal of a sensor.
+
+        Parameters
+        ----------
+        sensor : Probe or Accelerometer
+            The sensor. Its run-out, a complex number, has a part in the synchronous response to its
+            own shaft, and none in the response to another source.
+
+        Returns
+        -------
+        ndarray, shape (...,)
+            Phasors in the unit of the sensor.
+
+        Raises
+        ------
+        SceneError
+            If the sensor gives no signal, as a tachometer.
+        GearbowError
+            If the system has no such place, or not the motion that the sensor measures.
+        """
+        if not isinstance(sensor, SignalSensor):
+            raise SceneError(f"sensor: must be a gb.Probe or gb.Accelerometer, got {sensor!r}")
+        return self._signal(sensor)
+
+    def _signal(self, sensor: Any) -> ComplexArray:
+        """Give the phasors of the signal of a sensor."""
+        signal: ComplexArray = sensor._sensed(self._at)
+        return signal
+
+    def _at(self, quantity: str, at: Any) -> ComplexArray:
+        found: ComplexArray
+        if quantity == "bearing_force":
+            i = Places.of("bearing", self._bearings).index(at)
+            found = self._bearing_force[..., 2 * i : 2 * i + 2]
+        elif quantity == "bearing_displacement":
+            found = self._in_bearing(at)
+        else:
+            found = self.coordinates.motion(self._motion, quantity, at)
+            power = time_derivatives(quantity)
+            if power:
+                along = quantity.startswith("axial")
+                found = found * (1j * (self._rates if along else self._rates[..., None])) ** power
+        return found
+
+    def _in_bearing(self, at: Any) -> ComplexArray:
+        """Give the displacement of a shaft relative to what its bearing stands on."""
+        shaft, x = self._bearings[Places.of("bearing", self._bearings).index(at)]
+        moved: ComplexArray = self.coordinates.displacement(self._motion, (shaft, x))
+        bearings = self.description["bearings"]
+        number = Places.of("bearing", [(b["shaft"], b["position"]) for b in bearings]).index(at)
+        base = bearings[number].get("support")
+        if base is None:
+            return moved
+        if isinstance(base, Mapping):
+            base = base.get("name") or f"bearings[{number}].support"
+        housings = {each["name"]: each for each in self.description.get("housings", ())}
+        if isinstance(base, str) and base in housings:
+            train = Train.of(self.description, self._model().speed_ratios)
+            foot = train.layout.shaft(shaft).origin + np.array([x, 0.0, 0.0])
+            arm = foot - housings[base].get("position", [0.0, 0.0, 0.0])
+            below = self.coordinates.of_point(self._motion, base, arm)
+        else:
+            node = (base, 0.0) if isinstance(base, str) else tuple(base)
+            below = self.coordinates.displacement(self._motion, node)
+        relative: ComplexArray = moved - below
+        return relative
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyComparison(Figured, ReadOnly):
+    """Measured curves, and the computed ones at the same frequencies.
+
+    `plot` draws amplitudes above phases, the measured curves solid and the computed ones
+    dashed; all curves have one quantity.
+
+    Parameters
+    ----------
+    measured : tuple of MeasuredCurve
+        The measured curves, each with `at`, `direction`, `quantity`, `frequencies` [rad/s] and
+        `values`.
+    computed : tuple of ndarray
+        Values of the computed curves.
+
+    Notes
+    -----
+    FRAC is the frequency response assurance criterion
+    abs(Σ conj(H_m) H_c)²/(Σ abs(H_m)² Σ abs(H_c)²) of one curve over its frequencies (Heylen and
+    Lammens, 1996). MAC is the same ratio of the shapes at one frequency, over the curves (Allemang
+    and Brown, 1982). Both are 1 for proportional functions.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> system = gb.RotorSystem(
+    ...     shafts=[gb.Shaft("rotor", length=1.0, outer_diameter=0.05)],
+    ...     bearings=[gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)],
+    ... )
+    >>> frequencies = np.linspace(100.0, 1000.0, 50)
+    >>> force = gb.Force(("rotor", 0.5), 1.0)
+    >>> response = system.frequency_response(frequencies, source=force)
+    >>> at = ("rotor", 0.5)
+    >>> values = response.displacement(at)[:, 0, 0]
+    >>> curve = gb.results.MeasuredCurve(at, "y", "displacement", frequencies, values)
+    >>> print(f"{response.compare([curve]).frac[0]:.3f}")
+    1.000
+    """
+
+    measured: "tuple[MeasuredCurve, ...]"
+    computed: tuple[ComplexArray, ...]
+
+    def _facts(self) -> dict[str, str]:
+        return {"curves": short([one.label for one in self.measured]), "frac": short(self.frac)}
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each curve."""
+        return [
+            Column("curve", [one.label for one in self.measured]),
+            Column("quantity", [one.quantity for one in self.measured]),
+            Column("frequencies", [one.frequencies.size for one in self.measured]),
+            Column("FRAC", self.frac, "", ".4f"),
+        ]
+
+    @property
+    def frac(self) -> Array:
+        """FRAC of each curve.
+
+        Returns
+        -------
+        ndarray, shape (curves,)
+            Values from 0 to 1.
+        """
+        pairs = zip(self.measured, self.computed, strict=True)
+        return np.array([_assurance(one.values, own, 0) for one, own in pairs])
+
+    @property
+    def mac(self) -> Array:
+        """MAC of the measured and computed shapes.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Values from 0 to 1 at each frequency.
+
+        Raises
+        ------
+        SceneError
+            If the curves have different frequencies or quantities.
+        """
+        first = self.measured[0]
+        for one in self.measured[1:]:
+            same = np.array_equal(one.frequencies, first.frequencies)
+            if not same or one.quantity != first.quantity:
+                raise SceneError(
+                    f"mac: a shape needs curves of one quantity at the same frequencies; "
+                    f"{one.label!r} differs from {first.label!r}"
+                )
+        mac: Array = _assurance(
+            np.array([one.values for one in self.measured]), np.array(self.computed), 0
+        )
+        return mac
+
+    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+        from gearbow.plotting import harmonic as figures  # noqa: PLC0415
+
+        quantities = {one.quantity for one in self.measured}
+        if len(quantities) > 1:
+            raise SceneError(f"plot: the curves have different quantities: {sorted(quantities)}")
+        unit = MOTIONS[quantities.pop()]
+        lines = {}
+        for one, own, frac in zip(self.measured, self.computed, self.frac, strict=True):
+            for name, values in (("measured", one.values), (f"computed (FRAC {frac:.3f})", own)):
+                lines[f"{one.label}, {name}"] = figures.Curve.of(one.frequencies, values)
+        return figures.bode(lines, unit, over="frequency", frf=True, pairs=True, ax=ax)
+
+
+def _assurance(measured: Any, computed: Any, axis: int) -> Any:
+    """Give |Σ m* c|²/(Σ|m|² Σ|c|²) over an axis; 0 where one is zero."""
+    cross = np.abs(np.sum(np.conj(measured) * computed, axis=axis)) ** 2
+    sizes = np.sum(np.abs(measured) ** 2, axis=axis) * np.sum(np.abs(computed) ** 2, axis=axis)
+    return np.divide(cross, sizes, out=np.zeros_like(sizes), where=sizes > 0.0)

@@ -1,0 +1,228 @@
+"""Figures, reports and scene files of a system."""
+
+import os
+import re
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearbow._convert import array, copied, number, showing, text, whole
+from gearbow._core import Model
+from gearbow._extras import extra
+from gearbow._files import check_name, check_output, reading
+from gearbow._types import Progress
+from gearbow.analysis.protocol import System
+from gearbow.description.bow_limit import BowLimit
+from gearbow.description.part import parts
+from gearbow.description.train import Train
+from gearbow.errors import SceneError
+from gearbow.results.peak import operating_range
+from gearbow.units.parse import without_texts
+from gearbow.units.speed import (
+    RevolutionsPerMinute,
+    RevolutionsPerMinuteArray,
+    SpeedUnit,
+    given_unit,
+    unit_in_texts,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def plot(  # numpydoc ignore=PR01
+    self: System, *, ax: Any = None, magnify: float | None = None
+) -> "Figure":
+    """Draw the train to scale, from the side and from the end.
+
+    The side view shows shafts, gears, disks, bearings with what they stand on, couplings, drives,
+    torques and forces, and the enlarged bow of each shaft in its own plane, with its size and its
+    angle in the shaft. The train is developed into one plane: neighbouring shafts have their centre
+    distance. An arrow of a torque or a rotation has its head in the positive sense, y towards z,
+    where its value is positive.
+
+    The end view shows the pitch circles, the sense of rotation of each shaft at a positive speed of
+    the reference shaft, and the line of action of each mesh between the base circles, with the
+    direction of the force on the driven gear.
+
+    Parameters
+    ----------
+    ax : Axes or pair of Axes, optional
+        Panel for the side view, or panels for side view and end view; None makes a new figure.
+    magnify : float, optional
+        Factor that enlarges the bows; None chooses one, which the title names.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure. It is neither shown nor saved.
+
+    Raises
+    ------
+    GearbowError
+        If `ax` is not one or two Axes.
+    SceneError
+        If `magnify` is not positive and finite.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> figure = gb.RotorSystem(shafts=[rotor], bearings=bearings).plot()
+    >>> [panel.get_title() for panel in figure.axes]
+    ['side view, bow × 50', 'end view, seen along −x']
+    """
+    with extra("plot"):
+        from gearbow.plotting import train as figures  # noqa: PLC0415
+
+    if magnify is not None:
+        magnify = number(magnify, "magnify")
+        if not magnify > 0.0:
+            raise SceneError(f"magnify: must be positive, got {magnify!r}")
+    train = Train.of(self._model.description(), self.speed_ratios)
+    return figures.draw(train, magnify, ax)
+
+
+#: Default speeds of the diagrams: their number, and the lowest and the highest one divided by the
+#: highest operating speed. API RP 684 (2005) requires the response to unbalance up to 1.5. The
+#: speed 0 is left out, because journal bearings carry no load there.
+_SPEEDS, _LOWEST, _HIGHEST = 100, 0.05, 1.5
+
+
+def report(
+    self: System,
+    path: str | os.PathLike[str],
+    *,
+    operating: float | tuple[float, float] | None = None,
+    speeds: "ArrayLike | None" = None,
+    modes: int = 8,
+    limits: Sequence[BowLimit] = (),
+    title: str | None = None,
+    progress: bool | Progress | None = None,
+) -> None:
+    """Write a report: one HTML page with drawing, data, and the results of the usual analyses.
+
+    The page has interactive figures and contains all that it needs. Without scripts, and in print
+    (A4), it shows images. What cannot be computed for this system is a sentence with the reason.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file. Its name ends with ".html".
+    operating : float or tuple of (float, float), optional
+        Operating speed of the reference shaft, or the lowest and the highest [rad/s]. Static loads,
+        modes, limits of bows and the motion are those of the highest speed. Without it the report
+        has standstill, and no motion.
+    speeds : array_like, shape (k,), optional
+        Speeds of the reference shaft for the diagrams [rad/s]; None is 100 speeds from 5 % to 150 %
+        of the highest operating speed. The Campbell diagram takes up to 25 of them.
+    modes : int
+        Number of modes that oscillate.
+    limits : sequence of BowLimit
+        Limits of the bow in addition to those of the teeth.
+    title : str, optional
+        Heading of the page; None is the name of the file.
+    progress : bool or callable, optional
+        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives the
+        completed fraction.
+
+    Raises
+    ------
+    SceneError
+        If an argument is invalid, or the file has another ending.
+    MissingExtraError
+        If an extra is not installed: "report".
+    OSError
+        If the file cannot be written. An existing file is unchanged.
+    KeyboardInterrupt
+        After Ctrl-C; the file then has the sections that were finished.
+
+    Notes
+    -----
+    Separation margins and amplification factors follow API RP 684, the unbalance of the response
+    analysis and level 1 of the stability analysis API 617. The interactive figures are of plotly.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> system.report("rotor.html", operating=gb.rpm(4000))  # doctest: +SKIP
+    """
+    file, _ = check_name(path, [".html"])
+    check_output(file)
+    span = operating_range(operating)
+    unit = given_unit(operating) or given_unit(speeds) or self._speed_unit
+    wanted = None if speeds is None else np.atleast_1d(array(speeds, "speeds"))
+    count = whole(modes, "modes")
+    added = tuple(parts(limits, BowLimit, "limits"))
+    heading = file.stem if title is None else text(title, "title")
+    if wanted is None and span is not None:
+        wanted = np.linspace(_LOWEST, _HIGHEST, _SPEEDS) * span[1]
+    if unit == "rpm":
+        span = (
+            None if span is None else (RevolutionsPerMinute(span[0]), RevolutionsPerMinute(span[1]))
+        )
+        wanted = None if wanted is None else wanted.view(RevolutionsPerMinuteArray)
+    with extra("report"):
+        import jinja2  # noqa: F401, PLC0415
+        import matplotlib as mpl  # noqa: F401, PLC0415
+        import plotly  # noqa: F401, PLC0415
+    from gearbow.report.compose import compose  # noqa: PLC0415
+    from gearbow.report.contents import Options  # noqa: PLC0415
+
+    compose(self, file, Options(heading, span, wanted, count, added, unit), progress)
+
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+_NUL = re.compile(r"\\(u0000|U00000000)")
+
+
+class Scene(NamedTuple):
+    """A scene file: its model, and the unit of speeds in its texts."""
+
+    model: Model
+    speed_unit: SpeedUnit
+
+
+def read_scene(path: str | os.PathLike[str]) -> Scene:
+    """Read a scene file."""
+    with reading(path, "a scene file") as document:
+        try:
+            plain = tomllib.loads(document)
+        except tomllib.TOMLDecodeError:
+            try:
+                return Scene(Model.from_toml(document), "rad/s")  # which describes the error
+            except SceneError as error:
+                raise _with_remedy(error, document) from None
+        converted = without_texts(plain)
+        with showing(plain):
+            return Scene(_model(document, plain, converted), unit_in_texts(plain))
+
+
+def _model(document: str, plain: Any, converted: Any) -> Model:
+    """Make the system of a document with the `plain` content, `converted` to numbers."""
+    # Without units, the errors of the core name the line. Only an escape can give a NUL.
+    if converted == plain and not _NUL.search(document):
+        return Model.from_toml(document)
+    return Model(copied(converted, ""))
+
+
+def _with_remedy(error: SceneError, document: str) -> SceneError:
+    """Say how to write a list of parts, if that is why the document is not TOML."""
+    found = re.search(r"at line (\d+)", str(error))
+    if found is None or "duplicate key" not in str(error):
+        return error
+    header = re.fullmatch(
+        r"\s*\[\[?\s*(\w+)\s*\]?\]\s*(#.*)?", document.splitlines()[int(found[1]) - 1]
+    )
+    if header is None:
+        return error
+    return SceneError(f"{error}; write two brackets around each name of a list: [[{header[1]}]]")
