@@ -186,9 +186,10 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
     ) -> "Modes":
         """Make modes of the plain data of the core."""
         dofs = coordinates.dofs
-        groups = [
-            (shaft, _DIRECTION[direction.rstrip("0123456789")]) for shaft, _, direction in dofs
-        ]
+        groups: dict[tuple[str, str], list[int]] = {}
+        for index, (shaft, _, direction) in enumerate(dofs):
+            group = (shaft, _DIRECTION[direction.rstrip("0123456789")])
+            groups.setdefault(group, []).append(index)
         shares = data["kinetic_shares"]
         return cls(
             frequencies_hz=data["frequencies_hz"],
@@ -201,10 +202,7 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
             dofs=dofs,
             layout=layout,
             coordinates=coordinates,
-            _shares={
-                group: shares[:, [other == group for other in groups]].sum(axis=1)
-                for group in dict.fromkeys(groups)
-            },
+            _shares={group: shares[:, indices].sum(axis=1) for group, indices in groups.items()},
             _vibrates=data["vibrates"],
             speed_unit=speed_unit,
         )
