@@ -133,17 +133,20 @@ impl Layout {
         lengths.fold(0.0, f64::max)
     }
 
-    /// Relative errors of a frequency ω, rad/s, at which the shaft vibrates in bending, in torsion and along its axis, by the
-    /// element lengths of each segment.
-    pub fn frequency_errors(&self, lengths: &[Vec<f64>], degree: usize, frequency: f64) -> [f64; 3] {
-        let mut errors = [0.0; 3];
+    /// What elements of these lengths add to the relative error of the frequency ω, rad/s, of a mode, from its fractions of elastic
+    /// energy in the bending, in the torsion and in the axial strain of the shaft.
+    pub fn frequency_error(&self, lengths: &[Vec<f64>], degree: usize, frequency: f64, energy: [f64; 3]) -> f64 {
+        let mut error = 0.0;
         for (segment, lengths) in self.segments.iter().zip(lengths) {
-            for (error, wavenumber) in errors.iter_mut().zip(segment.wavenumbers(frequency)) {
-                let sum: f64 = lengths.iter().map(|length| length * dispersion(degree, wavenumber * length)).sum();
-                *error += sum / self.length;
+            for (energy, wavenumber) in energy.into_iter().zip(segment.wavenumbers(frequency)) {
+                // A system without bending or axial motion has no energy in it.
+                if energy > 0.0 {
+                    let sum: f64 = lengths.iter().map(|length| length * dispersion(degree, wavenumber * length)).sum();
+                    error += energy * sum / self.length;
+                }
             }
         }
-        errors
+        error
     }
 
     /// Lengths of the elements of each segment, m.

@@ -457,8 +457,10 @@ impl<'a> Search<'a> {
         let find = || {
             let lengths = self.layouts[i].lengths(&elements.counts);
             let modes = self.excitations.iter().flat_map(|excitation| &excitation.modes);
-            let error =
-                |mode: &ExcitedMode| self.frequency_error(i, elements.degree, &lengths, mode.frequency, &mode.energy);
+            let (layout, shaft) = (&self.layouts[i], self.automatic[i]);
+            let error = |mode: &ExcitedMode| {
+                layout.frequency_error(&lengths, elements.degree, mode.frequency, mode.energy[shaft])
+            };
             Rc::new(ShaftElements {
                 coordinates: self.coordinates(i, &elements.counts, elements.degree),
                 errors: modes.map(error).collect(),
@@ -510,22 +512,6 @@ impl<'a> Search<'a> {
             weight * (difference / response.max(f64::MIN_POSITIVE)).sqrt()
         });
         relative.fold(0.0, f64::max)
-    }
-
-    /// What the elements of an automatic shaft add to the relative error of the frequency of a mode, from its fractions of elastic
-    /// energy.
-    fn frequency_error(
-        &self,
-        i: usize,
-        degree: usize,
-        lengths: &[Vec<f64>],
-        frequency: f64,
-        energy: &[[f64; 3]],
-    ) -> f64 {
-        let errors = self.layouts[i].frequency_errors(lengths, degree, frequency);
-        let energy = energy[self.automatic[i]];
-        // Without axial motion its energy is zero, and the sum that of the other two.
-        errors[0] * energy[0] + errors[1] * energy[1] + errors[2] * energy[2]
     }
 }
 

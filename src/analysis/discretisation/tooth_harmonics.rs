@@ -89,9 +89,9 @@ impl ToothResponse {
         let shapes = elastic_modes(&real);
         let mode = |(frequency, shape): &(f64, &[f64])| {
             let energy = energy(model, *frequency, shape);
-            let shafts = elements.shafts.iter().enumerate();
-            let error = shafts.map(|(i, shaft)| {
-                search.frequency_error(i, shaft.elements.degree, &shaft.lengths, *frequency, &energy)
+            let shafts = elements.shafts.iter().zip(search.layouts).zip(search.automatic);
+            let error = shafts.map(|((shaft, layout), index)| {
+                layout.frequency_error(&shaft.lengths, shaft.elements.degree, *frequency, energy[*index])
             });
             let error = error.sum::<f64>().min(1.0);
             let meshes = model.meshes.iter().enumerate();
