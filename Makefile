@@ -24,12 +24,13 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 # Two or more tests run at the same time; a free process takes tests from a busy one.
 PYTEST_PARALLEL := -n logical --dist worksteal
 
-.PHONY: help demo test check docs web random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check deny licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python lint-files types documents
+.PHONY: help demo test quick check docs web random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check deny licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python lint-files types documents
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo          run examples/bowed_train.py: tables, and a figure"
 	@echo "make test          all tests, Rust and Python, the latter on the installed wheel"
+	@echo "make quick         build gearbow into the sources for work on it: a changed line takes less than a minute"
 	@echo "make random        check general properties on 2,000 new random scenes, and run all examples and the slow cells of the fleet"
 	@echo "make fuzz          parse a million randomly changed descriptions, 10,000 damaged REXS files, and 28,000 damaged files of all kinds"
 	@echo "make mutants       change one place of the program at a time: what share of 210 changes do the tests catch? (hours)"
@@ -64,6 +65,10 @@ test-rust:
 
 test-python: $(VENV)/.dev
 	$(BIN)/python -m pytest $(PYTEST_PARALLEL) --pyargs gearbow tests/python tests/extremes README.md docs
+
+# Changes in python/ are then active at once.
+quick: $(VENV)/.dev
+	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --quiet --locked --profile quick
 
 # New random cases in each call; `make test` always takes the same cases.
 random: $(VENV)/.dev

@@ -5,17 +5,12 @@ mod speed_dependent;
 
 use super::modes::{require, uses_bands};
 use super::{AnalysisError, Dense, Interrupt};
-use crate::modal::{self, CachedModel, CriticalProblem, EquationForces, ModeAtSpeed, Residuals, SpectralRange, Whirl};
+use crate::modal::{
+    self, CachedModel, CriticalProblem, EquationForces, FORWARD, ModeAtSpeed, Residuals, SpectralRange, Whirl,
+};
 use crate::model::Model;
 use crate::scene::EntryPath;
 pub use map::{CriticalPoint, critical_speed_map};
-
-/// Speed for the equilibrium of rolling bearings, rad/s, where no table has another lowest one: their stiffness depends on the
-/// direction of rotation only, which decides on the loaded flanks.
-const EQUILIBRIUM_SPEED: f64 = 1.0;
-
-/// Speed of the reference shaft that selects the flanks in contact, rad/s.
-const FORWARD: f64 = 1.0;
 
 /// An undamped critical speed.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +43,7 @@ pub fn critical_speeds(
             "the damping of an oil film is too large for undamped critical speeds; use campbell() or synchronous()";
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
-    let lowest = cached.model.lowest_speed().unwrap_or(EQUILIBRIUM_SPEED);
+    let lowest = cached.model.lowest_speed().unwrap_or(FORWARD);
     // Without damping, the internal damping of a shaft has no circulatory forces either.
     let undamped = cached.model.has_internal_damping() && cached.model.bearings.is_empty();
     let at_speed = if undamped { cached.at_speed(0.0)? } else { cached.with_operating_points_of(lowest)? };

@@ -22,7 +22,7 @@ pub use damped::{
 };
 pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use lowest::{
-    Eigenpair, FullEquations, Highest, MAX_DENSE, ModeAtSpeed, ModeSelection, ModeSpace, Unknown, ascending,
+    Eigenpair, FORWARD, FullEquations, Highest, MAX_DENSE, ModeAtSpeed, ModeSelection, ModeSpace, Unknown, ascending,
     lowest_critical, mode_near, vibrates,
 };
 pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};

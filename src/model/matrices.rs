@@ -33,11 +33,6 @@ impl Model {
         })
     }
 
-    /// Symmetric part of the bearing stiffness.
-    pub fn symmetric_part_matrix(&self) -> DMatrix<f64> {
-        self.dense(|add| self.visit_supports(|support| support.symmetric_part, add))
-    }
-
     /// Bearing stiffness without its symmetric part, with the circulatory forces of the shafts.
     pub fn skew_part_matrix(&self) -> DMatrix<f64> {
         self.dense(|add| {
@@ -127,11 +122,6 @@ impl Model {
     /// Gyroscopic matrix G per unit speed of the reference shaft.
     pub fn sparse_gyroscopic(&self) -> Sparse {
         self.sparse(|add| self.visit_gyroscopic(add))
-    }
-
-    /// Σ η K of the bearings and connections with a loss factor η, with the flanks in contact at `speed`, rad/s.
-    pub fn sparse_structural(&self, speed: f64) -> Sparse {
-        self.sparse(|add| self.visit_structural(speed, add))
     }
 
     /// Entries (row, column, value) of K, H, C, G and M at `speed`, rad/s, in any order, whose sums are the matrices less those of

@@ -14,10 +14,10 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::super::assignment::{Assignment, equal};
-use super::{Critical, FORWARD, modes, named};
+use super::{Critical, modes, named};
 use crate::analysis::{AnalysisError, Interrupt, Threads};
 use crate::linalg::hermitian_eigen;
-use crate::modal::{CachedModel, ModeAtSpeed};
+use crate::modal::{CachedModel, FORWARD, ModeAtSpeed};
 use crate::model::Model;
 use crate::scene::EntryPath;
 
@@ -67,21 +67,27 @@ pub fn critical_speed_map(
     interrupt: &Interrupt,
 ) -> Result<Vec<Vec<CriticalPoint>>, AnalysisError> {
     EntryPath::root("order").positive(order)?;
-    let problem = MapProblem { at, interrupt };
+    let model = |stiffness: &f64| {
+        interrupt.check()?;
+        // Without damping, the internal damping of a shaft has no circulatory forces either.
+        let model = at(*stiffness)?;
+        Ok::<_, AnalysisError>(CachedModel::new(if model.needs_speed() { model.with_tables_at(0.0)? } else { model }))
+    };
+    let models = threads.map(stiffnesses, model)?;
+    let Some(first) = models.first() else { return Ok(Vec::new()) };
+    let range = first.spectral_range(FORWARD)?.clone();
     // The modes at each stiffness, and the critical speeds of the map.
-    let Some(first) = stiffnesses.first() else { return Ok(Vec::new()) };
-    let range = problem.model(*first)?.spectral_range(FORWARD)?.clone();
-    let found = threads.map(stiffnesses, |stiffness| {
-        let cached = problem.model(*stiffness)?;
-        let found = modes(&cached, order, count.saturating_add(FURTHER_MODES))?;
+    let found = threads.map(&models, |cached| {
+        interrupt.check()?;
+        let found = modes(cached, order, count.saturating_add(FURTHER_MODES))?;
         let critical = named(&cached.model, &range, &found[..count.min(found.len())], interrupt)?;
         let found: Vec<_> = found.into_iter().map(|met| Found::new(&cached.model, order, met)).collect();
-        Ok((cached, critical, found))
+        Ok((critical, found))
     })?;
     let mut lines = Lines { count, alive: Vec::new(), started: 0 };
     let mut map = Vec::new();
     let mut previous: Option<(f64, &CachedModel, &[Found])> = None;
-    for (stiffness, (cached, critical, found)) in stiffnesses.iter().zip(&found) {
+    for ((stiffness, cached), (critical, found)) in stiffnesses.iter().zip(&models).zip(&found) {
         let step = previous.map(|(from, before, known)| Step {
             ends: [from, *stiffness],
             models: [&before.model, &cached.model],
@@ -95,22 +101,6 @@ pub fn critical_speed_map(
         map.push(critical.iter().zip(&lines.alive).map(point).collect());
     }
     Ok(map)
-}
-
-/// What is the same at all stiffnesses.
-struct MapProblem<'a, F> {
-    at: F,
-    interrupt: &'a Interrupt,
-}
-
-impl<F: Fn(f64) -> Result<Model, AnalysisError>> MapProblem<'_, F> {
-    /// The model at a stiffness, N/m.
-    fn model(&self, stiffness: f64) -> Result<CachedModel, AnalysisError> {
-        self.interrupt.check()?;
-        // Without damping, the internal damping of a shaft has no circulatory forces either.
-        let model = (self.at)(stiffness)?;
-        Ok(CachedModel::new(if model.needs_speed() { model.with_tables_at(0.0)? } else { model }))
-    }
 }
 
 /// A step of the stiffness.

@@ -7,9 +7,9 @@
 //! sign is closed by the method of Illinois (Dowell and Jarratt, BIT 11, 1971). Two roots between neighbouring samples
 //! would be missed: between two speeds of a table there are [`SAMPLES_PER_INTERVAL`], and the stiffness is monotone there.
 
-use super::{Critical, FORWARD, Interrupt, named};
+use super::{Critical, Interrupt, named};
 use crate::analysis::AnalysisError;
-use crate::modal::{CachedModel, CriticalProblem};
+use crate::modal::{CachedModel, CriticalProblem, FORWARD};
 use crate::numerics::{Sample, root};
 
 /// Samples between two neighbouring speeds of the tables.

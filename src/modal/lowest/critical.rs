@@ -16,8 +16,9 @@ use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, RitzPa
 use crate::modal::undamped::{Pins, null_motions};
 use crate::model::{Model, Support, Weights};
 
-/// Speed that selects the flanks in contact, rad/s.
-const FORWARD: f64 = 1.0;
+/// Speed of the reference shaft at which critical speeds have their loaded flanks and, where no table has another lowest speed, the
+/// equilibrium of rolling bearings, rad/s: both depend on the direction of rotation only.
+pub const FORWARD: f64 = 1.0;
 /// Relative residual of an accurate mode, and of one that is recognised.
 const ACCURATE: f64 = 1e-12;
 const RECOGNISED: f64 = 1e-7;

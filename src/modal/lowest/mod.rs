@@ -17,7 +17,7 @@ mod selection;
 mod shift_invert;
 
 pub use arnoldi::lowest;
-pub use critical::lowest_critical;
+pub use critical::{FORWARD, lowest_critical};
 pub use intersection::{FullEquations, ModeAtSpeed, Unknown, mode_near};
 pub use modal_space::{Highest, MAX_DENSE, ModalSpace, UndampedSearch, lowest_undamped};
 pub use mode_space::ModeSpace;

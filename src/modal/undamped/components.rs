@@ -8,6 +8,8 @@
 //! with the fourth power of frequency over limit. Under sharp tooth engagement, whose load is a step, the error decreases
 //! with the square of the limit.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::real::{RealModes, RigidMotion, rigid_body_modes, rigid_motions, spring_deflections};
@@ -69,12 +71,14 @@ impl ComponentModes {
         Ok(Self(found))
     }
 
-    /// The mode shapes of all components, one per column, n rows, and the number of rigid-body modes, which come first.
-    pub(in crate::modal) fn shapes(&self, model: &Model) -> (DMatrix<f64>, usize) {
-        let null = self.0.iter().map(|component| component.null).sum();
-        let mut vectors = DMatrix::zeros(model.len(), model.len());
+    /// The mode shapes of the components with coordinates in `part`, one per column, n rows, and the number of rigid-body modes,
+    /// which come first.
+    pub(in crate::modal) fn shapes(&self, model: &Model, part: Range<usize>) -> (DMatrix<f64>, usize) {
+        let inside = || self.0.iter().filter(|component| part.contains(&component.coordinates[0]));
+        let null = inside().map(|component| component.null).sum();
+        let mut vectors = DMatrix::zeros(model.len(), part.len());
         let [mut rigid, mut elastic] = [0, null];
-        for component in &self.0 {
+        for component in inside() {
             for (number, shape) in component.vectors.column_iter().enumerate() {
                 let next = if number < component.null { &mut rigid } else { &mut elastic };
                 component.coordinates.iter().zip(&shape).for_each(|(row, value)| vectors[(*row, *next)] = *value);

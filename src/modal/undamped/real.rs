@@ -45,29 +45,19 @@ pub struct RealModes {
 impl RealModes {
     /// Modes of the complete model, with the loaded tooth flanks of `speed` (reference shaft, rad/s).
     pub(in crate::modal) fn new(model: &Model, speed: f64) -> Result<Self, DecompositionError> {
-        let (vectors, null) = ComponentModes::new(model, Some(speed))?.shapes(model);
+        let (vectors, null) = ComponentModes::new(model, Some(speed))?.shapes(model, 0..model.len());
         Ok(Self::of_shapes(model, speed, vectors, null))
     }
 
     /// Modes without meshes, for each uncoupled part: the bending and the torsion of each shaft, or everything if links
     /// couple the shafts. Mode shapes are zero outside their part.
     pub(in crate::modal) fn without_meshes(model: &Model) -> Result<Vec<Self>, DecompositionError> {
-        let mass = model.mass_matrix();
-        let stiffness = model.shaft_stiffness_matrix() + model.symmetric_part_matrix();
-        let (rigid, deflections) = (rigid_motions(model), spring_deflections(model, None));
+        let components = ComponentModes::new(model, None)?;
         let modes_of_part = |part: Range<usize>| {
-            let is_inside = |motion: &&RigidMotion| motion.displacements.iter().all(|(index, _)| part.contains(index));
-            let inside: Vec<RigidMotion> = rigid.iter().filter(is_inside).cloned().collect();
-            let kinetic = |motions: &DMatrix<f64>| motions.transpose() * &mass * motions;
-            let null = rigid_body_modes(model, &inside, &deflections, kinetic)?;
-            let block = |matrix: &DMatrix<f64>| matrix.view_range(part.clone(), part.clone()).into_owned();
-            let null_in_part = null.rows_range(part.clone()).into_owned();
-            let shapes = symmetric_pencil(&block(&stiffness), &block(&mass), &null_in_part)?.vectors;
-            let mut vectors = DMatrix::zeros(model.len(), part.len());
-            vectors.rows_range_mut(part).copy_from(&shapes);
-            Ok(Self::ascending(model, vectors, null.ncols(), |shape| model.elastic_form_without_meshes(shape)))
+            let (vectors, null) = components.shapes(model, part);
+            Self::ascending(model, vectors, null, |shape| model.elastic_form_without_meshes(shape))
         };
-        model.uncoupled_parts().into_iter().map(modes_of_part).collect()
+        Ok(model.uncoupled_parts().into_iter().map(modes_of_part).collect())
     }
 
     /// Modes in a subspace (Rayleigh–Ritz), whose basis is orthonormal in M, one vector per column, and contains the
