@@ -61,19 +61,12 @@ def test_a_table_is_constant_outside():
     np.testing.assert_allclose(found[[0, 5]], [0.01, 0.04], rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "ratio", [{"other": 0.01}, {"frequencies": [1.0, 1e5], "ratios": [0.01, 0.01]}]
-)
-def test_equal_ratios_are_one_ratio(ratio: dict):
-    one, other = machine(0.01), machine(ratio)
-    for first, second in [
-        (one.modes(100.0).eigenvalues, other.modes(100.0).eigenvalues),
-        (
-            one.modes(100.0).shapes,
-            other.modes(100.0).shapes,
-        ),
-    ]:
-        np.testing.assert_array_equal(first, second)
+def test_equal_ratios_are_one_ratio():
+    exact = machine(0.01).modes(100.0)
+    for ratio in ({"other": 0.01}, {"frequencies": [1.0, 1e5], "ratios": [0.01, 0.01]}):
+        found = machine(ratio).modes(100.0)
+        np.testing.assert_array_equal(found.eigenvalues, exact.eigenvalues)
+        np.testing.assert_array_equal(found.shapes, exact.shapes)
 
 
 def test_responses_have_the_ratio_of_their_mode():
