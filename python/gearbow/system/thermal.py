@@ -17,7 +17,6 @@ from gearbow.description.thermal_bow import ThermalBow
 from gearbow.errors import SceneError
 from gearbow.results.synchronous import Synchronous
 from gearbow.results.thermal import ThermalStability
-from gearbow.units.speed import given_unit
 
 
 def thermal_stability(self: System, bow: ThermalBow, speeds: "ArrayLike") -> ThermalStability:
@@ -44,7 +43,6 @@ def thermal_stability(self: System, bow: ThermalBow, speeds: "ArrayLike") -> The
         gain=bow._gains(wanted * self.speed_ratios[index]),
         response=_forward(by_heat, bow.at, index),
         vibration=_forward(self.synchronous(wanted), bow.at, index),
-        speed_unit=given_unit(speeds) or self._speed_unit,
         left_out=left_out(self),
     )
 
