@@ -58,8 +58,6 @@ class Static(WithSpeeds, Figured, ReadOnly, AxialMotion[Array, float]):
         Geometry of the train at rest.
     speed : float
         Speed of the reference shaft [rad/s].
-    speed_unit : {"rad/s", "rpm"}
-        Unit in which it was given.
     geometry : {"live", "frozen"}
         Whether the line of action follows the moving centres or is that at rest.
 
@@ -245,8 +243,6 @@ class Efficiency(WithSpeeds, Figured, ReadOnly):
         Coefficient of friction; zero without friction.
     loss : ndarray, shape (m, k)
         Power that friction dissipates, mean over the mesh cycle [W].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speeds were given.
     left_out : tuple of str
         Excitations of the system that this result does not contain.
 

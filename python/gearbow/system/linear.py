@@ -26,10 +26,8 @@ from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 
 if TYPE_CHECKING:
-    from gearbow.description.thermal_bow import ThermalBow
     from gearbow.results.properties import MassProperties
     from gearbow.results.static import Efficiency
-    from gearbow.results.thermal import ThermalStability
 
 
 def matrices(
@@ -439,43 +437,6 @@ def synchronous(
         _ratios=self.speed_ratios,
         left_out=left_out(self) if excitation == "both" else (),
     )
-
-
-def thermal_bow(self: System, bow: "ThermalBow", speeds: "ArrayLike") -> "ThermalStability":
-    """Find whether the bow by the uneven heating of a journal grows.
-
-    Parameters
-    ----------
-    bow : ThermalBow
-        The journal, how its temperature follows the vibration, and the shape of the bow.
-    speeds : array_like, shape (speeds,) or scalar
-        Speeds of the reference shaft [rad/s].
-
-    Returns
-    -------
-    ThermalStability
-        Loop gain and eigenvalue at each speed, from two synchronous responses: that to the bow of
-        1 K, and that to bow and unbalance of the system.
-
-    Raises
-    ------
-    SceneError
-        If a speed is invalid, or the journal is not on a shaft.
-
-    Warns
-    -----
-    AccuracyWarning
-        If the system without thermal bow is unstable at some of the speeds.
-
-    Notes
-    -----
-    The temperature difference changes slowly, so that the rotor follows it without delay. Of an
-    elliptic orbit the forward part heats one side; the backward part goes around the shaft twice in
-    each revolution.
-    """
-    from gearbow.system.thermal import thermal_stability  # noqa: PLC0415
-
-    return thermal_stability(self, bow, speeds)
 
 
 def _stiffnesses(bearing: Part) -> tuple[float, ...]:

@@ -45,12 +45,12 @@ from gearbow.system.linear import (
     modes,
     static,
     synchronous,
-    thermal_bow,
 )
 from gearbow.system.outputs import plot, report
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
+from gearbow.system.thermal import thermal_bow
 from gearbow.tradeoff.ask import tradeoff
 from gearbow.units.parse import without_texts
 from gearbow.units.speed import SpeedUnit, in_given_unit, unit_in_texts
