@@ -109,7 +109,7 @@ class CheckedKeywords(CheckedMethods):
 
 def checked(function: _Call) -> _Call:
     """Let a function refuse an unknown keyword argument with a suggestion."""
-    code = function.__code__
+    code = inspect.unwrap(function).__code__
     first = code.co_posonlyargcount
     names = code.co_varnames[first : code.co_argcount + code.co_kwonlyargcount]
     names = tuple(name for name in names if name not in ("self", "cls"))

@@ -6,6 +6,7 @@ and `save` follow. A result of long series gives a summary there, and the series
 
 import os
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -14,9 +15,10 @@ import numpy as np
 from gearbow._convert import whole
 from gearbow._extras import extra
 from gearbow._files import check_name, printable, replacing
-from gearbow._shown import Shown, Table, to_html
+from gearbow._shown import Shown, Table, listed, span, to_html
+from gearbow._types import Array
 from gearbow.errors import GearbowError
-from gearbow.units.speed import SpeedUnit, speed_factor
+from gearbow.units.speed import SpeedUnit, showing_in, shown_unit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,11 +57,11 @@ class Column:
         """Name and unit in a data frame."""
         return _heading(self.name, self.unit)
 
-    def cells(self, rows: Sequence[int], speed_unit: SpeedUnit) -> list[str]:
+    def cells(self, rows: Sequence[int]) -> list[str]:
         """Write the heading and the values of some rows."""
         written = self.written or Written(self.unit, 1.0)
         if self.unit == "rad/s" and self.written is None:
-            written = Written(speed_unit, speed_factor(speed_unit))
+            written = Written(shown_unit(), speed_factor())
         heading = _heading(written.name or self.name, written.unit)
         least = np.broadcast_to(self.round_off, len(self.values))
         return [
@@ -162,7 +164,7 @@ class Result(Shown):
         """Give the columns of the data frame: those of the table, unless it is a summary."""
         return self._columns()
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002  # results without speed
+    def _heading(self) -> list[str]:
         """Give the lines above the table."""
         return []
 
@@ -179,15 +181,12 @@ class Result(Shown):
         """Write a file with one of the `_own_endings`."""
         raise NotImplementedError
 
-    def _speed_unit(self, given: SpeedUnit | None = None) -> SpeedUnit:
-        """Give the unit of speeds: the given one, or that in which the user gave the speed."""
+    def _showing(self, given: SpeedUnit | None = None) -> AbstractContextManager[None]:
+        """Write speeds in the given unit, or in that in which the user gave the speed."""
         own: SpeedUnit | None = getattr(self, "speed_unit", None)
-        if given is None:
-            return own or "rad/s"
-        if own is None:
+        if given is not None and own is None:
             raise GearbowError("speed_unit: this result has no speeds; leave it out")
-        speed_factor(given)
-        return given
+        return showing_in((own or "rad/s") if given is None else given)
 
     def table(self, count: int | None = None, *, speed_unit: SpeedUnit | None = None) -> str:
         """Format the result as a text table.
@@ -210,19 +209,17 @@ class Result(Shown):
         GearbowError
             If the unit is unknown or the result has no speeds.
         """
-        return self._text(None if count is None else whole(count, "count"), speed_unit)
+        with self._showing(speed_unit):
+            return self._text(None if count is None else whole(count, "count"))
 
-    def _text(
-        self, most: int | None, speed_unit: SpeedUnit | None = None, *, counted: bool = False
-    ) -> str:
+    def _text(self, most: int | None, *, counted: bool = False) -> str:
         """Format the first rows, and say how many others there are if they are counted."""
-        unit = self._speed_unit(speed_unit)
         columns = self._columns()
         count = len(columns[0].values) if columns else 0
         rows = range(count if most is None else min(count, most))
         cells = []
         for column in columns:
-            own = column.cells(rows, unit)
+            own = column.cells(rows)
             width = max(map(len, own))
             cells.append(
                 [text.ljust(width) if column.is_text else text.rjust(width) for text in own]
@@ -233,19 +230,21 @@ class Result(Shown):
             lines.append("none")
         elif counted and left:
             lines.append(f"… and {left} more row{'s' if left > 1 else ''}; table() gives all")
-        return "\n".join([*self._heading(unit), *lines, *self._remarks(), *self._left_out()])
+        return "\n".join([*self._heading(), *lines, *self._remarks(), *self._left_out()])
 
     def _rows(self) -> Table:
         columns = self._columns()
         rows = range(len(columns[0].values)) if columns else ()
-        cells = [column.cells(rows, self._speed_unit()) for column in columns]
+        cells = [column.cells(rows) for column in columns]
         return tuple(zip(*cells, strict=True))
 
     def __str__(self) -> str:
-        return self._text(PRINTED_ROWS, counted=True)
+        with self._showing():
+            return self._text(PRINTED_ROWS, counted=True)
 
     def _repr_html_(self) -> str:
-        return to_html("\n".join([repr(self), *self._heading(self._speed_unit())]), self._rows())
+        with self._showing():
+            return to_html("\n".join([repr(self), *self._heading()]), self._rows())
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Convert the result to a data frame.
@@ -322,11 +321,39 @@ class Result(Shown):
         return xr.Dataset(variables)
 
 
+class WithSpeeds:
+    """Base of results with speeds.
+
+    Attributes
+    ----------
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables and figures: that in which the speed was given.
+    """
+
+    speed_unit: SpeedUnit = "rad/s"
+
+    def _remember(self, unit: SpeedUnit) -> None:
+        """Keep the unit of speeds, also for the results within this one."""
+        for inner in vars(self).values():
+            if isinstance(inner, WithSpeeds):
+                inner._remember(unit)
+        vars(self)["speed_unit"] = unit
+
+    def _speed_text(self, speeds: float | list[float] | Array) -> str:
+        """Write a speed, several ones, or the ends of an array of speeds with their unit."""
+        unit = shown_unit(self.speed_unit)
+        if isinstance(speeds, list):
+            return f"{listed([speed_factor(unit) * speed for speed in speeds])} {unit}"
+        if isinstance(speeds, np.ndarray):
+            return f"{span(speed_factor(unit) * speeds)} {unit}"
+        return speed_text(speeds, unit)
+
+
 class Figured(Result):
     """Base of results that one figure shows."""
 
-    def _draw(self, ax: Any, unit: SpeedUnit, /) -> "Figure":
-        """Draw the figure with speeds in a unit."""
+    def _draw(self, ax: Any, /) -> "Figure":
+        """Draw the figure."""
         raise NotImplementedError
 
     def plot(self, *, ax: Any = None, speed_unit: SpeedUnit | None = None) -> "Figure":
@@ -353,4 +380,5 @@ class Figured(Result):
         with extra("plot"):
             from gearbow.plotting import style  # noqa: F401, PLC0415  # as the figure does
 
-        return self._draw(ax, self._speed_unit(speed_unit))
+        with self._showing(speed_unit):
+            return self._draw(ax)

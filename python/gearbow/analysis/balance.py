@@ -13,15 +13,13 @@ from gearbow._core import require_memory
 from gearbow._lookup import nearest, nodal, one_of
 from gearbow._progress import working
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Figured, Written, in_degrees
-from gearbow._shown import listed
+from gearbow._result import Column, Figured, WithSpeeds, Written, in_degrees
 from gearbow._types import Array, At, BalanceTarget, ComplexArray, Excitation
 from gearbow.analysis.protocol import S, System, variant
 from gearbow.description.excitation import left_out
 from gearbow.description.gears import Disk, Gear
 from gearbow.description.places import place_label, places
 from gearbow.errors import SceneError
-from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,7 +30,7 @@ _TRIAL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Balance(Figured, ReadOnly, Generic[S]):
+class Balance(WithSpeeds, Figured, ReadOnly, Generic[S]):
     """A balancing correction and the predicted residual deflection.
 
     `plot` draws the major semi-axis of the deflection before and after the correction over the
@@ -59,8 +57,6 @@ class Balance(Figured, ReadOnly, Generic[S]):
         Influence coefficients: amplitudes per unbalance [m/(kg m)].
     system : RotorSystem
         The system with the correction.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
     left_out : tuple of str
         Excitations of the system that this result does not contain.
 
@@ -96,7 +92,6 @@ class Balance(Figured, ReadOnly, Generic[S]):
     residual: ComplexArray
     influence: ComplexArray
     system: S = field(repr=False)
-    speed_unit: SpeedUnit = "rad/s"
     left_out: tuple[str, ...] = ()
 
     @property
@@ -122,11 +117,11 @@ class Balance(Figured, ReadOnly, Generic[S]):
         before = float(np.linalg.norm(self.before))
         return float(np.linalg.norm(self.residual)) / before if before else 0.0
 
-    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         return figures.balance(
-            [f"{speed_factor(unit) * speed:.6g} {unit}" for speed in self.speeds],
+            [self._speed_text(speed) for speed in self.speeds.tolist()],
             [point if isinstance(point, str) else float(point[1]) for point in self.points],
             semi_axes(self.before),
             semi_axes(self.residual),
@@ -134,10 +129,10 @@ class Balance(Figured, ReadOnly, Generic[S]):
             ax=ax,
         )
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        speeds = listed(speed_factor(speed_unit) * self.speeds)
+    def _heading(self) -> list[str]:
+        speeds = self._speed_text(self.speeds.tolist())
         remains = f"{100.0 * self.residual_ratio:.3g} % of it remains"
-        return [f"balance of the {self.target} deflection at {speeds} {speed_unit}: {remains}"]
+        return [f"balance of the {self.target} deflection at {speeds}: {remains}"]
 
     def _columns(self) -> list[Column]:
         """Give a row for each plane."""
@@ -241,7 +236,6 @@ def balance(  # numpydoc ignore=PR01
         residual=before + influence @ unbalances,
         influence=influence,
         system=with_unbalances(base, dict(zip(chosen, unbalances.tolist(), strict=True))),
-        speed_unit=given_unit(speed) or self._speed_unit,
         left_out=left_out(self),
     )
 

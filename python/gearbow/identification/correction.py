@@ -20,7 +20,7 @@ from gearbow.identification.fit import RELATIVE_STEP
 from gearbow.identification.responses import assembled
 from gearbow.identification.trials import TrialInfluence, trial_influence
 from gearbow.results.synchronous import Synchronous
-from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
+from gearbow.units.speed import SpeedUnit, given_unit, shown_unit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -116,11 +116,11 @@ class Correction(Figured, ReadOnly, Generic[S]):
         before = float(np.linalg.norm(self.before))
         return float(np.linalg.norm(self.remaining)) / before if before > 0.0 else 0.0
 
-    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         return figures.balance(
-            [f"{speed_factor(unit) * speed:.6g} {unit}" for speed in self.speeds],
+            [speed_text(speed) for speed in self.speeds],
             [place_label(point) for point in self.points],
             self.before,
             self.remaining,
@@ -129,13 +129,13 @@ class Correction(Figured, ReadOnly, Generic[S]):
             ax=ax,
         )
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        speeds = listed(speed_factor(speed_unit) * self.speeds)
+    def _heading(self) -> list[str]:
+        speeds = listed(speed_factor() * self.speeds)
         before, low, high = (1e6 * x for x in (_rms(self.before), *self.interval))
         share = f"{100.0 * self.remaining_share:.2g} %"
         change = f"from {before:.3g} µm RMS to between {low:.3g} and {high:.3g} µm"
         rest = f"no weights in these planes can remove {share} of it"
-        return [f"balance at {speeds} {speed_unit}: {change}; {rest}"]
+        return [f"balance at {speeds} {shown_unit()}: {change}; {rest}"]
 
     def _remarks(self) -> list[str]:
         if self.trials is None:

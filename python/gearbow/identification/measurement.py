@@ -405,19 +405,18 @@ class Measurement(Figured, ReadOnly):
             for probe, name in zip(self.probes, self.references, strict=True)
         )
 
-    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
-        factor = speed_factor(unit)
         series = dict(zip(self.labels, self.amplitudes.T, strict=True))
-        return figures.measured_bode(factor * self.speeds, series, {}, unit=unit, ax=ax)
+        return figures.measured_bode(speed_factor() * self.speeds, series, {}, ax=ax)
 
     def _facts(self) -> dict[str, str]:
         unit = self.speed_unit
         speeds = f"{self.speeds.size}, {span(speed_factor(unit) * self.speeds)} {unit}"
         return {"speeds": speeds, "probes": str(len(self.probes))}
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002  # in the column
+    def _heading(self) -> list[str]:
         count = len(self.probes)
         plural = "" if count == 1 else "s"
         return [f"1× vibration of {count} probe{plural} at {self.speeds.size} speeds"]

@@ -288,16 +288,15 @@ class Identification(Figured, ReadOnly, Generic[S]):
 
         return correct(self, planes, speeds, points)
 
-    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
         return figures.identification(
-            [speed_factor(unit) * each.speeds for each in self.measurements],
+            [speed_factor() * each.speeds for each in self.measurements],
             [dict(zip(each.labels, each.amplitudes.T, strict=True)) for each in self.measurements],
             [each.T for each in self.fitted],
             {one.probe: noise for one, noise in zip(self.probes, self.noise, strict=True)},
             self._ellipses(),
-            unit=unit,
             ax=ax,
         )
 
@@ -359,7 +358,7 @@ class Identification(Figured, ReadOnly, Generic[S]):
             "noise": f"{listed(1e6 * self.noise, '.3g')} µm",
         }
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002  # no speed in the table
+    def _heading(self) -> list[str]:
         rows = sum(int(np.isfinite(each.amplitudes).sum()) for each in self.measurements)
         origin = "estimated" if self.noise_is_estimated else "given"
         noise = listed(1e6 * np.unique(self.noise), ".3g")

@@ -72,7 +72,7 @@ class TrialInfluence(Figured, ReadOnly):
     half_widths: Array
     speed_unit: SpeedUnit = "rad/s"
 
-    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
         curves: dict[str, list[int]] = {}
@@ -81,18 +81,17 @@ class TrialInfluence(Figured, ReadOnly):
         return figures.influence(
             {
                 name: figures.Influence(
-                    speed_factor(unit) * self.speeds[own],
+                    speed_factor() * self.speeds[own],
                     self.measured[own],
                     self.model[own],
                     self.half_widths[own],
                 )
                 for name, own in curves.items()
             },
-            unit=unit,
             ax=ax,
         )
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002
+    def _heading(self) -> list[str]:
         return ["influence coefficients of trial runs and of the model"]
 
     def _columns(self) -> list[Column]:

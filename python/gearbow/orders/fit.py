@@ -18,7 +18,7 @@ import numpy as np
 from gearbow._convert import number, text, whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_degrees, in_micrometres, written_unit
+from gearbow._result import Column, Result, WithSpeeds, in_degrees, in_micrometres, written_unit
 from gearbow._types import Array, ComplexArray, Record, SignalQuantity
 from gearbow.description.kinematics import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
@@ -42,7 +42,7 @@ from gearbow.orders.spectrum import channel
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
-from gearbow.units.speed import SpeedUnit, speed_text
+from gearbow.units.speed import SpeedUnit, in_given_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -62,7 +62,7 @@ _HARMONIC = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Orders(Result, ReadOnly):
+class Orders(WithSpeeds, Result, ReadOnly):
     """Amplitude of a signal at each order of a train.
 
     The signal is mean + Re Σ A_j exp(i n_j ϑ(t)) plus a remainder, which contains everything that
@@ -96,8 +96,6 @@ class Orders(Result, ReadOnly):
         Complex amplitudes A_j at these times in the unit of the signal.
     speed : float, optional
         Speed of the reference shaft [rad/s].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -124,7 +122,6 @@ class Orders(Result, ReadOnly):
     tracks: ComplexArray
     _separated: Separated = field(repr=False)
     speed: float | None = None
-    speed_unit: SpeedUnit = "rad/s"
 
     @property
     def rest_share(self) -> float:
@@ -191,8 +188,8 @@ class Orders(Result, ReadOnly):
         why = self._separated.absent(name) or f"no order is called {name!r}"
         raise GearbowError(f"{why}; there are {names or 'no orders'}")
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
+    def _heading(self) -> list[str]:
+        at = "" if self.speed is None else f" at {self._speed_text(self.speed)}"
         factor, unit = written_unit(self.unit)
         mean = f"mean {factor * self._shown_mean():.6g} {unit}"
         return [f"orders of {self.label}{at}: {mean}, {self._remainder()}"]
@@ -239,7 +236,6 @@ class Orders(Result, ReadOnly):
         with extra("plot"):
             from gearbow.plotting import orders as figures  # noqa: PLC0415
 
-        axis = self._speed_unit(speed_unit)
         amplitudes = np.abs(self.amplitudes)
         largest = np.argsort(-amplitudes, kind="stable")
         most = (12 if self.times.size == 1 else 6) if count is None else whole(count, "count")
@@ -255,16 +251,13 @@ class Orders(Result, ReadOnly):
             names = [self.orders[j].names[0] for j in chosen]
             tracks = factor * np.abs(self.tracks[:, chosen])
             over_time = bool(np.ptp(self.speeds) <= _ROUND_OFF * self.speeds.max())
-            return figures.tracks(
-                self.times if over_time else self.speeds,
-                dict(zip(names, tracks.T, strict=True)),
-                label,
-                title=title,
-                speed_unit=None if over_time else axis,
-                ax=ax,
-            )
+            x = self.times if over_time else self.speeds
+            lines = dict(zip(names, tracks.T, strict=True))
+            with self._showing(speed_unit):
+                return figures.tracks(x, lines, label, title=title, over_time=over_time, ax=ax)
         names = [f"{self.orders[j].names[0]} ({self.frequencies_hz[j]:.4g} Hz)" for j in chosen]
-        return figures.orders(names, factor * amplitudes[chosen], label, title=title, ax=ax)
+        with self._showing(speed_unit):
+            return figures.orders(names, factor * amplitudes[chosen], label, title=title, ax=ax)
 
     def _remainder(self) -> str:
         """Describe what the orders do not contain."""
@@ -280,6 +273,7 @@ class Orders(Result, ReadOnly):
         return f"Orders({self.label} [{self.unit}]; {len(self.orders)} orders{largest})"
 
 
+@in_given_unit
 def orders(
     run: RunRecord,
     at: Record | SignalSensor,
@@ -339,7 +333,6 @@ def orders(
         tracks=fitted.amplitudes,
         _separated=chosen,
         speed=None if isinstance(run.speed, SpeedProfile) else abs(run.speed),
-        speed_unit=run.speed_unit,
     )
     _warn(result, values, shortcomings(chosen, excited, sampling), noise)
     return result

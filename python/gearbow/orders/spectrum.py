@@ -8,7 +8,7 @@ import numpy as np
 from gearbow._convert import text
 from gearbow._lookup import one_of
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Figured, in_micrometres, written_unit
+from gearbow._result import Column, Figured, WithSpeeds, in_micrometres, written_unit
 from gearbow._shown import Shown
 from gearbow._types import Array, Record, SignalQuantity, Window
 from gearbow.description.places import is_pair, place, place_label
@@ -18,7 +18,7 @@ from gearbow.recording import access
 from gearbow.recording.channels import CHANNELS, quantities
 from gearbow.recording.record import RunRecord
 from gearbow.sensors.sensor import SignalSensor
-from gearbow.units.speed import SpeedUnit, speed_text
+from gearbow.units.speed import in_given_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -110,7 +110,7 @@ _NAMED_HARMONICS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum(Figured, ReadOnly):
+class Spectrum(WithSpeeds, Figured, ReadOnly):
     """Amplitudes against frequency. A sine of amplitude 1 on a spectral line gives 1.
 
     `plot` draws the amplitude on a logarithmic scale, up to the highest frequency with a
@@ -131,8 +131,6 @@ class Spectrum(Figured, ReadOnly):
         Names and frequencies [Hz] of the orders of the train at a constant speed.
     speed : float, optional
         Speed of the reference shaft [rad/s], if it is constant.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
     periodic : bool
         Whether the record is a period of the motion, so that there is nothing between the lines.
 
@@ -155,10 +153,9 @@ class Spectrum(Figured, ReadOnly):
     unit: str
     orders: tuple[tuple[str, float], ...] = field(default=(), repr=False)
     speed: float | None = None
-    speed_unit: SpeedUnit = "rad/s"
     periodic: bool = False
 
-    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import orders as figures  # noqa: PLC0415
 
         factor, unit = written_unit(self.unit)
@@ -171,8 +168,8 @@ class Spectrum(Figured, ReadOnly):
             ax=ax,
         )
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
+    def _heading(self) -> list[str]:
+        at = "" if self.speed is None else f" at {self._speed_text(self.speed)}"
         size = self.frequencies_hz.size
         end = f" up to {self.frequencies_hz[-1]:.4g} Hz" if size else ""
         peaks = f"peaks above {100.0 * _SMALLEST_PEAK:g} % of the largest"
@@ -225,6 +222,7 @@ def amplitudes(time: Array, values: Array, window: Window = "hann") -> tuple[Arr
     return frequencies[1:], amplitude[1:]
 
 
+@in_given_unit
 def spectrum(
     run: RunRecord,
     at: Record | SignalSensor,
@@ -245,7 +243,6 @@ def spectrum(
         signal.unit,
         named,
         speed,
-        run.speed_unit,
         periodic=run.period is not None and chosen == "none",
     )
 

@@ -15,8 +15,7 @@ from gearbow._convert import number, shown
 from gearbow._extras import extra
 from gearbow._lookup import checked
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_micrometres, written_unit
-from gearbow._shown import span
+from gearbow._result import Column, Result, WithSpeeds, in_micrometres, written_unit
 from gearbow._types import (
     Array,
     Record,
@@ -31,7 +30,7 @@ from gearbow.recording import access
 from gearbow.recording.channels import PASS, LowPass
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
 from gearbow.sensors.sensor import SignalSensor
-from gearbow.units.speed import SpeedUnit, speed_factor
+from gearbow.units.speed import SpeedUnit, in_given_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,7 +41,7 @@ _PART, _DISTANCE = 1 / 16, 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Waterfall(Result, ReadOnly):
+class Waterfall(WithSpeeds, Result, ReadOnly):
     """Spectra of one signal at several speeds.
 
     Parameters
@@ -59,8 +58,6 @@ class Waterfall(Result, ReadOnly):
         Unit of the signal.
     kinematics : Kinematics or None
         Speed ratios and tooth frequencies, which determine the order lines.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -81,7 +78,6 @@ class Waterfall(Result, ReadOnly):
     label: str
     unit: str
     kinematics: Kinematics | None = field(repr=False)
-    speed_unit: SpeedUnit = "rad/s"
 
     def plot(
         self, highest: float | None = None, *, ax: Any = None, speed_unit: SpeedUnit | None = None
@@ -107,24 +103,24 @@ class Waterfall(Result, ReadOnly):
 
         factor, unit = written_unit(self.unit)
         lines = () if self.kinematics is None else self.kinematics.orders(1, 4, 0)
-        return figures.waterfall(
-            self.speeds,
-            self.frequencies_hz,
-            factor * self.amplitudes,
-            f"{self.label} [{unit}]",
-            lines=[(line.names[0], line.value) for line in lines],
-            highest=None if highest is None else number(highest, "highest"),
-            speed_unit=self._speed_unit(speed_unit),
-            ax=ax,
-        )
+        with self._showing(speed_unit):
+            return figures.waterfall(
+                self.speeds,
+                self.frequencies_hz,
+                factor * self.amplitudes,
+                f"{self.label} [{unit}]",
+                lines=[(line.names[0], line.value) for line in lines],
+                highest=None if highest is None else number(highest, "highest"),
+                ax=ax,
+            )
 
     def _frequencies(self) -> Array:
         """Give the frequency of each amplitude [Hz]; those of a run-up differ from row to row."""
         return np.broadcast_to(self.frequencies_hz, self.amplitudes.shape)
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        speeds = span(speed_factor(speed_unit) * self.speeds)
-        return [f"spectra of {self.label}, {self.speeds.size} speeds, {speeds} {speed_unit}"]
+    def _heading(self) -> list[str]:
+        speeds = f"{self.speeds.size} speeds, {self._speed_text(self.speeds)}"
+        return [f"spectra of {self.label}, {speeds}"]
 
     def _columns(self) -> list[Column]:
         """Give a row for each speed, with its largest amplitude."""
@@ -153,6 +149,7 @@ class Waterfall(Result, ReadOnly):
 
 
 @checked
+@in_given_unit
 def waterfall(
     responses: Recorded | Sequence[Recorded],
     at: Record | SignalSensor,
@@ -253,7 +250,6 @@ def _of_runs(
         first.label,
         first.unit,
         runs[0].kinematics,
-        runs[0].speed_unit,
     )
 
 

@@ -23,7 +23,7 @@ from gearbow.plotting.style import (
     speed_axis,
     text_size,
 )
-from gearbow.units.speed import SpeedUnit, speed_text
+from gearbow.units.speed import speed_text
 
 
 def balance(
@@ -72,15 +72,14 @@ def bow_limits(
     present: float,
     *,
     label: str,
-    speed_unit: SpeedUnit = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw one curve for each of the first limits that are reached, and the present bow."""
     if speeds.size == 1:
         single = {name: MICRO * float(values[0]) for name, values in lines.items()}
-        at = f"at {speed_text(float(speeds[0]), speed_unit)}"
+        at = f"at {speed_text(float(speeds[0]))}"
         return _at_one_speed(single, MICRO * present, f"{label} [µm], {at}", ax=ax)
-    factor, axis = speed_axis(speed_unit)
+    factor, axis = speed_axis()
     with panels(1, 6.0, columns=1, width=10.0, ax=ax) as (figure, (panel,)):
         reached = {name: MICRO * bows for name, bows in lines.items() if np.any(np.isfinite(bows))}
         # `lines` ascend: the further ones are above all of these.
@@ -199,11 +198,10 @@ def losses(
     names: Sequence[str],
     shares: Array,
     *,
-    speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the loss of each mesh [% of the input power] over the speed; bars at a single speed."""
-    factor, axis = speed_axis(speed_unit)
+    factor, axis = speed_axis()
     total = shares.sum(axis=1)
     label = "loss by friction of teeth [% of input power]"
     height = 1.6 + 0.45 * len(names) if speeds.size == 1 else 5.0
@@ -215,7 +213,7 @@ def losses(
             named_ticks(panel.yaxis, rows, [*names, "train"])
             panel.invert_yaxis()
             panel.grid(visible=False, axis="y")
-            panel.set(xlabel=label, ylabel="mesh", title=f"{factor * speeds[0]:.5g} {speed_unit}")
+            panel.set(xlabel=label, ylabel="mesh", title=speed_text(speeds[0], form=".5g"))
         else:
             for i, (name, values) in enumerate(zip(names, shares.T, strict=True)):
                 panel.plot(factor * speeds, values, color=colour(i), label=name)
@@ -298,10 +296,10 @@ def sweep(
     return figure
 
 
-def stability(
-    speeds: Array, unit: str, gain: ComplexArray, growth: Array, ax: GivenAxes = None
-) -> Figure:
-    """Draw the loop gain, and the growth in each minute, over speeds in their unit."""
+def stability(speeds: Array, gain: ComplexArray, growth: Array, ax: GivenAxes = None) -> Figure:
+    """Draw the loop gain, and the growth in each minute, over the speed."""
+    factor, label = speed_axis()
+    speeds = factor * speeds
     with panels(2, 3.4, columns=1, sharex=True, ax=ax) as (figure, axes):
         upper, lower = axes
         upper.plot(speeds, gain.real, color=PALETTE[0], label="real part")
@@ -314,7 +312,7 @@ def stability(
         grows = np.maximum(growth, 0.0)
         lower.fill_between(speeds, 0.0, grows, color=PALETTE[1], alpha=0.3, linewidth=0.0)
         lower.set_ylabel("growth [1/min]")
-        label_x(axes, speed_axis(unit)[1])
+        label_x(axes, label)
     return figure
 
 

@@ -69,11 +69,10 @@ def campbell(
     thresholds: Sequence[tuple[int, float, float]] = (),
     unstable: Sequence[tuple[float, float]] = (),
     operating: tuple[float, float] | None = None,
-    speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw frequencies and damping ratios against the speed."""
-    factor, label = speed_axis(speed_unit)
+    factor, label = speed_axis()
     top = 1.08 * float(frequencies_hz.max(initial=1.0))
     last = max(float(speeds[-1]), *(operating or (0.0,)))
     # The whirl at speed 0 has no direction: take that of the second speed.
@@ -250,11 +249,10 @@ def critical_speed_map(
     order: float,
     *,
     actual: Sequence[float] = (),
-    speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw critical speeds against the bearing stiffness."""
-    factor, _ = speed_axis(speed_unit)
+    factor, axis = speed_axis()
     with panels(1, 6.0, columns=1, width=9.0, ax=ax) as (figure, (panel,)):
         for whirl, (shade, line, mark) in MARKS.items():
             style: dict[str, Any] = {
@@ -271,7 +269,7 @@ def critical_speed_map(
         if actual:
             _span(panel, min(actual), max(actual), "stiffness of the system")
         panel.set(xlabel="stiffness of every bearing [N/m]")
-        panel.set(ylabel=f"critical speed of the reference shaft [{speed_unit}]")
+        panel.set(ylabel=f"critical {axis}")
         if order != 1.0:
             panel.set(title=f"excitation of the order {order:g}")
         legend(figure, panel, ax=ax)

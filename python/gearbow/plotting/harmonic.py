@@ -26,6 +26,7 @@ from gearbow.plotting.style import (
     speed_axis,
     text_size,
 )
+from gearbow.units.speed import speed_text
 
 #: Name of the amplitude by its unit, the unit of the figure and its factor.
 _QUANTITIES = {
@@ -68,14 +69,13 @@ def bode(
     pairs: bool = False,
     peaks: Mapping[str, Sequence[tuple[float, float, str | None]]] | None = None,
     operating: tuple[float, float] | None = None,
-    speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw phase above amplitude; an `frf` has its amplitude above, on a logarithmic axis."""
     # Peaks have speed, amplitude and text, half-power points no text; with `pairs`, two curves each
     # have a colour.
     name, shown, scale = _QUANTITIES[unit]
-    factor, label = speed_axis(speed_unit) if over == "speed" else (0.5 / np.pi, "frequency [Hz]")
+    factor, label = speed_axis() if over == "speed" else (0.5 / np.pi, "frequency [Hz]")
     marked: list[tuple[tuple[float, float], str, Any]] = []
     still: list[str] = []
     with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
@@ -146,9 +146,9 @@ def _scale(panel: Axes, *, has_peaks: bool) -> None:
 
 
 def polar(
-    curves: Mapping[str, Curve], unit: str, *, ends: str | None = None, ax: GivenAxes = None
+    curves: Mapping[str, Curve], unit: str, *, ends: bool = False, ax: GivenAxes = None
 ) -> Figure:
-    """Draw curves in the complex plane; with a speed unit `ends`, speeds at ends and maximum."""
+    """Draw curves in the complex plane; with `ends`, speeds at ends and maximum."""
     _, shown, scale = _QUANTITIES[unit]
     named: list[tuple[tuple[float, float], str, Any]] = []
     with panels(1, 7.0, columns=1, width=8.0, ax=ax) as (figure, (panel,)):
@@ -156,13 +156,13 @@ def polar(
             style: dict[str, Any] = {"color": colour(number), "label": name}
             points = scale * curve.size * np.exp(1j * curve.phase)
             panel.plot(points.real, points.imag, marker=".", markersize=3, **style)
-            if ends is not None and np.isfinite(points).any():
+            if ends and np.isfinite(points).any():
                 known = np.flatnonzero(np.isfinite(points))
                 largest = known[np.argmax(np.abs(points[known]))]
                 for i in dict.fromkeys((int(known[0]), int(largest), int(known[-1]))):
                     at = (float(points[i].real), float(points[i].imag))
                     panel.plot(*at, "o", color=style["color"], markersize=5.0)
-                    speed = f"{speed_axis(ends)[0] * curve.along[i]:.4g} {ends}"
+                    speed = speed_text(curve.along[i], form=".4g")
                     named.append((at, speed, style["color"]))
         panel.axhline(0.0, color="0.6", linewidth=0.8)
         panel.axvline(0.0, color="0.6", linewidth=0.8)
@@ -188,9 +188,10 @@ def waterfall(
     _, shown, scale = _QUANTITIES[unit]
     with panels(1, 6.0, columns=1, width=10.0, ax=ax) as (figure, (panel,)):
         hertz, label = frequencies / (2.0 * np.pi), f"{name} [{shown}]"
+        factor, axis = speed_axis()
         least = float(np.min(amplitudes, where=amplitudes > 0.0, initial=amplitudes.max()))
-        speed_map(panel, hertz, speeds, scale * amplitudes, label, least=scale * least)
-        panel.set(ylabel=speed_axis("rad/s")[1])
+        speed_map(panel, hertz, factor * speeds, scale * amplitudes, label, least=scale * least)
+        panel.set(ylabel=axis)
     return figure
 
 
@@ -199,11 +200,10 @@ def synchronous(
     orbits: Mapping[str, Array],
     shafts: Sequence[str],
     *,
-    speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the major semi-axis of the orbits against the speed."""
-    factor, label = speed_axis(speed_unit)
+    factor, label = speed_axis()
     with panels(len(orbits), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
         largest = max(float(orbit.max(initial=0.0)) for orbit in orbits.values())
         least = max(_VISIBLE * largest, min(_TINY, 1e-2 * largest))
@@ -259,18 +259,17 @@ def measured_bode(
     measured: Mapping[str, ComplexArray],
     fitted: Mapping[str, ComplexArray],
     *,
-    unit: str,
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw phase and amplitude of each probe over the speed."""
     with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         _measured(axes, speeds, measured, fitted, {})
-        label_x(axes, speed_axis(unit)[1])
+        label_x(axes, speed_axis()[1])
         legend(figure, axes[1], ax=ax)
     return figure
 
 
-def influence(curves: Mapping[str, Influence], *, unit: str, ax: GivenAxes = None) -> Figure:
+def influence(curves: Mapping[str, Influence], *, ax: GivenAxes = None) -> Figure:
     """Draw phase and amplitude of influence coefficients; 1 m/(kg m) is 1 µm/(g mm)."""
     with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         phase, amplitude = axes
@@ -294,7 +293,7 @@ def influence(curves: Mapping[str, Influence], *, unit: str, ax: GivenAxes = Non
             amplitude.plot(x, np.abs(model), "x-", **style)
         _scale_measured(phase, amplitude, "influence [µm/(g mm)]")
         remark(phase, "points: trial runs with 95 % intervals, crosses: model")
-        label_x(axes, speed_axis(unit)[1])
+        label_x(axes, speed_axis()[1])
         legend(figure, phase, ax=ax)
     return figure
 
@@ -306,7 +305,6 @@ def identification(
     noise: Mapping[str, float],
     ellipses: Mapping[str, tuple[ComplexArray, float]],
     *,
-    unit: str,
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw vectors, residuals over the noise, and estimates with their 95 % ellipses."""
@@ -331,7 +329,7 @@ def identification(
         polar.set(xlabel="re [µm]", ylabel="im [µm]")
         polar.set_aspect("equal", adjustable="datalim")
         for panel in (phase, amplitude, rest):
-            panel.set_xlabel(speed_axis(unit)[1])
+            panel.set_xlabel(speed_axis()[1])
         remark(amplitude, "points: measured, lines: fitted")
         _ellipses(estimates, ellipses)
         handles, labels = phase.get_legend_handles_labels()

@@ -314,11 +314,11 @@ def tracks(
     label: str,
     *,
     title: str,
-    speed_unit: str | None,
+    over_time: bool,
     ax: GivenAxes = None,
 ) -> Figure:
-    """Draw the amplitude of each order against the speed, or against time without a unit of it."""
-    factor, name = (1.0, "time [s]") if speed_unit is None else speed_axis(speed_unit)
+    """Draw the amplitude of each order against the speed, or against time."""
+    factor, name = (1.0, "time [s]") if over_time else speed_axis()
     with panels(1, 5.2, columns=1, ax=ax) as (figure, (panel,)):
         shown = _short(list(amplitudes))
         for i, (order, values) in enumerate(zip(shown, amplitudes.values(), strict=True)):
@@ -343,11 +343,10 @@ def waterfall(
     *,
     lines: Sequence[tuple[str, float]],
     highest: float | None,
-    speed_unit: str = "rad/s",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw spectra against the speed."""
-    factor, speed = speed_axis(speed_unit)
+    factor, speed = speed_axis()
     top = float(amplitudes.max())
     frequencies_hz = np.broadcast_to(frequencies_hz, amplitudes.shape)
     if highest is None:

@@ -20,7 +20,7 @@ from gearbow._convert import shown
 from gearbow._core import whirl_classes
 from gearbow._types import Array
 from gearbow.errors import GearbowError
-from gearbow.units.speed import speed_factor
+from gearbow.units.speed import shown_unit, speed_factor
 
 #: Micrometres per metre.
 MICRO = 1e6
@@ -249,9 +249,9 @@ def place_legend(
     figure.legend(*entries, loc="outside upper center", ncols=columns, title=title)
 
 
-def speed_axis(unit: str) -> tuple[float, str]:
+def speed_axis() -> tuple[float, str]:
     """Give the factor and the label of an axis of speeds."""
-    return speed_factor(unit), f"speed of the reference shaft [{unit}]"
+    return speed_factor(), f"speed of the reference shaft [{shown_unit()}]"
 
 
 def shade_operating(panel: Axes, speeds: Sequence[float] | Array) -> None:

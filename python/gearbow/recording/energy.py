@@ -8,7 +8,6 @@ import numpy as np
 from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured
 from gearbow._types import Array
-from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,7 +120,7 @@ class EnergyBalance(Figured, ReadOnly):
         total, work = self.total, self.work
         return (total - total[:1]) - (work - work[:1])
 
-    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import response as figures  # noqa: PLC0415
 
         def _terms(names: tuple[str, ...]) -> dict[str, Array]:

@@ -399,7 +399,6 @@ def criticals(contents: Contents) -> Iterator[Block]:
                 ),
                 *_margins(peaks),
             ],
-            contents.options.unit,
             [_API_684, _OTHER_MODES],
         )
         contents.findings.append((_nearest(contents, found), False))
@@ -547,7 +546,6 @@ def response(contents: Contents) -> Iterator[Block]:
         "m",
         peaks=peaks,
         operating=contents.options.operating,
-        speed_unit=contents.options.unit,
     )
     yield picture(
         figure,

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from gearbow._extras import extra
 from gearbow._files import printable, replacing
 from gearbow._result import Column, Result
-from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,22 +63,21 @@ class Table:
         cls,
         title: str,
         columns: Sequence[Column],
-        speed_unit: SpeedUnit = "rad/s",
         remarks: Sequence[str] = (),
     ) -> "Table":
         """Make a table of columns with units."""
         count = len(columns[0].values) if columns else 0
-        cells = [column.cells(range(count), speed_unit) for column in columns]
+        cells = [column.cells(range(count)) for column in columns]
         head, *rows = zip(*cells, strict=True)
         return cls(title, head, rows, remarks, [not column.is_text for column in columns])
 
     @classmethod
     def of_result(cls, result: Result, title: str | None = None) -> "Table":
         """Make a table of a result, with its heading and remarks."""
-        unit = result._speed_unit()
-        first, *others = [*([] if title is None else [title]), *result._heading(unit)]
-        remarks = [*others, *result._remarks(), *result._left_out()]
-        return cls.of(first[:1].upper() + first[1:], result._columns(), unit, remarks)
+        with result._showing():
+            first, *others = [*([] if title is None else [title]), *result._heading()]
+            remarks = [*others, *result._remarks(), *result._left_out()]
+            return cls.of(first[:1].upper() + first[1:], result._columns(), remarks)
 
 
 @dataclass(frozen=True)

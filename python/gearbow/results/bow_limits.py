@@ -2,16 +2,15 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Figured, in_degrees, in_micrometres
+from gearbow._result import Column, Figured, WithSpeeds, in_degrees, in_micrometres
 from gearbow._shown import Shown
 from gearbow._types import Array
-from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +67,7 @@ class ReachedLimit(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class BowLimits(Figured, ReadOnly):
+class BowLimits(WithSpeeds, Figured, ReadOnly):
     """The bow at which each limit is reached, and the margin to the present bow.
 
     `plot` draws the seven smallest limits that are reached against the speed, and the present
@@ -86,8 +85,6 @@ class BowLimits(Figured, ReadOnly):
         Every limit at every speed, the speeds of a limit after each other.
     phase : tuple of float or None
         Given phase of each bowed shaft [rad]; None is the worst phase.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
     left_out : tuple of str
         Excitations of the system that this result does not contain.
 
@@ -113,7 +110,6 @@ class BowLimits(Figured, ReadOnly):
     speeds: Array
     found: tuple[ReachedLimit, ...]
     phase: tuple[float, ...] | None = None
-    speed_unit: SpeedUnit = field(default="rad/s")
     left_out: tuple[str, ...] = ()
 
     @property
@@ -150,7 +146,7 @@ class BowLimits(Figured, ReadOnly):
         """
         return math.inf if self.deciding is None else self.deciding.bow - self.present
 
-    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         lines = {
@@ -163,7 +159,6 @@ class BowLimits(Figured, ReadOnly):
             {name: lines[name] for name in order},
             self.present,
             label=f"bow of {', '.join(self.shafts)}",
-            speed_unit=unit,
             ax=ax,
         )
 
@@ -203,8 +198,8 @@ class BowLimits(Figured, ReadOnly):
             for i, shaft in enumerate(self.shafts)
         ]
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        ends = dict.fromkeys(speed_text(float(s), speed_unit) for s in self.speeds[[0, -1]])
+    def _heading(self) -> list[str]:
+        ends = dict.fromkeys(self._speed_text(float(s)) for s in self.speeds[[0, -1]])
         phase = "worst phase"
         if self.phase is not None:
             phase = f"phase {', '.join(f'{math.degrees(one):.4g}°' for one in self.phase)}"

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_percent
-from gearbow._shown import Shown, listed, span
+from gearbow._result import Column, Result, WithSpeeds, in_percent
+from gearbow._shown import Shown
 from gearbow._types import Array, CampbellData, ComplexArray
 from gearbow.results.peak import operating_range
-from gearbow.units.speed import SpeedUnit, speed_factor
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -185,7 +185,7 @@ class Intersection(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Campbell(Result, ReadOnly):
+class Campbell(WithSpeeds, Result, ReadOnly):
     """Modes against the speed, and their intersections with excitation lines.
 
     Parameters
@@ -203,8 +203,6 @@ class Campbell(Result, ReadOnly):
     thresholds : tuple of StabilityThreshold
         Speeds at which the damping of a mode changes its sign, by ascending speed. A negative
         damping ratio means that the mode is unstable.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Notes
     -----
@@ -236,12 +234,9 @@ class Campbell(Result, ReadOnly):
     lines: tuple[ExcitationLine, ...]
     intersections: tuple[Intersection, ...]
     thresholds: tuple[StabilityThreshold, ...] = ()
-    speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
-    def _from_data(
-        cls, speeds: Array, data: CampbellData, *, speed_unit: SpeedUnit = "rad/s"
-    ) -> "Campbell":
+    def _from_data(cls, speeds: Array, data: CampbellData) -> "Campbell":
         """Make a diagram of the plain data of the core."""
         lines = []
         for (kind, names, harmonic), order in zip(data["lines"], data["orders"], strict=True):
@@ -287,7 +282,6 @@ class Campbell(Result, ReadOnly):
             tuple(lines),
             intersections,
             thresholds,
-            speed_unit,
         )
 
     @property
@@ -340,9 +334,8 @@ class Campbell(Result, ReadOnly):
         """
         return unstable_ranges(self.speeds, self.eigenvalues, self.thresholds)
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        speeds = span(speed_factor(speed_unit) * self.speeds)
-        return [f"intersections and stability thresholds, {speeds} {speed_unit}"]
+    def _heading(self) -> list[str]:
+        return [f"intersections and stability thresholds, {self._speed_text(self.speeds)}"]
 
     def _columns(self) -> list[Column]:
         """Give a row for each intersection and threshold, by ascending speed."""
@@ -374,15 +367,14 @@ class Campbell(Result, ReadOnly):
         return [*found, Column("order", np.array([orders.get(name, np.nan) for name in names]))]
 
     def __repr__(self) -> str:
-        unit, factor = self.speed_unit, speed_factor(self.speed_unit)
-        speeds = [factor * one.speed for one in self.criticals]
-        criticals = f"critical speeds {listed(speeds)} {unit}" if speeds else "no critical speeds"
+        found = self._speed_text([one.speed for one in self.criticals])
+        criticals = f"critical speeds {found}" if self.criticals else "no critical speeds"
         if self.thresholds:
-            limits = listed([factor * one.speed for one in self.thresholds])
-            criticals += f"; stability thresholds {limits} {unit}"
+            limits = self._speed_text([one.speed for one in self.thresholds])
+            criticals += f"; stability thresholds {limits}"
         return (
             f"Campbell({self.eigenvalues.shape[1]} modes at {self.speeds.size} speeds, "
-            f"{span(factor * self.speeds)} {unit}; {len(self.intersections)} intersections; "
+            f"{self._speed_text(self.speeds)}; {len(self.intersections)} intersections; "
             f"{criticals})"
         )
 
@@ -426,22 +418,22 @@ class Campbell(Result, ReadOnly):
             from gearbow.plotting import campbell  # noqa: PLC0415
 
         span = operating_range(operating)
-        return campbell.campbell(
-            self.speeds,
-            self.frequencies_hz,
-            self.damping_ratios,
-            self.whirl,
-            lines=[(line.name, line.order) for line in self.lines],
-            intersections=[
-                (one.mode, one.speed, one.frequency_hz, one.damping_ratio)
-                for one in self.intersections
-            ],
-            thresholds=[(one.mode, one.speed, one.frequency_hz) for one in self.thresholds],
-            unstable=self.unstable_ranges,
-            operating=None if span is None else (abs(span[0]), abs(span[1])),
-            speed_unit=self._speed_unit(speed_unit),
-            ax=ax,
-        )
+        with self._showing(speed_unit):
+            return campbell.campbell(
+                self.speeds,
+                self.frequencies_hz,
+                self.damping_ratios,
+                self.whirl,
+                lines=[(line.name, line.order) for line in self.lines],
+                intersections=[
+                    (one.mode, one.speed, one.frequency_hz, one.damping_ratio)
+                    for one in self.intersections
+                ],
+                thresholds=[(one.mode, one.speed, one.frequency_hz) for one in self.thresholds],
+                unstable=self.unstable_ranges,
+                operating=None if span is None else (abs(span[0]), abs(span[1])),
+                ax=ax,
+            )
 
 
 def _ratio(eigenvalues: ComplexArray) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._read_only import read_only
-from gearbow._result import Column, data_frame, in_micrometres, written_unit
+from gearbow._result import Column, WithSpeeds, data_frame, in_micrometres, written_unit
 from gearbow._shown import short
 from gearbow._types import (
     Array,
@@ -27,7 +27,7 @@ from gearbow.recording.container import each, number, record, row, text, whole
 from gearbow.recording.record import RunRecord
 from gearbow.results.response import Response, Stored
 from gearbow.results.steady import instability
-from gearbow.units.speed import SpeedUnit, speed_text
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -64,7 +64,7 @@ class BranchData:
     message: str = ""
 
 
-class Continuation(Stored):
+class Continuation(WithSpeeds, Stored):
     """A branch of steady states, made by `gearbow.RotorSystem.continuation`.
 
     Parameters
@@ -91,8 +91,6 @@ class Continuation(Stored):
         Values at the located points of each kind.
     message : str
         Why the branch ended before the end of the interval; "" if it did not.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -109,7 +107,7 @@ class Continuation(Stored):
 
     def __init__(self, signals: Response, data: BranchData) -> None:
         self._signals, self._data = signals, data
-        self.speed_unit: SpeedUnit = signals.speed_unit
+        self.speed_unit = signals.speed_unit
         self.parameter = data.parameter
         self.message = data.message
         self.values: Array = np.array(data.values)
@@ -222,7 +220,8 @@ class Continuation(Stored):
             from gearbow.plotting import analyses as figures  # noqa: PLC0415
             from gearbow.plotting.style import speed_axis  # noqa: PLC0415
 
-        factor, label = speed_axis(self._speed_unit(speed_unit))
+        with self._showing(speed_unit):
+            factor, label = speed_axis()
         if self.parameter != "speed":
             unit = UNITS[self.parameter]
             factor, unit = written_unit(unit)
@@ -295,8 +294,8 @@ class Continuation(Stored):
             Column("kind", self.kinds),
         ]
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        at = "" if self.parameter == "speed" else f" at {speed_text(self._data.speed, speed_unit)}"
+    def _heading(self) -> list[str]:
+        at = "" if self.parameter == "speed" else f" at {self._speed_text(self._data.speed)}"
         lines = [f"branch of steady states over the {self.parameter}{at}"]
         return [*lines, f"open end: {self.message}"] if self.message else lines
 

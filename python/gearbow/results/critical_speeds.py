@@ -11,18 +11,18 @@ from gearbow._convert import text, whole
 from gearbow._extras import extra
 from gearbow._lookup import nearest
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result
+from gearbow._result import Column, Result, WithSpeeds
 from gearbow._shown import span
 from gearbow._types import Array
 from gearbow.errors import GearbowError
-from gearbow.units.speed import SpeedUnit, speed_factor
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalSpeedMap(Result, ReadOnly):
+class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
     """Undamped critical speeds against the bearing stiffness.
 
     Parameters
@@ -43,8 +43,6 @@ class CriticalSpeedMap(Result, ReadOnly):
     actual : tuple of float
         Stiffnesses along y and z of the bearings of the system that have constant coefficients
         [N/m].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -68,7 +66,6 @@ class CriticalSpeedMap(Result, ReadOnly):
     line: tuple[NDArray[np.int64], ...]
     residuals: tuple[Array, ...]
     actual: tuple[float, ...] = ()
-    speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
     def _from_rows(
@@ -77,8 +74,6 @@ class CriticalSpeedMap(Result, ReadOnly):
         order: float,
         found: Sequence[Sequence[tuple[float, str, float, int]]],
         actual: tuple[float, ...],
-        *,
-        speed_unit: SpeedUnit = "rad/s",
     ) -> "CriticalSpeedMap":
         """Make a map of the plain data of the core."""
         return cls(
@@ -89,10 +84,9 @@ class CriticalSpeedMap(Result, ReadOnly):
             line=tuple(np.array([line for *_, line in row], dtype=np.int64) for row in found),
             residuals=tuple(np.array([residual for *_, residual, _ in row]) for row in found),
             actual=actual,
-            speed_unit=speed_unit,
         )
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002
+    def _heading(self) -> list[str]:
         return [f"undamped critical speeds of the order {self.order:g}"]
 
     def _columns(self) -> list[Column]:
@@ -107,11 +101,10 @@ class CriticalSpeedMap(Result, ReadOnly):
         ]
 
     def __repr__(self) -> str:
-        factor = speed_factor(self.speed_unit)
         lowest = np.array([speeds[0] for speeds in self.speeds if speeds.size])
         return (
             f"CriticalSpeedMap({self.stiffnesses.size} stiffnesses, {span(self.stiffnesses)} N/m; "
-            f"lowest critical speed {span(factor * lowest)} {self.speed_unit})"
+            f"lowest critical speed {self._speed_text(lowest)})"
         )
 
     def lines(self, whirl: str) -> Array:
@@ -186,11 +179,7 @@ class CriticalSpeedMap(Result, ReadOnly):
         most = whole(count, "count")
         found = dict.fromkeys(name for names in self.whirl for name in names)
         lines = {whirl: self.lines(whirl)[:, :most] for whirl in found}
-        return campbell.critical_speed_map(
-            self.stiffnesses,
-            lines,
-            self.order,
-            actual=self.actual,
-            speed_unit=self._speed_unit(speed_unit),
-            ax=ax,
-        )
+        with self._showing(speed_unit):
+            return campbell.critical_speed_map(
+                self.stiffnesses, lines, self.order, actual=self.actual, ax=ax
+            )

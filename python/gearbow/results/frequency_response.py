@@ -32,7 +32,7 @@ from gearbow.results.harmonic import (
     HarmonicResponse,
 )
 from gearbow.sensors.sensor import SignalSensor
-from gearbow.units.speed import SpeedUnit
+from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,8 +68,6 @@ class FrequencyResponse(HarmonicResponse):
         Degrees of freedom of the system.
     description : mapping
         The plain system.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables.
     left_out : tuple of str
         Excitations of the system that a response to a `gb.ShaftExcitation` does not contain; empty
         without such a source.
@@ -102,7 +100,6 @@ class FrequencyResponse(HarmonicResponse):
     _bearing_force: ComplexArray = field(repr=False)
     _meshes: tuple[tuple[str, str], ...] = field(repr=False)
     _mesh_force: ComplexArray = field(repr=False)
-    speed_unit: SpeedUnit = "rad/s"
     left_out: tuple[str, ...] = ()
 
     _own_endings: ClassVar[tuple[str, ...]] = (".nc", ".uff", ".mat")
@@ -110,7 +107,7 @@ class FrequencyResponse(HarmonicResponse):
     def _facts(self) -> dict[str, str]:
         return {
             "frequencies": f"{self.frequencies.size}, {span(self.frequencies)} rad/s",
-            "speeds": f"{span(self.speeds)} rad/s",
+            "speeds": self._speed_text(self.speeds),
             "sources": short(self.sources),
         }
 
@@ -152,6 +149,7 @@ class FrequencyResponse(HarmonicResponse):
         direction: LateralDirection | None = None,
         kind: FrequencyFigure = "bode",
         ax: Any = None,
+        speed_unit: SpeedUnit | None = None,
     ) -> "Figure":
         """Draw the response of places.
 
@@ -168,6 +166,8 @@ class FrequencyResponse(HarmonicResponse):
             over frequency and speed, of a response with both axes.
         ax : Axes or sequence of Axes, optional
             Two panels for "bode", one for the others; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of speeds; None is that in which the speeds were given.
 
         Returns
         -------
@@ -182,10 +182,17 @@ class FrequencyResponse(HarmonicResponse):
             If there is no such place, or the response has not the axes of a waterfall.
         """
         with extra("plot"):
-            from gearbow.plotting import harmonic as figures  # noqa: PLC0415
+            from gearbow.plotting import harmonic  # noqa: F401, PLC0415  # as the figure does
 
         one_of(kind, get_args(FrequencyFigure), "kind")
         lines, unit = self._lines(at, quantity, direction)
+        with self._showing(speed_unit):
+            return self._figure(kind, lines, unit, ax)
+
+    def _figure(self, kind: str, lines: Mapping[str, ComplexArray], unit: str, ax: Any) -> "Figure":
+        """Draw lines with one unit."""
+        from gearbow.plotting import harmonic as figures  # noqa: PLC0415
+
         two = self.frequencies.ndim == 2
         if kind == "waterfall":
             if self.axes != ("speed", "frequency"):
@@ -215,7 +222,7 @@ class FrequencyResponse(HarmonicResponse):
         """Give label, index and horizontal axis of each line of a response with two axes."""
         if self.axes == ("speed", "frequency"):
             for i, speed in enumerate(self.speeds[:, 0]):
-                yield f"{speed:g} rad/s", i, self.frequencies[i]
+                yield speed_text(speed, form="g"), i, self.frequencies[i]
         else:
             with np.errstate(invalid="ignore"):
                 orders = np.nanmax(self.frequencies / self.speeds, axis=0)

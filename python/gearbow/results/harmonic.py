@@ -9,7 +9,7 @@ import numpy as np
 
 from gearbow._core import Model
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Figured, Result
+from gearbow._result import Column, Figured, Result, WithSpeeds
 from gearbow._shown import short
 from gearbow._types import Array, At, ComplexArray, Plain
 from gearbow.description.coordinates import Coordinates, time_derivatives
@@ -19,7 +19,6 @@ from gearbow.errors import SceneError
 from gearbow.results.at_places import Vibration
 from gearbow.sensors.sensor import SignalSensor
 from gearbow.units.fields import MOTIONS
-from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 PRINTED_PLACES = 3
 
 
-class HarmonicResponse(Result, ReadOnly, Vibration[ComplexArray, ComplexArray]):
+class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, ComplexArray]):
     """Phasors x of a motion: each source contributes the real part of x exp(iωt)."""
 
     coordinates: Coordinates
@@ -236,7 +235,7 @@ class FrequencyComparison(Figured, ReadOnly):
         )
         return mac
 
-    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
         quantities = {one.quantity for one in self.measured}

@@ -13,7 +13,7 @@ from gearbow._extras import extra
 from gearbow._files import check_name
 from gearbow._lookup import nodal
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Figured, Result, in_percent, plain_text
+from gearbow._result import Column, Figured, Result, WithSpeeds, in_percent, plain_text
 from gearbow._shown import listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
 from gearbow.description.coordinates import Coordinates
@@ -21,7 +21,6 @@ from gearbow.description.layout import Layout
 from gearbow.description.places import places as checked_places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.at_places import Motion
-from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -83,7 +82,7 @@ class ModeComparison(Figured, ReadOnly):
         best = np.argmax(self.mac, axis=0).tolist() if self.mac.size else []
         return tuple((i + 1, j + 1) for j, i in enumerate(best))
 
-    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
         return figures.assurance(self.mac, self.computed_hz, self.measured_hz, ax=ax)
@@ -117,7 +116,7 @@ _DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"
 
 
 @dataclass(frozen=True, eq=False)
-class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
+class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
     """Natural modes at one speed, in ascending order of the size of their eigenvalues.
 
     Parameters
@@ -145,8 +144,6 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         Geometry of the train at rest.
     coordinates : Coordinates
         Degrees of freedom of the system.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -170,7 +167,6 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
     coordinates: Coordinates = field(repr=False)
     _shares: Mapping[tuple[str, str], Array] = field(repr=False)
     _vibrates: NDArray[np.bool_] = field(repr=False)
-    speed_unit: SpeedUnit = "rad/s"
 
     _own_endings: ClassVar[tuple[str, ...]] = (".uff",)
 
@@ -181,8 +177,6 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         speed: float,
         coordinates: Coordinates,
         layout: Layout,
-        *,
-        speed_unit: SpeedUnit = "rad/s",
     ) -> "Modes":
         """Make modes of the plain data of the core."""
         dofs = coordinates.dofs
@@ -204,7 +198,6 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
             coordinates=coordinates,
             _shares={group: shares[:, indices].sum(axis=1) for group, indices in groups.items()},
             _vibrates=data["vibrates"],
-            speed_unit=speed_unit,
         )
 
     def _at(self, quantity: str, at: Any) -> Any:
@@ -362,8 +355,8 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
             names.append(name)
         return names
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        lines = [f"modes at {speed_text(self.speed, speed_unit)}"]
+    def _heading(self) -> list[str]:
+        lines = [f"modes at {self._speed_text(self.speed)}"]
         overdamped, count = int(np.sum(self._overdamped())), len(self.whirl)
         if overdamped:
             lines.append(
@@ -414,7 +407,7 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         return titles
 
     def __repr__(self) -> str:
-        count, speed = self.frequencies_hz.size, speed_text(self.speed, self.speed_unit)
+        count, speed = self.frequencies_hz.size, self._speed_text(self.speed)
         return f"Modes({count} at {speed}: {listed(self.frequencies_hz)} Hz)"
 
     def plot(self, number: int | None = None, *, count: int = 6, ax: Any = None) -> "Figure":

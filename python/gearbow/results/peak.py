@@ -9,12 +9,11 @@ import numpy as np
 
 from gearbow._convert import BYTES, number
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Figured, in_micrometres
-from gearbow._shown import Shown, listed
+from gearbow._result import Column, Figured, WithSpeeds, in_micrometres
+from gearbow._shown import Shown
 from gearbow._types import Array, At
 from gearbow.description.places import place_label
 from gearbow.errors import SceneError
-from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -187,7 +186,7 @@ class Peak(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Peaks(Figured, ReadOnly, Sequence[Peak]):
+class Peaks(WithSpeeds, Figured, ReadOnly, Sequence[Peak]):
     """The peaks of the synchronous response at a place: a sequence of `Peak` with a table.
 
     `plot` draws a Bode diagram, phase above amplitude, with the operating speeds, in which each
@@ -209,8 +208,6 @@ class Peaks(Figured, ReadOnly, Sequence[Peak]):
         Major semi-axis of the orbit [m].
     operating : tuple of (float, float), optional
         Lowest and highest operating speed [rad/s].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -234,7 +231,6 @@ class Peaks(Figured, ReadOnly, Sequence[Peak]):
     phase: Array = field(repr=False)
     amplitude: Array = field(repr=False)
     operating: tuple[float, float] | None = None
-    speed_unit: SpeedUnit = "rad/s"
 
     @overload
     def __getitem__(self, index: int) -> Peak: ...
@@ -253,7 +249,7 @@ class Peaks(Figured, ReadOnly, Sequence[Peak]):
     def __hash__(self) -> int:
         return hash(self.peaks)
 
-    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import harmonic  # noqa: PLC0415
 
         label = place_label(self.at)
@@ -262,14 +258,13 @@ class Peaks(Figured, ReadOnly, Sequence[Peak]):
             "m",
             peaks={label: marks(self.peaks)},
             operating=self.operating,
-            speed_unit=unit,
             ax=ax,
         )
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+    def _heading(self) -> list[str]:
         text = f"peaks of {place_label(self.at)}, excited by {self.source}"
         if self.operating is not None:
-            ends = dict.fromkeys(speed_text(speed, speed_unit) for speed in self.operating)
+            ends = dict.fromkeys(self._speed_text(speed) for speed in self.operating)
             text += f"; operating speed {' to '.join(ends)}"
         return [text]
 
@@ -296,10 +291,9 @@ class Peaks(Figured, ReadOnly, Sequence[Peak]):
         ]
 
     def __repr__(self) -> str:
-        factor = speed_factor(self.speed_unit)
-        speeds = listed([factor * peak.speed for peak in self.peaks])
+        speeds = self._speed_text([peak.speed for peak in self.peaks])
         where = f"{place_label(self.at)}, excited by {self.source}"
-        return f"Peaks({len(self)} of {where}: {speeds} {self.speed_unit})"
+        return f"Peaks({len(self)} of {where}: {speeds})"
 
 
 def marks(peaks: Sequence[Peak]) -> list[tuple[float, float, str | None]]:

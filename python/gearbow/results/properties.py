@@ -12,7 +12,6 @@ from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result
 from gearbow._shown import Shown
 from gearbow._types import Array, Dof, Plain, SparseMatricesData
-from gearbow.units.speed import SpeedUnit
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +76,7 @@ class MassProperties(Result, ReadOnly):
             inertia += own * (place @ place * np.eye(3) - np.outer(place, place))
         return cls(tuple(names), mass, centre, polar, diametral, total, middle, inertia)
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002  # no speeds
+    def _heading(self) -> list[str]:
         return ["mass properties of the shafts with sleeves, gears and disks"]
 
     def _columns(self) -> list[Column]:

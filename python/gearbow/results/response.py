@@ -9,7 +9,7 @@ import numpy as np
 from gearbow._convert import items, number, shown
 from gearbow._progress import working
 from gearbow._read_only import ReadOnly, read_only
-from gearbow._result import Column, Result
+from gearbow._result import Column, Result, WithSpeeds
 from gearbow._shown import span
 from gearbow._types import (
     Array,
@@ -29,7 +29,6 @@ from gearbow.recording.record import Errors, RunRecord, Statistics
 from gearbow.results.at_places import RecordedMotion
 from gearbow.results.run_figures import animate, plot
 from gearbow.sensors.sensor import Sensor, SignalSensor
-from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -87,7 +86,7 @@ class Stored(Result):
         return cls._restored(*file.read(path), path)
 
 
-class Response(Stored, ReadOnly, RecordedMotion):
+class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
     """Motion of a system at k times, made by `gearbow.RotorSystem.simulate`.
 
     The first axis of all values is that of the times.
@@ -114,8 +113,6 @@ class Response(Stored, ReadOnly, RecordedMotion):
     period : float or None
         Period of the motion [s], if this is one period of a `SteadyState`; its orders are then
         exact. None for other runs.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -152,7 +149,6 @@ class Response(Stored, ReadOnly, RecordedMotion):
         self.request: RunRequest | None = None
         self.period: float | None = None
         self._errors: Errors | None = None
-        self.speed_unit: SpeedUnit = "rad/s"
 
     @classmethod
     def from_record(cls, record: RunRecord) -> "Response":
@@ -475,8 +471,8 @@ class Response(Stored, ReadOnly, RecordedMotion):
         data = self._data
         times = "empty"
         if self.time.size:
-            speeds = span(speed_factor(self.speed_unit) * self.speeds)
-            times = f"{self.time[0]:g} s to {self.time[-1]:g} s at {speeds} {self.speed_unit}"
+            speeds = self._speed_text(self.speeds)
+            times = f"{self.time[0]:g} s to {self.time[-1]:g} s at {speeds}"
         return (
             f"Response({self.time.size} times, {times}; {len(data['points'])} points, "
             f"{len(data['meshes'])} meshes, {len(data['bearings'])} bearings"
@@ -488,14 +484,13 @@ class Response(Stored, ReadOnly, RecordedMotion):
         """Name of the accuracy level with which `accuracy` begins; None without a level."""
         return None if self.accuracy is None else self.accuracy.partition(":")[0]
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        time, factor = self.time, speed_factor(speed_unit)
+    def _heading(self) -> list[str]:
+        time = self.time
         if not time.size:
             return ["run without recorded times"]
-        if isinstance(self.speed, SpeedProfile):
-            speed = f"{span(factor * self.speeds)} {speed_unit}"
-        else:
-            speed = speed_text(self.speed, speed_unit)
+        speed = self._speed_text(
+            self.speeds if isinstance(self.speed, SpeedProfile) else self.speed
+        )
         level = "" if self._level is None else f", accuracy {self._level!r}"
         lines = [f"run at {speed}, {time[0]:g} s to {time[-1]:g} s, {time.size} times{level}"]
         meshes = () if self.kinematics is None else self.kinematics.meshes

@@ -21,7 +21,7 @@ from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.spectrum import amplitudes, default_window, order_frequencies
 from gearbow.recording import access
 from gearbow.recording.record import Recorded, RunRecord
-from gearbow.units.speed import SpeedUnit
+from gearbow.units.speed import SpeedUnit, showing_in
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -105,8 +105,8 @@ def plot(
     one_of(kind, PLOT_KINDS, "kind")
     cut = window(run.time, times)
     skipped = _skipped(run, skip_time, cut)
-    unit = run.speed_unit if speed_unit is None else speed_unit
-    x, label = _abscissa(run, kind, against, unit)
+    with showing_in(run.speed_unit if speed_unit is None else speed_unit):
+        x, label = _abscissa(run, kind, against)
     time = x[cut]
     settled: Any = {"skipped": skipped, "transient": skip_time is not None, "ax": ax}
     if kind not in _WITHOUT_TIME:
@@ -143,12 +143,12 @@ def plot(
     return figures.spectrum(spectra, orders=order_frequencies(run), periodic=periodic, ax=ax)
 
 
-def _abscissa(run: RunRecord, kind: str, against: str, speed_unit: str) -> tuple[Array, str]:
+def _abscissa(run: RunRecord, kind: str, against: str) -> tuple[Array, str]:
     """Give the values and the label of the horizontal axis."""
     from gearbow.plotting.style import speed_axis  # noqa: PLC0415  # with the extra "plot"
 
     one_of(against, get_args(Abscissa), "against")
-    factor, speed = speed_axis(speed_unit)
+    factor, speed = speed_axis()
     if against == "time":
         return run.time, "time [s]"
     if kind in _WITHOUT_TIME:

@@ -8,10 +8,9 @@ import numpy as np
 from gearbow._convert import whole
 from gearbow._extras import extra
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Result, in_percent
+from gearbow._result import Column, Result, WithSpeeds, in_percent
 from gearbow._shown import short
 from gearbow._types import Array
-from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,7 +23,7 @@ _OUTPUTS = {"frequency": "mode", "critical speed": "intersection"}
 
 
 @dataclass(frozen=True, eq=False)
-class Sensitivity(Result, ReadOnly):
+class Sensitivity(WithSpeeds, Result, ReadOnly):
     """Derivatives of natural frequencies or critical speeds with respect to parameters.
 
     Parameters
@@ -53,8 +52,6 @@ class Sensitivity(Result, ReadOnly):
         for an increase of one parameter alone; they do not add up over parameters.
     speed : float or None
         Speed of the reference shaft [rad/s] of natural frequencies.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
     amplitude_unit : str
         Unit of amplitudes.
 
@@ -80,7 +77,6 @@ class Sensitivity(Result, ReadOnly):
     damping_ratios: Array
     equal: tuple[tuple[int, ...], ...] = ()
     speed: float | None = None
-    speed_unit: SpeedUnit = "rad/s"
     amplitude_unit: str = ""
 
     @property
@@ -147,8 +143,8 @@ class Sensitivity(Result, ReadOnly):
         ]
         return columns if self.kind == "amplitude" else [*columns, damping]
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        at = "" if self.speed is None else f" at {speed_text(self.speed, speed_unit)}"
+    def _heading(self) -> list[str]:
+        at = "" if self.speed is None else f" at {self._speed_text(self.speed)}"
         what = {"frequency": "natural frequencies", "critical speed": "critical speeds"}
         return [f"derivatives of {what.get(self.kind, 'largest amplitudes')}{at}"]
 
@@ -173,7 +169,7 @@ def _repeated(names: tuple[str, ...], times: int) -> list[str]:
 
 
 @dataclass(frozen=True, eq=False)
-class ResponseSensitivity(Result, ReadOnly):
+class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
     """Derivatives of a signal of a response or of the static equilibrium.
 
     Parameters
@@ -205,8 +201,6 @@ class ResponseSensitivity(Result, ReadOnly):
         Frequencies [rad/s] of a frequency response.
     speeds : ndarray or None
         Speeds of the reference shaft [rad/s] of a response.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables.
 
     Examples
     --------
@@ -236,7 +230,6 @@ class ResponseSensitivity(Result, ReadOnly):
     axes: tuple[str, ...]
     frequencies: Array | None
     speeds: Array | None
-    speed_unit: SpeedUnit = "rad/s"
 
     @property
     def amplitudes(self) -> Array:
@@ -300,7 +293,6 @@ class ResponseSensitivity(Result, ReadOnly):
             output_values=size[at, own],
             derivatives=slopes,
             damping_ratios=np.full(slopes.shape, np.nan),
-            speed_unit=self.speed_unit,
             amplitude_unit=self.unit,
         )
 
@@ -308,7 +300,7 @@ class ResponseSensitivity(Result, ReadOnly):
         """Name the frequency or speed with a number."""
         if self.frequencies is not None:
             return f"{self.frequencies.ravel()[i] / (2.0 * np.pi):.4g} Hz"
-        return "" if self.speeds is None else speed_text(self.speeds[i], self.speed_unit)
+        return "" if self.speeds is None else self._speed_text(self.speeds[i])
 
     def plot(self, *, count: int = 4, ax: Any = None) -> "Figure":
         """Draw the effect of the parameters on the largest amplitudes as bars.
@@ -335,5 +327,5 @@ class ResponseSensitivity(Result, ReadOnly):
         """Give a row for each largest amplitude and parameter."""
         return self.largest()._columns()
 
-    def _heading(self, _speed_unit: SpeedUnit) -> list[str]:
+    def _heading(self) -> list[str]:
         return [f"derivatives of the {self.kind}, at the largest amplitudes"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._read_only import ReadOnly, read_only
-from gearbow._result import Column, Figured, in_micrometres, in_percent
+from gearbow._result import Column, Figured, WithSpeeds, in_micrometres, in_percent
 from gearbow._shown import MOST_ROWS, Shown
 from gearbow._types import Array, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
@@ -16,7 +16,6 @@ from gearbow.description.layout import Layout
 from gearbow.description.places import Places, place, place_label
 from gearbow.recording.access import journal_motion
 from gearbow.results.at_places import AxialMotion
-from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,7 +40,7 @@ class MeshState(Shown):
     thrust: float
 
 
-class Static(Figured, ReadOnly, AxialMotion[Array, float]):
+class Static(WithSpeeds, Figured, ReadOnly, AxialMotion[Array, float]):
     """Equilibrium under torque, gravity and mesh forces. The rotating bow does not contribute.
 
     `plot` draws the displacements along y and z over the shafts in two panels, with marks at
@@ -59,8 +58,6 @@ class Static(Figured, ReadOnly, AxialMotion[Array, float]):
         Geometry of the train at rest.
     speed : float
         Speed of the reference shaft [rad/s].
-    speed_unit : {"rad/s", "rpm"}
-        Unit in which it was given.
     geometry : {"live", "frozen"}
         Whether the line of action follows the moving centres or is that at rest.
 
@@ -72,8 +69,6 @@ class Static(Figured, ReadOnly, AxialMotion[Array, float]):
         Degrees of freedom of the system.
     speed : float
         Speed of the reference shaft [rad/s].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
     geometry : {"live", "frozen"}
         Whether the line of action follows the moving centres or is that at rest.
 
@@ -98,10 +93,9 @@ class Static(Figured, ReadOnly, AxialMotion[Array, float]):
         *,
         layout: Layout,
         speed: float = 0.0,
-        speed_unit: SpeedUnit = "rad/s",
         geometry: str = "live",
     ) -> None:
-        self.speed, self.speed_unit, self.geometry = speed, speed_unit, geometry
+        self.speed, self.geometry = speed, geometry
         self._layout = layout
         self._bearings = tuple(bearings)
         self._data = read_only(data)
@@ -185,8 +179,8 @@ class Static(Figured, ReadOnly, AxialMotion[Array, float]):
         text = f"{self.state.size} degrees of freedom, {len(self._data['meshes'])} meshes"
         return f"Static({text}{': ' * bool(forces)}{', '.join(forces)})"
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        at = f" at {speed_text(self.speed, speed_unit)}" if self.speed else ""
+    def _heading(self) -> list[str]:
+        at = f" at {self._speed_text(self.speed)}" if self.speed else ""
         return [f"static equilibrium{at}; unbalanced part of the load {self.residual:.1e}"]
 
     def _columns(self) -> list[Column]:
@@ -220,14 +214,14 @@ class Static(Figured, ReadOnly, AxialMotion[Array, float]):
             Column("mesh deflection", np.array([row[4] for row in rows]), "m", ".4g", um),
         ]
 
-    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import shapes as figures  # noqa: PLC0415
 
         return figures.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)
 
 
 @dataclass(frozen=True, eq=False)
-class Efficiency(Figured, ReadOnly):
+class Efficiency(WithSpeeds, Figured, ReadOnly):
     """Power, loss and efficiency of each of k meshes, and of the train, at m speeds.
 
     `plot` draws the losses relative to the input power over the speed, a line for each mesh and
@@ -249,8 +243,6 @@ class Efficiency(Figured, ReadOnly):
         Coefficient of friction; zero without friction.
     loss : ndarray, shape (m, k)
         Power that friction dissipates, mean over the mesh cycle [W].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speeds were given.
     left_out : tuple of str
         Excitations of the system that this result does not contain.
 
@@ -282,7 +274,6 @@ class Efficiency(Figured, ReadOnly):
     force: Array
     coefficient: Array
     loss: Array
-    speed_unit: SpeedUnit = "rad/s"
     left_out: tuple[str, ...] = ()
 
     @property
@@ -300,7 +291,7 @@ class Efficiency(Figured, ReadOnly):
         """Tooth loss factor H_v, loss over μ times power, shape (m, k); NaN without friction."""
         return _ratio(self.loss, self.coefficient * self.power)
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:  # noqa: ARG002  # speeds are a column
+    def _heading(self) -> list[str]:
         return ["losses by friction of the teeth; no churning, no seals, no friction of bearings"]
 
     def _columns(self) -> list[Column]:
@@ -338,14 +329,13 @@ class Efficiency(Figured, ReadOnly):
         meshes = "1 mesh" if len(self.meshes) == 1 else f"{len(self.meshes)} meshes"
         return f"Efficiency({meshes}, {speeds}, {text} %)"
 
-    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting.analyses import losses  # noqa: PLC0415
 
         return losses(
             self.speeds,
             ["/".join(pair) for pair in self.meshes],
             100.0 * _ratio(self.loss, self.input_power[:, np.newaxis]),
-            speed_unit=unit,
             ax=ax,
         )
 

@@ -8,13 +8,12 @@ import numpy as np
 from gearbow._convert import number as number_of
 from gearbow._core import Model, multipliers
 from gearbow._progress import working
-from gearbow._result import Column
+from gearbow._result import Column, WithSpeeds
 from gearbow._types import ComplexArray, RunFigure
 from gearbow.errors import GearbowError
 from gearbow.recording.container import any_number, each, number, optional, record, row, text, whole
 from gearbow.recording.record import RunRecord
 from gearbow.results.response import Response, Stored
-from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,7 +52,7 @@ def instability(values: ComplexArray) -> str | None:
     return "flip" if np.pi - angle < _REAL else "Neimark-Sacker"
 
 
-class SteadyState(Stored):
+class SteadyState(WithSpeeds, Stored):
     """The motion that repeats after each period, made by `gearbow.RotorSystem.steady_state`.
 
     Parameters
@@ -82,8 +81,6 @@ class SteadyState(Stored):
     method : {"linear", "nonlinear", "superposition", "quasi-periodic"}
         Whether the state after a period is an affine function of the state before; or how a motion
         without a common period was found: as a sum of motions, or by running in.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -109,7 +106,7 @@ class SteadyState(Stored):
         self.method: str = data["method"]
         # The orders of the response follow from the period.
         response.period = self.period if math.isfinite(self.period) else None
-        self.speed_unit: SpeedUnit = response.speed_unit
+        self.speed_unit = response.speed_unit
         self._model = model
         found = data.get("multipliers")
         self._multipliers = None if found is None else np.array([complex(*z) for z in found])
@@ -233,7 +230,7 @@ class SteadyState(Stored):
             f"{self.response.time.size} times)"
         )
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+    def _heading(self) -> list[str]:
         """Give period, method and residual, and the stability if it is known."""
         state = ""
         if self._multipliers is not None:
@@ -241,7 +238,7 @@ class SteadyState(Stored):
         period = "without a common period" if math.isinf(self.period) else f"{self.period:.6g} s"
         return [
             f"steady state: period {period}, {self.method}, residual {self.residual:.1e}{state}",
-            *self.response._heading(speed_unit),
+            *self.response._heading(),
         ]
 
     def _columns(self) -> list[Column]:

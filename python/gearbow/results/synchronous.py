@@ -11,16 +11,16 @@ from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._lookup import nodal, one_of
 from gearbow._result import Column, in_degrees, in_micrometres
-from gearbow._shown import short, span
+from gearbow._shown import short
 from gearbow._types import Array, At, ComplexArray, Excitation, Plain, SynchronousFigure
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.places import place_label, places
+from gearbow.description.places import Places, place_label, places
 from gearbow.errors import GearbowError
 from gearbow.results.harmonic import PRINTED_PLACES, HarmonicResponse
 from gearbow.results.peak import Peak, Peaks, marks, operating_range
 from gearbow.sensors.probe import Accelerometer, Probe
 from gearbow.sensors.sensor import SignalSensor
-from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
+from gearbow.units.speed import SpeedUnit, in_given_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -69,8 +69,6 @@ class Synchronous(HarmonicResponse):
         Degrees of freedom of the system.
     description : mapping
         The plain system, for slow roll and peaks.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
     left_out : tuple of str
         Excitations of the system that this result does not contain.
 
@@ -100,15 +98,13 @@ class Synchronous(HarmonicResponse):
     _bearing_force: ComplexArray = field(repr=False)
     _bow: ComplexArray = field(repr=False)
     _ratios: Array = field(repr=False)
-    speed_unit: SpeedUnit = "rad/s"
     left_out: tuple[str, ...] = ()
 
     def _facts(self) -> dict[str, str]:
-        unit = self.speed_unit
-        slow = None if self.slow_roll is None else speed_text(self.slow_roll, unit)
-        speeds = span(speed_factor(unit) * self.speeds)
+        slow = None if self.slow_roll is None else self._speed_text(self.slow_roll)
+        speeds = self._speed_text(self.speeds) if self.speeds.size else ""
         found = {
-            "speeds": f"{self.speeds.size}, {speeds} {unit}" if self.speeds.size else "0",
+            "speeds": f"{self.speeds.size}, {speeds}" if self.speeds.size else "0",
             "shafts": short(self.shafts),
             "excitation": short(self.excitation),
             "slow_roll": slow,
@@ -203,6 +199,35 @@ class Synchronous(HarmonicResponse):
             elastic[:, own] -= self._bow[indices]
         return elastic
 
+    def mesh_force(self, at: str | tuple[str, str]) -> ComplexArray:
+        """Dynamic force of a mesh normal to the teeth, which each shaft causes.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, str)
+            The mesh, "driver/driven" or (driver, driven) in either order.
+
+        Returns
+        -------
+        ndarray, shape (speeds, shafts)
+            Phasors [N], as those of `FrequencyResponse.mesh_force`. Slow roll is not subtracted.
+
+        Raises
+        ------
+        ChannelError
+            If there is no such mesh.
+        """
+        model = self._model()
+        meshes = [(mesh["driver"], mesh["driven"]) for mesh in self.description.get("meshes", ())]
+        index = Places.of("mesh", meshes).index(at)
+        columns = []
+        for shaft, rates in zip(self.shafts, self._rates.T, strict=True):
+            source = {"kind": "shaft", "shaft": shaft, "excitation": self.excitation}
+            found = model.frequency_response(rates.copy(), self.speeds, [source], 1)
+            columns.append(found["mesh_force"][:, 0, index])
+        return np.stack(columns, axis=1)
+
+    @in_given_unit
     def subtract_slow_roll(self, speed: float) -> "Synchronous":
         """Subtract the amplitudes at a slow-roll speed, as for measured run-out.
 
@@ -226,6 +251,7 @@ class Synchronous(HarmonicResponse):
         runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["phasors"]
         return replace(self, amplitudes=self.amplitudes - runout, slow_roll=slow)
 
+    @in_given_unit
     def peaks(
         self,
         at: At,
@@ -288,7 +314,6 @@ class Synchronous(HarmonicResponse):
             self.phase(at)[:, shaft],
             self.orbit(at)[:, shaft],
             span,
-            self.speed_unit,
         )
 
     def _source(self, at: At, source: str | None) -> int:
@@ -365,18 +390,19 @@ class Synchronous(HarmonicResponse):
 
         signals = self._signals(at, source)
         span, model = operating_range(operating), self._model()
-        return harmonic.bode(
-            {one.label: one.curve for one in signals},
-            signals[0].unit if signals else "m",
-            peaks={
-                one.label: marks(self._peaks(model, one.at, one.source, span))
-                for one in signals
-                if one.at is not None and np.any(one.curve.size)
-            },
-            operating=span,
-            speed_unit=self._speed_unit(speed_unit),
-            ax=ax,
-        )
+        peaks = {
+            one.label: marks(self._peaks(model, one.at, one.source, span))
+            for one in signals
+            if one.at is not None and np.any(one.curve.size)
+        }
+        with self._showing(speed_unit):
+            return harmonic.bode(
+                {one.label: one.curve for one in signals},
+                signals[0].unit if signals else "m",
+                peaks=peaks,
+                operating=span,
+                ax=ax,
+            )
 
     def _signals(self, given: Any, source: str | None) -> list["_HarmonicSignal"]:
         """Give the signals of places and sensors; a place on no shaft has one for each shaft."""
@@ -466,29 +492,24 @@ class Synchronous(HarmonicResponse):
         if isinstance(at, str) and at in kinds and at not in self.coordinates.bodies:
             at, kind = None, at  # type: ignore[assignment]  # one of the kinds
         one_of(kind, kinds, "kind")
-        unit = self._speed_unit(speed_unit)
         if kind == "bode":
-            return self.bode(at, source, ax=ax, speed_unit=unit)
+            return self.bode(at, source, ax=ax, speed_unit=speed_unit)
         if kind == "polar":
             signals = self._signals(at, source)
             curves = {one.label: one.curve for one in signals}
             of = signals[0].unit if signals else "m"
-            return harmonic.polar(curves, of, ends=unit, ax=ax)
+            with self._showing(speed_unit):
+                return harmonic.polar(curves, of, ends=True, ax=ax)
         chosen = self._chosen() if at is None else places(at)
         shafts = self.shafts if source is None else (self.shafts[self._source(chosen[0], source)],)
         own = [self.shafts.index(shaft) for shaft in shafts]
-        return harmonic.synchronous(
-            self.speeds,
-            {place_label(one): self.orbit(one)[:, own] for one in chosen},
-            shafts,
-            speed_unit=unit,
-            ax=ax,
-        )
+        orbits = {place_label(one): self.orbit(one)[:, own] for one in chosen}
+        with self._showing(speed_unit):
+            return harmonic.synchronous(self.speeds, orbits, shafts, ax=ax)
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        factor = speed_factor(speed_unit)
+    def _heading(self) -> list[str]:
         excitation = "bow and unbalance" if self.excitation == "both" else self.excitation
-        lines = [f"synchronous response to {excitation}, {span(factor * self.speeds)} {speed_unit}"]
+        lines = [f"synchronous response to {excitation}, {self._speed_text(self.speeds)}"]
         count = len(self._places())
         if count > PRINTED_PLACES:
             lines.append(f"{PRINTED_PLACES} of {count} places; to_dataframe gives all")

@@ -8,18 +8,18 @@ import numpy as np
 
 from gearbow._convert import number, positive, whole
 from gearbow._read_only import ReadOnly
-from gearbow._result import Column, Figured, in_micrometres
+from gearbow._result import Column, Figured, WithSpeeds, in_micrometres
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.places import place_label
 from gearbow.errors import SceneError
-from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
+from gearbow.units.speed import in_given_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, eq=False)
-class ThermalStability(Figured, ReadOnly):
+class ThermalStability(WithSpeeds, Figured, ReadOnly):
     """Growth of a thermal bow over the speed.
 
     `plot` draws real and imaginary part of the loop gain over the speed, and the rate of growth
@@ -39,8 +39,6 @@ class ThermalStability(Figured, ReadOnly):
         Forward vibration at the journal over the temperature difference, H B [m/K].
     vibration : ndarray, shape (speeds,)
         Forward vibration at the journal without thermal bow [m].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
     left_out : tuple of str
         Excitations of the system that this result does not contain.
 
@@ -70,7 +68,6 @@ class ThermalStability(Figured, ReadOnly):
     gain: ComplexArray
     response: ComplexArray
     vibration: ComplexArray
-    speed_unit: SpeedUnit = "rad/s"
     left_out: tuple[str, ...] = ()
 
     @property
@@ -97,6 +94,7 @@ class ThermalStability(Figured, ReadOnly):
             found: Array = 2.0 * math.pi / np.abs(self.eigenvalues.imag)
         return found
 
+    @in_given_unit
     def spiral(self, speed: float, duration: float, *, count: int = 500) -> "ThermalSpiral":
         """Follow the thermal bow over time, from a shaft of even temperature.
 
@@ -135,20 +133,20 @@ class ThermalStability(Figured, ReadOnly):
         grown = np.where(small, time, np.expm1(exponent) / (rate or 1.0))
         temperature = drive * np.where(small, time * (1.0 + exponent / 2.0), grown)
         vibration = self.vibration[near] + self.response[near] * temperature
-        return ThermalSpiral(self.at, speed, time, temperature, vibration, self.speed_unit)
+        return ThermalSpiral(self.at, speed, time, temperature, vibration)
 
-    def _draw(self, ax: Any, unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         growth = 60.0 * self.eigenvalues.real
-        return figures.stability(speed_factor(unit) * self.speeds, unit, self.loop_gain, growth, ax)
+        return figures.stability(self.speeds, self.loop_gain, growth, ax)
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+    def _heading(self) -> list[str]:
         unstable = self.speeds[~self.stable]
         found = f"thermal bow by {place_label(self.at)}: "
         if not unstable.size:
             return [found + "stable"]
-        low, high = (speed_text(value, speed_unit) for value in (unstable.min(), unstable.max()))
+        low, high = (self._speed_text(value) for value in (unstable.min(), unstable.max()))
         ends = low if low == high else f"between {low} and {high}"
         return [f"{found}unstable at {unstable.size} of {self.speeds.size} speeds, {ends}"]
 
@@ -170,7 +168,7 @@ class ThermalStability(Figured, ReadOnly):
 
 
 @dataclass(frozen=True, eq=False)
-class ThermalSpiral(Figured, ReadOnly):
+class ThermalSpiral(WithSpeeds, Figured, ReadOnly):
     """Temperature difference and vibration of a thermal bow over time, at one speed.
 
     `plot` draws the path of the vibration in the complex plane, and beside it its amplitude
@@ -188,8 +186,6 @@ class ThermalSpiral(Figured, ReadOnly):
         Temperature difference, a phasor in the shaft [K].
     vibration : ndarray, shape (instants,)
         Forward vibration at the journal, a phasor in the shaft [m].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
 
     Examples
     --------
@@ -205,15 +201,14 @@ class ThermalSpiral(Figured, ReadOnly):
     time: Array
     temperature: ComplexArray
     vibration: ComplexArray
-    speed_unit: SpeedUnit = "rad/s"
 
-    def _draw(self, ax: Any, _unit: SpeedUnit) -> "Figure":
+    def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import analyses as figures  # noqa: PLC0415
 
         return figures.spiral(self.time, self.vibration, ax)
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
-        speed = speed_text(self.speed, speed_unit)
+    def _heading(self) -> list[str]:
+        speed = self._speed_text(self.speed)
         return [f"thermal bow by {place_label(self.at)} at {speed}"]
 
     def _columns(self) -> list[Column]:
@@ -228,5 +223,5 @@ class ThermalSpiral(Figured, ReadOnly):
         ]
 
     def __repr__(self) -> str:
-        speed = speed_text(self.speed, self.speed_unit)
+        speed = self._speed_text(self.speed)
         return f"ThermalSpiral({self.time.size} instants, {self.time[-1]:.4g} s at {speed})"

@@ -258,7 +258,7 @@ class Sweep(Result, Sequence[SweepPoint]):
         labels = {key: f"{key} [{named[key]}]" if key in named else key for key in (*axes, name)}
         return figures.sweep(axes, values.squeeze(), name, labels=labels, ax=ax)
 
-    def _heading(self, speed_unit: Any) -> list[str]:  # noqa: ARG002  # a sweep has no speeds
+    def _heading(self) -> list[str]:
         return [repr(self)]
 
     def _columns(self) -> list[Column]:

@@ -22,7 +22,6 @@ from gearbow.description.part import expect, parts
 from gearbow.errors import ContactError, ConvergenceError, SceneError, StabilityError
 from gearbow.results.bow_limits import BowLimits, ReachedLimit
 from gearbow.system.steady import steady_state
-from gearbow.units.speed import given_unit
 
 #: Relative tolerance of a bow from the linear motion, and from steady states, which cost more.
 _TOLERANCE, _STEADY_TOLERANCE = 1e-6, 2e-3
@@ -110,7 +109,6 @@ def bow_limits(
     backlash used up g1/g2: 147 µm
     tips touch roots g1/g2: 750 µm
     """
-    unit = given_unit(speed) or self._speed_unit
     speeds = np.atleast_1d(array(speed, "speed"))
     names, bows, present = _bows(self, shaft, shape)
     turned = _phases(phase, len(names))
@@ -125,7 +123,7 @@ def bow_limits(
         found.append([_reached(motion, check) for check in checks])
     by_limit = tuple(one for own in zip(*found, strict=True) for one in own)
     lacks = left_out(self)
-    return BowLimits(names, present, speeds, by_limit, turned, unit, lacks)
+    return BowLimits(names, present, speeds, by_limit, turned, lacks)
 
 
 def _phases(given: "ArrayLike | None", count: int) -> tuple[float, ...] | None:

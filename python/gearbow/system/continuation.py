@@ -44,7 +44,6 @@ from gearbow.system.linear import matrices
 from gearbow.system.run import requests
 from gearbow.system.simulation import accuracy_level
 from gearbow.system.steady import period_samples, steady_state
-from gearbow.units.speed import SpeedUnit, given_unit
 
 #: Smallest number of recorded instants in a period.
 _SAMPLES = 128
@@ -123,8 +122,6 @@ def continuation(
     KeyboardInterrupt
         At Ctrl-C. The exception has the attribute `.branch`: the branch so far.
     """
-    given = (begin, end) if speed is None else speed
-    unit = given_unit(given) or self._speed_unit
     _check(parameter, begin, end, speed)
     begin, end = number(begin, "begin"), number(end, "end")
     length, most = number(first_step, "first_step"), whole(max_points, "max_points")
@@ -138,7 +135,6 @@ def continuation(
     if rtol is not None:
         rtol = number(rtol, "rtol")
     family = _Family(self, parameter, at)
-    family.speed_unit = unit
     first = family.system(begin)
     longest = number(max_period, "max_period")
     common = periods * common_period(first._model, at, None, longest)
@@ -227,7 +223,6 @@ class _Family:
             base = type(base)._from_description(base._model.resolved())
         self.base, self.parameter, self.fixed = base, parameter, speed
         self._last: tuple[float, System] = (math.nan, base)
-        self.speed_unit: SpeedUnit = "rad/s"
 
     def speed(self, value: float) -> float:
         """Speed of the reference shaft [rad/s]."""
@@ -419,7 +414,6 @@ class _Motion:
         speed = self.family.fixed
         signals = Response(summary([point.kept for point in points]), speed)
         signals.kinematics = Kinematics.of(self.family.base)
-        signals.speed_unit = self.family.speed_unit
         multipliers = [
             [(float(z.real), float(z.imag)) for z in point.multipliers] for point in points
         ]

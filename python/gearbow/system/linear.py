@@ -24,13 +24,10 @@ from gearbow.results.modes import Modes
 from gearbow.results.properties import Matrices
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
-from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
-    from gearbow.description.thermal_bow import ThermalBow
     from gearbow.results.properties import MassProperties
     from gearbow.results.static import Efficiency
-    from gearbow.results.thermal import ThermalStability
 
 
 def matrices(
@@ -114,12 +111,11 @@ def modes(
     -----
     Where coefficients of bearings depend on the frequency, each mode has those at its own.
     """
-    unit = given_unit(speed) or self._speed_unit
     speed = number(speed, "speed")
     most = None if count is None else whole(count, "count")
     with working(progress, "modes"):
         data = self._model.modes(speed, most, truth(vibrating, "vibrating"))
-    return Modes._from_data(data, speed, self.coordinates, layout_of(self), speed_unit=unit)
+    return Modes._from_data(data, speed, self.coordinates, layout_of(self))
 
 
 def layout_of(self: System) -> Layout:
@@ -186,7 +182,6 @@ def static(
         If the iteration does not converge: more than 1e-6 of the load of a shaft, support or
         housing remains unbalanced. The error names it.
     """
-    unit = given_unit(speed) or self._speed_unit
     text(geometry, "geometry")
     speed = number(speed, "speed")
     with working(progress, "equilibrium"):
@@ -197,7 +192,6 @@ def static(
         self.description.get("bearings", ()),
         layout=layout_of(self),
         speed=speed,
-        speed_unit=unit,
         geometry=geometry,
     )
 
@@ -264,7 +258,6 @@ def efficiency(
         force=force,
         coefficient=coefficient,
         loss=loss,
-        speed_unit=given_unit(speeds) or self._speed_unit,
         left_out=left_out(self, ()),
     )
 
@@ -313,10 +306,9 @@ def campbell(
     count = whole(count, "count")
     harmonics = whole(harmonics, "harmonics", least=0)
     workers = thread_count(threads)
-    unit = given_unit(speeds) or self._speed_unit
     with working(progress, f"Campbell diagram of {wanted.size} speeds"):
         data = self._model.campbell(wanted, count, harmonics, workers)
-    return Campbell._from_data(wanted, data, speed_unit=unit)
+    return Campbell._from_data(wanted, data)
 
 
 def critical_speed_map(
@@ -376,7 +368,7 @@ def critical_speed_map(
     with working(progress, f"critical speeds at {wanted.size} stiffnesses"):
         found = self._model.critical_speed_map(wanted, order, count, workers)
     actual = tuple(stiffness for each in self.bearings for stiffness in _stiffnesses(each))
-    return CriticalSpeedMap._from_rows(wanted, order, found, actual, speed_unit=self._speed_unit)
+    return CriticalSpeedMap._from_rows(wanted, order, found, actual)
 
 
 def synchronous(
@@ -443,46 +435,8 @@ def synchronous(
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
         _ratios=self.speed_ratios,
-        speed_unit=given_unit(speeds) or self._speed_unit,
         left_out=left_out(self) if excitation == "both" else (),
     )
-
-
-def thermal_bow(self: System, bow: "ThermalBow", speeds: "ArrayLike") -> "ThermalStability":
-    """Find whether the bow by the uneven heating of a journal grows.
-
-    Parameters
-    ----------
-    bow : ThermalBow
-        The journal, how its temperature follows the vibration, and the shape of the bow.
-    speeds : array_like, shape (speeds,) or scalar
-        Speeds of the reference shaft [rad/s].
-
-    Returns
-    -------
-    ThermalStability
-        Loop gain and eigenvalue at each speed, from two synchronous responses: that to the bow of
-        1 K, and that to bow and unbalance of the system.
-
-    Raises
-    ------
-    SceneError
-        If a speed is invalid, or the journal is not on a shaft.
-
-    Warns
-    -----
-    AccuracyWarning
-        If the system without thermal bow is unstable at some of the speeds.
-
-    Notes
-    -----
-    The temperature difference changes slowly, so that the rotor follows it without delay. Of an
-    elliptic orbit the forward part heats one side; the backward part goes around the shaft twice in
-    each revolution.
-    """
-    from gearbow.system.thermal import thermal_stability  # noqa: PLC0415
-
-    return thermal_stability(self, bow, speeds)
 
 
 def _stiffnesses(bearing: Part) -> tuple[float, ...]:

@@ -26,6 +26,7 @@ from gearbow.units.speed import (
     RevolutionsPerMinuteArray,
     SpeedUnit,
     given_unit,
+    showing_in,
     unit_in_texts,
 )
 
@@ -174,7 +175,8 @@ def report(
     from gearbow.report.compose import compose  # noqa: PLC0415
     from gearbow.report.contents import Options  # noqa: PLC0415
 
-    compose(self, file, Options(heading, span, wanted, count, added, unit), progress)
+    with showing_in(unit):
+        compose(self, file, Options(heading, span, wanted, count, added, unit), progress)
 
 
 if sys.version_info >= (3, 11):

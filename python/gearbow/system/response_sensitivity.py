@@ -173,7 +173,6 @@ def of_harmonic(
         axes=of.axes,
         frequencies=of.frequencies,
         speeds=of.speeds,
-        speed_unit=of.speed_unit,
     )
 
 
@@ -210,7 +209,6 @@ def of_synchronous(
         axes=("speed",),
         frequencies=None,
         speeds=of.speeds,
-        speed_unit=of.speed_unit,
     )
 
 
@@ -281,7 +279,6 @@ def of_equilibrium(
         axes=(),
         frequencies=None,
         speeds=None,
-        speed_unit=of.speed_unit,
     )
 
 

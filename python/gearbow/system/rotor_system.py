@@ -45,15 +45,15 @@ from gearbow.system.linear import (
     modes,
     static,
     synchronous,
-    thermal_bow,
 )
 from gearbow.system.outputs import plot, report
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
+from gearbow.system.thermal import thermal_bow
 from gearbow.tradeoff.ask import tradeoff
 from gearbow.units.parse import without_texts
-from gearbow.units.speed import SpeedUnit, unit_in_texts
+from gearbow.units.speed import SpeedUnit, in_given_unit, unit_in_texts
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -698,24 +698,24 @@ class RotorSystem(CheckedKeywords, Shown):
     plot = plot
     mass_properties = mass_properties
     matrices = matrices
-    modes = modes
-    static = static
-    efficiency = efficiency
-    campbell = campbell
-    critical_speed_map = critical_speed_map
-    synchronous = synchronous
-    frequency_response = frequency_response
-    mesh_response = mesh_response
-    sensitivity = sensitivity
-    balance = balance
-    bow_limits = bow_limits
-    thermal_bow = thermal_bow
-    simulate = simulate
+    modes = in_given_unit(modes)
+    static = in_given_unit(static)
+    efficiency = in_given_unit(efficiency)
+    campbell = in_given_unit(campbell)
+    critical_speed_map = in_given_unit(critical_speed_map)
+    synchronous = in_given_unit(synchronous)
+    frequency_response = in_given_unit(frequency_response)
+    mesh_response = in_given_unit(mesh_response)
+    sensitivity = in_given_unit(sensitivity)
+    balance = in_given_unit(balance)
+    bow_limits = in_given_unit(bow_limits)
+    thermal_bow = in_given_unit(thermal_bow)
+    simulate = in_given_unit(simulate)
     simulate_many = simulate_many
     default_output_step = default_output_step
     _require_memory_of_runs = require_memory_of_runs
-    steady_state = steady_state
-    continuation = continuation
+    steady_state = in_given_unit(steady_state)
+    continuation = in_given_unit(continuation)
     tradeoff = tradeoff
     report = report
 

@@ -126,7 +126,6 @@ def of_modes(family: ParameterFamily, parameters: Sequence[Parameter], of: Modes
         damping_ratios=_damping_slopes(of.eigenvalues, slopes),
         equal=tuple(tuple(i + 1 for i in own) for own in kept if len(own) > 1),
         speed=of.speed,
-        speed_unit=of.speed_unit,
     )
 
 
@@ -204,7 +203,6 @@ def of_intersections(
         ),
         equal=(),
         speed=None,
-        speed_unit=of.speed_unit,
     )
 
 

@@ -40,7 +40,6 @@ from gearbow.system.run import (
     requests,
     warn_of_early_end,
 )
-from gearbow.units.speed import given_unit
 
 if TYPE_CHECKING:
     from gearbow.system.run import Checkpoint
@@ -226,7 +225,6 @@ def simulate(
         if modes is not None or level is not None:
             level = level or LEVELS[system.accuracy]
             check_reduction(response.statistics, level, given=modes is not None)
-        response.speed_unit = given_unit(speed) or self._speed_unit
         if file is not None:
             file.finish(response.to_record())
     return response
@@ -372,6 +370,5 @@ def _response(
     speed, arguments = run
     response = Response(in_order(data, rows), speed)
     response.kinematics = Kinematics.of(system)
-    response.speed_unit = system._speed_unit
     response.request = RunRequest(system.description, arguments)
     return response

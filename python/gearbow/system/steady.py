@@ -33,7 +33,6 @@ from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 from gearbow.system.run import beginning, given_speed, in_order, requests
 from gearbow.system.simulation import accuracy_level
-from gearbow.units.speed import given_unit
 
 # Steady motion of several sources without a common period, as the sum of their steady motions.
 #
@@ -237,7 +236,6 @@ def steady_state(
     True
     """
     state, begin = beginning(initial, start)
-    unit = given_unit(speed) or self._speed_unit
     speed = number(speed, "speed")
     longest = number(max_period, "max_period", infinite=True)
     text(geometry, "geometry")
@@ -269,7 +267,6 @@ def steady_state(
     if modes is not None or level is not None:
         level = level or LEVELS[system.accuracy]
         check_reduction(response.statistics, level, given=modes is not None)
-    response.speed_unit = unit
     return SteadyState(response, about, system._model)
 
 
@@ -297,7 +294,6 @@ def _response(system: System, data: RunData, speed: float, arguments: dict[str, 
     """Give the recorded period; its request continues from its end, with the same motion."""
     response = Response(in_order(data, None), speed)
     response.kinematics = Kinematics.of(system)
-    response.speed_unit = system._speed_unit
     again = {**arguments, "initial": response.final, "start": response.final["time"]}
     response.request = RunRequest(system.description, again)
     return response

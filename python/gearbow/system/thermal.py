@@ -17,11 +17,40 @@ from gearbow.description.thermal_bow import ThermalBow
 from gearbow.errors import SceneError
 from gearbow.results.synchronous import Synchronous
 from gearbow.results.thermal import ThermalStability
-from gearbow.units.speed import given_unit
 
 
-def thermal_stability(self: System, bow: ThermalBow, speeds: "ArrayLike") -> ThermalStability:
-    """Find the growth of a thermal bow over the speed."""
+def thermal_bow(self: System, bow: ThermalBow, speeds: "ArrayLike") -> ThermalStability:
+    """Find whether the bow by the uneven heating of a journal grows.
+
+    Parameters
+    ----------
+    bow : ThermalBow
+        The journal, how its temperature follows the vibration, and the shape of the bow.
+    speeds : array_like, shape (speeds,) or scalar
+        Speeds of the reference shaft [rad/s].
+
+    Returns
+    -------
+    ThermalStability
+        Loop gain and eigenvalue at each speed, from two synchronous responses: that to the bow of
+        1 K, and that to bow and unbalance of the system.
+
+    Raises
+    ------
+    SceneError
+        If a speed is invalid, or the journal is not on a shaft.
+
+    Warns
+    -----
+    AccuracyWarning
+        If the system without thermal bow is unstable at some of the speeds.
+
+    Notes
+    -----
+    The temperature difference changes slowly, so that the rotor follows it without delay. Of an
+    elliptic orbit the forward part heats one side; the backward part goes around the shaft twice in
+    each revolution.
+    """
     expect(bow, ThermalBow, "bow")
     wanted = array(speeds, "speeds")
     at = place(bow.at, "bow.at", "place")
@@ -44,7 +73,6 @@ def thermal_stability(self: System, bow: ThermalBow, speeds: "ArrayLike") -> The
         gain=bow._gains(wanted * self.speed_ratios[index]),
         response=_forward(by_heat, bow.at, index),
         vibration=_forward(self.synchronous(wanted), bow.at, index),
-        speed_unit=given_unit(speeds) or self._speed_unit,
         left_out=left_out(self),
     )
 

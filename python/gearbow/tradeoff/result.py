@@ -263,9 +263,9 @@ class Tradeoff(Result, Generic[S]):
         """Give a row for each setting; a star marks the Pareto front."""
         return columns(self.trials, self.front())
 
-    def _heading(self, speed_unit: SpeedUnit) -> list[str]:
+    def _heading(self) -> list[str]:
         worst = ", worst signal" if len(self.signals) > 1 else ""
-        speed = speed_text(self.speed, speed_unit)
+        speed = speed_text(self.speed)
         lines = [
             f"{self.duration:g} s at {speed}; signals: {', '.join(self.signals)}",
             f"error: RMS of the difference / {UNIT_OF_ERRORS}{worst}",

@@ -1,7 +1,16 @@
-"""Speeds in rad/s or rpm, as the user gave them, and numbers in SI units from rpm, mm, degrees."""
+"""Speeds in rad/s or rpm, as the user gave them, and numbers in SI units from rpm, mm, degrees.
+
+Speeds are in rad/s everywhere. Only what is shown has the other unit: a result remembers the unit
+of the speed that was given (`in_given_unit`), and while it is shown (`showing_in`), tables and
+figures write speeds in this unit.
+"""
 
 import math
-from typing import Any, Literal, TypeAlias, get_args, overload
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import wraps
+from typing import Any, Literal, TypeAlias, TypeVar, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,14 +39,36 @@ class RevolutionsPerMinuteArray(np.ndarray[Any, np.dtype[np.float64]]):
         return repr(np.asarray(self))
 
 
-def speed_factor(unit: str) -> float:
-    """Give what multiplies a speed in rad/s."""
-    return _FACTORS[one_of(unit, get_args(SpeedUnit), "speed_unit")]
+#: Unit of the tables and figures that are being made; None outside of them.
+_SHOWN: ContextVar[SpeedUnit | None] = ContextVar("shown unit of speeds", default=None)
+
+_Call = TypeVar("_Call", bound=Callable[..., Any])
 
 
-def speed_text(speed: float, unit: SpeedUnit) -> str:
+@contextmanager
+def showing_in(unit: SpeedUnit) -> Iterator[None]:
+    """Write speeds in a unit within the context."""
+    one_of(unit, get_args(SpeedUnit), "speed_unit")
+    before = _SHOWN.set(unit)
+    try:
+        yield
+    finally:
+        _SHOWN.reset(before)
+
+
+def shown_unit(usual: SpeedUnit = "rad/s") -> SpeedUnit:
+    """Give the unit in which speeds are written now; outside of `showing_in`, the usual one."""
+    return _SHOWN.get() or usual
+
+
+def speed_factor(unit: str | None = None) -> float:
+    """Give what multiplies a speed in rad/s; None is the unit in which speeds are written now."""
+    return _FACTORS[one_of(unit or shown_unit(), get_args(SpeedUnit), "speed_unit")]
+
+
+def speed_text(speed: float, unit: SpeedUnit | None = None, form: str = ".6g") -> str:
     """Write a speed in rad/s with its unit, e.g. "1500 rpm"."""
-    return f"{speed_factor(unit) * speed:.6g} {unit}"
+    return f"{speed_factor(unit) * speed:{form}} {unit or shown_unit()}"
 
 
 def given_unit(speeds: Any) -> SpeedUnit | None:
@@ -46,9 +77,38 @@ def given_unit(speeds: Any) -> SpeedUnit | None:
         return next(filter(None, map(given_unit, speeds)), None)
     if isinstance(speeds, RevolutionsPerMinute | RevolutionsPerMinuteArray):
         return "rpm"
-    if is_quantity(speeds):
-        return "rpm" if "revolutions_per_minute" in str(speeds.units) else "rad/s"
-    return None
+    if is_quantity(speeds) and "revolutions_per_minute" in str(speeds.units):
+        return "rpm"
+    return "rad/s" if is_quantity(speeds) and "radian" in str(speeds.units) else None
+
+
+def in_given_unit(analysis: _Call) -> _Call:
+    """Let the result of a method show speeds in the unit of those given to it."""
+
+    @wraps(analysis)
+    def call(*args: Any, **options: Any) -> Any:
+        owner, *given = *args, *options.values()
+        # Without a unit, it is that of a result among the arguments, or that of the system.
+        unit = given_unit(given) or _unit_of([*given, owner]) or "rad/s"
+        try:
+            found = analysis(*args, **options)
+        except BaseException as error:
+            for partial in vars(error).values():
+                if hasattr(partial, "_remember"):
+                    partial._remember(unit)
+            raise
+        found._remember(unit)
+        return found
+
+    return call  # type: ignore[return-value]  # it has the parameters of the analysis
+
+
+def _unit_of(given: Any) -> SpeedUnit | None:
+    """Give the unit that a result, the record of a run, or a system remembers."""
+    if isinstance(given, list | tuple):
+        return next(filter(None, map(_unit_of, given)), None)
+    found: SpeedUnit | None = getattr(given, "speed_unit", getattr(given, "_speed_unit", None))
+    return found
 
 
 def unit_in_texts(plain: Any) -> SpeedUnit:

@@ -309,3 +309,26 @@ def test_axes_are_given_by_keyword_everywhere():
     for figure in figures:
         kind = inspect.signature(figure).parameters["ax"].kind
         assert kind is inspect.Parameter.KEYWORD_ONLY, figure
+
+
+def test_figures_of_a_frequency_response_have_the_unit_of_the_speeds():
+    system, hit = hostile(), gb.Force(("input", 0.1), 1.0)
+    speeds = np.array([50.0, 100.0])
+    several = system.frequency_response([100.0, 400.0], source=hit, speed=gb.rpm(speeds * RPM))
+    assert several.speed_unit == "rpm"
+    upright = several.plot("g1", kind="waterfall").axes[0]
+    assert upright.get_ylabel() == "speed of the reference shaft [rpm]"
+    # the cells of the map reach half a distance beyond its speeds
+    assert upright.get_ylim() == pytest.approx((25.0 * RPM, 125.0 * RPM))
+    assert several.plot("g1", kind="waterfall", speed_unit="rad/s").axes[0].get_ylim() == (
+        pytest.approx((25.0, 125.0))
+    )
+    labels = [line.get_label() for line in several.plot("g1").axes[0].get_lines()]
+    assert [label.rpartition(", ")[2] for label in labels] == ["477.465 rpm", "954.93 rpm"]
+    orders = system.frequency_response(source=hit, order=2.0, speeds=speeds)
+    for unit, factor in (("rad/s", 1.0), ("rpm", RPM)):
+        below = orders.plot("g1", speed_unit=unit).axes[-1]
+        assert below.get_xlabel().endswith(f"[{unit}]")
+        assert below.get_lines()[0].get_xdata() == pytest.approx(factor * speeds)
+    with pytest.raises(gb.GearbowError, match=r"^speed_unit: must be one of rad/s, rpm, got 'Hz'"):
+        orders.plot("g1", speed_unit="Hz")

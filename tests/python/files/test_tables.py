@@ -339,6 +339,36 @@ def test_the_unit_of_the_speed_is_that_of_the_scene_and_of_the_file(tmp_path: Pa
     assert jeffcott().modes(100.0, count=2).speed_unit == "rad/s"
 
 
+def test_results_of_results_have_the_unit_of_the_speed(tmp_path: Path):
+    rotor, hit = jeffcott(damping=5e2), gb.Force("disk", 1.0)
+    response = rotor.frequency_response(source=hit, order=1.0, speeds=gb.rpm([500.0, 900.0]))
+    assert "  500.00" in response.table()
+    assert "speeds=500 to 900 rpm" in repr(response)
+    synchronous = rotor.synchronous(gb.rpm(np.linspace(500.0, 9000.0, 9)))
+    assert "slow_roll=50 rpm" in repr(synchronous.subtract_slow_roll(gb.rpm(50)))
+    assert synchronous.peaks("disk").speed_unit == "rpm"
+    run = rotor.simulate(0.5, gb.rpm(1500), output_step=1e-3, record=["disk"])
+    assert run.orders("disk").speed_unit == "rpm"
+    assert rotor.simulate(1e-3, 100.0, initial=run, record=["disk"]).speed_unit == "rpm"
+    # the segments of one run, too
+    assert "rpm" in gb.waterfall(run, "disk", revolutions=4.0).table()
+    state = rotor.steady_state(gb.rpm(1500), record=["disk"])
+    state.save(tmp_path / "state.npz")
+    loaded = gb.SteadyState.load(tmp_path / "state.npz")
+    assert {loaded.speed_unit, loaded.response.speed_unit, state.response.speed_unit} == {"rpm"}
+    assert gb.results.Modes.speed_unit == "rad/s"
+
+
+def test_an_interrupted_run_has_the_unit_of_the_speed():
+    def stop(share: float) -> None:
+        if share > 0.1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        jeffcott().simulate(1.0, gb.rpm(1500), record=["disk"], progress=stop)
+    assert stopped.value.response.speed_unit == "rpm"
+
+
 def test_peaks_are_a_sequence_with_verdicts():
     peaks = results()["peaks"]
     assert len(peaks) == 1

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.machines import helical_pair
+from reference.machines import helical_pair, hostile
 from reference.receptance import Beam
 
 #: Names, and springs at the left and the right end, of a beam.
@@ -326,3 +326,32 @@ def test_a_place_between_nodes_moves_as_a_node_there_would():
     assert unbalanced[0].displacement(at).shape == (1, 1, 2)
     with pytest.raises(gb.SceneError, match=r"reaches from 0 to 1\.2 m"):
         unbalanced[0].displacement(("s", 1.3))
+
+
+def test_mesh_forces_of_all_shafts_accelerate_the_last_shaft():
+    system, speeds = hostile(), np.array([50.0, 120.0, -80.0])
+    response = system.synchronous(speeds)
+    found = response.mesh_force("g4/g5")
+    assert found.shape == (3, 4)
+    # Newton's second law of the rotation of "output", which the teeth of g5 alone turn: with the
+    # base radius of ISO 21771, the force has the arm r_b cos β_b.
+    transverse = np.arctan(np.tan(np.radians(20.0)) / np.cos(0.2))
+    radius = 0.5 * 53 * 3e-3 / np.cos(0.2) * np.cos(transverse)
+    arm = radius * np.sqrt(1.0 - (np.sin(0.2) * np.cos(np.radians(20.0))) ** 2)
+    twists = [i for i, dof in enumerate(system.dofs) if dof[0] == "output" and dof[2] == "twist"]
+    rates = speeds[:, np.newaxis] * system.speed_ratios
+    inertia = system.matrices(50.0).mass[twists].sum(axis=0)
+    torques = -(rates**2) * (response.amplitudes @ inertia)
+    # The drive flanks turn the wheel in its sense of rotation.
+    sense = np.sign(rates[:, 3:])
+    # Differences of the twists between the nodes leave round-off of 1e-10.
+    np.testing.assert_allclose(torques, sense * arm * found, rtol=1e-8)
+    # Slow roll has no part in forces.
+    np.testing.assert_array_equal(response.subtract_slow_roll(5.0).mesh_force("g5/g4"), found)
+    only = replace(response, excitation="unbalance").mesh_force("g4/g5")
+    source = gb.ShaftExcitation("middle", "unbalance")
+    order = abs(system.speed_ratios[2])
+    alone = system.frequency_response(source=source, order=order, speeds=speeds)
+    np.testing.assert_allclose(np.abs(only[:, 2]), np.abs(alone.mesh_force("g4/g5")[:, 0]))
+    with pytest.raises(gb.ChannelError, match="g1"):
+        response.mesh_force("g1/g5")
