@@ -8,7 +8,7 @@ from typing import Any
 from gearbow._convert import BYTES, real, shown
 from gearbow.description.supports import Housing, Support
 from gearbow.errors import ChannelError, SceneError
-from gearbow.units.parse import is_quantity
+from gearbow.units.values import is_quantity
 
 #: Positions with a smaller difference [m], or relative to a position above 1 m, are equal.
 _SAME_POSITION = 1e-9

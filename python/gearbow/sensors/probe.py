@@ -14,7 +14,7 @@ from gearbow.errors import SceneError
 from gearbow.recording.access import Quantity, angle, motion
 from gearbow.recording.record import Recorded, recorded_run
 from gearbow.sensors.sensor import Motion, SignalSensor, degrees_text
-from gearbow.units.parse import is_quantity, magnitude
+from gearbow.units.values import is_quantity, magnitude
 
 #: Run-out over the angle in the shaft: once per revolution, a function, or (angles, values).
 RunOut: TypeAlias = complex | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]

@@ -20,7 +20,6 @@ from gearbow.description.part import parts
 from gearbow.description.train import Train
 from gearbow.errors import SceneError
 from gearbow.results.peak import operating_range
-from gearbow.units.parse import without_texts
 from gearbow.units.speed import (
     RevolutionsPerMinute,
     RevolutionsPerMinuteArray,
@@ -29,6 +28,7 @@ from gearbow.units.speed import (
     showing_in,
     unit_in_texts,
 )
+from gearbow.units.values import without_texts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -179,11 +179,6 @@ def report(
         compose(self, file, Options(heading, span, wanted, count, added, unit), progress)
 
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 _NUL = re.compile(r"\\(u0000|U00000000)")
 
 
@@ -196,6 +191,11 @@ class Scene(NamedTuple):
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:
     """Read a scene file."""
+    if sys.version_info >= (3, 11):
+        import tomllib  # noqa: PLC0415
+    else:
+        import tomli as tomllib  # noqa: PLC0415
+
     with reading(path, "a scene file") as document:
         try:
             plain = tomllib.loads(document)

@@ -52,8 +52,8 @@ from gearbow.system.simulation import default_output_step, require_memory_of_run
 from gearbow.system.steady import steady_state
 from gearbow.system.thermal import thermal_bow
 from gearbow.tradeoff.ask import tradeoff
-from gearbow.units.parse import without_texts
 from gearbow.units.speed import SpeedUnit, in_given_unit, unit_in_texts
+from gearbow.units.values import without_texts
 
 if TYPE_CHECKING:
     from typing_extensions import Self
