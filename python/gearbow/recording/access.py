@@ -14,16 +14,18 @@ from gearbow._types import Array, Plain
 from gearbow.description.places import Places, place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import ChannelError
-from gearbow.recording.contact import (
+from gearbow.recording.energy import EnergyBalance
+from gearbow.recording.record import (
     Contact,
     ContactShares,
+    Event,
+    MeshResponse,
     MeshScene,
+    RunRecord,
     contact_at,
     first_contact,
     shares,
 )
-from gearbow.recording.energy import EnergyBalance
-from gearbow.recording.record import Event, MeshResponse, RunRecord
 
 
 @dataclass(frozen=True, eq=False)

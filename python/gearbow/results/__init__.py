@@ -20,9 +20,8 @@ _NAMES = {
     "gearbow.description.journal": ("FilmCoefficients",),
     "gearbow.description.kinematics": ("Order",),
     "gearbow.description.rolling": ("RingCoefficients", "RollingCoefficients", "RollingEstimate"),
-    "gearbow.identification.correction": ("Correction",),
+    "gearbow.identification.correction": ("Correction", "TrialInfluence"),
     "gearbow.identification.result": ("Identification", "ProbeResidual"),
-    "gearbow.identification.trials": ("TrialInfluence",),
     "gearbow.exchange.harmonic": ("MeasuredCurve",),
     "gearbow.exchange.rexs": ("LoadCase", "RexsContents"),
     "gearbow.exchange.rexs_joints": ("MissingValue",),
@@ -30,9 +29,8 @@ _NAMES = {
     "gearbow.orders.spectrum": ("Spectrum",),
     "gearbow.orders.waterfall": ("Waterfall",),
     "gearbow.recording.access": ("BearingMotion",),
-    "gearbow.recording.contact": ("Contact", "ContactShares"),
+    "gearbow.recording.record": ("Contact", "ContactShares", "Event", "MeshResponse"),
     "gearbow.recording.energy": ("EnergyBalance",),
-    "gearbow.recording.record": ("Event", "MeshResponse"),
     "gearbow.results.bow_limits": ("BowLimits", "ReachedLimit"),
     "gearbow.results.campbell": (
         "Campbell",
@@ -46,7 +44,7 @@ _NAMES = {
     "gearbow.results.static": ("Efficiency", "Static"),
     "gearbow.results.harmonic": ("FrequencyComparison",),
     "gearbow.results.frequency_response": ("FrequencyResponse",),
-    "gearbow.exchange.mode_shapes": ("MeasuredShapes",),
+    "gearbow.exchange.universal": ("MeasuredShapes",),
     "gearbow.results.modes": ("ModeComparison", "Modes"),
     "gearbow.results.peak": ("Peak", "Peaks"),
     "gearbow.results.response": ("Response",),
@@ -72,22 +70,22 @@ if _typing.TYPE_CHECKING:
     from gearbow.exchange.harmonic import MeasuredCurve as MeasuredCurve
     from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
     from gearbow.exchange.rexs_joints import MissingValue as MissingValue
-    from gearbow.identification.correction import Correction as Correction
+    from gearbow.identification.correction import (
+        Correction as Correction,
+        TrialInfluence as TrialInfluence,
+    )
     from gearbow.identification.result import (
         Identification as Identification,
         ProbeResidual as ProbeResidual,
     )
-    from gearbow.identification.trials import TrialInfluence as TrialInfluence
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
     from gearbow.recording.access import BearingMotion as BearingMotion
-    from gearbow.recording.contact import (
-        Contact as Contact,
-        ContactShares as ContactShares,
-    )
     from gearbow.recording.energy import EnergyBalance as EnergyBalance
     from gearbow.recording.record import (
+        Contact as Contact,
+        ContactShares as ContactShares,
         Event as Event,
         MeshResponse as MeshResponse,
     )

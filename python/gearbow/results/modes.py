@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from gearbow.exchange.mode_shapes import MeasuredShapes
+    from gearbow.exchange.universal import MeasuredShapes
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,7 +260,7 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         GearbowError
             If there is no such place.
         """
-        from gearbow.exchange.mode_shapes import MeasuredShapes, read_uff  # noqa: PLC0415
+        from gearbow.exchange.universal import MeasuredShapes, read_uff  # noqa: PLC0415
 
         if places is not None and not isinstance(places, Mapping):
             raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
@@ -304,7 +304,7 @@ class Modes(Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
 
     def _save_own(self, path: "Path", _ending: str) -> None:
         """Write a universal file with the translations of all nodes."""
-        from gearbow.exchange.mode_shapes import write_uff  # noqa: PLC0415
+        from gearbow.exchange.universal import write_uff  # noqa: PLC0415
 
         nodes = self._nodes()
         if not nodes:

@@ -10,7 +10,7 @@ import numpy as np
 
 from gearbow._core import __version__
 from gearbow.sensors.sensor import Sensor, SignalSensor
-from gearbow.sweeps.functions import identity
+from gearbow.sweeps.points import identity
 from gearbow.sweeps.result import Sweep
 
 if TYPE_CHECKING:

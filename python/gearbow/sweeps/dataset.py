@@ -28,9 +28,8 @@ from gearbow.sensors.sensor import Sensor, SignalSensor
 from gearbow.sensors.tacho import Tacho
 from gearbow.sweeps.data_card import CARD_SIGN, data_card
 from gearbow.sweeps.points import Parameters, Points
-from gearbow.sweeps.result import Sweep
+from gearbow.sweeps.result import Sweep, for_netcdf
 from gearbow.sweeps.run import check_call, sweep
-from gearbow.sweeps.tables import for_netcdf
 from gearbow.units.fields import DIMENSIONLESS, unit_of
 
 if TYPE_CHECKING:

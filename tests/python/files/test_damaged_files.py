@@ -20,8 +20,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.exchange.mat import read_vectors
 from gearbow.exchange.rexs_file import _from_xml
+from gearbow.exchange.tables import read_vectors
 from gearbow.exchange.universal import Function, Quantity, function_lines, write
 from test_response import recorded
 
