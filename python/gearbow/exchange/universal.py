@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gearbow._convert import shown
 from gearbow._files import parsing, printable, replacing
-from gearbow._read_only import ReadOnly
+from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.errors import SceneError
 from gearbow.units.parse import parsed

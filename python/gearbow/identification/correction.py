@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, Written, in_degrees
-from gearbow._shown import listed
+from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import Balance, balance, semi_axes, shaft_of_planes, with_unbalances
 from gearbow.analysis.protocol import S

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, items, shown, truth
 from gearbow._types import Array
 from gearbow.analysis.protocol import S
-from gearbow.description.excitation import left_out
+from gearbow.description.layout import left_out
 from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.identification.fit import (
     WeightedFit,

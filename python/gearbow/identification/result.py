@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import text
 from gearbow._lookup import nearest
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, Written
-from gearbow._shown import Shown, listed, short
+from gearbow._shown import ReadOnly, Shown, listed, short
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from gearbow._convert import shown
 from gearbow._core import mesh_geometry
-from gearbow._read_only import ReadOnly
-from gearbow._shown import Shown, short, to_html
+from gearbow._shown import ReadOnly, Shown, short, to_html
 from gearbow._types import Array, Plain, Record, RunData
 from gearbow.description.gears import Gear
-from gearbow.description.kinematics import Kinematics
+from gearbow.description.layout import Kinematics
 from gearbow.description.part import tuples
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import ChannelError, GearbowError, SceneError

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from gearbow._result import Column, in_micrometres, in_percent
-from gearbow.description.assumptions import assumptions
 from gearbow.description.bow_limit import BowLimit
+from gearbow.description.layout import assumptions
 from gearbow.description.places import place_label
 from gearbow.errors import GearbowError
 from gearbow.report import api617

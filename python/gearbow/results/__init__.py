@@ -18,7 +18,7 @@ from importlib import import_module as _import_module
 _NAMES = {
     "gearbow.analysis.balance": ("Balance",),
     "gearbow.description.journal": ("FilmCoefficients",),
-    "gearbow.description.kinematics": ("Order",),
+    "gearbow.description.layout": ("Order",),
     "gearbow.description.rolling": ("RingCoefficients", "RollingCoefficients", "RollingEstimate"),
     "gearbow.identification.correction": ("Correction", "TrialInfluence"),
     "gearbow.identification.result": ("Identification", "ProbeResidual"),
@@ -28,9 +28,8 @@ _NAMES = {
     "gearbow.orders.fit": ("Orders",),
     "gearbow.orders.spectrum": ("Spectrum",),
     "gearbow.orders.waterfall": ("Waterfall",),
-    "gearbow.recording.access": ("BearingMotion",),
+    "gearbow.recording.access": ("BearingMotion", "EnergyBalance"),
     "gearbow.recording.record": ("Contact", "ContactShares", "Event", "MeshResponse"),
-    "gearbow.recording.energy": ("EnergyBalance",),
     "gearbow.results.bow_limits": ("BowLimits", "ReachedLimit"),
     "gearbow.results.campbell": (
         "Campbell",
@@ -53,15 +52,14 @@ _NAMES = {
     "gearbow.results.synchronous": ("Synchronous",),
     "gearbow.results.thermal": ("ThermalSpiral", "ThermalStability"),
     "gearbow.sweeps.result": ("Sweep", "SweepPoint"),
-    "gearbow.tradeoff.result": ("Recommendation", "Tradeoff"),
-    "gearbow.tradeoff.trial": ("Trial",),
+    "gearbow.studies.result": ("Recommendation", "Tradeoff", "Trial"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 if _typing.TYPE_CHECKING:
     from gearbow.analysis.balance import Balance as Balance
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
-    from gearbow.description.kinematics import Order as Order
+    from gearbow.description.layout import Order as Order
     from gearbow.description.rolling import (
         RingCoefficients as RingCoefficients,
         RollingCoefficients as RollingCoefficients,
@@ -81,8 +79,10 @@ if _typing.TYPE_CHECKING:
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
-    from gearbow.recording.access import BearingMotion as BearingMotion
-    from gearbow.recording.energy import EnergyBalance as EnergyBalance
+    from gearbow.recording.access import (
+        BearingMotion as BearingMotion,
+        EnergyBalance as EnergyBalance,
+    )
     from gearbow.recording.record import (
         Contact as Contact,
         ContactShares as ContactShares,
@@ -124,15 +124,15 @@ if _typing.TYPE_CHECKING:
         ThermalSpiral as ThermalSpiral,
         ThermalStability as ThermalStability,
     )
+    from gearbow.studies.result import (
+        Recommendation as Recommendation,
+        Tradeoff as Tradeoff,
+        Trial as Trial,
+    )
     from gearbow.sweeps.result import (
         Sweep as Sweep,
         SweepPoint as SweepPoint,
     )
-    from gearbow.tradeoff.result import (
-        Recommendation as Recommendation,
-        Tradeoff as Tradeoff,
-    )
-    from gearbow.tradeoff.trial import Trial as Trial
 else:  # a type checker would accept every name
 
     def __getattr__(name: str) -> object:

@@ -12,9 +12,8 @@ from gearbow._convert import shown, whole
 from gearbow._extras import extra
 from gearbow._files import check_name
 from gearbow._lookup import nodal
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, Result, in_percent, plain_text
-from gearbow._shown import listed
+from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout

@@ -8,9 +8,8 @@ import numpy as np
 
 from gearbow._convert import items, number, shown
 from gearbow._progress import working
-from gearbow._read_only import ReadOnly, read_only
 from gearbow._result import Column, Result
-from gearbow._shown import span
+from gearbow._shown import ReadOnly, read_only, span
 from gearbow._types import (
     Array,
     Record,
@@ -18,7 +17,7 @@ from gearbow._types import (
     SignalQuantity,
     Window,
 )
-from gearbow.accuracy.estimate import estimate_errors
+from gearbow.accuracy import estimate_errors
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.fit import Orders, orders
@@ -28,7 +27,7 @@ from gearbow.recording.channels import resampled
 from gearbow.recording.record import Errors, RunRecord, Statistics
 from gearbow.results.at_places import RecordedMotion
 from gearbow.results.run_figures import animate, plot
-from gearbow.sensors.sensor import Sensor, SignalSensor
+from gearbow.sensors import Sensor, SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_factor, speed_text
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from typing_extensions import Self
 
-    from gearbow.description.kinematics import Kinematics
+    from gearbow.description.layout import Kinematics
     from gearbow.recording.record import RunRequest
 
 

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.tradeoff.result import Tradeoff
-from gearbow.tradeoff.signals import Signal, error, errors
-from gearbow.tradeoff.trial import Trial
+from gearbow.studies.result import Tradeoff, Trial
+from gearbow.studies.study import Signal, error, errors
 from reference.bows import HalfSine
 from reference.records import response
 from reference.scenes import PAIR
