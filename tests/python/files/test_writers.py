@@ -100,12 +100,12 @@ WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
     "sweeps.result._save_own": {
         "map.nc": lambda path: gb.sweep(named, {"x": [1.0]}, measured_value).save(path)
     },
-    "sweeps.dataset.dataset": {"set.nc": data_set},
+    "studies.dataset.dataset": {"set.nc": data_set},
     "system.rotor_system.save": {"rotor.toml": lambda path: rotor().save(path)},
     "report.page.write": {"page.html": lambda path: rotor().report(path, modes=2)},
     "results.run_figures.animate": {"run.gif": animation},
-    "cli.answer.save": {"modes.svg": drawing, "modes.png": drawing},
-    "cli.importing.import_": {"train.toml": imported},
+    "cli.main.save_figure": {"modes.svg": drawing, "modes.png": drawing},
+    "cli.answers.import_": {"train.toml": imported},
     "exchange.rexs_writer.write_rexs": {"train.rexs": lambda path: rotor().save(path)},
     "cli.answers.new": {},  # it replaces no file
 }
