@@ -14,7 +14,7 @@ FILE_LINES, FUNCTION_LINES, STRUCT_FIELDS = 600, 90, 15
 #: Findings that remain, and why.
 REASONS: dict[str, str] = {
     "python/gearbow/description/gears.py:Gear": "public parameters",
-    "python/gearbow/tradeoff/trial.py:Trial": "public row of a table",
+    "python/gearbow/studies/result.py:Trial": "public row of a table",
     "python/gearbow/system/rotor_system.py:RotorSystem": "public parameters",
     "python/gearbow/description/rolling.py:RollingBearing": "public parameters",
     "src/scene/description/bearing.rs:Bearing": "entries of a scene",

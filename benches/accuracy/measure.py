@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 import gearbow as gb
-from gearbow.accuracy.levels import LEVELS, Level, root_mean_square, unit_of_errors, variation
+from gearbow.accuracy import LEVELS, Level, root_mean_square, unit_of_errors, variation
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 

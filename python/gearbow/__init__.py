@@ -25,20 +25,25 @@ from gearbow import results as results
 from gearbow._core import __version__ as __version__
 from gearbow.description.bow import Bow as Bow
 from gearbow.description.bow_limit import BowLimit as BowLimit
-from gearbow.description.couplings import (
-    Coupling as Coupling,
-    Drive as Drive,
-    Force as Force,
-)
 from gearbow.description.gears import (
     Disk as Disk,
     Gear as Gear,
     Mesh as Mesh,
+    MeshFriction as MeshFriction,
+    TipRelief as TipRelief,
+    TransmissionError as TransmissionError,
 )
 from gearbow.description.journal import JournalBearing as JournalBearing
 from gearbow.description.loads import (
     Bearing as Bearing,
+    Coupling as Coupling,
+    Drive as Drive,
+    Force as Force,
     Torque as Torque,
+)
+from gearbow.description.places import (
+    Housing as Housing,
+    Support as Support,
 )
 from gearbow.description.rolling import RollingBearing as RollingBearing
 from gearbow.description.shafts import (
@@ -53,18 +58,8 @@ from gearbow.description.sources import (
     MeshExcitation as MeshExcitation,
     ShaftExcitation as ShaftExcitation,
 )
-from gearbow.description.speed import SpeedProfile as SpeedProfile
-from gearbow.description.speed_table import SpeedTable as SpeedTable
+from gearbow.description.speed import SpeedProfile as SpeedProfile, SpeedTable as SpeedTable
 from gearbow.description.stiffness import Stiffness as Stiffness
-from gearbow.description.supports import (
-    Housing as Housing,
-    Support as Support,
-)
-from gearbow.description.teeth import (
-    MeshFriction as MeshFriction,
-    TipRelief as TipRelief,
-    TransmissionError as TransmissionError,
-)
 from gearbow.description.time_series import TimeSeries as TimeSeries
 from gearbow.errors import (
     AccuracyWarning as AccuracyWarning,
@@ -78,13 +73,11 @@ from gearbow.errors import (
     SceneWarning as SceneWarning,
     StabilityError as StabilityError,
 )
-from gearbow.identification import unknown as unknown
 from gearbow.orders.waterfall import waterfall as waterfall
 from gearbow.results.continuation import Continuation as Continuation
 from gearbow.results.response import Response as Response
 from gearbow.results.steady import SteadyState as SteadyState
-from gearbow.sensors.probe import Accelerometer as Accelerometer, Probe as Probe
-from gearbow.sensors.tacho import Tacho as Tacho
+from gearbow.sensors import Accelerometer as Accelerometer, Probe as Probe, Tacho as Tacho
 from gearbow.system.rotor_system import RotorSystem as RotorSystem
 from gearbow.units.speed import (
     degrees as degrees,
@@ -96,22 +89,24 @@ from gearbow.units.speed import (
 _LAZY = {
     "Measurement": "gearbow.identification.measurement",
     "Sweep": "gearbow.sweeps.result",
-    "ThermalBow": "gearbow.description.thermal_bow",
-    "dataset": "gearbow.sweeps.dataset",
+    "ThermalBow": "gearbow.description.sources",
+    "dataset": "gearbow.studies.dataset",
     "examples": "gearbow.machines.examples",
     "identify": "gearbow.identification.identify",
     "read": "gearbow.system.read",
     "rexs_contents": "gearbow.exchange.rexs",
     "sweep": "gearbow.sweeps.run",
+    "unknown": "gearbow.identification",
 }
 
 if _typing.TYPE_CHECKING:
-    from gearbow.description.thermal_bow import ThermalBow as ThermalBow
+    from gearbow.description.sources import ThermalBow as ThermalBow
     from gearbow.exchange.rexs import rexs_contents as rexs_contents
+    from gearbow.identification import unknown as unknown
     from gearbow.identification.identify import identify as identify
     from gearbow.identification.measurement import Measurement as Measurement
     from gearbow.machines.examples import examples as examples
-    from gearbow.sweeps.dataset import dataset as dataset
+    from gearbow.studies.dataset import dataset as dataset
     from gearbow.sweeps.result import Sweep as Sweep
     from gearbow.sweeps.run import sweep as sweep
     from gearbow.system.read import read as read
@@ -131,4 +126,4 @@ def __dir__() -> list[str]:
         for name, value in globals().items()
         if not (name.startswith("_") or isinstance(value, _ModuleType))
     }
-    return sorted(own | _LAZY.keys() | {"__version__"})
+    return sorted((own | _LAZY.keys() | {"__version__"}) - {"unknown"})  # a module

@@ -1,15 +1,17 @@
-"""Short representations of public objects: one line, and a table in HTML for notebooks.
+"""Short representations of public objects, one line and a table in HTML, and read-only results.
 
 No representation contains an array: an array is its shape and its range. A class with more to say
 overrides `_facts`, which both forms show, or `_rows`, the table in HTML.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from gearbow._lookup import CheckedMethods
+
+T = TypeVar("T")
 
 #: Largest number of rows of a table, and of values in a list.
 MOST_ROWS = 10
@@ -120,3 +122,26 @@ class Shown(CheckedMethods):
 
     def _repr_html_(self) -> str:
         return to_html(repr(self), self._rows())
+
+
+def read_only(data: T) -> T:
+    """Make all arrays in (nested) mappings and sequences read-only, and return the data."""
+    if isinstance(data, np.ndarray):
+        data.setflags(write=False)
+    elif isinstance(data, Mapping):
+        for value in data.values():
+            read_only(value)
+    elif isinstance(data, list | tuple):
+        for value in data:
+            read_only(value)
+    return data
+
+
+class ReadOnly(Shown):
+    """Base of every result that holds arrays: they are read-only, also in copies and pickles."""
+
+    def __post_init__(self) -> None:
+        read_only(vars(self))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(read_only(state))

@@ -12,12 +12,12 @@ from gearbow._convert import array
 from gearbow._core import require_memory
 from gearbow._lookup import nearest, nodal, one_of
 from gearbow._progress import working
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, WithSpeeds, Written, in_degrees
+from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, BalanceTarget, ComplexArray, Excitation
 from gearbow.analysis.protocol import S, System, variant
-from gearbow.description.excitation import left_out
 from gearbow.description.gears import Disk, Gear
+from gearbow.description.layout import left_out
 from gearbow.description.places import place_label, places
 from gearbow.errors import SceneError
 

@@ -14,9 +14,8 @@ from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
-from gearbow.description.places import Places, place_label
+from gearbow.description.places import Places, Support, place_label
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.supports import Support
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.results.response import Response
 

@@ -9,13 +9,12 @@ from typing import Any, Protocol, TypeVar
 from gearbow._core import Model
 from gearbow._types import Array, Dof, Excitation, Geometry, Plain
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.couplings import Coupling, Force
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
-from gearbow.description.loads import Bearing, Torque
+from gearbow.description.loads import Bearing, Coupling, Force, Torque
+from gearbow.description.places import Housing
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft, Sleeve
-from gearbow.description.supports import Housing
 from gearbow.errors import SceneWarning
 from gearbow.results.properties import Discretisation
 from gearbow.results.response import Response

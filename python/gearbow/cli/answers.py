@@ -26,8 +26,7 @@ from gearbow.cli.arguments import (
     speed_line,
 )
 from gearbow.cli.systems import read_options, read_system, refuse_options
-from gearbow.description.couplings import Force
-from gearbow.description.loads import Torque
+from gearbow.description.loads import Force, Torque
 from gearbow.description.places import is_pair, is_place, place_label
 from gearbow.description.sources import MeshExcitation, Source
 from gearbow.description.speed import SpeedProfile
@@ -39,9 +38,9 @@ from gearbow.identification.unknown import parse
 from gearbow.machines.examples import example, scene_files
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
+from gearbow.studies.result import Tradeoff
 from gearbow.system.read import REXS, format_of
 from gearbow.system.rotor_system import RotorSystem
-from gearbow.tradeoff.result import Tradeoff
 from gearbow.units.parse import parsed
 from gearbow.units.speed import given_unit, speed_text
 

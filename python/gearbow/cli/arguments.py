@@ -11,7 +11,7 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output
 from gearbow._types import Array
-from gearbow.accuracy.levels import LEVELS
+from gearbow.accuracy import LEVELS
 from gearbow.cli.systems import add_options
 from gearbow.errors import GearbowError, SceneError
 from gearbow.recording import file

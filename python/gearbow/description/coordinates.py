@@ -13,9 +13,8 @@ from gearbow._shown import Shown
 from gearbow._types import Array, At, Dof
 from gearbow.description.gears import Disk, Gear
 from gearbow.description.layout import ShearLengths, shear_lengths
-from gearbow.description.places import Places, is_place, place
+from gearbow.description.places import Housing, Places, is_place, place
 from gearbow.description.shafts import Shaft, Sleeve
-from gearbow.description.supports import Housing
 from gearbow.errors import GearbowError, SceneError
 
 #: Position of a node or ends of an element [m], direction, and a row of values.

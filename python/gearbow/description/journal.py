@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import number
 from gearbow._core import film_coefficients
-from gearbow._read_only import ReadOnly
+from gearbow._shown import ReadOnly
 from gearbow._types import Array, FilmModel, Plain
 from gearbow.description.part import Part, freeze
-from gearbow.description.supports import Base, with_support
+from gearbow.description.places import Base, with_support
 
 
 @dataclass(frozen=True, eq=False)

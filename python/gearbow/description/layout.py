@@ -1,22 +1,341 @@
-"""Positions of shafts, gears, disks and bearings at rest: the geometry for a drawing."""
+"""What follows from the parts alone: positions at rest, frequencies, excitations, assumptions.
 
+A shaft at the speed r_s Ω excites the harmonics n |r_s|. A mesh excites the harmonics m z |r_s| of
+its tooth frequency. A shaft modulates the mesh force; this gives the sidebands m z |r| ± n |r_s|
+(Randall, *A new method of modeling gear faults*, J. Mech. Design 104, 1982). A force that turns
+with n times the angle of its shaft excites n |r_s|, where n need not be a whole number.
+"""
+
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, pairwise
-from typing import TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
-from gearbow._read_only import ReadOnly
-from gearbow._shown import Shown
+from gearbow._convert import whole
+from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array
-from gearbow.description.couplings import Coupling
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
-from gearbow.description.loads import Bearing
+from gearbow.description.loads import Bearing, Coupling, Force
+from gearbow.description.places import Housing, place_label
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.shafts import Material, Shaft, Sleeve, segments_of
-from gearbow.description.supports import Housing
+from gearbow.description.shafts import STEEL, Material, Shaft, Sleeve, segments_of
+from gearbow.description.stiffness import Stiffness
+
+#: Largest number of harmonics and of sidebands, which bounds the memory for the list of orders.
+MOST_HARMONICS = 1000
+
+#: Orders with a smaller relative difference are equal: speed ratios are rounded.
+SAME = 1e-9
+
+#: Largest number of names that the text of an order contains.
+_SHOWN_NAMES = 4
+
+
+class Train(Protocol):
+    """A system with shafts, gears and meshes."""
+
+    shafts: tuple[Shaft, ...]
+    gears: tuple[Gear, ...]
+    meshes: tuple[Mesh, ...]
+    bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
+    disks: tuple[Disk, ...]
+    forces: tuple[Force, ...]
+
+    @property
+    def speed_ratios(self) -> Array:
+        """Signed speed of each shaft over that of the reference shaft."""
+
+
+@dataclass(frozen=True)
+class Order(Shown):
+    """One frequency of a train, as an order of the reference shaft.
+
+    Parameters
+    ----------
+    value : float
+        Frequency over that of the reference shaft.
+    names : tuple of str
+        Its excitations, the simplest first, e.g. "1× input" and "2× middle". Orders that a record
+        does not separate are one order with the names of all of them.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> order = gb.results.Order(25.0, ("1× mesh g1–g2", "25× input"))
+    >>> print(order)
+    1× mesh g1–g2 = 25× input
+    """
+
+    value: float
+    names: tuple[str, ...]
+
+    def __str__(self) -> str:
+        more = len(self.names) - _SHOWN_NAMES
+        shown = " = ".join(self.names[:_SHOWN_NAMES])
+        return shown if more <= 0 else f"{shown} and {more} more"
+
+
+@dataclass(frozen=True)
+class Kinematics(Shown):
+    """Speed ratios and tooth frequencies, which determine the orders of a train.
+
+    Parameters
+    ----------
+    shafts : tuple of (str, float)
+        Name of each shaft, and its speed ratio with the sign of its rotation.
+    meshes : tuple of (str, str, str, str, float)
+        Driving and driven gear, their shafts, and the order of the tooth frequency.
+    bearings : tuple of (str, float, float)
+        Name of each rolling bearing, "shaft@position", the order of its cage and the order at which
+        its elements pass a direction that is fixed in space.
+    forces : tuple of (str, str, float)
+        Place and shaft of each force that turns, and its order relative to the shaft.
+
+    Examples
+    --------
+    >>> from gearbow.orders import Kinematics
+    >>> train = Kinematics(
+    ...     shafts=(("input", 1.0), ("output", -0.5)),
+    ...     meshes=(("g1", "g2", "input", "output", 25.0),),
+    ... )
+    >>> for order in train.orders(shaft_harmonics=2, mesh_harmonics=1, sidebands=1):
+    ...     print(f"{order.value:g}", order)
+    0.5 1× output
+    1 1× input = 2× output
+    2 2× input
+    24 1× mesh g1–g2 − 1× input
+    24.5 1× mesh g1–g2 − 1× output
+    25 1× mesh g1–g2
+    25.5 1× mesh g1–g2 + 1× output
+    26 1× mesh g1–g2 + 1× input
+    """
+
+    shafts: tuple[tuple[str, float], ...]
+    meshes: tuple[tuple[str, str, str, str, float], ...]
+    bearings: tuple[tuple[str, float, float], ...] = ()
+    forces: tuple[tuple[str, str, float], ...] = ()
+
+    @classmethod
+    def of(cls, system: Train) -> "Kinematics":
+        """Find the kinematics of a system."""
+        signed = {
+            shaft.name: float(ratio)
+            for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True)
+        }
+        ratios = {name: abs(ratio) for name, ratio in signed.items()}
+        gears = {gear.name: gear for gear in system.gears}
+        meshes = []
+        for mesh in system.meshes:
+            driver, driven = gears[mesh.driver], gears[mesh.driven]
+            tooth = driver.teeth * ratios[driver.shaft]
+            meshes.append((driver.name, driven.name, driver.shaft, driven.shaft, tooth))
+        bearings = {}
+        for bearing in system.bearings:
+            if isinstance(bearing, RollingBearing):
+                outer = signed[bearing.support[0]] if isinstance(bearing.support, tuple) else 0.0
+                own = bearing.cage_order
+                cage = abs(own * signed[bearing.shaft] + (1.0 - own) * outer)
+                name = f"{bearing.shaft}@{bearing.position:g}"
+                bearings[name] = (cage, bearing._count * cage)
+        rolling = tuple((name, *orders) for name, orders in bearings.items())
+        bodies = {gear.name: gear.shaft for gear in system.gears}
+        bodies |= {disk.name: disk.shaft for disk in system.disks}
+        forces = tuple(
+            (
+                place_label(force.at),
+                bodies[force.at] if isinstance(force.at, str) else force.at[0],
+                abs(float(force.order)),
+            )
+            for force in system.forces
+            if force.order
+        )
+        return cls(tuple(signed.items()), tuple(meshes), rolling, forces)
+
+    @classmethod
+    def from_plain(cls, plain: dict[str, Any] | None) -> "Kinematics | None":
+        """Read the kinematics from plain data, the inverse of `dataclasses.asdict`."""
+        if plain is None:
+            return None
+        keys = ("shafts", "meshes", "bearings", "forces")
+        return cls(*(tuple(tuple(row) for row in plain[key]) for key in keys))
+
+    @property
+    def reference(self) -> str:
+        """Name of the reference shaft, whose speed ratio is 1."""
+        return next(name for name, ratio in self.shafts if ratio == 1.0)
+
+    def orders(
+        self,
+        shaft_harmonics: int = 4,
+        mesh_harmonics: int = 3,
+        sidebands: int = 1,
+        bearing_harmonics: int = 3,
+    ) -> tuple[Order, ...]:
+        """List the orders. Equal orders are merged. The orders of forces are always among them."""
+        found = self.ranked(shaft_harmonics, mesh_harmonics, sidebands, bearing_harmonics)
+        return tuple(sorted(found, key=lambda order: order.value))
+
+    def ranked(
+        self, shaft_harmonics: int, mesh_harmonics: int, sidebands: int, bearing_harmonics: int
+    ) -> list[Order]:
+        """List the same orders, the simplest first: shafts, teeth, sidebands, bearings, forces."""
+        shaft_harmonics = whole(shaft_harmonics, "shaft_harmonics", 0, MOST_HARMONICS)
+        mesh_harmonics = whole(mesh_harmonics, "mesh_harmonics", 0, MOST_HARMONICS)
+        sidebands = whole(sidebands, "sidebands", 0, MOST_HARMONICS)
+        bearing_harmonics = whole(bearing_harmonics, "bearing_harmonics", 0, MOST_HARMONICS)
+        named = [
+            *self._shafts(shaft_harmonics),
+            *self._meshes(mesh_harmonics, 0),
+            *(self._meshes(mesh_harmonics, sidebands) if sidebands else ()),
+            *self._bearings(bearing_harmonics),
+            *self._forces(),
+        ]
+        merged: list[tuple[float, list[str]]] = []
+        # The sort is stable: among equal orders the simplest name stays first.
+        for value, name in sorted(named, key=lambda pair: pair[0]):
+            if merged and math.isclose(merged[-1][0], value, rel_tol=SAME):
+                merged[-1][1].append(name)
+            else:
+                merged.append((value, [name]))
+        rank = {name: place for place, (_, name) in enumerate(named)}
+        found = [
+            Order(value, tuple(sorted(names, key=rank.__getitem__))) for value, names in merged
+        ]
+        return sorted(found, key=lambda order: rank[order.names[0]])
+
+    def _shafts(self, harmonics: int) -> Iterator[tuple[float, str]]:
+        for n in range(1, harmonics + 1):
+            for name, ratio in self.shafts:
+                yield n * abs(ratio), f"{n}× {name}"
+
+    def _forces(self) -> Iterator[tuple[float, str]]:
+        ratios = {name: abs(ratio) for name, ratio in self.shafts}
+        for at, shaft, order in dict.fromkeys(self.forces):
+            yield order * ratios[shaft], f"{order:g}× force at {at}"
+
+    def _bearings(self, harmonics: int) -> Iterator[tuple[float, str]]:
+        """Give the orders of cages, and of the elements that pass a fixed direction."""
+        for name, cage, passing in self.bearings:
+            if harmonics:
+                yield cage, f"1× cage {name}"
+            for k in range(1, harmonics + 1):
+                yield k * passing, f"{k}× ball pass {name}"
+
+    def _meshes(self, harmonics: int, sidebands: int) -> Iterator[tuple[float, str]]:
+        """Give the tooth frequencies, or their sidebands if `sidebands` is not 0."""
+        ratios = {name: abs(ratio) for name, ratio in self.shafts}
+        for m in range(1, harmonics + 1):
+            for driver, driven, *shafts, tooth in self.meshes:
+                name = f"{m}× mesh {driver}–{driven}"
+                if not sidebands:
+                    yield m * tooth, name
+                for n in range(1, sidebands + 1):
+                    for shaft in shafts:
+                        for sign, word in ((1.0, "+"), (-1.0, "−")):
+                            value = m * tooth + sign * n * ratios[shaft]
+                            if value > 0.0:
+                                yield value, f"{name} {word} {n}× {shaft}"
+
+
+#: Excitations that turn once with a shaft, which the synchronous vibration contains.
+_TURNING = (
+    "bow",
+    "unbalance",
+    "run-out of gears",
+    "run-out of couplings",
+    "forces of order 1",
+    "transmission errors of order 1",
+)
+
+
+def left_out(system: Any, contained: Iterable[str] = _TURNING) -> tuple[str, ...]:
+    """Name the vibration sources of a system that an analysis does not contain."""
+    return tuple(name for name, acts in _excitations(system) if acts and name not in contained)
+
+
+def _excitations(system: Any) -> Iterable[tuple[str, bool]]:
+    """Give every kind of excitation, and whether a system has it."""
+    errors = [mesh.error for mesh in system.meshes if mesh.error is not None]
+    of_shafts = [own for error in errors for own in (error.driver, error.driven) if own]
+    loads = [load.value for load in (*system.torques, *system.forces)]
+    orders = [force.order for force in system.forces if force.order is not None]
+    yield "bow", any(shaft.bow is not None for shaft in system.shafts)
+    yield "unbalance", any(body.unbalance != 0.0 for body in (*system.gears, *system.disks))
+    yield "run-out of gears", any(gear.runout != 0.0 for gear in system.gears)
+    yield "run-out of couplings", any(coupling.runout != 0.0 for coupling in system.couplings)
+    yield "forces of order 1", 1.0 in orders
+    yield "forces of other orders", any(order != 1.0 for order in orders)
+    yield "transmission errors of order 1", any(own[0][0] != 0.0 for own in of_shafts)
+    yield (
+        "other transmission errors",
+        any(error.tooth is not None or error.table is not None for error in errors)
+        or any(len(own) > 1 for own in of_shafts),
+    )
+    yield "loads over time", any(callable(one) or hasattr(one, "times") for one in loads)
+
+
+#: Models of tooth pairs, which have an engagement.
+_PAIRS = ("square", "parabolic", "potential_energy")
+
+
+def _engages_by_default(mesh: Mesh) -> bool:
+    """Return whether a mesh has tooth pairs with the default length of engagement."""
+    model = mesh.stiffness
+    return isinstance(model, Stiffness) and model.model in _PAIRS and model.engagement is None
+
+
+def _uses_steel(shaft: Shaft) -> bool:
+    """Return whether a part of a shaft has the default material."""
+    return shaft.material == STEEL and any(each.material is None for each in segments_of(shaft))
+
+
+def assumptions(
+    shafts: Sequence[Shaft], gears: Sequence[Gear], meshes: Sequence[Mesh], bearings: Sequence[Any]
+) -> list[str]:
+    """List the defaults of physical models that these parts use, with the parts that use them."""
+    steel = [shaft.name for shaft in shafts if _uses_steel(shaft)]
+    tips = [gear.name for gear in gears if gear.tip_radius is None]
+    disks = [gear.name for gear in gears if gear.mass is None]
+
+    chosen = {
+        "mean stiffness of ISO 6336-1": [mesh.stiffness is None for mesh in meshes],
+        "tooth pairs engage over 0.1 of the base pitch": [
+            _engages_by_default(mesh) for mesh in meshes
+        ],
+        "no damping": [mesh.damping is None and mesh.damping_ratio == 0.0 for mesh in meshes],
+        "contact on both flanks, without backlash": [mesh.backlash is None for mesh in meshes],
+        "no damping in separation": [
+            mesh.backlash is not None and not mesh.damping_in_separation for mesh in meshes
+        ],
+    }
+    names = [f"{mesh.driver}–{mesh.driven}" for mesh in meshes]
+    found = [
+        ("shafts", "steel with E = 207 GPa, ν = 0.3, ρ = 7850 kg/m³", steel, len(shafts)),
+        ("gears", "tip radius of full-depth teeth", tips, len(gears)),
+        ("gears", "mass and inertia of solid steel disks", disks, len(gears)),
+    ]
+    estimated = {
+        place_label((each.shaft, each.position)): estimate.stiffness_uncertainty
+        for each in bearings
+        if isinstance(each, RollingBearing) and (estimate := each.estimate) is not None
+    }
+    if estimated:
+        error = f"{max(estimated.values()):.0%}"
+        text = f"number and size of rolling elements by estimates, stiffness within {error}"
+        found.append(("bearings", text, list(estimated), len(bearings)))
+    for text, used in chosen.items():
+        own = [name for name, is_used in zip(names, used, strict=True) if is_used]
+        found.append(("meshes", text, own, len(meshes)))
+    return [
+        f"{kind}: {text}" + ("" if len(own) == total else f" ({', '.join(own)})")
+        for kind, text, own, total in found
+        if own
+    ]
+
 
 #: End and shear length √(12EI/(κGA)) of each part of a shaft [m].
 ShearLengths: TypeAlias = tuple[tuple[float, float], ...]

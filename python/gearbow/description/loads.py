@@ -1,21 +1,186 @@
-"""Bearings and torques."""
+"""Bearings, couplings, drives, torques and forces."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
 from numpy.typing import ArrayLike
 
-from gearbow._convert import real
+from gearbow._convert import complex_number, real
 from gearbow._types import At, Plain
 from gearbow.description.journal import JournalBearing
-from gearbow.description.load_values import described_value
 from gearbow.description.part import Part
-from gearbow.description.places import place
+from gearbow.description.places import Base, place, with_support
 from gearbow.description.rolling import ROLLING_FIELDS, RollingBearing
-from gearbow.description.speed_table import SpeedTable
-from gearbow.description.supports import Base, with_support
-from gearbow.description.time_series import TimeSeries
+from gearbow.description.speed import SpeedTable
+from gearbow.description.time_series import TimeSeries, described_value
+
+
+@dataclass(frozen=True)
+class Coupling(Part):
+    """A coupling between the ends of two coaxial shafts that turn at one speed.
+
+    Linear springs and dampers join two hubs: axial, lateral, tilting and torsional. A large
+    stiffness is a rigid coupling. Axial stiffness and damping act in a system with axial motion,
+    which helical gears, axial forces and bearings with an axial stiffness cause.
+
+    Parameters
+    ----------
+    a, b : str or tuple of (str, float)
+        Hubs: a gear or disk by name, or (shaft, position [m]), on two shafts.
+    torsional_stiffness : float
+        Stiffness against the twist of hub a relative to hub b [N m/rad].
+    axial_stiffness, lateral_stiffness : float
+        Stiffness along and across the axis [N/m].
+    tilting_stiffness : float
+        Stiffness against the angle between the axes of the shafts [N m/rad].
+    axial_damping, lateral_damping : float
+        Damping along and across the axis [N s/m].
+    tilting_damping, torsional_damping : float
+        Damping of the angle between the axes and of the twist [N m s/rad].
+    offset : complex
+        Parallel misalignment y + iz of the axis of b to that of a, fixed in space [m].
+    angle : complex
+        Angular misalignment of the axis of b to that of a, fixed in space: slopes along y + iz
+        [rad].
+    runout : complex
+        Eccentricity of the hub of b [m], which turns with the shaft; its argument is the angle in
+        the shaft.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> coupling = gb.Coupling(
+    ...     ("motor", 0.4),
+    ...     ("pump", 0.0),
+    ...     lateral_stiffness=1e6,
+    ...     tilting_stiffness=1e3,
+    ...     torsional_stiffness=5e4,
+    ...     torsional_damping=5.0,
+    ...     offset=1e-4,
+    ... )
+    """
+
+    a: At
+    b: At
+    _: KW_ONLY
+    torsional_stiffness: float
+    axial_stiffness: float = 0.0
+    lateral_stiffness: float = 0.0
+    tilting_stiffness: float = 0.0
+    axial_damping: float = 0.0
+    lateral_damping: float = 0.0
+    tilting_damping: float = 0.0
+    torsional_damping: float = 0.0
+    offset: complex = 0.0
+    angle: complex = 0.0
+    runout: complex = 0.0
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        at = {name: place(getattr(self, name), f"{path}.{name}") for name in ("a", "b")}
+        # The inherited method cannot convert places: it gets texts, which `at` then replaces.
+        return super(Coupling, replace(self, a="a", b="b"))._describe(path) | at
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Coupling":
+        given = dict(description)
+        for key in ("a", "b"):
+            given[key] = _place(given[key])
+        for key in ("offset", "angle", "runout"):
+            if isinstance(given.get(key), (list, tuple)):
+                given[key] = complex(*given[key])
+        return cls(**given)
+
+
+@dataclass(frozen=True)
+class Drive(Part):
+    """A torsional spring and damper that hold the rotation of a shaft at its prescribed angle.
+
+    A drive has the torque -k θ - c θ̇. It stands for a motor with speed control, and takes the
+    torque that the other torques leave over.
+
+    Parameters
+    ----------
+    at : str or tuple of (str, float)
+        A gear or disk by name, or (shaft, position [m]).
+    stiffness : float
+        Stiffness k [N m/rad].
+    damping : float
+        Damping c [N m s/rad].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> drive = gb.Drive("g1", stiffness=1e5, damping=20.0)
+    """
+
+    at: At
+    stiffness: float
+    damping: float = 0.0
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        at = place(self.at, f"{path}.at")
+        return super(Drive, replace(self, at="at"))._describe(path) | {"at": at}
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Drive":
+        return cls(**{**description, "at": _place(description["at"])})
+
+
+@dataclass(frozen=True)
+class Force(Part):
+    """A force on a shaft.
+
+    Parameters
+    ----------
+    at : str or tuple of (str, float)
+        A gear or disk by name, or (shaft, position [m]).
+    value : complex, tuple of (complex, complex), TimeSeries or callable
+        Force y + iz [N]: constant, over time, or a function of the time [s]. `simulate` samples a
+        function over the run; static, modal and synchronous analyses do not contain it. As a source
+        of `frequency_response` also two phasors, along y and z.
+    order : float, optional
+        The force turns with this multiple of the angle of its shaft, value·e^{i·order·ϑ}; None is
+        fixed in space. A force of order 1 belongs to the synchronous response, with its bow.
+    axial : complex
+        Constant force along the axis of the shaft, towards +x [N]; a phasor as a source of
+        `frequency_response`.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> weight, rotating = gb.Force("disk", -50j), gb.Force("disk", 10.0, order=1)
+    >>> thrust = gb.Force("disk", axial=200.0)
+    """
+
+    at: At
+    value: complex | tuple[complex, complex] | TimeSeries | Callable[[Any], Any] = 0.0
+    order: float | None = None
+    axial: complex = 0.0
+
+    def _describe(self, path: str) -> dict[str, Plain]:
+        given: dict[str, Plain] = {"at": place(self.at, f"{path}.at")}
+        given["value"] = described_value(self.value, f"{path}.value", complex_number)
+        if self.order is not None:
+            given["order"] = complex_number(self.order, f"{path}.order")
+        axial = real(self.axial, f"{path}.axial", "a number [N]")
+        if axial != 0.0:
+            given["axial"] = axial
+        return given
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Force":
+        value = description["value"]
+        if isinstance(value, Mapping):
+            value = TimeSeries._from_description(value)
+        elif isinstance(value, (list, tuple)):
+            value = complex(*value)
+        axial = description.get("axial", 0.0)
+        return cls(_place(description["at"]), value, description.get("order"), axial)
+
+
+def _place(at: Plain) -> At:
+    return at if isinstance(at, str) else (at[0], at[1])
 
 
 @dataclass(frozen=True)

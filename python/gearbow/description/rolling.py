@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import matrix, number, real
 from gearbow._core import ring_coefficients, rolling_coefficients, rolling_estimate
-from gearbow._read_only import ReadOnly
+from gearbow._shown import ReadOnly
 from gearbow._types import Array, Plain, RollingContact, RollingKind
 from gearbow.description.part import Part
-from gearbow.description.supports import Base, with_support
+from gearbow.description.places import Base, with_support
 from gearbow.errors import SceneError
 
 #: Fields of a rolling bearing of which a description has at least one.

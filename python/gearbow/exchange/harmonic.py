@@ -13,10 +13,9 @@ import numpy as np
 from gearbow._convert import shown
 from gearbow._extras import extra
 from gearbow._files import parsing
-from gearbow._read_only import ReadOnly
+from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
-from gearbow.description.couplings import Force
-from gearbow.description.loads import Torque
+from gearbow.description.loads import Force, Torque
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.exchange.tables import NamedColumns, read_table
 from gearbow.exchange.universal import (

@@ -15,9 +15,15 @@ from gearbow._shown import Shown, Table
 from gearbow._types import Plain
 from gearbow.description.places import unique
 from gearbow.errors import SceneError
-from gearbow.exchange.rexs_file import Component, RexsFile, read_rexs_file
+from gearbow.exchange.rexs_file import (
+    Component,
+    PlacedShaft,
+    RexsFile,
+    Shafts,
+    read_rexs_file,
+    segment,
+)
 from gearbow.exchange.rexs_joints import Joints, MissingValue, check_given
-from gearbow.exchange.rexs_shafts import PlacedShaft, Shafts, segment
 
 #: Components that gearbow cannot represent, and why. The first that a file has is reported.
 _REFUSED = {

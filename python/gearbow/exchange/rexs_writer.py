@@ -14,6 +14,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from gearbow._core import __version__
 from gearbow._files import check_name, replacing
 from gearbow._types import Array
 from gearbow.description.rolling import RollingBearing
@@ -35,8 +36,6 @@ _UNIT, _CASING = 1, 2
 
 def write_rexs(description: dict[str, Any], layout: "Layout", path: str | os.PathLike[str]) -> None:
     """Write a system; what REXS cannot hold is a warning, or an error if it is essential."""
-    from gearbow import __version__  # noqa: PLC0415
-
     found, _ = check_name(path, ENDINGS[:1])
     for key in _REFUSED:
         if description.get(key):

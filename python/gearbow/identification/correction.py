@@ -1,4 +1,4 @@
-"""Balancing weights for an identified system, with the residual that they will leave."""
+"""Balancing weights for an identified system, the residual that they will leave, and trial runs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -8,27 +8,131 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, Written, in_degrees
-from gearbow._shown import listed
+from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import Balance, balance, semi_axes, shaft_of_planes, with_unbalances
 from gearbow.analysis.protocol import S
 from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.identification.fit import RELATIVE_STEP
-from gearbow.identification.responses import assembled
-from gearbow.identification.trials import TrialInfluence, trial_influence
+from gearbow.identification.measurement import Measurement
+from gearbow.identification.responses import LinearModel, assembled
 from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit, given_unit, shown_unit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from gearbow.identification.result import Identification
-
 #: Samples of the estimates, with a fixed seed: they give limits of 95 % within 0.7 %.
 _SAMPLES = 4000
+#: Largest relative difference of the speeds of two runs that are compared. The vibration that both
+#: share then cancels in their difference, unless the speed is that of a sharp resonance.
+_SAME_SPEED = 0.01
+#: Influence of a micrometre for each gram millimetre.
+_WRITTEN = Written("µm/(g mm)", 1.0)
+
+
+class Estimates(Generic[S]):
+    """What balancing uses of an identification."""
+
+    system: S
+    values: ComplexArray
+    components: tuple[str, ...]
+    covariance: Array
+    factor: float
+    noise: Array
+    probes: tuple[Any, ...]
+    measurements: tuple[Measurement, ...]
+    fitted: tuple[ComplexArray, ...]
+    speed_unit: SpeedUnit
+    left_out: tuple[str, ...]
+    _model: LinearModel[S] | None
+
+
+@dataclass(frozen=True, eq=False)
+class TrialInfluence(Figured, ReadOnly):
+    """Influence coefficients of trial runs, beside those of the identified model.
+
+    A coefficient is the change of the 1× vibration of a probe for each unbalance in a plane. That
+    of a trial run is its difference to a run without trial weight at the same speed.
+
+    `plot` draws phase and amplitude of the coefficients against the speed: points of the trial
+    runs with 95 % intervals and lines of the model, for each plane and probe.
+
+    Parameters
+    ----------
+    planes : tuple of str or (str, float)
+        Plane of the trial weight, for each of k coefficients.
+    probes : tuple of str
+        Label of the probe.
+    speeds : ndarray, shape (k,)
+        Speed of the trial run [rad/s].
+    measured : ndarray, shape (k,)
+        Complex coefficient of the trial run [m/(kg m)].
+    model : ndarray, shape (k,)
+        That of the model between the same speeds [m/(kg m)].
+    half_widths : ndarray, shape (k,)
+        Half width of the 95 % interval of each component of the measured one, which follows from
+        the noise of both runs [m/(kg m)].
+    speed_unit : {"rad/s", "rpm"}
+        Unit of speeds in tables.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> found = gb.results.TrialInfluence(
+    ...     ("disk",), ("probe",), np.array([100.0]), np.array([0.1 + 0j]), np.array([0.11 + 0j]),
+    ...     np.array([0.02]),
+    ... )
+    >>> print(f"{abs(found.measured[0] - found.model[0]):.2f} m/(kg m)")
+    0.01 m/(kg m)
+    """
+
+    planes: tuple[At, ...]
+    probes: tuple[str, ...]
+    speeds: Array
+    measured: ComplexArray
+    model: ComplexArray
+    half_widths: Array
+    speed_unit: SpeedUnit = "rad/s"
+
+    def _draw(self, ax: Any) -> "Figure":
+        from gearbow.plotting import harmonic as figures  # noqa: PLC0415
+
+        curves: dict[str, list[int]] = {}
+        for i, (plane, probe) in enumerate(zip(self.planes, self.probes, strict=True)):
+            curves.setdefault(f"{place_label(plane)} → {probe}", []).append(i)
+        return figures.influence(
+            {
+                name: figures.Influence(
+                    speed_factor() * self.speeds[own],
+                    self.measured[own],
+                    self.model[own],
+                    self.half_widths[own],
+                )
+                for name, own in curves.items()
+            },
+            ax=ax,
+        )
+
+    def _heading(self) -> list[str]:
+        return ["influence coefficients of trial runs and of the model"]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each plane, probe and speed."""
+        unit = "m/(kg m)"
+        return [
+            Column("plane", [place_label(plane) for plane in self.planes]),
+            Column("probe", list(self.probes)),
+            Column("speed", self.speeds, "rad/s"),
+            Column("trial run", np.abs(self.measured), unit, ".3g", _WRITTEN),
+            Column("± trial run", self.half_widths, unit, ".2g", _WRITTEN),
+            Column("angle of trial run", np.angle(self.measured), "rad", ".1f", in_degrees()),
+            Column("model", np.abs(self.model), unit, ".3g", _WRITTEN),
+            Column("angle of model", np.angle(self.model), "rad", ".1f", in_degrees()),
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +264,7 @@ class Correction(Figured, ReadOnly, Generic[S]):
 
 
 def correct(
-    found: "Identification[S]",
+    found: Estimates[S],
     planes: At | Sequence[At],
     speeds: "ArrayLike",
     points: At | Sequence[At] | None,
@@ -198,7 +302,7 @@ def correct(
     return _with_limits(found, correction, columns, speed_unit)
 
 
-def _probe_places(found: "Identification[S]", shaft: str) -> list[At]:
+def _probe_places(found: Estimates[S], shaft: str) -> list[At]:
     """Give the places of the probes beside a shaft."""
     beside: list[At] = [
         (probe.shaft, probe.position)
@@ -216,7 +320,7 @@ def _read(response: Synchronous, shaft: str, points: Sequence[At]) -> ComplexArr
     return np.stack([response.displacement(point)[:, source] for point in points], axis=1)
 
 
-def _by_parameter(found: "Identification[S]", correction: Balance[S], index: int) -> ComplexArray:
+def _by_parameter(found: Estimates[S], correction: Balance[S], index: int) -> ComplexArray:
     """Differentiate the residual by a parameter, with the weights as they are."""
     model = found._model
     assert model is not None
@@ -240,7 +344,7 @@ def _by_parameter(found: "Identification[S]", correction: Balance[S], index: int
 
 
 def _with_limits(
-    found: "Identification[S]", correction: Balance[S], columns: ComplexArray, speed_unit: SpeedUnit
+    found: Estimates[S], correction: Balance[S], columns: ComplexArray, speed_unit: SpeedUnit
 ) -> Correction[S]:
     """Sample the estimates to find the limits of the residual."""
     influences = columns.any(axis=0)
@@ -295,3 +399,45 @@ def _deviations(covariance: Array) -> Array:
 
 def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
+
+
+def trial_influence(found: Estimates[Any], speed_unit: SpeedUnit) -> TrialInfluence | None:
+    """Compare all runs with one trial weight with those without; None without such runs."""
+    noise = {one.probe: value for one, value in zip(found.probes, found.noise, strict=True)}
+    runs = list(zip(found.measurements, found.fitted, strict=True))
+    rows = []
+    for trial, fitted in runs:
+        if len(trial.trial_weights) != 1:
+            continue
+        ((plane, weight),) = trial.trial_weights.items()
+        for base, fitted_base in runs:
+            if base.trial_weights:
+                continue
+            for i, j in _same_speeds(trial, base):
+                for label in (each for each in trial.labels if each in base.labels):
+                    at, at_base = trial.labels.index(label), base.labels.index(label)
+                    measured = trial.amplitudes[i, at] - base.amplitudes[j, at_base]
+                    model = fitted[i, at] - fitted_base[j, at_base]
+                    if np.isfinite(measured) and trial.references[at] == base.references[at_base]:
+                        scatter = np.sqrt(2.0) * found.factor * noise[label] / abs(weight)
+                        speed = trial.speeds[i]
+                        rows.append(
+                            (plane, label, speed, measured / weight, model / weight, scatter)
+                        )
+    if not rows:
+        return None
+    planes, probes, *numbers = zip(*rows, strict=True)
+    speeds, measured, model, scatter = map(np.array, numbers)
+    return TrialInfluence(planes, probes, speeds, measured, model, scatter, speed_unit)
+
+
+def _same_speeds(trial: Measurement, base: Measurement) -> list[tuple[int, int]]:
+    """Give the rows of two runs whose speeds agree."""
+    if (trial.speed_shaft, trial.phase_angle) != (base.speed_shaft, base.phase_angle):
+        return []
+    pairs = []
+    for i, speed in enumerate(trial.speeds):
+        j = int(np.argmin(np.abs(base.speeds - speed)))
+        if abs(base.speeds[j] - speed) <= _SAME_SPEED * abs(speed):
+            pairs.append((i, j))
+    return pairs

@@ -11,13 +11,20 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, items, shown, truth
 from gearbow._types import Array
 from gearbow.analysis.protocol import S
-from gearbow.description.excitation import left_out
+from gearbow.description.layout import left_out
 from gearbow.errors import AccuracyWarning, SceneError, outside
-from gearbow.identification.fit import WeightedFit, chi_squared_tail, fit, solve, student
+from gearbow.identification.fit import (
+    WeightedFit,
+    chi_squared_tail,
+    component_groups,
+    fit,
+    inseparable,
+    solve,
+    student,
+)
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.responses import LinearModel, assembled, with_numbers
 from gearbow.identification.result import Identification, ProbeResidual
-from gearbow.identification.separation import component_groups, inseparable
 from gearbow.identification.unknown import RunoutUnknown, Unknown, runout as unknown_runout
 from gearbow.units.fields import unit_of
 

@@ -14,15 +14,13 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, complex_number, items, number, shown, text, whole
 from gearbow._files import as_path
 from gearbow._lookup import one_of
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, in_degrees, in_micrometres
-from gearbow._shown import span
+from gearbow._shown import ReadOnly, span
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.places import place
 from gearbow.errors import AccuracyWarning, SceneError, outside
 from gearbow.exchange.tables import DETECTIONS, VIBRATION, NamedColumns, Table, read_table
-from gearbow.sensors.probe import Probe
-from gearbow.sensors.tacho import Tacho
+from gearbow.sensors import Probe, Tacho
 from gearbow.units.parse import parsed
 from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
 

@@ -12,15 +12,15 @@ import numpy as np
 
 from gearbow._convert import shown
 from gearbow._lookup import nearest
-from gearbow._read_only import ReadOnly
+from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import body_of, shafts_of_bodies, with_unbalances
 from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.analysis.protocol import S, System, ratios_by_shaft, variant, without_scene_warnings
 from gearbow.description.bow import Bow, scaled
-from gearbow.description.parameter import Parameter
 from gearbow.description.places import place_label
 from gearbow.description.shafts import Shaft, segments_of
+from gearbow.description.train import Parameter
 from gearbow.errors import SceneError
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.unknown import (
@@ -31,7 +31,7 @@ from gearbow.identification.unknown import (
     Unknown,
 )
 from gearbow.results.synchronous import Synchronous
-from gearbow.sensors.probe import Probe
+from gearbow.sensors import Probe
 
 #: Reads amplitudes of a response that some shafts cause, turned by a complex factor.
 Reader: TypeAlias = Callable[[Synchronous, Sequence[str], complex], ComplexArray]

@@ -2,27 +2,25 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Generic
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import text
 from gearbow._lookup import nearest
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, Written
-from gearbow._shown import Shown, listed, short
+from gearbow._shown import ReadOnly, Shown, listed, short
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError
+from gearbow.identification.correction import Correction, Estimates, correct
 from gearbow.identification.measurement import Measurement
+from gearbow.identification.responses import LinearModel
 from gearbow.units.speed import SpeedUnit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from gearbow.identification.correction import Correction
-    from gearbow.identification.responses import LinearModel
 
 #: Units in which tables write estimates, and their factors.
 _WRITTEN = {"m": ("µm", 1e6), "kg m": ("g mm", 1e6)}
@@ -63,7 +61,7 @@ class ProbeResidual(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Identification(Figured, ReadOnly, Generic[S]):
+class Identification(Figured, ReadOnly, Estimates[S]):
     """Unknowns of a system, estimated from measured 1× vibration.
 
     `plot` has five panels: measured and fitted phase and amplitude over the speed, vectors in
@@ -153,7 +151,7 @@ class Identification(Figured, ReadOnly, Generic[S]):
     system: S = field(repr=False)
     speed_unit: SpeedUnit = "rad/s"
     left_out: tuple[str, ...] = ()
-    _model: "LinearModel[S] | None" = field(repr=False, default=None)
+    _model: LinearModel[S] | None = field(repr=False, default=None)
 
     @property
     def standard_deviations(self) -> Array:
@@ -261,7 +259,7 @@ class Identification(Figured, ReadOnly, Generic[S]):
         speeds: "ArrayLike",
         *,
         points: At | Sequence[At] | None = None,
-    ) -> "Correction[S]":
+    ) -> Correction[S]:
         """Find balancing weights for the identified system, and what they will leave.
 
         Parameters
@@ -284,8 +282,6 @@ class Identification(Figured, ReadOnly, Generic[S]):
         SceneError
             If an argument is invalid.
         """
-        from gearbow.identification.correction import correct  # noqa: PLC0415  # uses this class
-
         return correct(self, planes, speeds, points)
 
     def _draw(self, ax: Any) -> "Figure":

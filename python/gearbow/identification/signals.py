@@ -14,8 +14,7 @@ from gearbow._files import parsing
 from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.exchange.universal import DataSet, data_sets, units_of
-from gearbow.sensors.probe import Probe
-from gearbow.sensors.tacho import Tacho
+from gearbow.sensors import Probe, Tacho
 
 #: Types of data set 58: a function of time, and a displacement.
 _OVER_TIME, _DISPLACEMENT = 1, 8

@@ -1,6 +1,6 @@
 """Spectra of recorded signals, and amplitudes at the orders of shafts and meshes."""
 
-from gearbow.description.kinematics import Kinematics, Order
+from gearbow.description.layout import Kinematics, Order
 from gearbow.orders.fit import Orders
 from gearbow.orders.spectrum import Spectrum
 from gearbow.orders.waterfall import Waterfall, waterfall

@@ -17,10 +17,10 @@ import numpy as np
 
 from gearbow._convert import number, text, whole
 from gearbow._extras import extra
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, WithSpeeds, in_degrees, in_micrometres, written_unit
+from gearbow._shown import ReadOnly
 from gearbow._types import Array, ComplexArray, Record, SignalQuantity
-from gearbow.description.kinematics import Kinematics, Order
+from gearbow.description.layout import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import AccuracyWarning, GearbowError, outside
 from gearbow.orders.separation import (
@@ -41,7 +41,7 @@ from gearbow.orders.separation import (
 from gearbow.orders.spectrum import channel
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
-from gearbow.sensors.sensor import SignalSensor
+from gearbow.sensors import SignalSensor
 from gearbow.units.speed import SpeedUnit, in_given_unit
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from gearbow._types import Array, ComplexArray
-from gearbow.description.kinematics import Order
+from gearbow.description.layout import Order
 
 # Least squares over the angle of the reference shaft: a complete record, or segments of it.
 #

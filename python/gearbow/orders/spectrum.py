@@ -7,9 +7,8 @@ import numpy as np
 
 from gearbow._convert import text
 from gearbow._lookup import one_of
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, WithSpeeds, in_micrometres, written_unit
-from gearbow._shown import Shown
+from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array, Record, SignalQuantity, Window
 from gearbow.description.places import is_pair, place, place_label
 from gearbow.description.speed import SpeedProfile
@@ -17,7 +16,7 @@ from gearbow.errors import ChannelError, GearbowError
 from gearbow.recording import access
 from gearbow.recording.channels import CHANNELS, quantities
 from gearbow.recording.record import RunRecord
-from gearbow.sensors.sensor import SignalSensor
+from gearbow.sensors import SignalSensor
 from gearbow.units.speed import in_given_unit
 
 if TYPE_CHECKING:

@@ -14,22 +14,22 @@ import numpy as np
 from gearbow._convert import number, shown
 from gearbow._extras import extra
 from gearbow._lookup import checked
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, WithSpeeds, in_micrometres, written_unit
+from gearbow._shown import ReadOnly
 from gearbow._types import (
     Array,
     Record,
     SignalQuantity,
     Window,
 )
-from gearbow.description.kinematics import Kinematics
+from gearbow.description.layout import Kinematics
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.spectrum import amplitudes, channel, spectrum
 from gearbow.recording import access
 from gearbow.recording.channels import PASS, LowPass
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
-from gearbow.sensors.sensor import SignalSensor
+from gearbow.sensors import SignalSensor
 from gearbow.units.speed import SpeedUnit, in_given_unit
 
 if TYPE_CHECKING:

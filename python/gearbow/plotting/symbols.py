@@ -16,8 +16,8 @@ from gearbow.description.gears import Disk
 from gearbow.description.journal import JournalBearing
 from gearbow.description.layout import BodyOutline, ShaftOutline
 from gearbow.description.loads import Torque
+from gearbow.description.places import Support
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.supports import Support
 from gearbow.description.train import Train
 from gearbow.plotting.labels import Box, Labels, around
 from gearbow.plotting.style import quantity

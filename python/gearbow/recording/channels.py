@@ -23,7 +23,7 @@ from gearbow.description.places import place_label
 from gearbow.description.speed import plain_speed
 from gearbow.errors import GearbowError
 from gearbow.recording import access
-from gearbow.recording.energy import ENERGIES, WORKS
+from gearbow.recording.access import ENERGIES, WORKS
 from gearbow.recording.record import RunRecord
 
 if TYPE_CHECKING:

@@ -15,7 +15,6 @@ import hashlib
 import os
 import reprlib
 import sys
-import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BufferedRandom, RawIOBase
@@ -31,6 +30,8 @@ from gearbow._files import check_name, parsing, reserve
 from gearbow.errors import GearbowError
 
 if TYPE_CHECKING:
+    from zipfile import ZipFile
+
     import xarray as xr
 
 
@@ -197,18 +198,22 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Container]:
 class _Npz:
     """An archive of NumPy."""
 
-    def __init__(self, archive: zipfile.ZipFile, size: int) -> None:
+    def __init__(self, archive: "ZipFile", size: int) -> None:
+        from zipfile import ZIP_STORED  # noqa: PLC0415
+
         self._archive = archive
         self._members = {entry.filename: entry for entry in archive.infolist()}
         if sum(entry.file_size for entry in archive.infolist()) > size:
             raise GearbowError("it declares more data than the file has bytes")
-        if any(entry.compress_type != zipfile.ZIP_STORED for entry in archive.infolist()):
+        if any(entry.compress_type != ZIP_STORED for entry in archive.infolist()):
             raise GearbowError("it is compressed, which gearbow never does")
 
     @classmethod
     @contextmanager
     def open(cls, stream: BinaryIO) -> Iterator["_Npz"]:
-        with zipfile.ZipFile(stream) as archive:
+        from zipfile import ZipFile  # noqa: PLC0415
+
+        with ZipFile(stream) as archive:
             yield cls(archive, _size(stream))
 
     def metadata(self) -> str:

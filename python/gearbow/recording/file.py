@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gearbow._core import check_final
 from gearbow._files import replacing
-from gearbow.description.kinematics import Kinematics
+from gearbow.description.layout import Kinematics
 from gearbow.description.speed import read_speed
 from gearbow.errors import GearbowError
 from gearbow.recording.channels import (

@@ -9,7 +9,7 @@ loses its damping.
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +20,8 @@ from gearbow.description.bow_limit import DISPLACEMENTS
 from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
 from gearbow.report.page import Block, Note, Table, picture
+from gearbow.report.shared import Contents
 from gearbow.results.modes import Modes
-
-if TYPE_CHECKING:
-    from gearbow.report.contents import Contents
 
 #: Unbalance of the response analysis: W/N times this [g mm rpm/kg].
 _UNBALANCE = 2.0 * 6350.0
@@ -43,7 +41,7 @@ _CURVE = 7
 _DECREMENT, _RATIO = 0.1, 2.0
 
 
-def unbalance(contents: "Contents") -> Iterator[Block]:
+def unbalance(contents: Contents) -> Iterator[Block]:
     """Give the response to the unbalance of API 617 on each shaft."""
     speed, system = contents.need_operating(), contents.system
     bodies = [*system.gears, *system.disks]
@@ -142,7 +140,7 @@ def _planes(modes: Modes, mode: int, own: list[str]) -> dict[str, complex]:
     return {largest: 0.5 + 0j, second: -0.5 + 0j}
 
 
-def _vibration(contents: "Contents", made: Any, shafts: list[str]) -> Iterator[Block]:
+def _vibration(contents: Contents, made: Any, shafts: list[str]) -> Iterator[Block]:
     """Compare the vibration at the bearings with the limit of API 617."""
     operating = contents.options.operating
     assert operating is not None
@@ -174,7 +172,7 @@ def _vibration(contents: "Contents", made: Any, shafts: list[str]) -> Iterator[B
     )
 
 
-def level_1(contents: "Contents") -> Iterator[Block]:
+def level_1(contents: Contents) -> Iterator[Block]:
     """Find the cross-coupled stiffness at which the first forward mode loses its damping."""
     system, speed = contents.system, contents.need_operating()
     name = "Stability level 1 of API 617"

@@ -11,9 +11,10 @@ import numpy as np
 from gearbow._core import __version__
 from gearbow._progress import reported
 from gearbow._types import Progress
-from gearbow.description.load_values import refuse_functions
-from gearbow.report.contents import SECTIONS, Contents, Options
+from gearbow.description.time_series import refuse_functions
+from gearbow.report.contents import SECTIONS
 from gearbow.report.page import Block, Code, Note, Section, write
+from gearbow.report.shared import Contents, Options
 from gearbow.units.speed import SpeedUnit, speed_text
 
 

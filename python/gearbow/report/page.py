@@ -1,23 +1,31 @@
-"""A report as a page: blocks of text, tables and figures, in one HTML file without links to others.
+"""A report as a page: blocks of text, tables of results and parts, and figures, in one HTML file.
 
 A figure is both an interactive one of plotly, whose script the page contains once, and an image. A
 reader without scripts and a printer see the image.
 """
 
+import cmath
+import math
+import re
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
+
 from gearbow._extras import extra
 from gearbow._files import printable, replacing
 from gearbow._result import Column, Result
+from gearbow._shown import short
+from gearbow.units.fields import DIMENSIONLESS, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
 
 #: Resolution of an image in three dimensions [1/in]; the others are vector graphics.
 _RESOLUTION = 110
@@ -143,3 +151,138 @@ def write(
     )
     with replacing(path) as file:
         file.write(printable(text).encode())
+
+
+#: How a drawing writes quantities in SI units: factor and unit.
+_WRITTEN = {
+    "m": (1e3, "mm"),
+    "rad": (180.0 / math.pi, "°"),
+    "kg m": (1e6, "g mm"),
+    "Pa": (1e-9, "GPa"),
+    "N/m": (1e-6, "N/µm"),
+}
+#: Fields that are complex: a size and an angle in the shaft.
+_TURNING = ("unbalance", "runout")
+#: Names of fields that are not those of the table with spaces.
+_NAMES = {"youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio"}
+#: Fields with a word of a fixed set.
+_WORDS = ("shape", "kind", "model", "phase", "foundation")
+#: Largest number of columns of a table of parts.
+_COLUMNS = 9
+#: Longest list of numbers that a table shows.
+_LONGEST = 6
+
+
+def parts_tables(system: Any) -> list[Table]:
+    """Make a table of each kind of part, with the fields that were given."""
+    tables, options = [], []
+    for key, given in system.description.items():
+        if not (isinstance(given, list) and given and isinstance(given[0], Mapping)):
+            options.append((key.replace("_", " "), _cell(given, key)))
+            continue
+        kinds = [type(part).__name__ for part in getattr(system, key)]
+        for kind in dict.fromkeys(kinds):
+            own = [part for part, its in zip(given, kinds, strict=True) if its == kind]
+            words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind).lower()
+            title = key if len(set(kinds)) == 1 or words == "bearing" else f"{words}s"
+            tables += _parts_tables(title.capitalize(), key, own)
+    if options:
+        tables.append(Table("Options", ("option", "value"), options, numeric=(False, False)))
+    return tables
+
+
+def _parts_tables(title: str, key: str, given: Sequence[Mapping[str, Any]]) -> list[Table]:
+    """Make the table of a kind of part, and one for each list of segments in it."""
+    pieces: dict[str, list[dict[str, Any]]] = {}
+    plain = []
+    for part in given:
+        own = dict(part)
+        for name, value in part.items():
+            if isinstance(value, list) and value and isinstance(value[0], Mapping):
+                rows = [{"of": part.get("name", ""), **one} for one in own.pop(name)]
+                pieces.setdefault(name, []).extend(rows)
+        plain.append(own)
+    tables = [_parts_table(title, key, plain)]
+    for name, rows in pieces.items():
+        heading = f"{name.replace('_', ' ').capitalize()} of {title.lower()}, from left to right"
+        tables.append(_parts_table(heading, f"{key}[0].{name}", rows))
+    return tables
+
+
+def _parts_table(title: str, key: str, given: Sequence[Mapping[str, Any]]) -> Table:
+    """Make a table with a row for each part, or with a column for each if it were too wide."""
+    fields = list(dict.fromkeys(name for part in given for name in part))
+    head = [_heading(f"{key}.{name}", [part.get(name) for part in given]) for name in fields]
+    rows = [[_cell(part.get(name), f"{key}.{name}", unit="") for name in fields] for part in given]
+    numeric = [any(_is_number(part.get(name)) for part in given) for name in fields]
+    if len(fields) <= _COLUMNS or len(given) > _COLUMNS:
+        return Table(title, head, rows, numeric=numeric)
+    first, *others = zip(head, *rows, strict=True)
+    return Table(title, first, others, numeric=[False, *[True] * len(given)])
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | complex) and not isinstance(value, bool)
+
+
+def _heading(path: str, values: Sequence[Any]) -> str:
+    """Write the name of a field, with its unit if a value is a number or a list of numbers."""
+    unit = unit_of(path)
+    name = path.rpartition(".")[2].replace("_", " ")
+    plain = any(_is_number(value) or _is_numbers(value) for value in values)
+    if not plain or unit in (None, DIMENSIONLESS):
+        return name
+    return f"{name} [{_written(unit)[1]}]"
+
+
+def _written(unit: str | None) -> tuple[float, str | None]:
+    """Give the factor and the unit of a table."""
+    factor, text = _WRITTEN.get(unit or "", (1.0, unit))
+    return factor, None if text is None else text.replace("^2", "²").replace("^3", "³")
+
+
+def _is_place(value: Any) -> bool:
+    """Tell whether a value is a shaft and a position on it."""
+    given = value if isinstance(value, list | tuple) else ()
+    return len(given) == 2 and isinstance(given[0], str) and _is_number(given[1])
+
+
+def _is_numbers(value: Any) -> bool:
+    if isinstance(value, list | tuple):
+        return bool(value) and all(_is_number(each) or _is_numbers(each) for each in value)
+    return _is_number(value)
+
+
+def _cell(value: Any, path: str, unit: str | None = None) -> str:
+    """Write a value; `unit` "" leaves the unit to the heading."""
+    if value is None:
+        return ""
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, Mapping):
+        return ", ".join(
+            f"{_NAMES.get(k, k.replace('_', ' '))} {_cell(v, f'{path}.{k}')}"
+            for k, v in value.items()
+        )
+    if _is_place(value):
+        return f"{value[0]} at {_cell(value[1], 'shafts[0].length')}"
+    if isinstance(value, list | tuple):
+        if path.endswith(_TURNING) and len(value) == 2:
+            number = complex(*value)
+            size, angle = _cell(abs(number), path, unit), math.degrees(cmath.phase(number))
+            return f"{size} at {angle:.4g}°"
+        if len(value) > _LONGEST and _is_numbers(value):
+            return short(np.array(value, dtype=np.float64))
+        sign = "; " if any(isinstance(each, Mapping) for each in value) else ", "
+        cells = [_cell(each, f"{path}[{i}]", unit) for i, each in enumerate(value)]
+        nested = any(isinstance(each, list | tuple) for each in value)
+        return sign.join(f"({text})" if nested else text for text in cells)
+    if not _is_number(value):
+        # A word of a fixed set, not a name that the user gave.
+        is_word = path.rpartition(".")[2] in _WORDS
+        return str(value).replace("_", " ") if is_word else str(value)
+    factor, written = _written(unit_of(path))
+    digits = 4 if written == "°" else 6
+    text = f"{factor * value:.{digits}g}".replace("e+0", "e")
+    shown = written if unit is None and written not in (None, DIMENSIONLESS) else unit
+    return f"{text}{'' if shown in ('', '°') else ' '}{shown}" if shown else text

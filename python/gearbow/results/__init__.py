@@ -18,21 +18,18 @@ from importlib import import_module as _import_module
 _NAMES = {
     "gearbow.analysis.balance": ("Balance",),
     "gearbow.description.journal": ("FilmCoefficients",),
-    "gearbow.description.kinematics": ("Order",),
+    "gearbow.description.layout": ("Order",),
     "gearbow.description.rolling": ("RingCoefficients", "RollingCoefficients", "RollingEstimate"),
-    "gearbow.identification.correction": ("Correction",),
+    "gearbow.identification.correction": ("Correction", "TrialInfluence"),
     "gearbow.identification.result": ("Identification", "ProbeResidual"),
-    "gearbow.identification.trials": ("TrialInfluence",),
     "gearbow.exchange.harmonic": ("MeasuredCurve",),
     "gearbow.exchange.rexs": ("LoadCase", "RexsContents"),
     "gearbow.exchange.rexs_joints": ("MissingValue",),
     "gearbow.orders.fit": ("Orders",),
     "gearbow.orders.spectrum": ("Spectrum",),
     "gearbow.orders.waterfall": ("Waterfall",),
-    "gearbow.recording.access": ("BearingMotion",),
-    "gearbow.recording.contact": ("Contact", "ContactShares"),
-    "gearbow.recording.energy": ("EnergyBalance",),
-    "gearbow.recording.record": ("Event", "MeshResponse"),
+    "gearbow.recording.access": ("BearingMotion", "EnergyBalance"),
+    "gearbow.recording.record": ("Contact", "ContactShares", "Event", "MeshResponse"),
     "gearbow.results.bow_limits": ("BowLimits", "ReachedLimit"),
     "gearbow.results.campbell": (
         "Campbell",
@@ -46,7 +43,7 @@ _NAMES = {
     "gearbow.results.static": ("Efficiency", "Static"),
     "gearbow.results.harmonic": ("FrequencyComparison",),
     "gearbow.results.frequency_response": ("FrequencyResponse",),
-    "gearbow.exchange.mode_shapes": ("MeasuredShapes",),
+    "gearbow.exchange.universal": ("MeasuredShapes",),
     "gearbow.results.modes": ("ModeComparison", "Modes"),
     "gearbow.results.peak": ("Peak", "Peaks"),
     "gearbow.results.response": ("Response",),
@@ -55,15 +52,14 @@ _NAMES = {
     "gearbow.results.synchronous": ("Synchronous",),
     "gearbow.results.thermal": ("ThermalSpiral", "ThermalStability"),
     "gearbow.sweeps.result": ("Sweep", "SweepPoint"),
-    "gearbow.tradeoff.result": ("Recommendation", "Tradeoff"),
-    "gearbow.tradeoff.trial": ("Trial",),
+    "gearbow.studies.result": ("Recommendation", "Tradeoff", "Trial"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 if _typing.TYPE_CHECKING:
     from gearbow.analysis.balance import Balance as Balance
     from gearbow.description.journal import FilmCoefficients as FilmCoefficients
-    from gearbow.description.kinematics import Order as Order
+    from gearbow.description.layout import Order as Order
     from gearbow.description.rolling import (
         RingCoefficients as RingCoefficients,
         RollingCoefficients as RollingCoefficients,
@@ -72,22 +68,24 @@ if _typing.TYPE_CHECKING:
     from gearbow.exchange.harmonic import MeasuredCurve as MeasuredCurve
     from gearbow.exchange.rexs import LoadCase as LoadCase, RexsContents as RexsContents
     from gearbow.exchange.rexs_joints import MissingValue as MissingValue
-    from gearbow.identification.correction import Correction as Correction
+    from gearbow.identification.correction import (
+        Correction as Correction,
+        TrialInfluence as TrialInfluence,
+    )
     from gearbow.identification.result import (
         Identification as Identification,
         ProbeResidual as ProbeResidual,
     )
-    from gearbow.identification.trials import TrialInfluence as TrialInfluence
     from gearbow.orders.fit import Orders as Orders
     from gearbow.orders.spectrum import Spectrum as Spectrum
     from gearbow.orders.waterfall import Waterfall as Waterfall
-    from gearbow.recording.access import BearingMotion as BearingMotion
-    from gearbow.recording.contact import (
+    from gearbow.recording.access import (
+        BearingMotion as BearingMotion,
+        EnergyBalance as EnergyBalance,
+    )
+    from gearbow.recording.record import (
         Contact as Contact,
         ContactShares as ContactShares,
-    )
-    from gearbow.recording.energy import EnergyBalance as EnergyBalance
-    from gearbow.recording.record import (
         Event as Event,
         MeshResponse as MeshResponse,
     )
@@ -126,15 +124,15 @@ if _typing.TYPE_CHECKING:
         ThermalSpiral as ThermalSpiral,
         ThermalStability as ThermalStability,
     )
+    from gearbow.studies.result import (
+        Recommendation as Recommendation,
+        Tradeoff as Tradeoff,
+        Trial as Trial,
+    )
     from gearbow.sweeps.result import (
         Sweep as Sweep,
         SweepPoint as SweepPoint,
     )
-    from gearbow.tradeoff.result import (
-        Recommendation as Recommendation,
-        Tradeoff as Tradeoff,
-    )
-    from gearbow.tradeoff.trial import Trial as Trial
 else:  # a type checker would accept every name
 
     def __getattr__(name: str) -> object:

@@ -9,10 +9,8 @@ from numpy.typing import ArrayLike
 from gearbow._lookup import CheckedMethods
 from gearbow._types import Array, At, Record, RunData
 from gearbow.recording import access
-from gearbow.recording.access import BearingMotion
-from gearbow.recording.contact import ContactShares
-from gearbow.recording.energy import EnergyBalance
-from gearbow.recording.record import Event, MeshResponse, RunRecord
+from gearbow.recording.access import BearingMotion, EnergyBalance
+from gearbow.recording.record import ContactShares, Event, MeshResponse, RunRecord
 
 #: Arrays of vectors, and of numbers.
 V = TypeVar("V")

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, WithSpeeds, in_degrees, in_micrometres
-from gearbow._shown import Shown
+from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array
 
 if TYPE_CHECKING:

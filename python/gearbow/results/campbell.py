@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, WithSpeeds, in_percent
-from gearbow._shown import Shown
+from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array, CampbellData, ComplexArray
 from gearbow.results.peak import operating_range
 from gearbow.units.speed import SpeedUnit

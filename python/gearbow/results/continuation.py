@@ -8,9 +8,8 @@ import numpy as np
 
 from gearbow._extras import extra
 from gearbow._lookup import one_of
-from gearbow._read_only import read_only
 from gearbow._result import Column, WithSpeeds, data_frame, in_micrometres, written_unit
-from gearbow._shown import short
+from gearbow._shown import read_only, short
 from gearbow._types import (
     Array,
     ComplexArray,

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from gearbow._convert import text, whole
 from gearbow._extras import extra
 from gearbow._lookup import nearest
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, WithSpeeds
-from gearbow._shown import span
+from gearbow._shown import ReadOnly, span
 from gearbow._types import Array
 from gearbow.errors import GearbowError
 from gearbow.units.speed import SpeedUnit

@@ -31,7 +31,7 @@ from gearbow.results.harmonic import (
     FrequencyComparison,
     HarmonicResponse,
 )
-from gearbow.sensors.sensor import SignalSensor
+from gearbow.sensors import SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._core import Model
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, Result, WithSpeeds
-from gearbow._shown import short
+from gearbow._shown import ReadOnly, short
 from gearbow._types import Array, At, ComplexArray, Plain
 from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.places import Places
 from gearbow.description.train import Train
 from gearbow.errors import SceneError
 from gearbow.results.at_places import Vibration
-from gearbow.sensors.sensor import SignalSensor
+from gearbow.sensors import SignalSensor
 from gearbow.units.fields import MOTIONS
 
 if TYPE_CHECKING:

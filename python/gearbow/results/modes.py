@@ -12,9 +12,8 @@ from gearbow._convert import shown, whole
 from gearbow._extras import extra
 from gearbow._files import check_name
 from gearbow._lookup import nodal
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, Result, WithSpeeds, in_percent, plain_text
-from gearbow._shown import listed
+from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from gearbow.exchange.mode_shapes import MeasuredShapes
+    from gearbow.exchange.universal import MeasuredShapes
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,7 +252,7 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         GearbowError
             If there is no such place.
         """
-        from gearbow.exchange.mode_shapes import MeasuredShapes, read_uff  # noqa: PLC0415
+        from gearbow.exchange.universal import MeasuredShapes, read_uff  # noqa: PLC0415
 
         if places is not None and not isinstance(places, Mapping):
             raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
@@ -297,7 +296,7 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
 
     def _save_own(self, path: "Path", _ending: str) -> None:
         """Write a universal file with the translations of all nodes."""
-        from gearbow.exchange.mode_shapes import write_uff  # noqa: PLC0415
+        from gearbow.exchange.universal import write_uff  # noqa: PLC0415
 
         nodes = self._nodes()
         if not nodes:

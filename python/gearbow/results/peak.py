@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from gearbow._convert import BYTES, number
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, WithSpeeds, in_micrometres
-from gearbow._shown import Shown
+from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array, At
 from gearbow.description.places import place_label
 from gearbow.errors import SceneError

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from gearbow._extras import extra
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result
-from gearbow._shown import Shown
+from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array, Dof, Plain, SparseMatricesData
 
 

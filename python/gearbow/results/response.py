@@ -8,9 +8,8 @@ import numpy as np
 
 from gearbow._convert import items, number, shown
 from gearbow._progress import working
-from gearbow._read_only import ReadOnly, read_only
 from gearbow._result import Column, Result, WithSpeeds
-from gearbow._shown import span
+from gearbow._shown import ReadOnly, read_only, span
 from gearbow._types import (
     Array,
     Record,
@@ -18,7 +17,7 @@ from gearbow._types import (
     SignalQuantity,
     Window,
 )
-from gearbow.accuracy.estimate import estimate_errors
+from gearbow.accuracy import estimate_errors
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.fit import Orders, orders
@@ -28,14 +27,14 @@ from gearbow.recording.channels import resampled
 from gearbow.recording.record import Errors, RunRecord, Statistics
 from gearbow.results.at_places import RecordedMotion
 from gearbow.results.run_figures import animate, plot
-from gearbow.sensors.sensor import Sensor, SignalSensor
+from gearbow.sensors import Sensor, SignalSensor
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from typing_extensions import Self
 
-    from gearbow.description.kinematics import Kinematics
+    from gearbow.description.layout import Kinematics
     from gearbow.recording.record import RunRequest
 
 

@@ -7,9 +7,8 @@ import numpy as np
 
 from gearbow._convert import whole
 from gearbow._extras import extra
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Result, WithSpeeds, in_percent
-from gearbow._shown import short
+from gearbow._shown import ReadOnly, short
 from gearbow._types import Array
 
 if TYPE_CHECKING:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._read_only import ReadOnly, read_only
 from gearbow._result import Column, Figured, WithSpeeds, in_micrometres, in_percent
-from gearbow._shown import MOST_ROWS, Shown
+from gearbow._shown import MOST_ROWS, ReadOnly, Shown, read_only
 from gearbow._types import Array, Plain, StaticData
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout

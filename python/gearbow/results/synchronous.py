@@ -18,8 +18,7 @@ from gearbow.description.places import Places, place_label, places
 from gearbow.errors import GearbowError
 from gearbow.results.harmonic import PRINTED_PLACES, HarmonicResponse
 from gearbow.results.peak import Peak, Peaks, marks, operating_range
-from gearbow.sensors.probe import Accelerometer, Probe
-from gearbow.sensors.sensor import SignalSensor
+from gearbow.sensors import Accelerometer, Probe, SignalSensor
 from gearbow.units.speed import SpeedUnit, in_given_unit
 
 if TYPE_CHECKING:

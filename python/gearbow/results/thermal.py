@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._convert import number, positive, whole
-from gearbow._read_only import ReadOnly
 from gearbow._result import Column, Figured, WithSpeeds, in_micrometres
+from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.places import place_label
 from gearbow.errors import SceneError

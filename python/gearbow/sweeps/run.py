@@ -14,8 +14,7 @@ from gearbow._parallel import ParallelCalls
 from gearbow._progress import reported
 from gearbow._types import Progress
 from gearbow.errors import GearbowError, SceneError
-from gearbow.sweeps.functions import identity
-from gearbow.sweeps.points import Outcome, Parameters, Points, compute, failure
+from gearbow.sweeps.points import Outcome, Parameters, Points, compute, failure, identity
 from gearbow.sweeps.result import Sweep
 from gearbow.sweeps.store import Store, head_of
 

@@ -17,7 +17,7 @@ from gearbow.analysis.bow_motion import BowMotion, Variants
 from gearbow.analysis.protocol import System
 from gearbow.description.bow import Bow, amplitude_of
 from gearbow.description.bow_limit import BowLimit
-from gearbow.description.excitation import left_out
+from gearbow.description.layout import left_out
 from gearbow.description.part import expect, parts
 from gearbow.errors import ContactError, ConvergenceError, SceneError, StabilityError
 from gearbow.results.bow_limits import BowLimits, ReachedLimit

@@ -31,11 +31,11 @@ from gearbow._types import (
     Record,
     RunData,
 )
-from gearbow.accuracy.levels import LEVELS, check_reduction
+from gearbow.accuracy import LEVELS, check_reduction
 from gearbow.analysis.arclength import BranchPoint, Settings, branch
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import scaled
-from gearbow.description.kinematics import Kinematics
+from gearbow.description.layout import Kinematics
 from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
 from gearbow.results.continuation import UNITS, BranchData, Continuation, summary
 from gearbow.results.response import Response

@@ -10,7 +10,7 @@ from gearbow._convert import array, items, number, whole
 from gearbow._parallel import thread_count
 from gearbow._types import Array
 from gearbow.analysis.protocol import System
-from gearbow.description.excitation import left_out
+from gearbow.description.layout import left_out
 from gearbow.description.places import Places
 from gearbow.description.sources import MeshExcitation, Source, plain_sources
 from gearbow.errors import SceneError

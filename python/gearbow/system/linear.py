@@ -12,11 +12,10 @@ from gearbow._parallel import thread_count
 from gearbow._progress import working
 from gearbow._types import Excitation, Geometry
 from gearbow.analysis.protocol import System
-from gearbow.description.excitation import left_out
-from gearbow.description.layout import Layout, layout
+from gearbow.description.layout import Layout, layout, left_out
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
-from gearbow.description.speed_table import SpeedTable
+from gearbow.description.speed import SpeedTable
 from gearbow.errors import SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.critical_speeds import CriticalSpeedMap

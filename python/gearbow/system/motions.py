@@ -10,7 +10,7 @@ import numpy as np
 
 from gearbow._core import Model, motion_forms, require_memory
 from gearbow._types import Array, ComplexArray, Plain
-from gearbow.description.parameter import Parameter
+from gearbow.description.train import Parameter
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
 
 #: Number of motions that judge differences.

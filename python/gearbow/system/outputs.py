@@ -173,7 +173,7 @@ def report(
         import matplotlib as mpl  # noqa: F401, PLC0415
         import plotly  # noqa: F401, PLC0415
     from gearbow.report.compose import compose  # noqa: PLC0415
-    from gearbow.report.contents import Options  # noqa: PLC0415
+    from gearbow.report.shared import Options  # noqa: PLC0415
 
     with showing_in(unit):
         compose(self, file, Options(heading, span, wanted, count, added, unit), progress)

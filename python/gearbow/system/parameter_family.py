@@ -10,10 +10,9 @@ import numpy as np
 from gearbow._core import Model
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.parameter import Parameter
 from gearbow.description.places import is_place
 from gearbow.description.shafts import Segment, Shaft, Sleeve, segments_of
-from gearbow.description.train import PARTS
+from gearbow.description.train import PARTS, Parameter
 from gearbow.errors import ConvergenceError, GearbowError
 
 #: Largest step of the difference quotients, divided by the value of the parameter, and number of

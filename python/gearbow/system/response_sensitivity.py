@@ -14,14 +14,14 @@ from gearbow._lookup import one_of
 from gearbow._types import Array, ComplexArray, Plain
 from gearbow.analysis.protocol import System
 from gearbow.description.coordinates import Coordinates, time_derivatives
-from gearbow.description.parameter import Parameter
 from gearbow.description.places import Places, is_pair, place, place_label
+from gearbow.description.train import Parameter
 from gearbow.errors import SceneError
 from gearbow.results.frequency_response import FrequencyResponse
 from gearbow.results.sensitivity import ResponseSensitivity
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
-from gearbow.sensors.sensor import SignalSensor
+from gearbow.sensors import SignalSensor
 from gearbow.system.motions import Motions, is_damped, require_memory_of
 from gearbow.system.parameter_family import ParameterFamily, extrapolated
 from gearbow.units.fields import QUANTITIES

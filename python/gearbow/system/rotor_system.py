@@ -13,21 +13,24 @@ from gearbow._files import check_name, replacing
 from gearbow._lookup import CheckedKeywords, nearest
 from gearbow._shown import Shown, Table, listed
 from gearbow._types import Accuracy, Array, Dof, Plain, ShaftMotion
-from gearbow.accuracy.levels import DEFAULT
+from gearbow.accuracy import DEFAULT
 from gearbow.analysis.balance import balance
-from gearbow.description.assumptions import assumptions
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.couplings import Coupling, Drive, Force
-from gearbow.description.damping import described_ratios, given_ratios
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
-from gearbow.description.load_values import functions, over_time, refuse_functions
-from gearbow.description.loads import Bearing, Torque
+from gearbow.description.layout import assumptions
+from gearbow.description.loads import Bearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
-from gearbow.description.places import names_of_bases
+from gearbow.description.places import Housing, Support, names_of_bases
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft, Sleeve
-from gearbow.description.supports import Housing, Support
+from gearbow.description.time_series import (
+    described_ratios,
+    functions,
+    given_ratios,
+    over_time,
+    refuse_functions,
+)
 from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.results.properties import Discretisation
@@ -51,7 +54,7 @@ from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
 from gearbow.system.thermal import thermal_bow
-from gearbow.tradeoff.ask import tradeoff
+from gearbow.system.tradeoff import tradeoff
 from gearbow.units.speed import SpeedUnit, in_given_unit, unit_in_texts
 from gearbow.units.values import without_texts
 

@@ -12,7 +12,7 @@ from gearbow._core import Model
 from gearbow._progress import working
 from gearbow._types import Array, ComplexArray, SensitivityQuantity
 from gearbow.analysis.protocol import System
-from gearbow.description.parameter import Parameter
+from gearbow.description.train import Parameter
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.campbell import Campbell
 from gearbow.results.frequency_response import FrequencyResponse

@@ -24,9 +24,9 @@ from gearbow._types import (
     Record,
     RunData,
 )
-from gearbow.accuracy.levels import DEFAULT, LEVELS, Level, check_reduction, find_level, tolerance
+from gearbow.accuracy import DEFAULT, LEVELS, Level, check_reduction, find_level, tolerance
 from gearbow.analysis.protocol import S, System
-from gearbow.description.kinematics import Kinematics
+from gearbow.description.layout import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
 from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
 from gearbow.recording.record import RunRequest

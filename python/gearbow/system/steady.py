@@ -19,12 +19,11 @@ from gearbow._core import (
 )
 from gearbow._progress import reported
 from gearbow._types import Accuracy, Array, Geometry, InitialState, Progress, Record, RunData
-from gearbow.accuracy.levels import LEVELS, check_reduction, tolerance
+from gearbow.accuracy import LEVELS, check_reduction, tolerance
 from gearbow.analysis.protocol import S, System, silent, variant
-from gearbow.description.gears import Mesh
-from gearbow.description.kinematics import Kinematics
+from gearbow.description.gears import Mesh, TransmissionError
+from gearbow.description.layout import Kinematics
 from gearbow.description.speed import plain_speed
-from gearbow.description.teeth import TransmissionError
 from gearbow.description.time_series import TimeSeries
 from gearbow.errors import SceneError
 from gearbow.orders.separation import SEPARATION

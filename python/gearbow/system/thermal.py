@@ -10,10 +10,10 @@ from gearbow._lookup import nearest
 from gearbow._types import At, ComplexArray
 from gearbow.analysis.balance import shafts_of_bodies
 from gearbow.analysis.protocol import System, variant
-from gearbow.description.excitation import left_out
+from gearbow.description.layout import left_out
 from gearbow.description.part import expect
 from gearbow.description.places import place
-from gearbow.description.thermal_bow import ThermalBow
+from gearbow.description.sources import ThermalBow
 from gearbow.errors import SceneError
 from gearbow.results.synchronous import Synchronous
 from gearbow.results.thermal import ThermalStability

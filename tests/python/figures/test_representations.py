@@ -255,7 +255,7 @@ def test_text_is_escaped_in_html():
 
 
 def test_the_identity_of_a_function_contains_all_digits_of_the_parts_in_a_set():
-    from gearbow.sweeps.functions import identity
+    from gearbow.sweeps.points import identity
 
     def function(value):
         materials = frozenset({gb.Material(value, 7850.0, 0.3)})

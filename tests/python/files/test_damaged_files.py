@@ -20,8 +20,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.exchange.mat import read_vectors
 from gearbow.exchange.rexs_file import _from_xml
+from gearbow.exchange.tables import read_vectors
 from gearbow.exchange.universal import Function, Quantity, function_lines, write
 from test_response import recorded
 
@@ -195,7 +195,7 @@ READERS = {
     "_files.reading",
     "exchange.tables._decoded",
     "exchange.tables._from_excel",
-    "exchange.mat.read_vectors",
+    "exchange.tables.read_vectors",
     "exchange.rexs_file._read",
     "exchange.universal.data_sets",
     "recording.container.opened",
@@ -328,7 +328,7 @@ def test_every_reader_is_tested():
         "system.read.format_of",  # only tells formats apart
         "machines.examples._read",  # a file of the package
         "_sheets._write_sheet",  # opens a member of an archive that it writes
-        "sweeps.dataset._check_card",  # any text
+        "studies.dataset._check_card",  # any text
         "report.page.write",  # the template of the package
         *(f"sweeps.store.{name}" for name in ("_open", "write")),
     }

@@ -12,7 +12,7 @@ import numpy as np
 
 import gearbow as gb
 from gearbow._core import Model
-from gearbow._read_only import ReadOnly
+from gearbow._shown import ReadOnly
 from reference.cases import each_case
 from reference.machines import bowed_pair, bowed_rotor, hostile
 from test_read_only import results, writable

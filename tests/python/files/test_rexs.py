@@ -23,8 +23,8 @@ import pytest
 
 import gearbow as gb
 from gearbow.cli.main import main
-from gearbow.exchange.designations import bearing_of_designation
 from gearbow.exchange.rexs import read_rexs, read_system
+from gearbow.exchange.rexs_joints import bearing_of_designation
 
 FILE = Path(__file__).with_name("gearbox.rexs")
 

@@ -295,7 +295,7 @@ def test_a_changed_function_or_global_value_makes_another_sweep(tmp_path, monkey
 
 
 def test_the_identity_of_a_function_is_that_of_its_content():
-    from gearbow.sweeps.functions import identity
+    from gearbow.sweeps.points import identity
 
     def closure(system, factor):
         return lambda **p: (system, factor)
@@ -315,7 +315,7 @@ def test_the_identity_of_a_function_is_that_of_its_content():
 
 
 IDENTITY = """
-from gearbow.sweeps.functions import identity
+from gearbow.sweeps.points import identity
 from test_sweep import force, mixed, pair
 from test_sweep_files import scaled
 print([identity(function)["digest"] for function in (pair, force, mixed, scaled)])

@@ -100,7 +100,7 @@ WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
     "sweeps.result._save_own": {
         "map.nc": lambda path: gb.sweep(named, {"x": [1.0]}, measured_value).save(path)
     },
-    "sweeps.dataset.dataset": {"set.nc": data_set},
+    "studies.dataset.dataset": {"set.nc": data_set},
     "system.rotor_system.save": {"rotor.toml": lambda path: rotor().save(path)},
     "report.page.write": {"page.html": lambda path: rotor().report(path, modes=2)},
     "results.run_figures.animate": {"run.gif": animation},

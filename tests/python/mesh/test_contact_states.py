@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.recording.contact import first_contact
+from gearbow.recording.record import first_contact
 from reference.machines import separating_pair
 
 MESH = ("pinion", "wheel")

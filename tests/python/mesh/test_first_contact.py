@@ -44,7 +44,7 @@ def test_the_import_is_small():
         "plotting",
         "cli",
     } == set()
-    assert added & {"hashlib", "gearbow.sweeps.run", "gearbow.tradeoff.study"} == set()
+    assert added & {"hashlib", "gearbow.sweeps.run", "gearbow.studies.study"} == set()
     # of the standard library and of gearbow itself
     assert len(added) < 160
 

@@ -208,7 +208,7 @@ def test_samples_with_other_times_are_refused(tmp_path):
 )
 def test_wrong_arguments_are_errors(change, message, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("gearbow.sweeps.dataset.sweep", None)  # before anything is computed
+    monkeypatch.setattr("gearbow.studies.dataset.sweep", None)  # before anything is computed
     given = {"make": make, "parameters": LABELS, "run": run, "sensors": SENSORS, "path": "pair.nc"}
     with pytest.raises(gb.SceneError, match=message):
         gb.dataset(**{**given, **change})

@@ -9,7 +9,7 @@ import pytest
 
 import gearbow as gb
 from gearbow._types import SensitivityQuantity, SignalQuantity
-from gearbow.description.kinematics import Order
+from gearbow.description.layout import Order
 from gearbow.orders import Kinematics, spectrum
 from gearbow.orders.separation import cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes

@@ -16,8 +16,9 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.report.contents import Contents, Options, accuracy, bow, campbell, data
-from gearbow.report.data import parts_tables
+from gearbow.report.contents import accuracy, bow, campbell, data
+from gearbow.report.page import parts_tables
+from gearbow.report.shared import Contents, Options
 from reference.equations import base_radius
 from reference.machines import (
     bowed_rotor_with_disk,

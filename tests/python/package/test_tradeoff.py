@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.accuracy.levels import LEVELS
-from gearbow.tradeoff.study import measure
+from gearbow.accuracy import LEVELS
+from gearbow.studies.study import measure
 from reference import independent_solution
 from reference.bows import HalfSine
 from reference.cases import each_case
@@ -290,7 +290,7 @@ def test_no_setting_starts_after_the_budget_is_spent(monkeypatch):
         time.sleep(0.2)
         return measure(*args, **options)
 
-    monkeypatch.setattr("gearbow.tradeoff.study.measure", dawdling)
+    monkeypatch.setattr("gearbow.studies.study.measure", dawdling)
     found = toothed().tradeoff(END, SPEED, signals="g1", budget=2.0)
     # of more than 30 settings, those that end within two seconds
     late = [skipped for skipped in found.skipped if skipped.reason == "the budget is spent"]

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.tradeoff.result import Tradeoff
-from gearbow.tradeoff.signals import Signal, error, errors
-from gearbow.tradeoff.trial import Trial
+from gearbow.studies.result import Tradeoff, Trial
+from gearbow.studies.study import Signal, signal_error, signal_errors
 from reference.bows import HalfSine
 from reference.records import response
 from reference.scenes import PAIR
@@ -91,9 +90,9 @@ class TestErrors:
             "the displacement of g1": 0.1 / 3.0,
             "the force of g3/g4": 4.0 / (20.0 / np.sqrt(2.0)),
         }
-        assert errors(found, exact, exact) == pytest.approx(expected)
-        assert error(found, exact, exact) == pytest.approx(max(expected.values()))
-        assert error(exact, exact, exact) == 0.0
+        assert signal_errors(found, exact, exact) == pytest.approx(expected)
+        assert signal_error(found, exact, exact) == pytest.approx(max(expected.values()))
+        assert signal_error(exact, exact, exact) == 0.0
 
     def test_errors_use_the_length_of_the_displacement_vector(self):
         # 1 along one axis against 3 and 4 along both, which is 5
@@ -102,7 +101,7 @@ class TestErrors:
         reference = run(time, np.stack([3.0 * wave, 4.0 * wave], axis=1))
         other = run(time, np.stack([4.0 * wave, 4.0 * wave], axis=1))
         exact, found = ({"g1": Signal("g1").values(each)} for each in (reference, other))
-        assert error(found, exact, exact) == pytest.approx(1.0 / 5.0)
+        assert signal_error(found, exact, exact) == pytest.approx(1.0 / 5.0)
 
 
 def test_derived_quantities_of_a_trial():

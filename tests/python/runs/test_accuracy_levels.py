@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.accuracy.levels import LEVELS, SHARE_OF_MEAN
+from gearbow.accuracy import LEVELS, SHARE_OF_MEAN
 
 sys.path.append(str(Path(__file__).parents[3] / "benches"))
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.accuracy.levels import LEVELS
+from gearbow.accuracy import LEVELS
 from gearbow.cli.main import main
 from reference.machines import toothed_pair
 

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.accuracy.estimate import refined
-from gearbow.accuracy.levels import LEVELS, root_mean_square, unit_of_errors
+from gearbow.accuracy import LEVELS, refined, root_mean_square, unit_of_errors
 
 LEVEL = LEVELS["engineering"]
 TIMES = os.environ.get("GEARBOW_CASES")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow import accuracy
 from gearbow._core import Model, user_order
-from gearbow.accuracy import estimate
 from reference import machines
 
 
@@ -34,7 +34,7 @@ class Changed:
 def test_initial_states_satisfy_their_equations(start, speed, geometry):
     given = gb.SpeedProfile.ramp(60.0, 90.0, duration=1.0) if speed == "ramp" else speed
     run = pair().simulate(1e-3, given, initial=start, geometry=geometry, start=0.3)
-    estimate.check_initial_state(Model(dict(run.request.description)), run.request.options)
+    accuracy.check_initial_state(Model(dict(run.request.description)), run.request.options)
 
 
 def displaced(data):
@@ -77,9 +77,9 @@ def displaced(data):
 )
 def test_a_wrong_initial_state_stops_the_estimate(monkeypatch, start, method, change, message):
     run = pair().simulate(1e-3, 90.0, initial=start)
-    monkeypatch.setattr(estimate, "Model", lambda given: Changed(Model(given), method, change))
+    monkeypatch.setattr(accuracy, "Model", lambda given: Changed(Model(given), method, change))
     monkeypatch.setattr(
-        estimate, "user_order", lambda model, state: user_order(model._model, state)
+        accuracy, "user_order", lambda model, state: user_order(model._model, state)
     )
     with pytest.raises(gb.ConvergenceError, match=message):
         run.errors()

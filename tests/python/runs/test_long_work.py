@@ -179,7 +179,7 @@ def large_sweep():
     # One value whose array would take 8 GB, as the broadcast of one number
     value = np.broadcast_to(0.0, (10_000, 100_000))
     from gearbow.sweeps.points import Outcome
-    from gearbow.sweeps.tables import column
+    from gearbow.sweeps.result import column
     return column("value", {{0: Outcome({{"value": value}})}}, 1)
 
 resource.setrlimit(resource.RLIMIT_AS, (3_000_000_000, resource.RLIM_INFINITY))

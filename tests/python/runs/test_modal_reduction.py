@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.accuracy.levels import LEVELS, check_reduction
+from gearbow.accuracy import LEVELS, check_reduction
 from reference.machines import bowed_double_stage
 
 # The systems give their numbers of elements, which a level need not find fine enough.

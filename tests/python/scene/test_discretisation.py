@@ -9,7 +9,7 @@ import pytest
 
 import gearbow as gb
 from fleet import FOLDER
-from gearbow.accuracy.levels import LEVELS
+from gearbow.accuracy import LEVELS
 from reference.machines import toothed_pair
 from test_errors import difference
 

@@ -1,20 +1,19 @@
 """The function `gearbow.RotorSystem.tradeoff` and its arguments."""
 
 import math
-from collections.abc import Iterable
-from typing import Any, get_args
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, get_args
 
 from gearbow._convert import items, number, positive, truth, whole
 from gearbow._lookup import one_of
 from gearbow._times import grid
 from gearbow._types import InitialState, Progress
-from gearbow.accuracy.estimate import MAX_DEGREE
+from gearbow.accuracy import MAX_DEGREE
 from gearbow.analysis.protocol import S, System
 from gearbow.errors import SceneError
-from gearbow.tradeoff.models import degrees_of, simplified
-from gearbow.tradeoff.result import Tradeoff
-from gearbow.tradeoff.settings import METHODS, ladders
-from gearbow.tradeoff.signals import read_signals
+
+if TYPE_CHECKING:
+    from gearbow.studies.result import Tradeoff
 
 
 def tradeoff(  # numpydoc ignore=PR01
@@ -36,7 +35,7 @@ def tradeoff(  # numpydoc ignore=PR01
     repeats: int = 3,
     budget: float = 60.0,
     progress: bool | Progress | None = None,
-) -> Tradeoff[S]:
+) -> "Tradeoff[S]":
     """Measure the total error and the CPU time of methods, tolerances, elements, modes and models.
 
     Parameters
@@ -50,7 +49,7 @@ def tradeoff(  # numpydoc ignore=PR01
         a mesh (driver, driven). With several signals the worst error counts. None is the first
         gear, or the first disk of a system without gears.
     methods : str or list of str, optional
-        Methods to run, names of `gearbow.tradeoff.METHODS`; None is all. Simplified models use
+        Methods to run, names of `gearbow.studies.METHODS`; None is all. Simplified models use
         the first one.
     steps : list of float, optional
         Steps of the methods with fixed steps [s]; None is a series of steps for each method.
@@ -109,15 +108,17 @@ def tradeoff(  # numpydoc ignore=PR01
     ...     0.02, speed=100.0, initial="rest", record=[("rotor", 0.5)], **best.options
     ... )
     """
-    from gearbow.tradeoff.study import Study  # noqa: PLC0415  # few scripts ask for a study
+    # Few scripts ask for a study.
+    from gearbow.studies.settings import METHODS, degrees_of, ladders, simplified  # noqa: PLC0415
+    from gearbow.studies.study import Study, read_signals  # noqa: PLC0415
 
     duration = positive(duration, "duration")
     speed = number(speed, "speed")
     one_of(initial, get_args(InitialState), "initial")
     if output_step is None:
         output_step = self.default_output_step(duration, speed)
-    orders, factors = _degrees(degrees, self), _numbers(elements, "elements")
-    names = _methods(methods)
+    orders, factors = _degrees(degrees, degrees_of(self)), _numbers(elements, "elements")
+    names = _methods(methods, METHODS)
     settings = ladders(
         self,
         speed,
@@ -158,12 +159,12 @@ def tradeoff(  # numpydoc ignore=PR01
     ).carried_out(progress)
 
 
-def _methods(given: str | Iterable[str] | None) -> list[str]:
+def _methods(given: str | Iterable[str] | None, known: Iterable[str]) -> list[str]:
     if given is None:
-        return list(METHODS)
+        return list(known)
     names = [given] if isinstance(given, str) else items(given, "methods", "names")
     for i, name in enumerate(names):
-        one_of(name, METHODS, f"methods[{i}]")
+        one_of(name, known, f"methods[{i}]")
     if not names:
         raise SceneError("methods: must name at least one method, got an empty list")
     return list(dict.fromkeys(names))
@@ -178,10 +179,9 @@ def _modes(given: Iterable[int] | None, names: list[str], system: System) -> lis
     return [whole(count, f"modes[{i}]") for i, count in enumerate(items(given, "modes", "numbers"))]
 
 
-def _degrees(given: Iterable[int] | None, system: System) -> list[int]:
+def _degrees(given: Iterable[int] | None, known: Sequence[int]) -> list[int]:
     """Read the degrees; the default is one below and one above those of the system."""
     if given is None:
-        known = degrees_of(system)
         return [degree for degree in (min(known) - 1, max(known) + 1) if 1 <= degree <= MAX_DEGREE]
     found = [
         whole(degree, f"degrees[{i}]")

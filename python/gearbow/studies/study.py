@@ -1,28 +1,120 @@
-"""Runs of a study: a reference and its check, then a sweep over models and settings."""
+"""Runs of a tradeoff study: a reference and its check, then a sweep over models and settings.
+
+Signals are displacements and mesh forces; the error is the difference between two runs.
+"""
 
 import math
 import sys
 import time
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from gearbow._types import Array, Progress
+from gearbow._types import Array, At, Progress
+from gearbow.accuracy import root_mean_square, unit_of_errors, variation
 from gearbow.analysis.protocol import S, System, variant
-from gearbow.errors import AccuracyWarning, ContactError, GearbowError
+from gearbow.description.coordinates import Coordinates
+from gearbow.description.places import is_pair, is_place, place, place_label
+from gearbow.errors import AccuracyWarning, ContactError, GearbowError, SceneError
 from gearbow.results.response import Response
+from gearbow.studies.result import Skipped, Tradeoff, Trial
+from gearbow.studies.settings import GIVEN, METHODS, Model, Setting, references, refined
 from gearbow.sweeps.result import SweepPoint
 from gearbow.sweeps.run import sweep
-from gearbow.tradeoff import signals
-from gearbow.tradeoff.models import GIVEN, Model, refined
-from gearbow.tradeoff.result import Tradeoff
-from gearbow.tradeoff.settings import METHODS, Setting, references
-from gearbow.tradeoff.signals import Signal
-from gearbow.tradeoff.trial import Skipped, Trial
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A signal of a response: the displacement of a point or the force of a mesh."""
+
+    of: Any
+
+    @property
+    def is_force(self) -> bool:
+        """Whether the signal is a mesh force."""
+        return isinstance(self.of, tuple) and isinstance(self.of[1], str)
+
+    def values(self, response: Response) -> Array:
+        """Return the signal of a response."""
+        if self.is_force:
+            return response.mesh(self.of).force[:, np.newaxis]
+        return response.displacement(self.of)
+
+    def __str__(self) -> str:
+        if self.is_force:
+            return f"the force of {self.of[0]}/{self.of[1]}"
+        return f"the displacement of {place_label(self.of)}"
+
+
+def signal_errors(
+    found: Mapping[str, Array], other: Mapping[str, Array], scale: Mapping[str, Array]
+) -> dict[str, float]:
+    """Return the relative difference of each signal of two runs."""
+    return {
+        name: root_mean_square(found[name] - other[name]) / unit_of_errors(exact)
+        for name, exact in scale.items()
+    }
+
+
+def signal_error(
+    found: Mapping[str, Array], other: Mapping[str, Array], scale: Mapping[str, Array]
+) -> float:
+    """Return the relative difference of two runs for the worst signal."""
+    return max(signal_errors(found, other, scale).values())
+
+
+def check_signals(found: Mapping[str, Array]) -> None:
+    """Reject constant signals, for which a relative error is undefined."""
+    for name, values in found.items():
+        if not variation(values) > 0.0:
+            raise SceneError(
+                f"signals: {name} is constant in this run, so its relative error is "
+                "undefined; give another signal"
+            )
+
+
+def read_signals(system: System, given: object) -> tuple[Signal, ...]:
+    """Read the signals of a study and check that the system has them."""
+    if given is None:
+        names = [gear.name for gear in system.gears] + [disk.name for disk in system.disks]
+        if not names:
+            raise SceneError("signals: the system has no gear or disk; give (shaft, position)")
+        given = names[0]
+    single = isinstance(given, str) or is_place(given) or is_pair(given)
+    items = [given] if single else given
+    if not isinstance(items, Iterable):
+        raise SceneError(
+            f"signals: must be a name, (shaft, position) or (driver, driven), got {given!r}"
+        )
+    wanted = tuple(_signal(system, item) for item in items)
+    if not wanted:
+        raise SceneError("signals: must name at least one signal")
+    return wanted
+
+
+def _signal(system: System, item: Any) -> Signal:
+    if is_pair(item):
+        if tuple(item) not in {(mesh.driver, mesh.driven) for mesh in system.meshes}:
+            raise SceneError(f"signals: no gear {item[0]!r} drives a gear {item[1]!r}")
+        return Signal(tuple(item))
+    if not (isinstance(item, str) or is_place(item)):
+        raise SceneError(
+            f"signals: must be a name, (shaft, position) or (driver, driven), got {item!r}"
+        )
+    at: At = place(item)
+    try:
+        Coordinates.of(system.dofs, system.gears, system.disks).lateral(at)
+    except SceneError as error:
+        raise SceneError(f"signals: {str(error).removeprefix('at: ')}") from None
+    except GearbowError:
+        message = f"signals: {item!r} has no lateral motion; give a mesh, (driver, driven)"
+        raise SceneError(message) from None
+    return Signal(at)
+
 
 #: Relative rounding error of double precision.
 ROUND_OFF = sys.float_info.epsilon
@@ -81,7 +173,7 @@ class Study(Generic[S]):
         """Run all settings that the budget permits."""
         candidates = references(self.system, self.speed)
         self.reference = self._verified(candidates, "reference")
-        signals.check(self.reference.signals)
+        check_signals(self.reference.signals)
         # Another method, or the same method with another setting.
         used = self.reference.setting
         same = [setting for setting in candidates if setting.method == used.method]
@@ -188,7 +280,7 @@ class Study(Generic[S]):
         return _Run(model, setting, values, {**vars(cost), **costs})
 
     def _error(self, run: _Run[S], other: _Run[S]) -> float:
-        return signals.error(run.signals, other.signals, self.exact.signals)
+        return signal_error(run.signals, other.signals, self.exact.signals)
 
     def _trial(self, run: _Run[S]) -> Trial[S]:
         """Return the row of a run."""
@@ -199,7 +291,7 @@ class Study(Generic[S]):
             options={**run.setting.options, **run.model.options},
             system=run.model.system,
             method=run.setting.method,
-            errors=signals.errors(run.signals, exact.signals, exact.signals),
+            errors=signal_errors(run.signals, exact.signals, exact.signals),
             integration_error=self._error(run, own),
             model_error=self._error(own, exact),
             floor=self.floor,
@@ -223,7 +315,7 @@ class Study(Generic[S]):
         finer = None
         if self.exact is not self.reference:
             exact = self.exact.signals
-            finer = (self.exact.model.name, signals.errors(self.reference.signals, exact, exact))
+            finer = (self.exact.model.name, signal_errors(self.reference.signals, exact, exact))
         return Tradeoff(
             trials=tuple(trials),
             skipped=tuple(self.skipped),

@@ -1,1 +1,0 @@
-"""Accuracy levels, and the error of a run estimated by more accurate runs."""

@@ -1,1 +1,0 @@
-"""Sensors: what measures a recorded motion."""
