@@ -11,7 +11,6 @@ contain a checksum of every member.
 """
 
 import errno
-import hashlib
 import os
 import reprlib
 import sys
@@ -151,8 +150,9 @@ ENDINGS = (".npz", ".nc")
 Header: TypeAlias = tuple[tuple[int, ...], np.dtype[Any]]
 
 _METADATA = "metadata"
-#: First bytes of the seal of a netCDF file; the digest follows.
+#: First bytes of the seal of a netCDF file; the digest follows, SHA-256 with this number of bytes.
 _SEAL = b"gearbow\n"
+_DIGEST = 32
 _BLOCK = 1 << 20
 
 
@@ -309,7 +309,9 @@ class _NetCdf:
 
 def seal(stream: BinaryIO, size: int) -> bytes:
     """Return the seal of a netCDF file whose content is the next bytes of a stream."""
-    digest = hashlib.sha256()
+    from hashlib import sha256  # noqa: PLC0415
+
+    digest = sha256()
     while size > 0 and (block := stream.read(min(size, _BLOCK))):
         digest.update(block)
         size -= len(block)
@@ -318,7 +320,7 @@ def seal(stream: BinaryIO, size: int) -> bytes:
 
 def _check_seal(stream: BinaryIO) -> None:
     """Reject a file whose content does not match its seal, and rewind it."""
-    expected = seal(stream, _size(stream) - len(_SEAL) - hashlib.sha256().digest_size)
+    expected = seal(stream, _size(stream) - len(_SEAL) - _DIGEST)
     if stream.read() != expected:
         raise GearbowError(
             "it does not end with the digest of its content; it is incomplete, has changed since "

@@ -1,6 +1,5 @@
 """Preparation of a run, and its checkpoints."""
 
-import hashlib
 import json
 import math
 import os
@@ -282,6 +281,8 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(entry) for entry in value]
     if isinstance(value, np.ndarray):
-        digest = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
+        from hashlib import sha256  # noqa: PLC0415
+
+        digest = sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
         return {"length": value.size, "digest": digest}
     return value.item() if isinstance(value, np.generic) else value
