@@ -517,6 +517,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             **{name: {"at": "g1"} for name in ("phase", "twist", "velocity", "acceleration")},
             "axial_displacement": {"at": "g1"},
             "measure": {"sensor": gb.Probe("input", 0.25)},
+            "mesh_force": {"at": "g1/g2"},
             "plot": {"at": ["g1"]},
             "subtract_slow_roll": {"speed": 50.0},
         },
