@@ -367,13 +367,13 @@ fn absurd_sizes_are_refused_before_memory_is_allocated() {
     for (what, text) in [
         ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 1000000000")),
         ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 9223372036854775807")),
-        ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 3334")),
-        ("counted by their degree", crate::common::TRAIN.replace("elements = 4", "elements = 420, degree = 8")),
+        ("elements", crate::common::TRAIN.replace("elements = 4", "elements = 16667")),
+        ("counted by their degree", crate::common::TRAIN.replace("elements = 4", "elements = 2100, degree = 8")),
     ] {
         let mut found = None;
         let info = measure(|| found = Some(scene(&text)));
         let error = found.unwrap().unwrap_err().to_string();
-        assert!(error.starts_with("shafts[") && error.contains(what) && error.contains("10000"), "{error}");
+        assert!(error.starts_with("shafts[") && error.contains(what) && error.contains("50000"), "{error}");
         assert!(info.bytes_max < 16 << 20, "{} bytes", info.bytes_max);
     }
 }
