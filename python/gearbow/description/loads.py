@@ -44,8 +44,8 @@ class Coupling(Part):
         Angular misalignment of the axis of b to that of a, fixed in space: slopes along y + iz
         [rad].
     runout : complex
-        Eccentricity of the hub of b [m], which turns with the shaft; its argument is the angle in
-        the shaft.
+        Eccentricity of the hub of b [m]. It turns with the shaft; its argument is its angle in the
+        rotating shaft [rad].
 
     Examples
     --------

@@ -155,7 +155,7 @@ class Housing(Part):
             raise SceneError(
                 f"{path}.points: must be a dict of name: (x, y, z), got {shown(self.points)}"
             )
-        # A mapping has no annotation that `Part` knows.
+        # `Part` converts no mappings: the points follow below.
         given = super(Housing, replace(self, points=()))._describe(path)  # type: ignore[arg-type]
         given.pop("points", None)
         if given.get("position") == [0.0, 0.0, 0.0]:

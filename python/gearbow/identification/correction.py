@@ -29,7 +29,7 @@ _SAMPLES = 4000
 #: Largest relative difference of the speeds of two runs that are compared. The vibration that both
 #: share then cancels in their difference, unless the speed is that of a sharp resonance.
 _SAME_SPEED = 0.01
-#: Influence of a micrometre for each gram millimetre.
+#: Unit of influence coefficients in tables: displacement per unbalance. One is 1 m/(kg m).
 _WRITTEN = Written("µm/(g mm)", 1.0)
 
 

@@ -178,7 +178,7 @@ class EnergyBalance(Figured, ReadOnly):
 class BearingMotion(ReadOnly):
     """Force on a journal or rolling bearing, with the place of the journal or the load of elements.
 
-    At an equilibrium the values are those of one instant, in a response those of its k times.
+    An equilibrium has one value of each quantity, a response one for each of its k times.
 
     Parameters
     ----------

@@ -73,10 +73,10 @@ def plot(
         First and last time of the figure [s]; None is the complete record. A few revolutions
         show what fills the figure of a long run.
     skip_time : float, optional
-        Time at the beginning with the transient [s]: orbits and histories show it in grey,
-        spectra omit it. The values after it set the scale and the mean; a title gives the range
-        of earlier values beyond this scale. None takes the last turn of the slowest shaft for
-        the scale, without shading, if the speed is constant; 0 shows all values.
+        Duration of the transient at the beginning of the run [s]. Orbits and histories show it in
+        grey; spectra omit it. Scale and mean follow from the values after it; if earlier values
+        exceed the scale, a title gives their range. With None and a constant speed, the scale
+        follows from the last turn of the slowest shaft, and nothing is grey. 0 shows all values.
     against : {"time", "speed", "angle"}
         Horizontal axis of figures against time: time [s], speed of the reference shaft in a
         run at a changing speed, or revolutions of the reference shaft.

@@ -209,7 +209,8 @@ class Synchronous(HarmonicResponse):
         Returns
         -------
         ndarray, shape (speeds, shafts)
-            Phasors [N], as those of `FrequencyResponse.mesh_force`. Slow roll is not subtracted.
+            Phasors of the force normal to the teeth [N] that the excitation of each shaft causes.
+            Slow-roll amplitudes are not subtracted.
 
         Raises
         ------

@@ -10,8 +10,8 @@ use super::{AnalysisError, Choice, Interrupt, Resolved, resolve};
 use crate::scene::description::{Base, MotionKind, Place, Shaft, TorqueValue};
 use crate::scene::{Scene, SceneDescription};
 
-/// The elements of the parts of a description, of which `scene` has the checked entries. `None` if it has one part only, or one of
-/// them has no elements that meet the level.
+/// The elements of the parts of the description `given`, whose checked entries are those of `scene`. `None` if there is only one
+/// part, or if a part cannot be analysed without the others.
 ///
 /// # Errors
 /// As [`resolve`].

@@ -459,7 +459,7 @@ def test_a_keyword_keeps_its_place_in_signatures_and_copies():
 
 
 def test_every_result_names_the_parameters_of_its_methods():
-    # methods that results share, and that of one class
+    # `displacement` and `plot` are inherited by several results
     machine = system()
     for found in (machine.modes(), machine.static(), machine.synchronous([9.0]), run()):
         with pytest.raises(TypeError, match=r"displacement: has no parameter 'place', .* are at$"):
