@@ -66,9 +66,10 @@ test-rust:
 test-python: $(VENV)/.dev
 	$(BIN)/python -m pytest $(PYTEST_PARALLEL) --pyargs gearbow tests/python tests/extremes README.md docs
 
-# Changes in python/ are then active at once.
-quick: $(VENV)/.dev
+# Changes in python/ are then active at once. It builds no wheel, which takes minutes after each change.
+quick: $(BIN)/maturin
 	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --quiet --locked --profile quick
+	$(PIP) install "gearbow[dev]"
 
 # New random cases in each call; `make test` always takes the same cases.
 random: $(VENV)/.dev
@@ -209,8 +210,10 @@ clean:
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.wheel: $(SOURCES) | $(BIN)/python
+$(BIN)/maturin: | $(BIN)/python
 	$(PIP) install "maturin>=1.9.4,<2"
+
+$(VENV)/.wheel: $(SOURCES) | $(BIN)/maturin
 	rm -f $(WHEELS)/gearbow-*.whl
 	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out $(WHEELS)
 	$(PIP) install --force-reinstall --no-deps $(WHEELS)/gearbow-*.whl
