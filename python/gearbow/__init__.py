@@ -49,6 +49,7 @@ from gearbow.description.rolling import RollingBearing as RollingBearing
 from gearbow.description.shafts import (
     STEEL as STEEL,
     Material as Material,
+    Notch as Notch,
     Segment as Segment,
     Shaft as Shaft,
     Sleeve as Sleeve,

@@ -65,8 +65,16 @@ BalanceTarget: TypeAlias = Literal["total", "elastic"]
 Window: TypeAlias = Literal["hann", "flat top", "none"]
 #: What a figure of a run shows.
 RunFigure: TypeAlias = Literal[
-    "orbits", "history", "twist", "mesh", "geometry", "bearings", "spectrum"
+    "orbits", "history", "twist", "mesh", "geometry", "bearings", "spectrum", "section forces"
 ]
+#: What a figure of an equilibrium shows.
+StaticFigure: TypeAlias = Literal["deflection", "section forces"]
+#: How a mean stress lowers the amplitude that a shaft endures.
+StrengthLine: TypeAlias = Literal["goodman", "din743"]
+#: Side of a node: just before it, or just beyond it.
+Side: TypeAlias = Literal["before", "beyond"]
+#: Shaft, position [m] and side of a section; "before" between nodes.
+Section: TypeAlias = tuple[str, float, str]
 #: A recorded quantity of a place, a bearing or a mesh.
 SignalQuantity: TypeAlias = Literal[
     "y",
@@ -92,6 +100,12 @@ SignalQuantity: TypeAlias = Literal[
     "friction_force",
     "friction_power",
     "energy",
+    "axial_force",
+    "shear_y",
+    "shear_z",
+    "moment_y",
+    "moment_z",
+    "torque",
 ]
 #: Quantity of a place that is differentiated.
 SensitivityQuantity: TypeAlias = Literal[
@@ -288,6 +302,10 @@ class _Optional(_Paused, total=False):
     axial_acceleration: Array
     axial_bearing_force: Array
     bearing_displacement: Array
+    #: Shaft, position and side of each section, and (N, Q_y, Q_z) and (M_y, M_z, T) there.
+    sections: list[Section]
+    section_force: Array
+    section_moment: Array
 
 
 class RunData(_Optional):

@@ -43,6 +43,11 @@ impl TurningBow {
         scalar(&self.rows[2], q)
     }
 
+    /// Indices of the coordinates from which the twist follows.
+    pub fn twist_coordinates(&self) -> impl Iterator<Item = usize> + '_ {
+        self.rows[2].iter().map(|(index, _)| *index)
+    }
+
     /// Load on the scalars at the angle ϑ of the shaft, rad: two forces, N, and a moment, N m.
     #[inline]
     fn load(&self, angle: f64, [real, imaginary, twist]: [f64; SCALARS]) -> [f64; SCALARS] {

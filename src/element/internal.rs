@@ -27,11 +27,11 @@ pub enum BendingFunction {
 }
 
 /// Values of a shape function at a point.
-struct Shape {
+pub(super) struct Shape {
     /// Displacement u.
-    displacement: f64,
+    pub displacement: f64,
     /// Rotation φ, 1/m for a displacement in m.
-    rotation: f64,
+    pub rotation: f64,
     /// Curvature φ'.
     curvature: f64,
     /// Shear strain u' − φ.
@@ -53,7 +53,7 @@ impl BendingFunction {
     }
 
     /// Values at ξ in [−1, 1] of an element of length `l`, m.
-    fn at(self, xi: f64, l: f64) -> Shape {
+    pub(super) fn at(self, xi: f64, l: f64) -> Shape {
         // dξ/dx.
         let rate = 2.0 / l;
         let none = Shape { displacement: 0.0, rotation: 0.0, curvature: 0.0, shear: 0.0 };

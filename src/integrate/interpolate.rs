@@ -49,6 +49,15 @@ pub trait Trajectory {
     /// [`Halt`] where the equation is not defined.
     fn accelerations(&mut self, instants: &[f64], coordinates: &[usize], a: &mut [f64]) -> Result<(), Halt>;
 
+    /// Writes the values of the recorded combinations of coordinates, one set for each instant, and returns whether it can: a
+    /// motion in modal coordinates has rows for them. Otherwise they follow from the coordinates.
+    ///
+    /// # Errors
+    /// [`Halt`] where the equation is not defined.
+    fn combinations(&mut self, _instants: &[f64], _values: &mut [f64]) -> Result<bool, Halt> {
+        Ok(false)
+    }
+
     /// Whether [`Self::shaft_energies`] gives the energies of the shafts at the instants of [`Self::states`]. Otherwise, the
     /// displacements and velocities of all coordinates give them.
     fn defers_energies(&self) -> bool {

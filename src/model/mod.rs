@@ -19,6 +19,7 @@
 mod at_speed;
 mod bow;
 mod circular;
+mod cut;
 mod dissipative;
 mod dynamic_stiffness;
 mod flanks;
@@ -36,6 +37,7 @@ mod turning_bow;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
+pub use cut::{Combination, Cut, Moving, Oscillating, SECTION_FORCES, Turning};
 pub use dynamic_stiffness::{SAME_ROTATION, StructuralDamping, Weights};
 pub use flanks::Rotation;
 pub use housing::{HousingInertia, point_rows};

@@ -86,14 +86,15 @@ impl Model {
 }
 
 /// A place within an element.
-struct Within {
-    element: usize,
+pub(super) struct Within {
+    /// Index of the element.
+    pub element: usize,
     /// x/l, the share of the length of the element.
-    xi: f64,
+    pub xi: f64,
 }
 
 /// The element at a position, m.
-fn element_at(shaft: &Shaft, position: f64, at: &EntryPath<'_>) -> Result<Within, SceneError> {
+pub(super) fn element_at(shaft: &Shaft, position: f64, at: &EntryPath<'_>) -> Result<Within, SceneError> {
     let inside = |ends: &[f64]| (ends[0]..=ends[1]).contains(&position);
     let element = shaft.nodes.windows(2).position(inside).ok_or_else(|| {
         let end = shaft.nodes.last().copied().unwrap_or_default();

@@ -16,7 +16,7 @@ use crate::connection::{AppliedLoad, Connection, Instant};
 use crate::linalg::DecompositionError;
 use crate::mesh::{ContactMode, GearMesh, Geometry, MeshPose, ShaftPhase};
 use crate::modal::CachedModel;
-use crate::model::{Link, Model};
+use crate::model::{Link, Model, Turning};
 use crate::scene::LoadLaw;
 
 /// Numbers that a run does not change.
@@ -207,6 +207,18 @@ impl<'m> EquationOfMotion<'m> {
     /// Phasor e^{iϑ} of a shaft.
     pub fn phasor(&self, shaft: usize, elapsed: f64) -> Complex64 {
         self.at_origin[shaft] * Complex64::from_polar(1.0, self.angle_and_spin(shaft, elapsed).0)
+    }
+
+    /// The rotation of a shaft and of its bow, which turns with the twist in the displacements q if the scene says so.
+    pub fn turning(&self, shaft: usize, elapsed: f64, q: &[f64]) -> Turning {
+        let twist = self.model.turning_bow(shaft).map_or(0.0, |bow| bow.twist(q));
+        let bow = self.phasor(shaft, elapsed) * Complex64::from_polar(1.0, twist);
+        Turning { spin: self.angle_and_spin(shaft, elapsed).1, bow }
+    }
+
+    /// Whether the speed is constant.
+    pub fn has_constant_speed(&self) -> bool {
+        self.variable_speed.is_none()
     }
 
     /// Angle of a shaft, or of what turns a nonlinear bearing, since elapsed time zero, rad, and its spin, rad/s.

@@ -1,7 +1,7 @@
 //! The Python extension module `gearbow._core`. Only this folder uses pyo3.
 //!
 //! `handle` is the class `Model`, `model` its methods, which call `frequency`, `sensitivity`, `simulate`,
-//! `steady`, `bearing` and `gears`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
+//! `steady`, `sections`, `bearing` and `gears`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
 //! and for the end of the sweep to which it belongs. Options, speeds, final states and responses are serde structs
 //! (`options`, `speed`, `state`, `response`); `entries` reads them with errors that name the entry. `convert` makes NumPy
 //! arrays, `errors` exceptions and warnings.
@@ -17,6 +17,7 @@ mod handle;
 mod model;
 mod options;
 mod response;
+mod sections;
 mod sensitivity;
 mod simulate;
 mod speed;

@@ -11,7 +11,7 @@ use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use super::options::{RecordEntry, run_options};
 use super::state::{mesh_geometry, read_checkpoint};
-use super::{background, frequency, sensitivity, simulate, speed};
+use super::{background, frequency, sections, sensitivity, simulate, speed};
 use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
@@ -515,6 +515,37 @@ impl PyModel {
         let along = forces.iter().map(|force| force[2]).collect();
         dict.set_item("axial_bearing_force", PyArray1::from_vec(py, along))?;
         Ok(dict)
+    }
+
+    /// The cuts at positions of a shaft, and for each the outer radius and the stresses per unit of force.
+    #[pyo3(signature = (shaft, positions=None))]
+    fn sections(&self, shaft: &str, positions: Option<Vec<f64>>) -> PyResult<Vec<(sections::SectionEntry, [f64; 4])>> {
+        sections::sections(self, shaft, positions)
+    }
+
+    /// Section forces (k, 6) at the cuts of a shaft in a state at rest.
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn static_section_forces<'py>(
+        &self,
+        py: Python<'py>,
+        shaft: &str,
+        positions: Option<Vec<f64>>,
+        state: PyReadonlyArray1<'py, f64>,
+        speed: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        sections::static_forces(self, py, shaft, positions, &state, speed)
+    }
+
+    /// Phasors (m, k, 6) of the section forces at the cuts of a shaft in m harmonic motions.
+    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
+    fn harmonic_section_forces<'py>(
+        &self,
+        py: Python<'py>,
+        shaft: &str,
+        positions: Option<Vec<f64>>,
+        motions: sections::Motions<'py>,
+    ) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
+        sections::harmonic_forces(self, py, shaft, positions, &motions)
     }
 
     /// The power that torques and drives supply at each speed, W, and (power, force, coefficient, loss) of each mesh.

@@ -8,9 +8,11 @@ use serde::Serialize;
 
 use super::convert::{mesh_fields, mesh_names, stack, table};
 use super::handle::PyModel;
+use super::sections::section_entry;
 use super::state::{write_checkpoint, write_final};
 use crate::analysis::simulate::{Event, Point, RecordPlan, Response};
 use crate::connection::ROLLING_CHANNELS;
+use crate::model::SECTION_FORCES;
 use crate::motion::{Energies, SourceTerms};
 
 /// What a run cost and what limited its steps.
@@ -103,6 +105,13 @@ pub fn response_dict<'py>(
     let rolling: Vec<_> = rolling.collect();
     dict.set_item("rolling_contact", stack(py, record.rolling, times, rolling.len(), ROLLING_CHANNELS.len())?)?;
     dict.set_item("rolling_bearings", rolling)?;
+    if !plan.cuts.is_empty() {
+        let sections: Vec<_> = plan.cuts.iter().map(|cut| section_entry(model, cut)).collect();
+        let count = sections.len();
+        dict.set_item("sections", sections)?;
+        dict.set_item("section_force", stack(py, record.section_force, times, count, SECTION_FORCES / 2)?)?;
+        dict.set_item("section_moment", stack(py, record.section_moment, times, count, SECTION_FORCES / 2)?)?;
+    }
     dict.set_item("meshes", mesh_names(model, plan.meshes.iter().copied()))?;
     dict.set_item("mesh", mesh_fields(py, record.mesh, times, plan.meshes.len(), false)?)?;
     dict.set_item("energy", plan.energy.then(|| energy(&record.energy, |(energies, _)| energies.total(), py)))?;

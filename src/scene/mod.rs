@@ -173,6 +173,7 @@ impl Scene {
         let names = Names::new(system)?;
         let stations = names.stations(system)?;
         let shafts = shaft::build(system, &stations)?;
+        shaft::check_notches(system, &names, &shafts)?;
         let mut warnings = Vec::new();
         let mut gears = gear::gears(system, &names, &shafts)?;
         let meshes = mesh::meshes(system, &shafts, &mut gears, &mut warnings)?;

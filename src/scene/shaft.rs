@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::description::{self, STEEL, SceneDescription, SleeveStiffness, SleeveStiffnessWord};
+use super::place::Names;
 use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
 use crate::numerics::EQUALITY_TOLERANCE;
 
@@ -394,4 +395,27 @@ fn shaft(
         bow,
         speed_ratio: given.speed_ratio,
     })
+}
+
+/// Checks the places and factors of notches.
+///
+/// # Errors
+/// [`SceneError`] at the first invalid entry.
+pub(super) fn check_notches(system: &SceneDescription, names: &Names, shafts: &[Shaft]) -> Result<(), SceneError> {
+    for (index, notch) in system.notches.iter().enumerate() {
+        let at = EntryPath::entry("notches", index);
+        let shaft = &shafts[names.shaft(&notch.shaft, &at.field("shaft"))?];
+        let (position, end) = (at.field("position").non_negative(notch.position)?, shaft.length());
+        if position > end {
+            let message = format!("lies beyond the end of shaft \"{}\" at {end} m, got {position}", shaft.name);
+            return Err(at.field("position").error(message));
+        }
+        for (field, factor) in [("bending", notch.bending), ("torsion", notch.torsion)] {
+            let factor = factor.unwrap_or(1.0);
+            if at.field(field).finite(factor)? < 1.0 {
+                return Err(at.field(field).error(format!("a notch factor is at least 1, got {factor}")));
+            }
+        }
+    }
+    Ok(())
 }

@@ -18,6 +18,7 @@ from gearbow.description.places import Places, Support, place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.results.response import Response
+from gearbow.results.stresses import Strength, equivalent, notch_at, of_tones
 
 #: Directions in which the largest vibration is sought, over half a turn; a maximum between two of
 #: them is missed by at most 1 − cos(π/72) = 0.1 %.
@@ -29,6 +30,8 @@ _MIN_MOTION = 1e-3
 #: Largest bow at which an oil film is examined, over that at which the journal touches in the
 #: linear motion.
 _STRETCH = 16.0
+#: Bow [m] from which the utilisation of a section is extrapolated.
+_SMALL_BOW = 1e-6
 #: Difference of positions [m] for slopes of the margins of teeth.
 _DIFFERENCE = 1e-6
 #: Steps to the instant of the smallest margin of teeth; the limits of random helical trains did not
@@ -246,6 +249,7 @@ def added_check(
         "velocity": _velocity,
         "bearing_force": _bearing_force,
         "bearing_life": _bearing_life,
+        "stress": _stress,
         "film": _film,
         "clearance": _clearance,
     }[limit.kind]
@@ -351,6 +355,32 @@ def _bearing_life(motion: BowMotion, limit: BowLimit) -> Check:
     if math.isinf(allowed):
         return Check("bearing life", place_label(limit.at), "the rings turn together")
     return _linear(limit, why, signal, allowed, mean_force)
+
+
+def _stress(motion: BowMotion, limit: BowLimit) -> Check:
+    sections, tones = motion.forces_in_sections(limit.at)
+    (shaft, x, _), base = sections[0], motion.variants.base
+    given = (limit.value, limit.tensile_strength, limit.line)
+    strength = Strength.of([shaft], *given)  # type: ignore[arg-type]
+    notch = notch_at(base.notches, shaft, x)
+    factors = [each for _, each in base._model.sections(shaft, [x])]
+
+    def margin(bow: float, phases: Array) -> Array:
+        def _use(turned: Array) -> float:
+            found = tones(bow, turned)
+            fibres = (of_tones(found, k, each) for k, each in enumerate(factors))
+            return max(float(equivalent(f, shaft, notch, strength)[2].max()) for f in fibres)
+
+        return np.array([1.0 - _use(turned) for turned in phases])
+
+    name = place_label(limit.at)
+    nothing = np.zeros((1, len(motion.variants.shafts)))
+    # The utilisation by the bow alone is about proportional to it: the search begins at its limit.
+    unit = margin(0.0, nothing)[0] - margin(_SMALL_BOW, nothing)[0]
+    if unit <= 0.0:
+        return Check("stress", name, "the bow does not load this section")
+    why = f"endurance limit {1e-6 * float(limit.value):.4g} MPa"
+    return Check("stress", name, why, margin, first=_SMALL_BOW / unit)
 
 
 def _relative_ratio(motion: BowMotion, limit: BowLimit) -> float:

@@ -14,13 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._types import Array, At, ComplexArray
+from gearbow._types import Array, At, ComplexArray, Section, Side
 from gearbow.analysis.protocol import S, System, silent, variant
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.shafts import Shaft
+from gearbow.results.section_forces import shaft_of
+from gearbow.results.stresses import Tones
 from gearbow.results.synchronous import Synchronous
 
-#: Amplitude of the bows [m]. The elements depend on the shape only, as the response is linear.
+#: Amplitude of the bows [m], small on every shaft. Elements depend on the shape only, as the
+#: response is linear.
 _AMPLITUDE = 1e-6
 
 
@@ -158,8 +161,7 @@ class Variants:
 
     def responses(self, speeds: Array) -> tuple[Synchronous, Synchronous]:
         """Give the response without these bows, and that to bows of the size 1 alone."""
-        # A bow of 1 µm is small on every shaft; the response is linear.
-        size = 1e-6
+        size = _AMPLITUDE
         alone = [replace(each, bow=scaled(self._own(each.name), size)) for each in self.base.shafts]
         parts = silent(self.base) | {"shafts": alone}
         unit = variant(self.base, **parts).synchronous(speeds, excitation="bow")
@@ -230,6 +232,31 @@ class BowMotion:
     def velocity(self, at: At) -> BowSignal:
         """Give the velocity of a place [m/s]."""
         return self._of(np.zeros(2), lambda each: each.velocity(at))
+
+    def forces_in_sections(self, at: At) -> tuple[list[Section], Callable[[float, Array], Tones]]:
+        """Give the sections at a place, and their forces for a bow [m] and phases (shafts,)."""
+        shaft, positions = shaft_of(self.variants.base.coordinates, at)
+        model = self.variants.base._model
+        sections = [section for section, _ in model.sections(shaft, positions)]
+        sides: list[Side] = ["beyond" if side == "beyond" else "before" for *_, side in sections]
+        # Section forces need the motion to the bow that the system has.
+        bent = replace(self._unit, amplitudes=_AMPLITUDE * self._unit.amplitudes)
+        standing, others, unit = (
+            np.stack([each.section_forces(at, side).values for side in sides], axis=-2)
+            for each in (self.static, self._others, bent)
+        )
+        unit = unit / _AMPLITUDE
+
+        def tones(bow: float, phases: Array) -> Tones:
+            found = others[self._index].copy()
+            turned = zip(self._bowed, np.nan_to_num(phases), strict=True)
+            for source, phase in turned:
+                found[source] += bow * np.exp(1j * phase) * unit[self._index, source]
+            frequencies = self.ratios * self.speed
+            spin = float(frequencies[self._others.shafts.index(shaft)])
+            return Tones(standing, found, frequencies, spin)
+
+        return sections, tones
 
     def bearing_force(self, at: tuple[str, float]) -> BowSignal:
         """Give the force on a bearing [N]."""

@@ -14,7 +14,7 @@ from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing, Coupling, Force, Torque
 from gearbow.description.places import Housing
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.shafts import Shaft, Sleeve
+from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.errors import SceneWarning
 from gearbow.results.properties import Discretisation
 from gearbow.results.response import Response
@@ -36,6 +36,7 @@ class System(Protocol):
     couplings: tuple[Coupling, ...]
     forces: tuple[Force, ...]
     sleeves: tuple[Sleeve, ...]
+    notches: tuple[Notch, ...]
     accuracy: str
     _model: Model
     _speed_unit: SpeedUnit

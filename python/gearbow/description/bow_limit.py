@@ -3,11 +3,11 @@
 import math
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import Any, get_args
 
 from gearbow._convert import number, positive, text
 from gearbow._lookup import one_of
-from gearbow._types import At
+from gearbow._types import At, StrengthLine
 from gearbow.description.part import Part
 from gearbow.description.places import place
 
@@ -54,6 +54,10 @@ class BowLimit(Part):
         Basic dynamic load rating [N], for "bearing_life".
     exponent : float, optional
         Exponent of the life, for "bearing_life".
+    tensile_strength : float, optional
+        Tensile strength [Pa], for "stress".
+    line : {"goodman", "din743"}
+        How a mean stress lowers the endured amplitude, for "stress".
 
     Examples
     --------
@@ -72,6 +76,8 @@ class BowLimit(Part):
     support: str | None = None
     capacity: float | None = None
     exponent: float | None = None
+    tensile_strength: float | None = None
+    line: StrengthLine = "goodman"
 
     @classmethod
     def displacement(
@@ -220,6 +226,43 @@ class BowLimit(Part):
             positive(hours, "hours"),
             capacity=positive(capacity, "capacity"),
             exponent=positive(exponent, "exponent"),
+        )
+
+    @classmethod
+    def stress(
+        cls,
+        at: At,
+        endurance_limit: float,
+        *,
+        tensile_strength: float,
+        line: StrengthLine = "goodman",
+    ) -> "BowLimit":
+        """Limit the utilisation of a section of a shaft to 1, as `RotorSystem.stresses` finds it.
+
+        Notches are those of the system.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, or (shaft, position [m]).
+        endurance_limit : float
+            Stress amplitude that a smooth specimen of the size of the shaft endures [Pa].
+        tensile_strength : float
+            Tensile strength of the material [Pa].
+        line : {"goodman", "din743"}
+            How a mean stress lowers the endured amplitude.
+
+        Returns
+        -------
+        BowLimit
+            The limit.
+        """
+        return cls(
+            "stress",
+            place(at, kind="place"),
+            positive(endurance_limit, "endurance_limit"),
+            tensile_strength=positive(tensile_strength, "tensile_strength"),
+            line=one_of(line, get_args(StrengthLine), "line"),  # type: ignore[arg-type]
         )
 
     @classmethod

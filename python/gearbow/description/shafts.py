@@ -167,6 +167,41 @@ class Sleeve(Part):
         return words[self.stiffness] if isinstance(self.stiffness, str) else float(self.stiffness)
 
 
+@dataclass(frozen=True)
+class Notch(Part):
+    """A notch of a shaft: a shoulder, a groove, a keyway or the end of a hub.
+
+    It has no effect on the motion; `RotorSystem.stresses` multiplies the alternating stresses there
+    by its factors, which tables of DIN 743-2 or Peterson give for the shape, the radius and the
+    strength of the material.
+
+    Parameters
+    ----------
+    shaft : str
+        Name of the shaft.
+    position : float
+        Position on the shaft [m].
+    bending : float
+        Fatigue notch factor of bending and axial stresses, at least 1.
+    torsion : float
+        Fatigue notch factor of torsion, at least 1.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> keyway = gb.Notch("rotor", 0.3, bending=2.1, torsion=1.7)
+    """
+
+    shaft: str
+    position: float
+    bending: float = 1.0
+    torsion: float = 1.0
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Notch":
+        return cls(**description)
+
+
 def _with_material(description: Mapping[str, Plain]) -> dict[str, Any]:
     """Give the arguments of a part, with its material as one."""
     given = dict(description)

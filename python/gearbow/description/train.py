@@ -22,7 +22,7 @@ from gearbow.description.layout import Layout, layout
 from gearbow.description.loads import Bearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part
 from gearbow.description.places import Housing, Support
-from gearbow.description.shafts import Shaft, Sleeve
+from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.errors import AccuracyWarning, SceneError
 from gearbow.units.fields import unit_of
 
@@ -40,6 +40,7 @@ PARTS: dict[str, type[Part]] = {
     "drives": Drive,
     "forces": Force,
     "sleeves": Sleeve,
+    "notches": Notch,
 }
 
 

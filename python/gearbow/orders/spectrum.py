@@ -15,7 +15,7 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.recording import access
 from gearbow.recording.channels import CHANNELS, quantities
-from gearbow.recording.record import RunRecord
+from gearbow.recording.record import SECTION_FORCES, RunRecord
 from gearbow.sensors import SignalSensor
 from gearbow.units.speed import in_given_unit
 
@@ -64,7 +64,13 @@ def channel(
         values = getattr(access.mesh(run, item), name)
         driver, driven = access.mesh_names(run, item)
         return Channel(f"{driver}/{driven} {name.replace('_', ' ')}", _MESH[name][2], values)
-    name = _chosen(item, quantity, list(_MOTION))
+    name = _chosen(item, quantity, [*_MOTION, *SECTION_FORCES])
+    if name in SECTION_FORCES:
+        sections, forces = access.section_forces(run, item)
+        index = access.at_side(sections, "before")
+        values = forces[:, index, list(SECTION_FORCES).index(name)]
+        label = f"{place_label(item)} {name.replace('_', ' ')}"
+        return Channel(label, SECTION_FORCES[name], values)
     array, component, unit = _MOTION[name]
     motion = access.motion(run, array, item)  # type: ignore[arg-type]
     values = motion if component is None else motion[:, component]

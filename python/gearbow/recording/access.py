@@ -1,6 +1,6 @@
 """What a recorded run shows at a place, and its balance of energy."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -11,7 +11,7 @@ from gearbow._convert import array, text
 from gearbow._result import Column, Figured
 from gearbow._shown import ReadOnly
 from gearbow._times import begin_after
-from gearbow._types import Array, Plain
+from gearbow._types import Array, Plain, Section
 from gearbow.description.places import Places, place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import ChannelError
@@ -322,6 +322,26 @@ def _along_axis(run: RunRecord, name: Literal["axial", "axial_bearing_force"]) -
             "axial_stiffness cause it"
         )
     return found
+
+
+def section_forces(run: RunRecord, at: Any) -> tuple[list[Section], Array]:
+    """Give the sections at a place, or of a shaft, and their forces, shape (times, k, 6)."""
+    at = place(at)
+    points = run.data["points"]
+    point = Places("place", ([(shaft, x), *names] for shaft, x, names in points)).find(at)
+    shaft, position, _ = (at, None, ()) if point is None else points[point]
+    known = run.data.get("sections", [])
+    own = [i for i, (name, x, _) in enumerate(known) if name == shaft and position in {None, x}]
+    if not own:
+        raise run.missing(f"the section forces at {at!r}", "section_forces")
+    own.sort(key=lambda i: (known[i][1], known[i][2] == "beyond"))
+    values = np.concatenate([run.data["section_force"], run.data["section_moment"]], axis=-1)
+    return [known[i] for i in own], values[:, own]
+
+
+def at_side(sections: Sequence[Section], side: str) -> int:
+    """Choose among the sections at one place: at an end of the shaft there is only one."""
+    return next((i for i, (*_, own) in enumerate(sections) if own == side), 0)
 
 
 def mesh(run: RunRecord, at: object) -> MeshResponse:

@@ -24,7 +24,7 @@ from gearbow.description.speed import plain_speed
 from gearbow.errors import GearbowError
 from gearbow.recording import access
 from gearbow.recording.access import ENERGIES, WORKS
-from gearbow.recording.record import RunRecord
+from gearbow.recording.record import SECTION_FORCES, RunRecord
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +36,7 @@ OWNERS = {
     "mesh": "meshes",
     "bearing": "bearings",
     "rolling": "rolling_bearings",
+    "section": "sections",
 }
 
 
@@ -51,7 +52,8 @@ class RecordedChannel(NamedTuple):
     def axes(self) -> tuple[str, ...]:
         """Names of the axes of the array."""
         owner = () if self.owner is None else (self.owner,)
-        return ("time", *owner, *(("axis",) if len(self.quantities) > 1 else ()))
+        axis = {1: (), 2: ("axis",), 3: ("component",)}[len(self.quantities)]
+        return ("time", *owner, *axis)
 
 
 def _connections(owner: str) -> dict[str, RecordedChannel]:
@@ -63,6 +65,7 @@ def _connections(owner: str) -> dict[str, RecordedChannel]:
 
 
 _point = "point"
+_SECTION = tuple(SECTION_FORCES)
 #: Every array over time, by its name in a file.
 CHANNELS: dict[str, RecordedChannel] = {
     "displacement": RecordedChannel("m", _point, ("y", "z")),
@@ -84,6 +87,8 @@ CHANNELS: dict[str, RecordedChannel] = {
         "m", "bearing", ("displacement_y", "displacement_z"), "bearing_displacement"
     ),
     **_connections("rolling"),
+    "section_force": RecordedChannel("N", "section", _SECTION[:3], "section"),
+    "section_moment": RecordedChannel("N m", "section", _SECTION[3:], "section"),
     "energy": RecordedChannel("J", None, ("energy",), "energy"),
     **{
         f"energy_{name}": RecordedChannel("J", None, (f"energy {name}",), "energy")
@@ -231,6 +236,9 @@ def _labels(data: RunData, owner: str) -> list[tuple[str, ...]]:
         return [tuple(names) or (f"{shaft}@{position:g}",) for shaft, position, names in points]
     if owner == "mesh":
         return [("/".join(pair),) for pair in data["meshes"]]
+    if owner == "section":
+        sections = data.get("sections", [])
+        return [(f"{shaft}@{x:g}" + "+" * (side == "beyond"),) for shaft, x, side in sections]
     bearings = data["bearings"] if owner == "bearing" else data["rolling_bearings"]
     return [(f"{shaft}@{position:g}",) for shaft, position in bearings]
 
@@ -261,6 +269,7 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
         "bearings": data["bearings"],
         "rolling_bearings": data["rolling_bearings"],
         "meshes": data["meshes"],
+        "sections": data.get("sections", []),
         "statistics": data["statistics"],
         "events": data["events"],
         "final": {

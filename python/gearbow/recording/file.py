@@ -77,6 +77,7 @@ _METADATA = record(
     bearings=each(row(text, number)),
     rolling_bearings=each(row(text, number)),
     meshes=each(row(text, text)),
+    sections=each(row(text, number, text)),
     statistics=record(
         **dict.fromkeys(("steps", "rejected", "evaluations", "events"), whole),
         **dict.fromkeys(("step_min", "step_max", "omega_max", "condition"), any_number),
@@ -114,9 +115,10 @@ def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
             raise GearbowError(
                 f"it has the format {about['format']}, this version of gearbow reads {FORMAT}"
             )
-        # A file may leave out rolling bearings, and the unit of the speed.
+        # A file may leave out rolling bearings, sections, and the unit of the speed.
         about.setdefault("speed_unit", "rad/s")
         about.setdefault("rolling_bearings", [])
+        about.setdefault("sections", [])
         if isinstance(about.get("kinematics"), dict):
             about["kinematics"].setdefault("bearings", [])
             about["kinematics"].setdefault("forces", [])
@@ -148,6 +150,7 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
     sizes: dict[str, int | None] = {
         "time": time[0][0] if time is not None and time[0] else 0,
         "axis": 2,
+        "component": 3,
         **{owner: len(about[entry]) for owner, entry in OWNERS.items()},
     }
     expected: dict[str, tuple[type, tuple[int | None, ...]]] = {
@@ -195,7 +198,7 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
         "points": [(shaft, position, names) for shaft, position, names in about["points"]],
         **{
             entry: [tuple(each) for each in about[entry]]
-            for entry in ("bearings", "rolling_bearings", "meshes", "events")
+            for entry in ("bearings", "rolling_bearings", "meshes", "sections", "events")
         },
         "final": final,
         # JSON has lists, the core gives tuples.

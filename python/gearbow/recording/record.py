@@ -223,7 +223,15 @@ class RunRecord(Shown):
         items.extend((driver, driven) for driver, driven in self.data["meshes"])
         items.extend(("bearing", shaft, position) for shaft, position in self.data["bearings"])
         items += [name for name in ("velocity", "acceleration") if name in self.data]
+        items += ["section_forces"] if "section_force" in self.data else []
         return [*items, "energy"] if self.data["energy"] is not None else items
+
+    @property
+    def recorded_shafts(self) -> list[str]:
+        """Shafts with recorded section forces."""
+        if not self.data.get("sections"):
+            raise self.missing("the section forces", "section_forces")
+        return list(dict.fromkeys(shaft for shaft, *_ in self.data["sections"]))
 
     def missing(self, what: str, record: Record) -> ChannelError:
         """Make the error for something that was not recorded; it lists what was."""
@@ -236,6 +244,17 @@ class RunRecord(Shown):
     def to_record(self) -> "RunRecord":
         """Give the record, as a response does."""
         return self
+
+
+#: Units of the section forces by their names, in the order of their values.
+SECTION_FORCES = {
+    "axial_force": "N",
+    "shear_y": "N",
+    "shear_z": "N",
+    "moment_y": "N m",
+    "moment_z": "N m",
+    "torque": "N m",
+}
 
 
 class Recorded(Protocol):

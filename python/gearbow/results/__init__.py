@@ -40,7 +40,9 @@ _NAMES = {
     "gearbow.results.continuation": ("Continuation",),
     "gearbow.results.critical_speeds": ("CriticalSpeedMap",),
     "gearbow.results.properties": ("Discretisation", "MassProperties", "Matrices"),
+    "gearbow.results.section_forces": ("SectionForces",),
     "gearbow.results.static": ("Efficiency", "Static"),
+    "gearbow.results.stresses": ("Stresses",),
     "gearbow.results.harmonic": ("FrequencyComparison",),
     "gearbow.results.frequency_response": ("FrequencyResponse",),
     "gearbow.exchange.universal": ("MeasuredShapes",),
@@ -113,12 +115,14 @@ if _typing.TYPE_CHECKING:
         Matrices as Matrices,
     )
     from gearbow.results.response import Response as Response
+    from gearbow.results.section_forces import SectionForces as SectionForces
     from gearbow.results.sensitivity import (
         ResponseSensitivity as ResponseSensitivity,
         Sensitivity as Sensitivity,
     )
     from gearbow.results.static import Efficiency as Efficiency, Static as Static
     from gearbow.results.steady import SteadyState as SteadyState
+    from gearbow.results.stresses import Stresses as Stresses
     from gearbow.results.synchronous import Synchronous as Synchronous
     from gearbow.results.thermal import (
         ThermalSpiral as ThermalSpiral,

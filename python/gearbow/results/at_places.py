@@ -6,11 +6,12 @@ from typing import Any, Generic, TypeVar, get_args
 
 from numpy.typing import ArrayLike
 
-from gearbow._lookup import CheckedMethods
-from gearbow._types import Array, At, Record, RunData
+from gearbow._lookup import CheckedMethods, one_of
+from gearbow._types import Array, At, Record, RunData, Side
 from gearbow.recording import access
 from gearbow.recording.access import BearingMotion, EnergyBalance
 from gearbow.recording.record import ContactShares, Event, MeshResponse, RunRecord
+from gearbow.results.section_forces import SectionForces, recorded_forces
 
 #: Arrays of vectors, and of numbers.
 V = TypeVar("V")
@@ -114,6 +115,36 @@ class LoadedMotion(Motion[V, S]):
             If there is no such bearing, or a run did not record it.
         """
         return self._at("bearing_displacement", at)  # type: ignore[no-any-return]
+
+    def section_forces(self, at: At, side: Side = "before") -> SectionForces:
+        """Axial and shear force, bending moment and torque in a section of a shaft.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, (shaft, position [m]), or the name of a shaft for all its nodes.
+        side : {"before", "beyond"}
+            Side of a node, where forces jump by what acts there: just before it or just beyond it.
+            At an end of the shaft, the side on which the shaft is.
+
+        Returns
+        -------
+        SectionForces
+            N, Q_y, Q_z, M_y, M_z and T, shape (..., 6); of a whole shaft (..., k, 6).
+
+        Raises
+        ------
+        GearbowError
+            If there is no such place of a shaft.
+        ChannelError
+            If a run did not record it: record=[..., "section_forces"].
+        """
+        one_of(side, get_args(Side), "side")
+        return self._section_forces(at, side)
+
+    @abstractmethod
+    def _section_forces(self, at: At, side: Side) -> SectionForces:
+        """Give the section forces."""
 
 
 class AxialMotion(LoadedMotion[V, S]):
@@ -323,6 +354,9 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
             Angular velocity about x [rad/s].
         """
         return access.spin(self.to_record(), shaft, times)
+
+    def _section_forces(self, at: At, side: Side) -> SectionForces:
+        return recorded_forces(self.to_record(), at, side)
 
     def _at(self, quantity: str, at: Any) -> Any:
         record = self.to_record()

@@ -31,6 +31,7 @@ from gearbow.results.harmonic import (
     FrequencyComparison,
     HarmonicResponse,
 )
+from gearbow.results.section_forces import Motions
 from gearbow.sensors import SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_text
 
@@ -118,6 +119,16 @@ class FrequencyResponse(HarmonicResponse):
     @property
     def _rates(self) -> Array:
         return self.frequencies[..., np.newaxis]
+
+    def _motions(self) -> Motions:
+        def _bowed(shaft: str) -> list[bool]:
+            return [
+                source.get("shaft") == shaft and source.get("excitation") in ("both", "bow")
+                for source in self._sources
+            ]
+
+        speeds = np.broadcast_to(self.speeds, self.frequencies.shape)[..., np.newaxis]
+        return Motions(self.phasors, self._rates, speeds, _bowed)
 
     def mesh_force(self, at: str | tuple[str, str]) -> ComplexArray:
         """Dynamic force of a mesh normal to the teeth.

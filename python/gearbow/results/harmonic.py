@@ -10,12 +10,13 @@ import numpy as np
 from gearbow._core import Model
 from gearbow._result import Column, Figured, Result, WithSpeeds
 from gearbow._shown import ReadOnly, short
-from gearbow._types import Array, At, ComplexArray, Plain
+from gearbow._types import Array, At, ComplexArray, Plain, Side
 from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.places import Places
 from gearbow.description.train import Train
 from gearbow.errors import SceneError
 from gearbow.results.at_places import Vibration
+from gearbow.results.section_forces import Motions, SectionForces, harmonic_forces
 from gearbow.sensors import SignalSensor
 from gearbow.units.fields import MOTIONS
 
@@ -115,6 +116,13 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
                 along = quantity.startswith("axial")
                 found = found * (1j * (self._rates if along else self._rates[..., None])) ** power
         return found
+
+    @abstractmethod
+    def _motions(self) -> Motions:
+        """Give the motions with what their section forces depend on."""
+
+    def _section_forces(self, at: At, side: Side) -> SectionForces:
+        return harmonic_forces(self._model(), self.coordinates, self._motions(), at, side)
 
     def _in_bearing(self, at: Any) -> ComplexArray:
         """Give the displacement of a shaft relative to what its bearing stands on."""

@@ -15,9 +15,12 @@ from gearbow._types import (
     Record,
     RunData,
     SignalQuantity,
+    StrengthLine,
     Window,
 )
 from gearbow.accuracy import estimate_errors
+from gearbow.description.part import parts
+from gearbow.description.shafts import Notch
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.fit import Orders, orders
@@ -27,6 +30,7 @@ from gearbow.recording.channels import resampled
 from gearbow.recording.record import Errors, RunRecord, Statistics
 from gearbow.results.at_places import RecordedMotion
 from gearbow.results.run_figures import animate, plot
+from gearbow.results.stresses import Stresses, recorded_stresses
 from gearbow.sensors import Sensor, SignalSensor
 
 if TYPE_CHECKING:
@@ -423,6 +427,54 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
             recording is shorter than the filter.
         """
         return Response.from_record(resampled(self.to_record(), rate, shaft))
+
+    def stresses(
+        self,
+        *,
+        endurance_limit: float | Mapping[str, float] | None = None,
+        tensile_strength: float | Mapping[str, float] | None = None,
+        line: StrengthLine = "goodman",
+        notches: Sequence[Notch] | None = None,
+        skip_time: float = 0.0,
+    ) -> Stresses:
+        """Find mean and alternating stresses of the turning shafts from recorded section forces.
+
+        The mean is the middle between the largest and the smallest stress of each fibre, the
+        amplitude half of their difference. `section_forces` has the series for a count of cycles.
+
+        Parameters
+        ----------
+        endurance_limit : float or mapping, optional
+            Stress amplitude that a smooth specimen endures without a mean stress [Pa], as for
+            `gearbow.RotorSystem.stresses`.
+        tensile_strength : float or mapping, optional
+            Tensile strength of the material [Pa].
+        line : {"goodman", "din743"}
+            How a mean stress lowers the endured amplitude.
+        notches : sequence of Notch, optional
+            Notches in place of those of the system.
+        skip_time : float
+            Time at the beginning that is ignored [s].
+
+        Returns
+        -------
+        Stresses
+            Stresses at the worst fibre of each recorded section.
+
+        Raises
+        ------
+        ChannelError
+            If no section forces were recorded.
+        GearbowError
+            If the response does not know its system, or an argument is invalid.
+        """
+        strength = {
+            "endurance_limit": endurance_limit,
+            "tensile_strength": tensile_strength,
+            "line": line,
+        }
+        given = None if notches is None else parts(notches, Notch, "notches")
+        return recorded_stresses(self.to_record(), strength, given, number(skip_time, "skip_time"))
 
     plot = plot
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gearbow.plotting.animation import Motion
+    from gearbow.plotting.sections import Course
 
 
 #: Quantities of the figures of meshes.
@@ -37,7 +38,7 @@ _MESH_FIELDS = {
 #: Kinds of figures of `Response.plot`.
 PLOT_KINDS: tuple[RunFigure, ...] = get_args(RunFigure)
 #: Kinds of figures whose horizontal axis is not time.
-_WITHOUT_TIME = ("orbits", "spectrum")
+_WITHOUT_TIME = ("orbits", "spectrum", "section forces")
 
 
 def plot(
@@ -65,10 +66,12 @@ def plot(
           distance of the meshes against time.
         - "bearings": forces on the bearings against time.
         - "spectrum": amplitude spectrum of the displacement, with the orders of the train.
+        - "section forces": smallest and largest axial and shear force, bending moment and torque
+          along the shafts.
     at : str, tuple or sequence of them, optional
         Gears, disks or (shaft, position [m]); pairs (driver, driven) for "mesh" and "geometry";
-        (shaft, position [m]) for "bearings". None is all recorded items; of places, the named
-        ones if there are any, for "twist" those that twist.
+        (shaft, position [m]) for "bearings"; names of shafts for "section forces". None is all
+        recorded items; of places, the named ones if there are any, for "twist" those that twist.
     times : tuple of (float, float), optional
         First and last time of the figure [s]; None is the complete record. A few revolutions
         show what fills the figure of a long run.
@@ -82,7 +85,7 @@ def plot(
         run at a changing speed, or revolutions of the reference shaft.
     ax : Axes or sequence of Axes, optional
         One panel for each place, for a bearing two, for a mesh three and for its geometry four;
-        None makes a new figure.
+        for section forces four rows with a panel for each shaft; None makes a new figure.
     speed_unit : {"rad/s", "rpm"}, optional
         Unit of the axis of speeds; None is `speed_unit` of the response.
 
@@ -121,6 +124,12 @@ def plot(
         bearings = _connections("bearing", "bearings", run.data["bearings"], at)
         forces = {place_label(one): access.bearing_force(run, one)[cut] for one in bearings}
         return figures.bearings(time, forces, **settled)
+    if kind == "section forces":
+        from gearbow.plotting.sections import section_forces  # noqa: PLC0415
+
+        begin = 0 if skip_time is None else skipped
+        shafts = run.recorded_shafts if at is None else places(at)
+        return section_forces({name: _course(run, name, cut, begin) for name in shafts}, ax=ax)
     places_of = _chosen(run, at)
     if kind == "twist":
         twists = {place_label(one): access.motion(run, "twist", one)[cut] for one in places_of}
@@ -141,6 +150,19 @@ def plot(
         for label, values in motion.items()
     }
     return figures.spectrum(spectra, orders=order_frequencies(run), periodic=periodic, ax=ax)
+
+
+def _course(run: RunRecord, shaft: str, cut: slice, begin: int) -> "Course":
+    """Give the smallest and largest section forces of a shaft from a time on, and what is on it."""
+    from gearbow.plotting.sections import Course  # noqa: PLC0415  # with the extra "plot"
+
+    sections, forces = access.section_forces(run, shaft)
+    bodies = [(x, ", ".join(names)) for name, x, names in run.data["points"] if name == shaft]
+    bearings = [(x, "bearing") for name, x in run.data["bearings"] if name == shaft]
+    values = forces[cut][begin:]
+    positions = np.array([x for _, x, _ in sections])
+    marks = [(x, label) for x, label in (*bodies, *bearings) if label]
+    return Course(positions, values.min(axis=0), values.max(axis=0), marks)
 
 
 def _abscissa(run: RunRecord, kind: str, against: str) -> tuple[Array, str]:

@@ -1,20 +1,25 @@
 """Static equilibrium, and the losses at it."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from gearbow._result import Column, Figured, WithSpeeds, in_micrometres, in_percent
+from gearbow._core import Model
+from gearbow._extras import extra
+from gearbow._lookup import one_of
+from gearbow._result import Column, Figured, Result, WithSpeeds, in_micrometres, in_percent
 from gearbow._shown import MOST_ROWS, ReadOnly, Shown, read_only
-from gearbow._types import Array, Plain, StaticData
+from gearbow._types import Array, At, Plain, Side, StaticData, StaticFigure
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.description.places import Places, place, place_label
 from gearbow.recording.access import journal_motion
 from gearbow.results.at_places import AxialMotion
+from gearbow.results.section_forces import SectionForces, forces_at_rest
+from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,11 +44,11 @@ class MeshState(Shown):
     thrust: float
 
 
-class Static(WithSpeeds, Figured, ReadOnly, AxialMotion[Array, float]):
+class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
     """Equilibrium under torque, gravity and mesh forces. The rotating bow does not contribute.
 
     `plot` draws the displacements along y and z over the shafts in two panels, with marks at
-    gears and disks; of a system without lateral motion the twist in one.
+    gears and disks, of a system without lateral motion the twist in one; or the section forces.
 
     Parameters
     ----------
@@ -51,10 +56,10 @@ class Static(WithSpeeds, Figured, ReadOnly, AxialMotion[Array, float]):
         Displacements, mesh states and bearing forces.
     coordinates : Coordinates
         Degrees of freedom of the system.
-    bearings : sequence of mapping
-        Plain descriptions of the bearings.
     layout : Layout
         Geometry of the train at rest.
+    description : mapping
+        The plain system, for section forces.
     speed : float
         Speed of the reference shaft [rad/s].
     geometry : {"live", "frozen"}
@@ -88,15 +93,15 @@ class Static(WithSpeeds, Figured, ReadOnly, AxialMotion[Array, float]):
         self,
         data: StaticData,
         coordinates: Coordinates,
-        bearings: Sequence[Mapping[str, Plain]] = (),
         *,
         layout: Layout,
+        description: Mapping[str, Plain],
         speed: float = 0.0,
         geometry: str = "live",
     ) -> None:
         self.speed, self.geometry = speed, geometry
         self._layout = layout
-        self._bearings = tuple(bearings)
+        self._description = description
         self._data = read_only(data)
         self.state = data["state"]
         self.coordinates = coordinates
@@ -137,9 +142,14 @@ class Static(WithSpeeds, Figured, ReadOnly, AxialMotion[Array, float]):
             return moved if quantity == "displacement" else float(moved)
         if quantity == "journal":
             force, moved = self.bearing_force(at), self.bearing_displacement(at)
-            return journal_motion(self._bearings, place(at), moved, force)
+            bearings = self._description.get("bearings", ())
+            return journal_motion(bearings, place(at), moved, force)
         found = self._data[quantity][Places.of("bearing", self._data["bearings"]).index(at)]  # type: ignore[literal-required]
         return float(found) if quantity == "axial_bearing_force" else found
+
+    def _section_forces(self, at: At, side: Side) -> SectionForces:
+        model = Model(dict(self._description))
+        return forces_at_rest(model, self.coordinates, (self.state, self.speed), at, side)
 
     def mesh(self, at: str | tuple[str, str]) -> MeshState:
         """State of one mesh.
@@ -213,10 +223,53 @@ class Static(WithSpeeds, Figured, ReadOnly, AxialMotion[Array, float]):
             Column("mesh deflection", np.array([row[4] for row in rows]), "m", ".4g", um),
         ]
 
-    def _draw(self, ax: Any) -> "Figure":
-        from gearbow.plotting import shapes as figures  # noqa: PLC0415
+    def plot(
+        self,
+        kind: StaticFigure = "deflection",
+        *,
+        ax: Any = None,
+        speed_unit: SpeedUnit | None = None,
+    ) -> "Figure":
+        """Draw the equilibrium.
 
-        return figures.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)
+        Parameters
+        ----------
+        kind : {"deflection", "section forces"}
+            Displacements of the shafts, or axial and shear force, bending moment and torque along
+            each of them, with gears, disks and bearings marked.
+        ax : Axes or sequence of Axes, optional
+            One for each panel of the figure; None makes a new figure.
+        speed_unit : {"rad/s", "rpm"}, optional
+            Unit of speeds; None is that in which the speed was given.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure. It is neither shown nor saved.
+
+        Raises
+        ------
+        GearbowError
+            If the kind or the unit is unknown, or `ax` has another number of panels.
+        """
+        one_of(kind, get_args(StaticFigure), "kind")
+        with extra("plot"):
+            from gearbow.plotting import sections, shapes  # noqa: PLC0415
+
+        with self._showing(speed_unit):
+            if kind == "deflection":
+                return shapes.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)
+            courses = {}
+            for name in (shaft.name for shaft in self._layout.shafts):
+                found = self.section_forces(name)
+                bodies = [
+                    (one.position, one.name) for one in self._layout.bodies if one.shaft == name
+                ]
+                bearings = [(x, "bearing") for shaft, x in self._data["bearings"] if shaft == name]
+                courses[name] = sections.Course(
+                    found.positions, found.values, found.values, [*bodies, *bearings]
+                )
+            return sections.section_forces(courses, ax=ax)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ from gearbow.description.places import Places, place_label, places
 from gearbow.errors import GearbowError
 from gearbow.results.harmonic import PRINTED_PLACES, HarmonicResponse
 from gearbow.results.peak import Peak, Peaks, marks, operating_range
+from gearbow.results.section_forces import Motions
 from gearbow.sensors import Accelerometer, Probe, SignalSensor
 from gearbow.units.speed import SpeedUnit, in_given_unit
 
@@ -117,6 +118,20 @@ class Synchronous(HarmonicResponse):
     @property
     def _rates(self) -> Array:
         return self.speeds[:, np.newaxis] * self._ratios
+
+    def _motions(self) -> Motions:
+        if self.slow_roll is not None:
+            raise GearbowError(
+                "section_forces: the slow roll was subtracted from this motion; take the section "
+                "forces of the response before"
+            )
+        has_bow = self.excitation != "unbalance"
+        return Motions(
+            self.amplitudes,
+            self._rates,
+            self.speeds[:, np.newaxis],
+            lambda shaft: [has_bow and source == shaft for source in self.shafts],
+        )
 
     def _signal(self, sensor: Any) -> ComplexArray:
         """Give the signal of a sensor, with the run-out that turns with its shaft."""

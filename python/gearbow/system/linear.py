@@ -188,8 +188,8 @@ def static(
     return Static(
         data,
         self.coordinates,
-        self.description.get("bearings", ()),
         layout=layout_of(self),
+        description=self._model.resolved(),
         speed=speed,
         geometry=geometry,
     )

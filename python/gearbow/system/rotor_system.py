@@ -23,7 +23,7 @@ from gearbow.description.loads import Bearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import Housing, Support, names_of_bases
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.shafts import Shaft, Sleeve
+from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.description.time_series import (
     described_ratios,
     functions,
@@ -53,6 +53,7 @@ from gearbow.system.outputs import plot, report
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
+from gearbow.system.strength import stresses
 from gearbow.system.thermal import thermal_bow
 from gearbow.system.tradeoff import tradeoff
 from gearbow.units.speed import SpeedUnit, in_given_unit, unit_in_texts
@@ -125,6 +126,8 @@ class RotorSystem(CheckedKeywords, Shown):
         Lateral forces.
     sleeves : sequence of Sleeve
         Sleeves around shafts.
+    notches : sequence of Notch
+        Notches of shafts, which only `stresses` depends on.
     reference : str, optional
         Name of the reference shaft, whose speed all speeds refer to; None is the first.
     modal_damping : float, mapping or callable, optional
@@ -160,7 +163,7 @@ class RotorSystem(CheckedKeywords, Shown):
     ----------
     shafts, gears, meshes, bearings, torques, disks : tuple
         The given parts.
-    supports, housings, couplings, drives, forces, sleeves : tuple
+    supports, housings, couplings, drives, forces, sleeves, notches : tuple
         The given parts.
     reference, modal_damping, rayleigh, geometric_stiffness, bow_torque, gravity, motion, accuracy
         The given options; None if not given.
@@ -218,6 +221,7 @@ class RotorSystem(CheckedKeywords, Shown):
     drives: tuple[Drive, ...]
     forces: tuple[Force, ...]
     sleeves: tuple[Sleeve, ...]
+    notches: tuple[Notch, ...]
     reference: str | None
     modal_damping: float | dict[Any, Any] | None
     rayleigh: tuple[float, float] | None
@@ -246,6 +250,7 @@ class RotorSystem(CheckedKeywords, Shown):
         drives: Sequence[Drive] = (),
         forces: Sequence[Force] = (),
         sleeves: Sequence[Sleeve] = (),
+        notches: Sequence[Notch] = (),
         reference: str | None = None,
         modal_damping: "float | Mapping[Any, Any] | Callable[[Any], Any] | None" = None,
         rayleigh: tuple[float, float] | None = None,
@@ -256,7 +261,7 @@ class RotorSystem(CheckedKeywords, Shown):
         accuracy: Accuracy = DEFAULT,
     ) -> None:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
-        lists = (*lists, supports, housings, couplings, drives, forces, sleeves)
+        lists = (*lists, supports, housings, couplings, drives, forces, sleeves, notches)
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -707,6 +712,7 @@ class RotorSystem(CheckedKeywords, Shown):
     campbell = in_given_unit(campbell)
     critical_speed_map = in_given_unit(critical_speed_map)
     synchronous = in_given_unit(synchronous)
+    stresses = in_given_unit(stresses)
     frequency_response = in_given_unit(frequency_response)
     mesh_response = in_given_unit(mesh_response)
     sensitivity = in_given_unit(sensitivity)

@@ -34,6 +34,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "sleeves.begin": "m",
     "sleeves.end": "m",
     "sleeves.stiffness": DIMENSIONLESS,
+    "notches.bending": DIMENSIONLESS,
+    "notches.torsion": DIMENSIONLESS,
     "position": "m",
     "positions": "m",
     "amplitude": "m",

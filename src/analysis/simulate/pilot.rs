@@ -80,7 +80,7 @@ impl Pilot {
             return Ok(Record::default());
         }
         let [begin, end] = self.span;
-        let plan = RecordPlan { energy: false, velocity: false, acceleration: false, ..plan.clone() };
+        let plan = RecordPlan { energy: false, velocity: false, acceleration: false, cuts: Vec::new(), ..plan.clone() };
         let (motion, origin) = (setup.loads.motion.clone(), self.start.rotation.origin);
         let mut watch = |_| observer.continues(run.options.start - origin);
         let mut pilot = RunObserver {

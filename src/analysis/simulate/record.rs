@@ -6,7 +6,7 @@ use super::{RecordPlan, RecorderState};
 use crate::connection::{MESH_CHANNELS, Row, mesh_values};
 use crate::exponential::INSTANT_BATCH;
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
-use crate::model::PlaceRows;
+use crate::model::{Cut, Moving, PlaceRows, SECTION_FORCES};
 use crate::motion::{CONSTANT_LOAD_SUMS, Energies, EquationOfMotion, SourceTerms};
 
 /// The recorded motion. Each vector holds one row of values after another, one row for each time.
@@ -30,6 +30,10 @@ pub struct Record {
     pub bearing_force: Vec<f64>,
     /// Displacement (y, z) of the shaft at every recorded bearing node relative to what the bearing stands on, m.
     pub bearing_displacement: Vec<f64>,
+    /// (N, Q_y, Q_z) of every cut, N; empty where not asked for, like the following.
+    pub section_force: Vec<f64>,
+    /// (M_y, M_z, T) of every cut, N m.
+    pub section_moment: Vec<f64>,
     /// Quantities of [`ROLLING_CHANNELS`](crate::connection::ROLLING_CHANNELS) of every bearing node with rolling elements.
     pub rolling: Vec<f64>,
     /// One vector for each quantity of [`MESH_CHANNELS`].
@@ -62,6 +66,8 @@ struct Scratch {
     acceleration: Vec<f64>,
     /// Displacements without the bow at one instant; empty where no energies are recorded.
     unbent: Vec<f64>,
+    /// Values of the combinations of section forces at all instants; empty where none are recorded.
+    combined: Vec<f64>,
 }
 
 /// Records a run.
@@ -74,6 +80,8 @@ pub(super) struct Recorder<'a, 'm> {
     /// Indices of the coordinates that recording needs, and of those whose acceleration it needs.
     coordinates: Vec<usize>,
     accelerated: Vec<usize>,
+    /// Number of combinations of coordinates for all section forces.
+    combinations: usize,
     /// Displacements of the shafts at the bearing nodes relative to what the bearings stand on.
     bearing_rows: Vec<Option<[Row; 2]>>,
     /// Number of values behind the coordinates of a vector: potentials of constant loads, where energies are recorded.
@@ -110,24 +118,37 @@ impl<'a, 'm> Recorder<'a, 'm> {
             axial: AxialRecord::default(),
             bearing_force: room(2 * plan.bearings.len()),
             bearing_displacement: room(2 * plan.bearings.len()),
+            section_force: room(SECTION_FORCES / 2 * plan.cuts.len()),
+            section_moment: room(SECTION_FORCES / 2 * plan.cuts.len()),
             rolling: Vec::new(),
             mesh: std::array::from_fn(|_| room(plan.meshes.len())),
             energy: Vec::with_capacity(if plan.energy { count } else { 0 }),
             events: Vec::new(),
         };
         let extra = if plan.energy { CONSTANT_LOAD_SUMS } else { 0 };
+        // A motion without rows for section forces gives the coordinates from which they follow.
+        let with_cuts = |mut coordinates: Vec<usize>| {
+            coordinates.extend(plan.cuts.iter().flat_map(Cut::coordinates));
+            coordinates.sort_unstable();
+            coordinates.dedup();
+            coordinates
+        };
+        let has_accelerations = plan.acceleration || !plan.cuts.is_empty();
+        let combinations = plan.combinations(&motion).len();
         Self {
-            coordinates: plan.coordinates(model),
+            coordinates: with_cuts(plan.coordinates(model)),
+            combinations,
             bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
             scratch: Scratch {
                 displacement: vec![0.0; INSTANT_BATCH * (model.len() + extra)],
                 velocity: vec![0.0; INSTANT_BATCH * (model.len() + extra)],
-                acceleration: vec![0.0; if plan.acceleration { INSTANT_BATCH * model.len() } else { 0 }],
+                acceleration: vec![0.0; if has_accelerations { INSTANT_BATCH * model.len() } else { 0 }],
+                combined: vec![0.0; INSTANT_BATCH * combinations],
                 unbent: vec![0.0; if plan.energy { model.len() } else { 0 }],
             },
             extra,
             shaft_energies: 0,
-            accelerated: plan.accelerated(model),
+            accelerated: with_cuts(plan.accelerated(model)),
             audit: plan.energy.then(|| Audit::new(start, tolerance, model)),
             events: EventRecorder::new(&motion, origin, start),
             every_step: plan.energy || EventRecorder::watches(&motion),
@@ -162,11 +183,14 @@ impl<'a, 'm> Recorder<'a, 'm> {
             let room = count * (len + self.extra);
             let (q, v) = (&mut self.scratch.displacement[..room], &mut self.scratch.velocity[..room]);
             motion.states(instants, &self.coordinates, q, v);
-            if self.plan.acceleration {
+            let combined = &mut self.scratch.combined[..count * self.combinations];
+            let is_combined = !combined.is_empty() && motion.combinations(instants, combined)?;
+            if self.plan.acceleration || !self.plan.cuts.is_empty() && !is_combined {
                 motion.accelerations(instants, &self.accelerated, &mut self.scratch.acceleration[..count * len])?;
             }
             for (index, elapsed) in instants.iter().enumerate() {
                 self.sample(*elapsed, index, motion.defers_energies())?;
+                self.add_section_forces(*elapsed, index, is_combined);
                 self.record.time.push(self.times[self.record.time.len()]);
             }
             motion.shaft_energies(&mut |energies| self.add_shaft_energies(energies));
@@ -263,6 +287,28 @@ impl<'a, 'm> Recorder<'a, 'm> {
             }
         }
         Ok(())
+    }
+
+    /// Records the section forces at `elapsed`, which has this index among the instants that were read: from the values of
+    /// combinations, or from coordinates.
+    fn add_section_forces(&mut self, elapsed: f64, index: usize, is_combined: bool) {
+        let (len, begin) = (self.motion.model().len(), index * (self.motion.model().len() + self.extra));
+        let displacement = &self.scratch.displacement[begin..begin + len];
+        let values = &self.scratch.combined[index * self.combinations..(index + 1) * self.combinations];
+        let per_cut = self.combinations / self.plan.cuts.len().max(1);
+        for (number, cut) in self.plan.cuts.iter().enumerate() {
+            let turning = self.motion.turning(cut.shaft, elapsed, displacement);
+            let forces = if is_combined {
+                cut.combined(&values[number * per_cut..(number + 1) * per_cut], turning)
+            } else {
+                let velocity = &self.scratch.velocity[begin..begin + len];
+                let acceleration = &self.scratch.acceleration[index * len..(index + 1) * len];
+                cut.forces(&Moving { displacement, velocity, acceleration }, turning)
+            };
+            let (force, moment) = forces.split_at(SECTION_FORCES / 2);
+            self.record.section_force.extend_from_slice(force);
+            self.record.section_moment.extend_from_slice(moment);
+        }
     }
 
     /// Continues from the state of the recorder at a checkpoint and the contact modes there.

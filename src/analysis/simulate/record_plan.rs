@@ -1,25 +1,36 @@
 //! Quantities to record, with names resolved to nodes and meshes. A run computes only the coordinates that they need.
 
 use crate::analysis::{Kept, product};
-use crate::connection::{MESH_CHANNELS, ROLLING_CHANNELS};
+use crate::connection::{MESH_CHANNELS, ROLLING_CHANNELS, TurningBow};
 use crate::exponential::Selection;
-use crate::model::{Model, PlaceRows};
-use crate::motion::{Energies, PowerCoordinates, SourceTerms, connected_coordinates};
+use crate::model::{Combination, Cut, Model, PlaceRows, SECTION_FORCES};
+use crate::motion::{Energies, EquationOfMotion, PowerCoordinates, SourceTerms, connected_coordinates};
 use crate::scene::description::Place;
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
 /// Names of everything of one kind.
-const RECORD_GROUPS: [&str; 9] =
-    ["gears", "disks", "meshes", "bearings", "nodes", "housings", "energy", "velocity", "acceleration"];
+const RECORD_GROUPS: [&str; 10] = [
+    "gears",
+    "disks",
+    "meshes",
+    "bearings",
+    "nodes",
+    "housings",
+    "energy",
+    VELOCITY,
+    ACCELERATION,
+    SECTION_FORCES_NAME,
+];
 
 const VELOCITY: &str = "velocity";
 const ACCELERATION: &str = "acceleration";
+const SECTION_FORCES_NAME: &str = "section_forces";
 
 /// One entry of the list of quantities to record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
     /// A gear, disk, shaft, housing or point of a housing, or a group: gears, disks, meshes, bearings, nodes, housings,
-    /// energy, velocity or acceleration of the recorded nodes.
+    /// energy, velocity, acceleration or section forces of the recorded nodes.
     Name(String),
     /// A place on a shaft.
     OnShaft(String, f64),
@@ -64,6 +75,8 @@ pub struct RecordPlan {
     pub velocity: bool,
     /// Whether accelerations of the points are recorded.
     pub acceleration: bool,
+    /// Cuts through the shafts at the points, whose section forces are recorded.
+    pub cuts: Vec<Cut>,
 }
 
 impl Point {
@@ -83,7 +96,8 @@ impl RecordPlan {
         for (index, request) in requests.iter().enumerate() {
             plan.add(model, request, &EntryPath::entry("record", index))?;
         }
-        let of_points = |request: &&Request| [VELOCITY, ACCELERATION].iter().any(|name| request.is(name));
+        let of_points =
+            |request: &&Request| [VELOCITY, ACCELERATION, SECTION_FORCES_NAME].iter().any(|name| request.is(name));
         if let (true, Some(Request::Name(name))) = (plan.points.is_empty(), requests.iter().find(of_points)) {
             let message = if plan.bearings.is_empty() {
                 format!("\"{name}\" is that of the recorded places; add one, such as \"gears\"")
@@ -93,6 +107,9 @@ impl RecordPlan {
                 )
             };
             return Err(SceneError::new("record", message));
+        }
+        if requests.iter().any(|request| request.is(SECTION_FORCES_NAME)) {
+            plan.add_cuts(model)?;
         }
         Ok(plan)
     }
@@ -107,6 +124,7 @@ impl RecordPlan {
             + rates * (3 + axial) * self.points.len()
             + (4 + axial) * self.bearings.len()
             + ROLLING_CHANNELS.len() * rolling
+            + SECTION_FORCES * self.cuts.len()
             + MESH_CHANNELS.len() * self.meshes.len();
         // Energies are kept in the record and in the arrays of the result.
         let energies = usize::from(self.energy) * (size_of::<(Energies, SourceTerms)>() + 12 * size_of::<f64>());
@@ -139,6 +157,8 @@ impl RecordPlan {
                 "energy" => self.energy = true,
                 VELOCITY => self.velocity = true,
                 ACCELERATION => self.acceleration = true,
+                // The cuts follow when all places are known.
+                SECTION_FORCES_NAME => {}
                 "housings" => scene.housing_names().for_each(|name| self.add_housing_point(model, name)),
                 _ if scene.housing_point(name).is_some() => self.add_housing_point(model, name),
                 _ => match (scene.body(name), scene.shaft(name)) {
@@ -228,6 +248,20 @@ impl RecordPlan {
         }
     }
 
+    /// Adds the cuts at all points of shafts.
+    fn add_cuts(&mut self, model: &Model) -> Result<(), SceneError> {
+        for point in &self.points {
+            if let Some(shaft) = model.scene.shaft(&point.part) {
+                self.cuts.extend(model.cuts(shaft, point.position, &EntryPath::root("record"))?);
+            }
+        }
+        if self.cuts.is_empty() {
+            let message = format!("\"{SECTION_FORCES_NAME}\" are those of the recorded places of shafts; add one");
+            return Err(SceneError::new("record", message));
+        }
+        Ok(())
+    }
+
     fn add_mesh(&mut self, mesh: usize) {
         if !self.meshes.contains(&mesh) {
             self.meshes.push(mesh);
@@ -266,6 +300,8 @@ impl RecordPlan {
             }
         }
         coordinates.extend(points.into_iter().chain(bases).chain(of_meshes));
+        let turning = self.cuts.iter().filter_map(|cut| model.turning_bow(cut.shaft));
+        coordinates.extend(turning.flat_map(TurningBow::twist_coordinates));
         coordinates.sort_unstable();
         coordinates.dedup();
         coordinates
@@ -277,6 +313,12 @@ impl RecordPlan {
     pub(super) fn accelerated(&self, model: &Model) -> Vec<usize> {
         let points = if self.acceleration { self.points.clone() } else { Vec::new() };
         Self { points, ..Self::default() }.coordinates(model)
+    }
+
+    /// Combinations of coordinates from which [`Cut::combined`] finds the section forces in a motion.
+    pub(super) fn combinations(&self, motion: &EquationOfMotion<'_>) -> Vec<Combination> {
+        let spin = |cut: &Cut| motion.has_constant_speed().then(|| motion.spin(cut.shaft));
+        self.cuts.iter().flat_map(|cut| cut.combinations(spin(cut))).collect()
     }
 
     /// Indices of the displacements, velocities and accelerations that recording needs.
@@ -297,6 +339,7 @@ impl RecordPlan {
             displacements: self.coordinates(model),
             velocities: self.coordinates(model),
             accelerations,
+            combinations: Vec::new(),
             without_energies: Some(without_energies),
             powers: Some(PowerCoordinates::new(model)),
         }

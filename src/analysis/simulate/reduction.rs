@@ -17,6 +17,7 @@ use super::ramp::{linear_model, reference_speed};
 use super::record::Record;
 use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
+use crate::exponential::Selection;
 use crate::integrate::Observer;
 use crate::modal::{Extent, Projected, StateMatrix, SubspaceKey};
 use crate::motion::{EquationOfMotion, Speed};
@@ -77,7 +78,8 @@ impl<'m> Run<'m> {
         plan: &RecordPlan,
         subspace: Option<&Projected>,
     ) -> Result<ModalSetup<'m>, AnalysisError> {
-        let selection = plan.selection(&self.cached.model);
+        let combinations = plan.combinations(&motion);
+        let selection = Selection { combinations, ..plan.selection(&self.cached.model) };
         ModalSetup::new(self.cached, self.options, motion, start, selection, subspace)
     }
 }

@@ -153,6 +153,13 @@ impl Trajectory for ModalTrajectory<'_, '_> {
         map.interpolate(&system.loads, &self.span, instants, a)
     }
 
+    fn combinations(&mut self, instants: &[f64], values: &mut [f64]) -> Result<bool, Halt> {
+        let system = &mut *self.system;
+        let Some(map) = system.output.combinations() else { return Ok(false) };
+        map.interpolate(&system.loads, &self.span, instants, values)?;
+        Ok(true)
+    }
+
     fn end_displacement(&self) -> Option<&[f64]> {
         None
     }

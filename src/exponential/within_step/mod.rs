@@ -2,10 +2,10 @@
 //!
 //! - `substep`: the state at instants within a step, with the modes of `substep_modes` under the polynomials of
 //!   `load_polynomials`.
-//! - `trajectory`: a completed step. `output`: displacements and velocities; `accelerations`; scalars of the motion
-//!   (`state_map`).
+//! - `trajectory`: a completed step. `output`: displacements and velocities; accelerations and other `combinations`;
+//!   scalars of the motion (`state_map`).
 
-mod accelerations;
+mod combinations;
 mod load_polynomials;
 mod output;
 mod state_map;

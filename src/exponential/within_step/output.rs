@@ -3,13 +3,14 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::accelerations::AccelerationMap;
+use super::combinations::CombinationMap;
 use super::state_map::StateMap;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{InterfaceMaps, Rows};
 use crate::integrate::{Span, at_each};
 use crate::linalg::semidefinite_root;
 use crate::modal::ModalStateSpace;
+use crate::model::Combination;
 use crate::motion::PowerCoordinates;
 
 /// Largest number of instants that are evaluated together.
@@ -26,6 +27,8 @@ pub struct Selection {
     pub velocities: Vec<usize>,
     /// Indices of the accelerations.
     pub accelerations: Vec<usize>,
+    /// Combinations of coordinates.
+    pub combinations: Vec<Combination>,
     /// Indices of the displacements and of the velocities that outputs need besides the energies of the shafts, if the run
     /// records energies. `displacements` and `velocities` are then complete. The potentials of constant loads follow behind
     /// the displacements.
@@ -48,7 +51,9 @@ pub struct OutputMap {
     /// The map to the energies of the shafts.
     energies: Option<Box<ShaftEnergies>>,
     /// The map to the accelerations, if a run reads any.
-    accelerations: Option<Box<AccelerationMap>>,
+    accelerations: Option<Box<CombinationMap>>,
+    /// The map to the combinations, if a run reads any.
+    combinations: Option<Box<CombinationMap>>,
     /// The map to scalars whose squares are the power of the distributed damping, if a run reads powers.
     damping: Option<StateMap>,
 }
@@ -56,7 +61,7 @@ pub struct OutputMap {
 impl OutputMap {
     /// Collects the rows of a selection.
     pub fn new(loads: &Loads<'_>, linear: &ModalStateSpace, maps: &InterfaceMaps, selection: Selection) -> Self {
-        let Selection { displacements, velocities, accelerations, without_energies, powers } = selection;
+        let Selection { displacements, velocities, accelerations, combinations, without_energies, powers } = selection;
         let sums = powers.as_ref().map_or_else(Vec::new, |powers| powers.constant_loads().to_vec());
         let powers = powers.map(|PowerCoordinates { displacements, velocities, combinations }| {
             let coordinates = (displacements, velocities);
@@ -64,15 +69,20 @@ impl OutputMap {
             powers.damping = Some(distributed_damping(loads, linear));
             Box::new(powers)
         });
-        let accelerations =
-            (!accelerations.is_empty()).then(|| Box::new(AccelerationMap::new(loads, linear, maps, accelerations)));
+        let map = |combinations: &[Combination], targets: Vec<usize>| {
+            (!targets.is_empty()).then(|| Box::new(CombinationMap::new(loads, linear, maps, combinations, targets)))
+        };
+        let acceleration = |index: &usize| Combination { acceleration: vec![(*index, 1.0)], ..Combination::default() };
+        let of_coordinates: Vec<_> = accelerations.iter().map(acceleration).collect();
+        let accelerations = map(&of_coordinates, accelerations);
+        let combinations = map(&combinations, (0..combinations.len()).collect());
         let complete = Self::of_sums(loads, linear, (displacements, velocities), &[]);
         let Some([displacements, velocities]) = without_energies else {
-            return Self { powers, accelerations, ..complete };
+            return Self { powers, accelerations, combinations, ..complete };
         };
         let energies = Some(Box::new(ShaftEnergies::new(complete, loads.reference.len())));
         let motion = Self::of_sums(loads, linear, (displacements, velocities), &sums);
-        Self { powers, energies, accelerations, ..motion }
+        Self { powers, energies, accelerations, combinations, ..motion }
     }
 
     /// Collects the rows of displacements and velocities with these indices, and of sums of displacements.
@@ -106,6 +116,7 @@ impl OutputMap {
             powers: None,
             energies: None,
             accelerations: None,
+            combinations: None,
             damping: None,
         }
     }
@@ -124,14 +135,21 @@ impl OutputMap {
     /// follow.
     pub(in crate::exponential) fn complete(self) -> Self {
         match self.energies {
-            Some(energies) => Self { accelerations: self.accelerations, ..energies.into_output() },
+            Some(energies) => {
+                Self { accelerations: self.accelerations, combinations: self.combinations, ..energies.into_output() }
+            }
             None => self,
         }
     }
 
     /// The map to the accelerations, if a run reads any.
-    pub(in crate::exponential) fn accelerations(&mut self) -> Option<&mut AccelerationMap> {
+    pub(in crate::exponential) fn accelerations(&mut self) -> Option<&mut CombinationMap> {
         self.accelerations.as_deref_mut()
+    }
+
+    /// The map to the combinations, if a run reads any.
+    pub(in crate::exponential) fn combinations(&mut self) -> Option<&mut CombinationMap> {
+        self.combinations.as_deref_mut()
     }
 
     /// Writes the selected displacements and velocities of a state into vectors of all coordinates. The sums of displacements

@@ -93,6 +93,13 @@ impl Trajectory for StepTrajectory<'_, '_> {
         map.read_gathered(self.step.stepper.loads(), instants, a)
     }
 
+    fn combinations(&mut self, instants: &[f64], values: &mut [f64]) -> Result<bool, Halt> {
+        let Some(map) = self.output.combinations() else { return Ok(false) };
+        each_state(self.step, self.sampler, instants, |_, z| map.gather(z));
+        map.read_gathered(self.step.stepper.loads(), instants, values)?;
+        Ok(true)
+    }
+
     fn is_resolved(&self) -> bool {
         false
     }

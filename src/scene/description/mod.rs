@@ -97,6 +97,9 @@ pub struct SceneDescription {
     /// Lateral forces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub forces: Vec<Force>,
+    /// Notches of shafts, which only stresses depend on.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notches: Vec<Notch>,
 }
 
 impl SceneDescription {
@@ -106,6 +109,7 @@ impl SceneDescription {
         let mut plain = self.clone();
         plain.torques.retain(|torque| matches!(torque.value, Some(TorqueValue::Table(_))));
         plain.forces.clear();
+        plain.notches.clear();
         plain.gravity = None;
         plain.shafts.iter_mut().for_each(|shaft| shaft.bow = None);
         plain.gears.iter_mut().for_each(|gear| gear.unbalance = None);
@@ -153,6 +157,22 @@ impl From<Complex> for Complex64 {
             Complex::Pair([re, im]) => Complex64::new(re, im),
         }
     }
+}
+
+/// A notch of a shaft: a shoulder, a groove, a keyway or the end of a hub.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Notch {
+    /// Name of the shaft.
+    pub shaft: String,
+    /// Position on the shaft, m.
+    pub position: f64,
+    /// Fatigue notch factor of bending and axial stresses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bending: Option<f64>,
+    /// Fatigue notch factor of torsion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torsion: Option<f64>,
 }
 
 /// A rigid disk.

@@ -1,4 +1,4 @@
-//! Accelerations of selected coordinates: q̈ = V ż + q̈_s with ż = A z + Σ b p and the synchronous motion q_s.
+//! Combinations of displacements, velocities and accelerations, with q̈ = V ż + q̈_s, ż = A z + Σ b p and the synchronous motion q_s.
 //!
 //! The loads p are those of the equation of motion at the state z, not their polynomial over the step.
 
@@ -10,34 +10,56 @@ use crate::exponential::propagator::{InterfaceMaps, Rows};
 use crate::integrate::{Halt, Span};
 use crate::mesh::Contact;
 use crate::modal::ModalStateSpace;
+use crate::model::Combination;
 
-/// Maps a state z to the accelerations of selected coordinates.
+/// Maps a state z to combinations of coordinates.
 #[derive(Clone, Debug)]
-pub(in crate::exponential) struct AccelerationMap {
-    /// Accelerations of the coordinates without loads, then the interface state.
+pub(in crate::exponential) struct CombinationMap {
+    /// Combinations without loads, then the interface state.
     map: StateMap,
-    loaded: LoadedAccelerations,
+    loaded: LoadedCombinations,
 }
 
-impl AccelerationMap {
-    /// Collects the rows of the coordinates with these indices.
-    pub fn new(loads: &Loads<'_>, linear: &ModalStateSpace, maps: &InterfaceMaps, coordinates: Vec<usize>) -> Self {
-        let velocities: Vec<_> = coordinates.iter().map(|index| linear.row(&[(*index, 1.0)], true)).collect();
-        let rows: Vec<_> = velocities.iter().map(|row| linear.rate_row(row)).chain(maps.rows.iter().cloned()).collect();
+impl CombinationMap {
+    /// Collects the rows of combinations, whose values it writes at the indices `targets`.
+    pub fn new(
+        loads: &Loads<'_>,
+        linear: &ModalStateSpace,
+        maps: &InterfaceMaps,
+        combinations: &[Combination],
+        targets: Vec<usize>,
+    ) -> Self {
+        let accelerated: Vec<_> = combinations.iter().map(|each| linear.row(&each.acceleration, true)).collect();
+        let own = combinations.iter().zip(&accelerated).map(|(each, accelerated)| {
+            let rows = [linear.row(&each.displacement, false), linear.row(&each.velocity, true)];
+            let mut sum = linear.rate_row(accelerated);
+            rows.iter().for_each(|row| sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += value));
+            sum
+        });
+        let rows: Vec<_> = own.chain(maps.rows.iter().cloned()).collect();
         let product = |row: &[f64], column: &[f64]| row.iter().zip(column).map(|(w, b)| w * b).sum::<f64>();
-        let mobility = velocities.iter().flat_map(|row| maps.columns.iter().map(|column| product(row, column)));
+        let mobility = accelerated.iter().flat_map(|row| maps.columns.iter().map(|column| product(row, column)));
         let (sources, interface_len) = (loads.source_count(), maps.rows.len());
         let amplitudes = loads.spins().into_iter().enumerate().flat_map(|(source, spin)| {
-            let rate = Complex64::new(0.0, spin);
-            let own = coordinates.iter().map(move |index| loads.amplitude(source, *index, true) * rate);
+            let sum = move |row: &[(usize, f64)], rate: bool| -> Complex64 {
+                row.iter().map(|(index, factor)| loads.amplitude(source, *index, rate) * *factor).sum()
+            };
+            let own = combinations.iter().map(move |each| {
+                let accelerated = sum(&each.acceleration, true) * Complex64::new(0.0, spin);
+                sum(&each.displacement, false) + sum(&each.velocity, true) + accelerated
+            });
             own.chain(maps.synchronous[source * interface_len..][..interface_len].iter().copied())
         });
-        let reference = vec![0.0; rows.len()];
+        let at_reference = |each: &Combination| -> f64 {
+            each.displacement.iter().map(|(index, factor)| loads.reference[*index] * factor).sum()
+        };
+        let mut reference: Vec<f64> = combinations.iter().map(at_reference).collect();
+        reference.resize(rows.len(), 0.0);
         Self {
             map: StateMap::new(Rows::new(&rows, &linear.parts), reference, amplitudes.collect(), sources),
-            loaded: LoadedAccelerations {
+            loaded: LoadedCombinations {
                 mobility: mobility.collect(),
-                coordinates,
+                targets,
                 load_values: vec![0.0; loads.load_count()],
                 contacts: vec![Contact::default(); loads.connection_count()],
                 phasors: vec![Complex64::ZERO; sources],
@@ -50,7 +72,7 @@ impl AccelerationMap {
         self.map.gather(z);
     }
 
-    /// Writes the accelerations at all gathered states, which belong to `instants`, one vector after the other.
+    /// Writes the values at all gathered states, which belong to `instants`, one vector after the other.
     ///
     /// # Errors
     /// [`Halt`] where a load is not defined.
@@ -58,7 +80,7 @@ impl AccelerationMap {
         self.loaded.write(loads, self.map.evaluate(loads, instants), instants, a)
     }
 
-    /// Writes the accelerations at instants within a step whose states are the cubic through both ends.
+    /// Writes the values at instants within a step whose states are the cubic through both ends.
     ///
     /// # Errors
     /// [`Halt`] where a load is not defined.
@@ -73,12 +95,12 @@ impl AccelerationMap {
     }
 }
 
-/// The accelerations with those under the loads.
+/// The combinations with the accelerations under the loads.
 #[derive(Clone, Debug)]
-struct LoadedAccelerations {
-    /// Indices of the coordinates.
-    coordinates: Vec<usize>,
-    /// V b: acceleration of every coordinate under every load, coordinate after coordinate.
+struct LoadedCombinations {
+    /// Index at which each value is written.
+    targets: Vec<usize>,
+    /// V b: share of every load in every combination, combination after combination.
     mobility: Vec<f64>,
     /// Scratch: loads, contacts and phasors of an evaluation.
     load_values: Vec<f64>,
@@ -86,8 +108,8 @@ struct LoadedAccelerations {
     phasors: Vec<Complex64>,
 }
 
-impl LoadedAccelerations {
-    /// Writes the accelerations for the values of [`AccelerationMap::map`] at each instant, one vector after the other.
+impl LoadedCombinations {
+    /// Writes the combinations for the values of [`CombinationMap::map`] at each instant, one vector after the other.
     fn write<'v>(
         &mut self,
         loads: &Loads<'_>,
@@ -97,10 +119,10 @@ impl LoadedAccelerations {
     ) -> Result<(), Halt> {
         let (count, len) = (self.load_values.len(), (a.len() / instants.len().max(1)).max(1));
         for ((elapsed, values), a) in instants.iter().zip(values).zip(a.chunks_exact_mut(len)) {
-            let (own, interface_state) = values.split_at(self.coordinates.len());
+            let (own, interface_state) = values.split_at(self.targets.len());
             loads.phasors(*elapsed, &mut self.phasors);
             loads.load(*elapsed, &self.phasors, interface_state, &mut self.load_values, &mut self.contacts, None)?;
-            for (at, (index, value)) in self.coordinates.iter().zip(own).enumerate() {
+            for (at, (index, value)) in self.targets.iter().zip(own).enumerate() {
                 let mobility = &self.mobility[at * count..(at + 1) * count];
                 let by_loads: f64 =
                     mobility.iter().zip(&self.load_values).map(|(mobility, load)| mobility * load).sum();

@@ -1,0 +1,370 @@
+"""Section forces: closed forms of beams and bows, cuts through the hostile machine, and signs."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearbow as gb
+from reference import machines
+
+E, RHO = 211e9, 7810.0
+G = 9.80665
+NAMES = ("axial force", "shear", "bending", "torque")
+
+
+def _disk(name: str, x: float, diameter: float) -> gb.Disk:
+    """A disk of steel, 70 mm long, on a shaft of 50 mm."""
+    mass = RHO * pi / 4.0 * (diameter**2 - 0.05**2) * 0.07
+    polar = mass * (diameter**2 + 0.05**2) / 8.0
+    return gb.Disk(
+        name,
+        "rotor",
+        x,
+        **machines.inertia(mass, polar / 2.0 + mass * 0.07**2 / 12.0, polar),
+    )
+
+
+def _two_disks(**more: Any) -> gb.RotorSystem:
+    """The rotor of Friswell et al. (2010), example 5.9.1: 1.5 m x 50 mm, disks at thirds."""
+    shaft = gb.Shaft(
+        "rotor",
+        length=1.5,
+        outer_diameter=0.05,
+        material=gb.Material(E, RHO, poisson_ratio=0.3),
+        elements=3,
+    )
+    bearings = [gb.Bearing("rotor", x, stiffness=1e6) for x in (0.0, 1.5)]
+    disks = [_disk("a", 0.5, 0.28), _disk("b", 1.0, 0.35)]
+    return gb.RotorSystem([shaft], disks=disks, bearings=bearings, **more)
+
+
+def test_weight_of_a_rotor_with_two_disks() -> None:
+    # gravity along +z, so that the part beyond pulls the part before downwards
+    static = _two_disks(gravity=(0.0, G)).static()
+    # reference values by equilibrium on paper: reactions, moments and shear, seven digits
+    assert static.bearing_force(("rotor", 0.0))[1] == pytest.approx(494.2821, rel=1e-6)
+    assert static.bearing_force(("rotor", 1.5))[1] == pytest.approx(556.1801, rel=1e-6)
+    assert static.section_forces("a").bending == pytest.approx([228.3430, 0.0], rel=1e-6)
+    assert static.section_forces("b").bending == pytest.approx([259.2921, 0.0], rel=1e-6)
+    before, beyond = (static.section_forces("b", side).shear[1] for side in ("before", "beyond"))
+    assert (before, beyond) == pytest.approx((24.302, -480.988), abs=5e-4)
+
+
+def test_weight_between_the_nodes() -> None:
+    # the parabola of a distributed weight is exact with elements of any length
+    static = _two_disks(gravity=(G, 0.0)).static()
+    weight = RHO * pi / 4.0 * 0.05**2 * G
+    reaction = static.bearing_force(("rotor", 0.0))[0]
+    for x in (0.1, 0.33, 0.49):
+        found = static.section_forces(("rotor", x))
+        assert found.shear[0] == pytest.approx(reaction - weight * x, rel=1e-9)
+        # about z, with forces along +y: the part before has the moment of weight and reaction
+        moment = -(reaction * x - weight * x**2 / 2.0)
+        assert found.bending[1] == pytest.approx(moment, rel=1e-9)
+
+
+def test_stress_of_a_rotor_with_two_disks() -> None:
+    found = _two_disks(gravity=G).stresses(100.0)
+    index = [section[1:] for section in found.sections].index((1.0, "before"))
+    # M/W = 259.2921 N m/(π d³/32); the weight alternates once a turn
+    assert found.bending[index, 1] == pytest.approx(21.1290e6, rel=1e-5)
+    assert found.bending[index, 0] == pytest.approx(0.0, abs=1.0)
+
+
+@pytest.mark.parametrize("ratio", [-0.6, 0.6, 1.7])
+def test_a_half_sine_bow_bends_the_shaft_by_its_inertia(ratio: float) -> None:
+    """M = EI (π/L)² b r²/(1 − r²) in the middle, constant in the frame of the shaft."""
+    amplitude, phase, length = 2e-4, 0.7, 1.0
+    shaft = gb.Shaft(
+        "rotor",
+        length=length,
+        outer_diameter=0.02,
+        elements=8,
+        degree=3,
+        shear=False,
+        bow=gb.Bow.half_sine(amplitude, phase),
+    )
+    bearings = [gb.Bearing("rotor", x, stiffness=1e12) for x in (0.0, length)]
+    system = gb.RotorSystem([shaft], bearings=bearings, motion="lateral")
+    material = shaft.material
+    stiffness = material.youngs_modulus * pi * 0.02**4 / 64.0
+    mass = material.density * pi * 0.02**2 / 4.0
+    first = (pi / length) ** 2 * np.sqrt(stiffness / mass)
+    speed = ratio * first
+    forces = system.synchronous([speed]).section_forces(("rotor", length / 2.0))
+    about_y, about_z = forces.bending[0, 0]
+    # with the shaft: M_y + iM_z = i M_phi, where M_phi is the moment of the plane of the bow
+    forward = (about_y + 1j * about_z) / 2.0
+    backward = np.conj(about_y - 1j * about_z) / 2.0
+    r = abs(ratio)
+    exact = stiffness * (pi / length) ** 2 * amplitude * r**2 / (1.0 - r**2)
+    # The bow lets the beam carry its inertia: M = EI u'' - EI b'' with u = b/(1 - r²). Rotary
+    # inertia changes the critical speed by (π d/4L)² = 2.5e-4, times r²/|1 − r²| at most 2.
+    assert abs(forward) == pytest.approx(abs(exact), rel=1.5e-3)
+    expected = -1j * exact * np.exp(1j * phase)
+    assert np.angle(forward / expected) == pytest.approx(0.0, abs=1e-3)
+    assert abs(backward) < 1e-6 * abs(exact)
+
+
+def test_a_free_bent_shaft_has_no_forces() -> None:
+    bow = gb.Bow.points([0.0, 0.2, 0.7, 1.0], [0.0, 1e-4, 2e-4, 0.0], [0.0, 0.3, 1.8, 0.0])
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e7) for x in (0.0, 1.0)]
+    system = gb.RotorSystem([shaft], bearings=bearings)
+    slow = system.synchronous([1e-3]).section_forces("rotor").values
+    fast = system.synchronous([100.0]).section_forces("rotor").values
+    assert np.abs(slow).max() < 1e-6 * np.abs(fast).max()
+
+
+@pytest.mark.parametrize("helix_angle", [0.0, 0.3])
+def test_a_pair_of_gears_under_torque(helix_angle: float) -> None:
+    torque, position, length = 250.0, 0.2, 0.5
+    system = machines.pair(
+        position=position,
+        gear={"helix_angle": helix_angle},
+        own={"g2": {"helix_angle": -helix_angle}},
+        bearing={**machines.BEARING, "axial_stiffness": 1e8},
+        torques=[gb.Torque(("input", 0.0), torque), gb.Torque(("output", 0.5), "balance")],
+    )
+    static = system.static(1.0, geometry="frozen")
+    before, beyond = (static.section_forces("g1", side).values for side in ("before", "beyond"))
+    # the torque enters at the begin; the part before g1 is in equilibrium with the part beyond
+    assert before[5] == pytest.approx(-torque, rel=1e-9)
+    assert beyond[5] == pytest.approx(0.0, abs=1e-9 * torque)
+    load = -(beyond[1:3] - before[1:3])
+    reach = position * (length - position) / length
+    radius = torque / np.hypot(*load) if helix_angle == 0.0 else None
+    if radius is not None:
+        # M = F a b/L in both planes, up to the compliance of the bearings, which is symmetric
+        assert np.hypot(*before[3:5]) == pytest.approx(np.hypot(*load) * reach, rel=1e-6)
+        assert before[3:5] == pytest.approx(beyond[3:5], rel=1e-9)
+    else:
+        # an axial force at the pitch radius lets the moment jump
+        thrust = abs(static.mesh(("g1", "g2")).thrust)
+        pitch = 25 * 3e-3 / np.cos(helix_angle) / 2.0
+        jump = np.hypot(*(beyond[3:5] - before[3:5]))
+        assert abs(beyond[0] - before[0]) == pytest.approx(thrust, rel=1e-9)
+        assert jump == pytest.approx(thrust * pitch, rel=1e-9)
+
+
+@pytest.mark.parametrize("speed", [120.0, -120.0])
+@pytest.mark.parametrize("method", ["exponential", "rk45"])
+def test_forces_jump_by_what_acts_at_a_node(method: Any, speed: float) -> None:
+    system = machines.hostile()
+    record: Any = ["nodes", "bearings", "section_forces"]
+    run = system.simulate(5e-3, speed, method=method, rtol=1e-7, record=record)
+    forced = {(shaft, x) for shaft, x, names in run.to_record().data["points"] if names}
+    forced |= {("input", 0.36), ("input", 0.07), ("output", 0.17)}
+    bearings = run.to_record().data["bearings"]
+    checked = 0
+    for shaft in system.shafts:
+        along = run.section_forces(shaft.name)
+        size = np.abs(along.values).max(axis=(0, 1))
+        for i in np.flatnonzero(np.diff(along.positions) == 0.0):
+            at = (shaft.name, float(along.positions[i]))
+            if at in forced:
+                continue
+            jump = along.values[:, i + 1] - along.values[:, i]
+            if at in bearings:
+                jump[:, 1:3] -= run.bearing_force(at)
+            # A round-off of 1e-16 of the stiffest spring of an element, 1e10 N/m, at 1e-4 m. The
+            # idler carries hardly any axial force, relative to which round-off is larger.
+            limit = 1e-9 * size + 1e-8
+            assert (np.abs(jump).max(axis=0) <= limit).all(), (at, jump)
+            checked += 1
+        last = along.values[:, -1]
+        end = (shaft.name, float(along.positions[-1]))
+        if end in bearings and end not in forced:
+            assert last[:, 1:3] == pytest.approx(-run.bearing_force(end), rel=1e-8, abs=1e-6)
+    assert checked >= 7
+
+
+def test_methods_agree_and_record_the_same_forces() -> None:
+    system = machines.hostile()
+    options: Any = {"rtol": 1e-9, "record": [("middle", 0.3), "g4", "section_forces"]}
+    exponential, rk45 = (
+        system.simulate(4e-3, 120.0, method=method, **options) for method in ("exponential", "rk45")
+    )
+    for at in (("middle", 0.3), "g4"):
+        one, other = (run.section_forces(at).values for run in (exponential, rk45))
+        # both methods have a relative error of 1e-9 of the motion; stiff shafts amplify it
+        assert np.abs(one - other).max() < 1e-5 * np.abs(other).max()
+
+
+def test_a_run_up_records_the_forces_of_its_coordinates() -> None:
+    system = machines.hostile(
+        shafts=[
+            *(
+                gb.Shaft(
+                    s.name,
+                    length=s.length,
+                    outer_diameter=s.outer_diameter,
+                    elements=s.elements,
+                    internal_damping=2e-6,
+                    bow=s.bow,
+                )
+                for s in machines.hostile().shafts
+            ),
+        ]
+    )
+    speed = gb.SpeedProfile.ramp(80.0, 160.0, duration=8e-3)
+    options: Any = {"rtol": 1e-8, "record": ["g4", ("output", 0.2), "section_forces"]}
+    runs = [system.simulate(8e-3, speed, method=m, **options) for m in ("exponential", "rk45")]
+    for at in ("g4", ("output", 0.2)):
+        one, other = (run.section_forces(at).values for run in runs)
+        assert np.abs(one - other).max() < 1e-4 * np.abs(other).max()
+
+
+def test_synchronous_forces_are_those_of_a_run() -> None:
+    """A rotor without gears moves synchronously: phasors and series are the same motion."""
+    bow = gb.Bow.half_sine(1e-4, 0.4)
+    shaft = {"bow": bow, "elements": 5, "internal_damping": 1e-5}
+    disk = {**machines.inertia(12.0, 0.05, 0.09), "unbalance": 3e-4 * np.exp(0.3j), "position": 0.3}
+    system = machines.rotor(shaft, disk, {"stiffness": (3e6, 9e6), "damping": 800.0})
+    speed = 130.0
+    response = system.synchronous([speed])
+    run = system.simulate(0.05, speed, record=["nodes", "section_forces"], rtol=1e-8)
+    phasors = response.section_forces("rotor").values[0, 0]
+    turned = np.exp(1j * speed * run.time)
+    expected = np.real(phasors * turned[:, np.newaxis, np.newaxis])
+    found = run.section_forces("rotor").values
+    # The initial state is the synchronous motion, which the exponential method keeps exactly.
+    assert np.abs(found - expected).max() < 1e-7 * np.abs(expected).max()
+
+
+def test_torque_between_inertias_is_stiffness_times_twist() -> None:
+    """A torsional chain without mass of its shaft: alternating torque, also with damping."""
+    disks = [
+        gb.Disk(name, "line", x, **machines.inertia(1.0, 0.1, j))
+        for name, x, j in (("motor", 0.0, 0.4), ("load", 1.0, 1.1))
+    ]
+    beta = 3e-5
+    shaft = gb.Shaft(
+        "line",
+        length=1.0,
+        outer_diameter=0.03,
+        material=machines.LIGHT,
+        elements=1,
+        internal_damping=beta,
+    )
+    system = gb.RotorSystem([shaft], disks=disks, motion="torsion")
+    stiffness = machines.LIGHT.youngs_modulus / 2.6 * pi * 0.03**4 / 32.0
+    frequencies = np.array([5.0, 200.0, 900.0])
+    found = system.frequency_response(frequencies, source=gb.Torque("load", 1.0))
+    twist = found.twist("load") - found.twist("motor")
+    expected = stiffness * (1.0 + 1j * beta * frequencies[:, np.newaxis]) * twist
+    torque = found.section_forces(("line", 0.4)).torque
+    # the shaft has 8e-5 of the inertia of the motor
+    assert torque == pytest.approx(expected, rel=2e-4)
+    # far below resonance at 147 rad/s, the shaft transmits what accelerates the motor
+    assert np.abs(torque[0, 0]) == pytest.approx(0.4 / 1.5, rel=2e-3)
+
+
+def test_loss_factor_and_axial_force_are_in_equilibrium() -> None:
+    """Forces beyond one end of an element equal those before the next, with every kind of force."""
+    shaft = gb.Shaft(
+        "rotor",
+        segments=[
+            gb.Segment(0.4, 0.06, end_outer_diameter=0.04),
+            gb.Segment(0.5, 0.04, inner_diameter=0.01),
+        ],
+        axial_force=2e4,
+        loss_factor=0.02,
+        internal_damping=0.0,
+    )
+    bearings = [gb.Bearing("rotor", x, stiffness=(2e7, 5e7), damping=300.0) for x in (0.0, 0.9)]
+    disks = [gb.Disk("disk", "rotor", 0.55, **machines.inertia(9.0, 0.03, 0.05))]
+    system = gb.RotorSystem([shaft], disks=disks, bearings=bearings, rayleigh=(3.0, 1e-6))
+    source = gb.Force("disk", 1.0)
+    response = system.frequency_response([400.0, 900.0], speed=150.0, source=source)
+    along = response.section_forces("rotor")
+    size = np.abs(along.values).max()
+    jumps = 0
+    for i in np.flatnonzero(np.diff(along.positions) == 0.0):
+        if along.positions[i] in (0.55,):
+            continue
+        jump = along.values[..., i + 1, :] - along.values[..., i, :]
+        assert np.abs(jump).max() < 1e-9 * size
+        jumps += 1
+    assert jumps >= 1
+    # a section between nodes continues both ends of its element
+    ends = [float(x) for x in np.unique(along.positions)[:2]]
+    near = response.section_forces(("rotor", ends[0] + 1e-7)).values
+    assert near == pytest.approx(along.values[..., 0, :], rel=1e-4, abs=1e-6 * size)
+    near = response.section_forces(("rotor", ends[1] - 1e-7)).values
+    assert near == pytest.approx(along.values[..., 1, :], rel=1e-4, abs=1e-6 * size)
+
+
+def test_static_tension_is_part_of_the_axial_force() -> None:
+    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, axial_force=5e3)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e7) for x in (0.0, 1.0)]
+    static = gb.RotorSystem([shaft], bearings=bearings, gravity=G).static()
+    assert static.section_forces(("rotor", 0.5)).axial_force == 5e3
+
+
+def test_the_result_is_an_array_with_names() -> None:
+    static = _two_disks(gravity=G).static()
+    forces = static.section_forces("a")
+    assert np.asarray(forces).shape == forces.shape == (6,)
+    assert forces[4] == forces.bending[1]
+    along = static.section_forces("rotor")
+    assert along.shape == (6, 6)
+    assert along.sides == ("beyond", "before", "beyond", "before", "beyond", "before")
+    table = along.to_dataframe()
+    assert list(table.columns)[2:] == [
+        *("axial force [N]", "shear y [N]", "shear z [N]"),
+        *("moment y [N m]", "moment z [N m]", "torque [N m]"),
+    ]
+    assert "moment y" in along.table()
+    assert len(along.plot().axes) == 4
+    assert len(static.plot("section forces").axes) == 4
+    with pytest.raises(gb.GearbowError, match="one section has no course"):
+        forces.plot()
+
+
+def test_errors_name_the_place() -> None:
+    static = _two_disks().static()
+    with pytest.raises(gb.GearbowError, match="side: must be one of before, beyond, got 'left'"):
+        static.section_forces("a", "left")  # type: ignore[arg-type]
+    with pytest.raises(gb.GearbowError, match=r"reaches from 0 to 1\.5 m"):
+        static.section_forces(("rotor", 2.0))
+    with pytest.raises(gb.GearbowError, match="no gear, disk, support or housing is called"):
+        static.section_forces("c")
+    run = _two_disks().simulate(1e-3, 10.0, record=["a"])
+    with pytest.raises(gb.ChannelError, match=r'record=\["section_forces"|section_forces'):
+        run.section_forces("a")
+    with pytest.raises(gb.SceneError, match=r"section_forces.*recorded places"):
+        _two_disks().simulate(1e-3, 10.0, record=["section_forces"])
+    response = _two_disks().synchronous([10.0]).subtract_slow_roll(1.0)
+    with pytest.raises(gb.GearbowError, match="slow roll was subtracted"):
+        response.section_forces("a")
+
+
+@pytest.mark.parametrize("ending", [".npz", ".nc"])
+def test_files_keep_section_forces(tmp_path: Any, ending: str) -> None:
+    system = machines.hostile()
+    run = system.simulate(1e-3, 120.0, record=["g4", ("input", 0.1), "section_forces"])
+    run.save(tmp_path / f"run{ending}")
+    loaded = gb.Response.load(tmp_path / f"run{ending}")
+    for at in ("g4", ("input", 0.1)):
+        one, other = (each.section_forces(at) for each in (run, loaded))
+        assert np.array_equal(one.values, other.values)
+        assert one.sides == other.sides
+    assert loaded.recorded == run.recorded
+    assert "g4" not in run.to_dataframe().columns
+
+
+def test_orders_of_torque_are_those_of_shafts_and_teeth() -> None:
+    system = machines.hostile()
+    run = system.simulate(1.0, 120.0, record=["g4", "section_forces"], output_step=4e-4)
+    spectrum = run.resample(400.0).spectrum("g4", "torque")
+    assert spectrum.unit == "N m"
+    # higher harmonics of the teeth are left to the rest
+    with pytest.warns(gb.AccuracyWarning, match="RMS of g4 torque"):
+        found = run.orders("g4", "torque", skip_time=0.2, mesh_harmonics=1, shaft_harmonics=1)
+    assert "1× mesh g4–g5" in str(found)
+    assert "1× middle" in str(found)
