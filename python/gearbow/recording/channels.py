@@ -248,7 +248,6 @@ def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
 def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
     """Write everything except arrays as JSON, which keeps all digits of a float."""
     data = run.data
-    arrays = arrays_of(run)
     about = {
         "format": FORMAT,
         "speed": plain_speed(run.speed),
@@ -268,11 +267,7 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
             for name, value in data["final"].items()
             if not isinstance(value, np.ndarray)
         },
-        "empty": {
-            name: (values.shape, str(values.dtype))
-            for name, values in arrays.items()
-            if not values.size
-        },
+        "empty": {},  # versions up to 0.2 require it
         **more,
     }
     import json  # noqa: PLC0415  # files only

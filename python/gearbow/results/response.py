@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 class Stored(Result):
     """A result that a file holds without rounding: a recorded run, and entries of its own."""
 
-    _own_endings = (".npz", ".nc")
+    _own_endings = (".npz",)
 
     def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
         """Give the run, and the entries of the metadata of the file."""
@@ -58,6 +58,12 @@ class Stored(Result):
         run, more = self._stored()
         file.save(run, path, **more)
 
+    def _dataset(self) -> "xr.Dataset":
+        run, more = self._stored()
+        dataset = channels.to_xarray(run)
+        dataset.attrs["metadata"] = channels.metadata_of(run, more)
+        return dataset
+
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Self":
         """Read a file that `save` wrote.
@@ -65,7 +71,7 @@ class Stored(Result):
         Parameters
         ----------
         path : str or path-like
-            The file. Its name ends with ".npz" or ".nc".
+            The file. Its name ends with ".npz"; netCDF files (".nc") are for other programs.
 
         Returns
         -------

@@ -22,7 +22,7 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, SceneWarning, outside
 from gearbow.recording import file
 from gearbow.recording.channels import signals, with_signals
-from gearbow.recording.container import suffix
+from gearbow.recording.container import archive_name
 from gearbow.recording.record import RunRecord
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
@@ -123,7 +123,7 @@ class Checkpoint:
     def __init__(
         self, path: str | os.PathLike[str], interval: float, asked: Mapping[str, Any]
     ) -> None:
-        self.path, _ = suffix(path, "checkpoint")
+        self.path = archive_name(path, "checkpoint")
         self.interval = interval
         if not self.path.parent.is_dir():
             raise SceneError(f"checkpoint: there is no folder {self.path.parent}")

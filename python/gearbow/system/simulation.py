@@ -134,7 +134,7 @@ def simulate(
         True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
         the completed fraction.
     checkpoint : str or path-like, optional
-        A ``.npz`` or ``.nc`` file for the state and the recorded data during the run. After an
+        A ``.npz`` file for the state and the recorded data during the run. After an
         interruption, the same call continues the run, with the same result as without
         interruption. At the end the file contains the response, and the same call reads it.
         Only one run at a time can use a file.
@@ -151,8 +151,6 @@ def simulate(
     SceneError
         If an argument is invalid, `accuracy` is higher than that of the system, or the
         checkpoint belongs to another run or is in use by another run.
-    MissingExtraError
-        If the checkpoint is a ``.nc`` file and the extra "netcdf" is not installed.
     StabilityError
         If the step is above the stability limit, or the run diverged.
     ContactError

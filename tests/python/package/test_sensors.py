@@ -219,10 +219,9 @@ def test_every_array_is_sampled(tmp_path: Any):
     assert len(table) == size
     assert list(table) == list(run.to_dataframe())
     assert np.all(np.isfinite(table.to_numpy()))
-    for name in ("run.npz", "run.nc"):
-        found.save(tmp_path / name)
-        again = gb.Response.load(tmp_path / name)
-        assert np.array_equal(again.acceleration("g1"), found.acceleration("g1"))
+    found.save(tmp_path / "run.npz")
+    again = gb.Response.load(tmp_path / "run.npz")
+    assert np.array_equal(again.acceleration("g1"), found.acceleration("g1"))
     assert found.events == run.events
     assert found.measure(gb.Tacho("input")).size <= run.measure(gb.Tacho("input")).size
     # filtering and differentiation commute: the filtered velocity is the rate of the filtered motion
