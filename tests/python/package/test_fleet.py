@@ -321,10 +321,11 @@ def signals(run: Any) -> dict[str, Any]:
 
 
 def branch(found: Any) -> dict[str, Any]:
-    """Give the speeds and the stability of a branch or of the data set of its file."""
+    """Give the points of a branch or of the data set of its file."""
     if not isinstance(found, gb.Continuation):
         about = json.loads(found.attrs["metadata"])["branch"]
-        return {name: about[name] for name in ("values", "stable")}
+        largest = np.array([abs(complex(*point[0])) for point in about["multipliers"]])
+        return {"values": about["values"], "stable": largest < 1.0}
     return {"values": found.values, "stable": found.stable}
 
 
