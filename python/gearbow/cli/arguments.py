@@ -202,7 +202,7 @@ def read_run(path: Path) -> Response | SteadyState:
     run, about = file.read(path, "run")
     if "branch" in about:
         raise SceneError(f"{path}: is a branch of steady states; read it with Continuation.load")
-    return SteadyState.load(path) if "steady" in about else Response.from_record(run)
+    return SteadyState.load(path) if "steady" in about else Response._from_record(run)
 
 
 def items(system: RotorSystem, texts: list[str], name: str) -> list[Any]:

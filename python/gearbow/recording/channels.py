@@ -254,7 +254,7 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
         "speed_unit": run.speed_unit,
         "accuracy": run.accuracy,
         "request": None if run.request is None else run.request.plain(),
-        "errors": None if run.errors is None else run.errors.plain(),
+        "errors": None if run.errors is None else run.errors._plain(),
         "kinematics": None if run.kinematics is None else asdict(run.kinematics),
         "points": data["points"],
         "bearings": data["bearings"],

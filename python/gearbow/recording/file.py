@@ -188,6 +188,6 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
         kinematics=Kinematics.from_plain(about["kinematics"]),
         accuracy=about["accuracy"],
         request=RunRequest.from_plain(about["request"]),
-        errors=Errors.from_plain(about["errors"]),
+        errors=Errors._from_plain(about["errors"]),
         speed_unit=about["speed_unit"],
     )

@@ -98,7 +98,7 @@ def plot(
     SceneError
         If `skip_time` is negative or longer than the record, or `times` are not in it.
     """
-    run = self.to_record()
+    run = self._to_record()
     with extra("plot"):
         from gearbow.plotting import response as figures  # noqa: PLC0415
 
@@ -237,7 +237,7 @@ def animate(
     fps : float
         Frames per second, at most 50.
     """
-    run = self.to_record()
+    run = self._to_record()
     with extra("plot"):
         from gearbow.plotting import animation  # noqa: PLC0415
 

@@ -373,7 +373,7 @@ class _Recording:
             found[name] = values
             if self.orders is not None and isinstance(sensor, SignalSensor):
                 measured, noise = _Measured(sensor, values), self.noise.get(name, 0.0)
-                fitted = fitted_orders(response.to_record(), measured, noise=noise, **self.orders)
+                fitted = fitted_orders(response._to_record(), measured, noise=noise, **self.orders)
                 found[f"{name}_orders"] = fitted.tracks
                 found["order"] = np.array([str(order) for order in fitted.orders])
                 found["segment_speed"] = fitted.speeds

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from gearbow._convert import BYTES, number, real, shown
 from gearbow._core import __version__, check_final
@@ -26,9 +26,6 @@ from gearbow.recording.container import archive_name
 from gearbow.recording.record import RunRecord
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
-
-#: Accepted types of the speed of a run.
-SpeedLike: TypeAlias = float | SpeedProfile | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
 
 
 def given_speed(speed: object, begin: float, duration: float) -> float | SpeedProfile:

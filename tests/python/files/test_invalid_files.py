@@ -45,7 +45,7 @@ def same_or_refused(path: Path, written: gb.Response) -> None:
 
 
 def content(response: gb.Response) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    return json.loads(metadata_of(response.to_record(), {})), arrays_of(response.to_record())
+    return json.loads(metadata_of(response._to_record(), {})), arrays_of(response._to_record())
 
 
 def write_npz(path: Path, metadata: str, arrays: dict[str, np.ndarray]) -> None:
@@ -181,7 +181,7 @@ def works(response: gb.Response) -> None:
         if isinstance(name, str) and name != "energy":
             assert response.displacement(name).shape == (response.time.size, 2)
     list(response.statistics)
-    metadata_of(response.to_record(), {})
+    metadata_of(response._to_record(), {})
 
 
 @each_case(

@@ -79,7 +79,7 @@ def test_a_netcdf_file_contains_the_run_bit_for_bit(tmp_path, energy):
     written.save(path)
     with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
         assert {*data.variables} == {*written.to_xarray().variables}
-        for name, values in arrays_of(written.to_record()).items():
+        for name, values in arrays_of(written._to_record()).items():
             assert not values.size or data[name].values.tobytes() == values.tobytes(), name
         assert json.loads(data.attrs["metadata"])["points"][0][2] == ["g1"]
     with pytest.raises(gb.GearbowError, match=r"response\.nc is netCDF.*give a file \.npz"):

@@ -175,10 +175,10 @@ def test_pulses_with_twist():
 
 def with_signal(run: gb.Response, values: np.ndarray) -> gb.Response:
     """Replace the displacements of a recorded run by a signal."""
-    record = run.to_record()
+    record = run._to_record()
     displacement = np.repeat(values[:, None, None], record.data["displacement"].shape[1], 1)
     data: Any = {**record.data, "displacement": np.repeat(displacement, 2, 2)}
-    return gb.Response.from_record(
+    return gb.Response._from_record(
         type(record)(data, record.speed, record.kinematics, record.accuracy, record.request)
     )
 

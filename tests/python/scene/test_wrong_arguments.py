@@ -398,7 +398,6 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Continuation.load": (gb.Continuation.load, {"path": "x.npz"}),
     "SteadyState.load": (gb.SteadyState.load, {"path": "x.npz"}),
     "Sweep.load": (gb.Sweep.load, {"path": "x.sweep"}),
-    "Response.from_record": (gb.Response.from_record, {"record": None}),
 }
 REXS = Path(__file__).parents[1] / "files" / "gearbox.rexs"
 #: A free shaft of ROSS.
@@ -494,7 +493,6 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "spectrum": {"at": "g1"},
             "spin": {"shaft": "input"},
             "to_dataframe": {},
-            "to_record": {},
             "to_xarray": {},
         },
     ),
@@ -701,9 +699,9 @@ OF_WRONG_TYPE = {
     "bytes": set(),
     "list of None": set(),
 }
-#: Of sequences, integers and exceptions, from Python, and constructors from data of the core.
+#: Of sequences, dictionaries, integers and exceptions, from Python, and constructors from data of the core.
 NOT_FOR_USERS = re.compile(
-    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.of$|(Sweep|Peaks)\.(count|index)$"
+    r"(Contact|Event|Errors|\w*Error|\w*Warning)\.|\w+\.of$|(Sweep|Peaks)\.(count|index)$"
 )
 #: The system of the method, and the beginning of error messages.
 NO_ARGUMENTS = {("RotorSystem.simulate_many", "system"), ("TimeSeries.function", "path")}
