@@ -115,25 +115,7 @@ class ErrorEstimate(Shown):
 
 
 class Errors(dict[str, ErrorEstimate]):
-    """Estimated errors of a run by the kind of signal.
-
-    Parameters
-    ----------
-    estimates : mapping of {str: ErrorEstimate}
-        Errors of "displacement", "velocity", "acceleration" and "mesh_force", where recorded.
-    window : float
-        Time from the start of the run to which they apply [s].
-    chaotic : bool
-        Whether small differences grow to the size of the signals after the first impacts.
-
-    Examples
-    --------
-    >>> import gearbow as gb
-    >>> estimate = gb.results.ErrorEstimate(2e-3, 0.0, 1e-4, 2e-3)
-    >>> print(gb.results.Errors({"mesh_force": estimate}, window=0.1, chaotic=False))
-    mesh_force: 2.0e-03 (elements 2.0e-03, modes 0.0e+00, integration 1.0e-04)
-    over the first 0.1 s
-    """
+    """Estimated errors of a run by the kind of signal."""
 
     def __init__(
         self, estimates: Mapping[str, ErrorEstimate], *, window: float, chaotic: bool

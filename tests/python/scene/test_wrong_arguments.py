@@ -699,9 +699,9 @@ OF_WRONG_TYPE = {
     "bytes": set(),
     "list of None": set(),
 }
-#: Of sequences, dictionaries, integers and exceptions, from Python, and constructors from data of the core.
+#: Of sequences, integers and exceptions, from Python, and constructors from data of the core.
 NOT_FOR_USERS = re.compile(
-    r"(Contact|Event|Errors|\w*Error|\w*Warning)\.|\w+\.of$|(Sweep|Peaks)\.(count|index)$"
+    r"(Contact|Event|\w*Error|\w*Warning)\.|\w+\.of$|(Sweep|Peaks)\.(count|index)$"
 )
 #: The system of the method, and the beginning of error messages.
 NO_ARGUMENTS = {("RotorSystem.simulate_many", "system"), ("TimeSeries.function", "path")}
