@@ -7,7 +7,6 @@ import json
 import re
 from math import pi
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from PIL import Image
@@ -21,13 +20,6 @@ from test_response import recorded
 
 SPEED = 100.0
 RECORD = ["gears", "meshes"]
-
-
-@pytest.fixture(autouse=True)
-def unchanged_settings():
-    before = dict(mpl.rcParams)
-    yield
-    assert dict(mpl.rcParams) == before
 
 
 @pytest.fixture(scope="module")
