@@ -47,10 +47,7 @@ def real(value: object, path: str, wanted: str = "a number") -> float:
     """Convert one real number; NaN and infinity pass, because the core rejects them."""
     if type(value) is float:
         return value
-    if is_quantity(value):
-        value = magnitude(value, path)
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value[()]
+    value = _scalar(value, path)
     if not _is_real(value):
         raise SceneError(f"{path}: must be {wanted}, got {shown(value)}{_remedy(value, path)}")
     try:
@@ -64,6 +61,13 @@ def real(value: object, path: str, wanted: str = "a number") -> float:
         raise SceneError(
             f"{path}: must be below 1.8e308, the largest floating-point number, got {shown(value)}"
         ) from None
+
+
+def _scalar(value: object, path: str) -> object:
+    """Give the value of a quantity with a unit, and that of an array without axes."""
+    if is_quantity(value):
+        value = magnitude(value, path)
+    return value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
 
 
 def number(value: object, path: str, *, infinite: bool = False) -> float:
@@ -97,10 +101,7 @@ def whole(value: object, path: str, least: int = 1, most: int = LARGEST_COUNT) -
 
 def complex_number(value: object, path: str) -> Plain:
     """Convert a real number, a complex number or a pair [re, im]; complex becomes a pair."""
-    if is_quantity(value):
-        value = magnitude(value, path)
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value[()]
+    value = _scalar(value, path)
     if isinstance(value, (complex, np.complexfloating)):
         return [float(value.real), float(value.imag)]
     if isinstance(value, (tuple, list, np.ndarray)):

@@ -14,7 +14,7 @@ import numpy as np
 
 from gearbow._convert import whole
 from gearbow._extras import extra
-from gearbow._files import check_name, printable, replacing
+from gearbow._files import check_name, printable
 from gearbow._shown import Shown, Table, listed, span, to_html
 from gearbow._types import Array
 from gearbow.errors import GearbowError
@@ -269,9 +269,9 @@ class Result(Shown):
         ----------
         path : str or path-like
             The file. ".csv" and ".xlsx" (Excel) hold the table of `to_dataframe`, ".nc" (netCDF)
-            its columns with their units. A result with a method `load` has an ending whose file
-            holds everything without rounding: ".npz" (NumPy) or ".nc" of a run, a steady state or a
-            branch, ".sweep" of a sweep.
+            its columns with their units or, for other programs, all of a run. A result with a
+            method `load` has an ending whose file holds everything without rounding: ".npz"
+            (NumPy) of a run, a steady state or a branch, ".sweep" of a sweep.
 
         Raises
         ------
@@ -290,11 +290,10 @@ class Result(Shown):
         if ending in self._own_endings:
             self._save_own(found, ending)
         elif ending == ".nc":
-            from gearbow.recording.container import write_netcdf  # noqa: PLC0415
+            from gearbow.recording.container import require_netcdf, save_netcdf  # noqa: PLC0415
 
-            dataset = self._dataset()
-            with replacing(found) as file:
-                write_netcdf(dataset, file)
+            require_netcdf()
+            save_netcdf(self._dataset(), found)
         else:
             frame = self.to_dataframe()
             from gearbow._sheets import save_table  # noqa: PLC0415  # few runs need it
@@ -303,9 +302,7 @@ class Result(Shown):
 
     def _dataset(self) -> "xr.Dataset":
         """Give the columns as variables over the rows."""
-        with extra("netcdf"):
-            import h5netcdf  # noqa: F401, PLC0415
-            import xarray as xr  # noqa: PLC0415
+        import xarray as xr  # noqa: PLC0415
 
         variables = {}
         for column in self._series():

@@ -184,7 +184,7 @@ def _interval(time: Array, t: Array) -> tuple[NDArray[np.intp], Array, Array]:
 
 
 #: Run-out over the angle in the shaft: once per revolution, a function, or (angles, values).
-RunOut: TypeAlias = complex | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
+RunOut: TypeAlias = "complex | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike] | None"
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +231,7 @@ class Probe(SignalSensor):
     position: float
     _: KW_ONLY
     angle: float = 0.0
-    runout: RunOut | None = None
+    runout: RunOut = None
     support: str | None = None
     axial: bool = False
 
@@ -315,7 +315,7 @@ class Probe(SignalSensor):
         return eccentric
 
 
-def _converted(given: Any) -> RunOut | None:
+def _converted(given: Any) -> RunOut:
     """Convert a run-out: a function stays, and other forms become plain numbers."""
     if given is None or callable(given):
         return given  # type: ignore[no-any-return]  # one of the forms

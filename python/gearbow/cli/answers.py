@@ -206,9 +206,7 @@ def plot(given: argparse.Namespace) -> Answer:
     else:
         for option in ("kind", "at"):
             if getattr(given, option) is not None:
-                raise SceneError(
-                    f"--{option}: is for the file of a run (.npz or .nc); leave it out"
-                )
+                raise SceneError(f"--{option}: is for the file of a run (.npz); leave it out")
         name, draw = "train.png", read_system(given).plot
     given.figure = given.figure or figure(name)
     return Answer("", {"file": str(given.figure)}, draw)

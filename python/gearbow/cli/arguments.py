@@ -15,7 +15,7 @@ from gearbow.accuracy import LEVELS
 from gearbow.cli.systems import add_options
 from gearbow.errors import GearbowError, SceneError
 from gearbow.recording import file
-from gearbow.recording.container import ENDINGS, suffix
+from gearbow.recording.container import ARCHIVE, EXPORT, require_netcdf
 from gearbow.results.response import Response
 from gearbow.results.run_figures import PLOT_KINDS
 from gearbow.results.steady import SteadyState
@@ -69,7 +69,15 @@ def speed(text: str) -> float:
 
 def output(text: str) -> Path:
     """Read the name of a file for signals, and check that it can be written."""
-    return _writable(lambda: suffix(text)[0])
+    return _writable(partial(_check_signals, text))
+
+
+def _check_signals(text: str) -> Path:
+    """Require a suffix of a file that holds all signals of a run."""
+    path, ending = check_name(text, (ARCHIVE, EXPORT))
+    if ending == EXPORT:
+        require_netcdf()
+    return path
 
 
 def figure(text: str) -> Path:
@@ -97,7 +105,7 @@ def _writable(check: Callable[[], Path]) -> Path:
 
 
 JSON = flag("--json", "print JSON in place of text")
-RUN = option("run", "file of a run, .npz or .nc", Path)
+RUN = option("run", "file of a run, .npz", Path)
 SPEED = option(
     "--speed",
     'speed of the reference shaft, for example "1500 rpm"; a plain number is in rad/s',
@@ -126,7 +134,9 @@ RECORD = option(
     nargs="+",
     metavar="ITEM",
 )
-SIGNALS_OUT = option("--out", "save the signals, also after Ctrl-C; .npz or .nc", output)
+SIGNALS_OUT = option(
+    "--out", "save the signals, also after Ctrl-C; .npz, or .nc for other programs", output
+)
 
 
 def scene(others: str = "") -> Argument:
@@ -184,16 +194,15 @@ def speed_line(*speeds: float) -> str:
 
 def is_run(path: Path) -> bool:
     """Tell whether a file holds recorded signals, by its ending."""
-    return path.suffix.lower() in ENDINGS
+    return path.suffix.lower() in (ARCHIVE, EXPORT)
 
 
 def read_run(path: Path) -> Response | SteadyState:
     """Read the file of `run --out`, `run --checkpoint` or `steady --out`."""
-    check_name(path, list(ENDINGS), "run")
-    run, about = file.read(path)
+    run, about = file.read(path, "run")
     if "branch" in about:
         raise SceneError(f"{path}: is a branch of steady states; read it with Continuation.load")
-    return SteadyState.load(path) if "steady" in about else Response.from_record(run)
+    return SteadyState.load(path) if "steady" in about else Response._from_record(run)
 
 
 def items(system: RotorSystem, texts: list[str], name: str) -> list[Any]:

@@ -118,7 +118,7 @@ class JournalBearing(Part):
     clearance: float
     viscosity: float
     film: FilmModel = "short"
-    grooves: ArrayLike | None = None
+    grooves: "ArrayLike | None" = None
     axial_stiffness: float = 0.0
     axial_damping: float = 0.0
     support: Base | None = None

@@ -224,8 +224,8 @@ class Bearing(Part):
     shaft: str
     position: float
     _: KW_ONLY
-    stiffness: ArrayLike | SpeedTable
-    damping: ArrayLike | SpeedTable = 0.0
+    stiffness: "ArrayLike | SpeedTable"
+    damping: "ArrayLike | SpeedTable" = 0.0
     axial_stiffness: float = 0.0
     axial_damping: float = 0.0
     tilting_stiffness: float = 0.0

@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import complex_number, nested, real, shown, text
+from gearbow._convert import complex_number, nested, real, shown, text, truth
 from gearbow._lookup import CheckedKeywords
 from gearbow._shown import Shown
 from gearbow._types import Plain
@@ -101,9 +101,7 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
     if complex in kinds:
         return complex_number(value, path)
     if bool in kinds:
-        if not isinstance(value, (bool, np.bool_)):
-            raise SceneError(f"{path}: must be True or False, got {shown(value)}")
-        return bool(value)
+        return truth(value, path)
     if parts_allowed:
         return expect(value, parts_allowed[0], path)._describe(path)
     for kind in kinds:

@@ -54,8 +54,8 @@ class Support(Part):
     name: str | None = None
     _: KW_ONLY
     mass: float
-    stiffness: ArrayLike
-    damping: ArrayLike = 0.0
+    stiffness: "ArrayLike"
+    damping: "ArrayLike" = 0.0
     axial_stiffness: float | None = None
     axial_damping: float = 0.0
     loss_factor: float = 0.0
@@ -136,8 +136,8 @@ class Housing(Part):
     name: str
     _: KW_ONLY
     mass: float
-    stiffness: ArrayLike
-    damping: ArrayLike = 0.0
+    stiffness: "ArrayLike"
+    damping: "ArrayLike" = 0.0
     axial_stiffness: float | None = None
     axial_damping: float = 0.0
     loss_factor: float = 0.0

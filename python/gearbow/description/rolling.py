@@ -240,7 +240,7 @@ class RollingBearing(Part):
     contact_angle: float | None = None
     degrees_of_freedom: int = 2
     axial_preload: float = 0.0
-    damping: ArrayLike = 0.0
+    damping: "ArrayLike" = 0.0
     phase: float = 0.0
     inner_groove: float | None = None
     outer_groove: float | None = None

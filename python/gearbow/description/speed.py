@@ -368,11 +368,11 @@ class SpeedTable(Part):
     [ True]
     """
 
-    speeds: ArrayLike | None
-    values: ArrayLike
+    speeds: "ArrayLike | None"
+    values: "ArrayLike"
     outside: OutsideTable = "error"
     _: KW_ONLY
-    frequencies: ArrayLike | None = None
+    frequencies: "ArrayLike | None" = None
 
     def __post_init__(self) -> None:
         freeze(self, "speeds", "values", "frequencies")

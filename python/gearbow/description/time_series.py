@@ -38,9 +38,9 @@ class TimeSeries(Part):
     >>> force = gb.Force("disk", shock)
     """
 
-    times: ArrayLike
-    values: ArrayLike
-    slopes: ArrayLike | None = None
+    times: "ArrayLike"
+    values: "ArrayLike"
+    slopes: "ArrayLike | None" = None
 
     def __post_init__(self) -> None:
         freeze(self, "times")

@@ -210,7 +210,7 @@ def waterfall(
     >>> result.amplitudes.shape
     (2, 500)
     """
-    if isinstance(responses, Sequence) or not hasattr(responses, "to_record"):
+    if isinstance(responses, Sequence) or not hasattr(responses, "_to_record"):
         if revolutions is not None:
             raise GearbowError("revolutions: only one run-up has segments, not several runs")
         return _of_runs(_runs(responses), at, quantity, window)

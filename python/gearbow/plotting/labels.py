@@ -160,10 +160,11 @@ def series(names: Sequence[str]) -> list[tuple[str, list[str]]]:
     return [*((name, [name]) for name in names if name not in inside), *united]
 
 
-def around(
-    left: float, bottom: float, right: float, top: float, ways: Iterable[tuple[float, float]]
-) -> Iterator[Place]:
-    """Give places of a label around a box."""
+def around(ways: Iterable[tuple[float, float]], *boxes: Box) -> Iterator[Place]:
+    """Give places of one label around boxes."""
+    edges = np.array(boxes)
+    left, bottom = edges[:, :2].min(axis=0).tolist()
+    right, top = edges[:, 2:].max(axis=0).tolist()
     for way in ways:
         x = (left + right) / 2.0 + way[0] * (right - left) / 2.0
         y = (bottom + top) / 2.0 + way[1] * (top - bottom) / 2.0

@@ -304,18 +304,15 @@ def draw_loads(labels: Labels, train: Train, heights: Mapping[str, float]) -> No
         box = _turning(labels, (train, heights, torque.at), value)
         arcs.setdefault((place_of_load(train, heights, torque.at)[1], text), []).append(box)
     for (_, text), boxes in arcs.items():
-        edges = np.array(boxes)
         # Equal torques side by side, as of the cylinders of an engine, have one label.
         if len(boxes) >= _EQUAL:
-            left, bottom = edges[:, :2].min(axis=0).tolist()
-            right, top = edges[:, 2:].max(axis=0).tolist()
-            labels.add(f"{len(boxes)} × {text}", around(left, bottom, right, top, _WAYS))
+            labels.add(f"{len(boxes)} × {text}", around(_WAYS, *boxes))
         else:
             for box in boxes:
-                labels.add(text, around(*box, _WAYS))
+                labels.add(text, around(_WAYS, box))
     for drive in train.parts["drives"]:
         box = _turning(labels, (train, heights, drive.at), None)
-        labels.add("drive", around(*box, _WAYS))
+        labels.add("drive", around(_WAYS, box))
     for force in train.parts["forces"]:
         _force(labels, place_of_load(train, heights, force.at), force)
 
@@ -366,7 +363,7 @@ def _arrow(labels: Labels, tail: tuple[float, float], head: tuple[float, float],
         max(tail[1], head[1]),
     )
     labels.avoid(box, strictly=True)
-    labels.add(text, around(*box, _WAYS))
+    labels.add(text, around(_WAYS, box))
 
 
 def _value(train: Train, torque: Torque) -> float | None:

@@ -123,7 +123,7 @@ class SideView:
                 foot = symbols.support(panel, x, foot[1], point)
                 yield foot
                 if name is not None:
-                    labels.add(name, around(*foot, ((1, 0), (-1, 0), (0, -1))))
+                    labels.add(name, around(((1, 0), (-1, 0), (0, -1)), foot))
             yield symbols.ground(panel, x, foot[1], point)
         for name, feet in housings.items():
             if feet:
@@ -167,20 +167,17 @@ class SideView:
         for shaft in self.train.layout.shafts:
             own = [body.name for body in self.train.layout.bodies if body.shaft == shaft.name]
             for text, names in series(own):
-                edges = np.array([boxes[name] for name in names])
-                left, bottom = edges[:, :2].min(axis=0).tolist()
-                right, top = edges[:, 2:].max(axis=0).tolist()
-                labels.add(text, around(left, bottom, right, top, _WAYS))
+                labels.add(text, around(_WAYS, *(boxes[name] for name in names)))
 
     def _shaft_names(self, labels: Labels) -> None:
         """Write the name of each shaft at its ends, or along it."""
         for shaft in self.train.layout.shafts:
             boxes = list(self._own(shaft))[: len(shaft.steps)]
             begin, end = boxes[0], boxes[-1]
-            places = [*around(*begin, ((-1, 0),)), *around(*end, ((1, 0),))]
+            places = [*around(((-1, 0),), begin), *around(((1, 0),), end)]
             for box in sorted(boxes, key=lambda box: box[0] - box[2]):
                 for way in ((0.0, 1), (0.0, -1), (0.7, 1), (-0.7, 1), (0.7, -1), (-0.7, -1)):
-                    places += around(*box, (way,))
+                    places += around((way,), box)
             labels.add(shaft.name, places, color=self.shades[shaft.name], weight="bold")
 
     def _bows(self, labels: Labels) -> None:

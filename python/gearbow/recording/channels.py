@@ -256,14 +256,13 @@ def arrays_of(run: RunRecord) -> dict[str, NDArray[Any]]:
 def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
     """Write everything except arrays as JSON, which keeps all digits of a float."""
     data = run.data
-    arrays = arrays_of(run)
     about = {
         "format": FORMAT,
         "speed": plain_speed(run.speed),
         "speed_unit": run.speed_unit,
         "accuracy": run.accuracy,
         "request": None if run.request is None else run.request.plain(),
-        "errors": None if run.errors is None else run.errors.plain(),
+        "errors": None if run.errors is None else run.errors._plain(),
         "kinematics": None if run.kinematics is None else asdict(run.kinematics),
         "points": data["points"],
         "bearings": data["bearings"],
@@ -277,11 +276,7 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
             for name, value in data["final"].items()
             if not isinstance(value, np.ndarray)
         },
-        "empty": {
-            name: (values.shape, str(values.dtype))
-            for name, values in arrays.items()
-            if not values.size
-        },
+        "empty": {},  # versions up to 0.2 require it
         **more,
     }
     import json  # noqa: PLC0415  # files only

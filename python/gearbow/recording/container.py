@@ -1,32 +1,27 @@
-"""Files of arrays with metadata, and the checks of these metadata.
+"""Archives of arrays with metadata, the checks of these metadata, and netCDF files for export.
 
-A file declares the shape and type of every array. Both formats are written without compression, so
-that an array is never larger than its file. A larger declaration is rejected before any memory is
-allocated.
-
-A damaged file must not reach the HDF5 library: the library can loop for ever or crash the process.
-A netCDF file of gearbow therefore ends with a seal, the SHA-256 digest of the preceding bytes.
-Readers of HDF5 ignore all bytes after the end of file that the header declares. Archives of NumPy
-contain a checksum of every member.
+An archive declares the shape and type of every array. It is written without compression, so that
+an array is never larger than its file. A larger declaration is rejected before any memory is
+allocated. Archives of NumPy contain a checksum of every member.
 """
 
 import errno
 import os
 import reprlib
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from io import BufferedRandom, RawIOBase
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._extras import extra
-from gearbow._files import check_name, parsing, reserve
-from gearbow.errors import GearbowError
+from gearbow._files import as_path, check_name, parsing, replacing, reserve
+from gearbow.errors import GearbowError, SceneError
 
 if TYPE_CHECKING:
     from zipfile import ZipFile
@@ -143,60 +138,40 @@ def record(**checks: Check) -> Check:
     return checked
 
 
-#: Suffixes of the formats.
-ENDINGS = (".npz", ".nc")
+#: Ending of the archives, from which runs continue, and of the files for other programs.
+ARCHIVE, EXPORT = ".npz", ".nc"
 
 #: Declaration of an array in a file.
 Header: TypeAlias = tuple[tuple[int, ...], np.dtype[Any]]
 
 _METADATA = "metadata"
-#: First bytes of the seal of a netCDF file; the digest follows, SHA-256 with this number of bytes.
-_SEAL = b"gearbow\n"
-_DIGEST = 32
-_BLOCK = 1 << 20
 
 
-class Container(Protocol):
-    """An open file of named arrays and one text."""
-
-    def metadata(self) -> str:
-        """Read the text."""
-
-    def header(self, name: str) -> Header | None:
-        """Give shape and type of an array, None if there is none of this name."""
-
-    def read(self, name: str) -> NDArray[Any]:
-        """Read an array."""
-
-
-def suffix(
-    path: object, argument: str = "path", endings: Sequence[str] = ENDINGS
-) -> tuple[Path, str]:
-    """Check the suffix of a file, and import the libraries that its format needs."""
-    found, ending = check_name(path, endings, argument)
-    if ending == ".nc":
-        with extra("netcdf"):
-            import h5netcdf  # noqa: F401, PLC0415
-            import h5py  # noqa: F401, PLC0415
-            import xarray  # noqa: F401, PLC0415
-    return found, ending
+def archive_name(path: object, argument: str = "path") -> Path:
+    """Check the name of an archive, from which a run continues."""
+    if as_path(path, argument).suffix.lower() == EXPORT:
+        raise SceneError(
+            f"{argument}: {path} is netCDF, which gearbow writes for other programs and does not "
+            f"read; give a file {ARCHIVE}, which `save` writes too"
+        )
+    return check_name(path, (ARCHIVE,), argument)[0]
 
 
 @contextmanager
-def opened(path: str | os.PathLike[str]) -> Iterator[Container]:
-    """Open a file for reading."""
-    file, ending = suffix(path)
-    kind = _NetCdf if ending == ".nc" else _Npz
+def opened(path: str | os.PathLike[str], argument: str = "path") -> Iterator["Archive"]:
+    """Open an archive for reading."""
+    from zipfile import ZipFile  # noqa: PLC0415
+
     with (
-        file.open("rb") as stream,
+        archive_name(path, argument).open("rb") as stream,
         parsing(path, "a response of gearbow", own=True),
-        kind.open(stream) as container,
+        ZipFile(stream) as archive,
     ):
-        yield container
+        yield Archive(archive, os.fstat(stream.fileno()).st_size)
 
 
-class _Npz:
-    """An archive of NumPy."""
+class Archive:
+    """An open archive of NumPy: named arrays and one text."""
 
     def __init__(self, archive: "ZipFile", size: int) -> None:
         from zipfile import ZIP_STORED  # noqa: PLC0415
@@ -208,15 +183,8 @@ class _Npz:
         if any(entry.compress_type != ZIP_STORED for entry in archive.infolist()):
             raise GearbowError("it is compressed, which gearbow never does")
 
-    @classmethod
-    @contextmanager
-    def open(cls, stream: BinaryIO) -> Iterator["_Npz"]:
-        from zipfile import ZipFile  # noqa: PLC0415
-
-        with ZipFile(stream) as archive:
-            yield cls(archive, _size(stream))
-
     def metadata(self) -> str:
+        """Read the text."""
         found = self.header(_METADATA)
         if found is None:
             raise GearbowError(f"it has no {_METADATA}")
@@ -226,6 +194,7 @@ class _Npz:
         return str(self.read(_METADATA))
 
     def header(self, name: str) -> Header | None:
+        """Give shape and type of an array, None if there is none of this name."""
         entry = self._members.get(f"{name}.npy")
         if entry is None:
             return None
@@ -248,89 +217,28 @@ class _Npz:
         return shape, dtype
 
     def read(self, name: str) -> NDArray[Any]:
+        """Read an array."""
         with self._archive.open(f"{name}.npy") as member:
             values: NDArray[Any] = np.lib.format.read_array(member, allow_pickle=False)
         return values
 
 
-class _NetCdf:
-    """A netCDF-4 file, which is an HDF5 file."""
-
-    def __init__(self, file: Any, size: int) -> None:
-        self._file = file
-        self._size = size
-        self._left = size
-
-    @classmethod
-    @contextmanager
-    def open(cls, stream: BinaryIO) -> Iterator["_NetCdf"]:
-        import h5py  # noqa: PLC0415
-
-        _check_seal(stream)
-        with h5py.File(stream, "r") as file:
-            yield cls(file, _size(stream))
-
-    def metadata(self) -> str:
-        found = self._file.attrs.get(_METADATA)
-        if not isinstance(found, str):
-            raise GearbowError(f"{_METADATA}: must be a text, is {type(found).__name__}")
-        return found
-
-    def header(self, name: str) -> Header | None:
-        import h5py  # noqa: PLC0415
-
-        link = self._file.get(name, getlink=True)
-        if link is None:
-            return None
-        if not isinstance(link, h5py.HardLink):
-            raise GearbowError(f"{name}: is in another file or at another place")
-        found = self._file[name]
-        if not isinstance(found, h5py.Dataset) or found.shape is None:
-            raise GearbowError(f"{name}: is not an array")
-        # Data that are chunked, compressed, external or never written may be larger than the file.
-        layout = found.id.get_create_plist().get_layout()
-        size = prod(found.shape) * found.dtype.itemsize
-        offset = found.id.get_offset()
-        stored = layout == h5py.h5d.CONTIGUOUS and not found.external
-        if not stored or offset is None or offset + size > self._size:
-            raise GearbowError(
-                f"{name}: its {size} bytes of shape {found.shape} are not in the file as gearbow "
-                "writes them"
-            )
-        return found.shape, found.dtype
-
-    def read(self, name: str) -> NDArray[Any]:
-        values: NDArray[Any] = self._file[name][()]
-        self._left -= values.nbytes
-        if self._left < 0:
-            raise GearbowError("it declares more data than the file has bytes")
-        return values
+def require_netcdf() -> None:
+    """Import the libraries of netCDF files, which an extra installs."""
+    with extra("netcdf"):
+        import h5netcdf  # noqa: F401, PLC0415
+        import h5py  # noqa: F401, PLC0415
+        import xarray  # noqa: F401, PLC0415
 
 
-def seal(stream: BinaryIO, size: int) -> bytes:
-    """Return the seal of a netCDF file whose content is the next bytes of a stream."""
-    from hashlib import sha256  # noqa: PLC0415
-
-    digest = sha256()
-    while size > 0 and (block := stream.read(min(size, _BLOCK))):
-        digest.update(block)
-        size -= len(block)
-    return _SEAL + digest.digest()
-
-
-def _check_seal(stream: BinaryIO) -> None:
-    """Reject a file whose content does not match its seal, and rewind it."""
-    expected = seal(stream, _size(stream) - len(_SEAL) - _DIGEST)
-    if stream.read() != expected:
-        raise GearbowError(
-            "it does not end with the digest of its content; it is incomplete, has changed since "
-            "it was written, or was written by another program"
-        )
-    stream.seek(0)
+def save_netcdf(dataset: "xr.Dataset", path: Path) -> None:
+    """Write a data set as a netCDF file, completely or not at all."""
+    with replacing(path) as file:
+        write_netcdf(dataset, file)
 
 
 def write_netcdf(dataset: "xr.Dataset", file: BufferedRandom) -> None:
-    """Write a data set as a netCDF file, with the seal at its end."""
+    """Write a data set as a netCDF file."""
     import h5netcdf  # noqa: PLC0415
     from xarray.backends import H5NetCDFStore  # noqa: PLC0415
 
@@ -348,10 +256,6 @@ def write_netcdf(dataset: "xr.Dataset", file: BufferedRandom) -> None:
     if image.error is not None:
         raise image.error
     file.raw.truncate(image.size)
-    file.seek(0)
-    end = seal(file, image.size)
-    file.seek(image.size)
-    file.write(end)
 
 
 class _Image:
@@ -415,7 +319,3 @@ class _Image:
 
     def flush(self) -> None:
         """Do nothing: the data are written at once."""
-
-
-def _size(stream: BinaryIO) -> int:
-    return os.fstat(stream.fileno()).st_size

@@ -1,13 +1,12 @@
-"""Files of responses.
+"""Files of recorded runs.
 
-Both file formats contain the arrays, and one JSON text with all other data. Nothing is pickled.
-Numbers are not rounded, so that a run can continue from a loaded response.
+An archive contains the arrays, and one JSON text with all other data. Nothing is pickled. Numbers
+are not rounded, so that a run can continue from a loaded response.
 """
 
 import json
 import os
 from dataclasses import fields
-from math import prod
 from typing import Any
 
 import numpy as np
@@ -24,14 +23,13 @@ from gearbow.recording.channels import (
     OWNERS,
     arrays_of,
     metadata_of,
-    to_xarray,
     with_signals,
 )
 from gearbow.recording.container import (
-    Container,
-    Header,
+    Archive,
     any_number,
     anything,
+    archive_name,
     each,
     entries,
     flag,
@@ -40,10 +38,8 @@ from gearbow.recording.container import (
     optional,
     record,
     row,
-    suffix,
     text,
     whole,
-    write_netcdf,
 )
 from gearbow.recording.record import OPTIONS, ErrorEstimate, Errors, RunRecord, RunRequest
 from gearbow.units.speed import speed_factor
@@ -87,28 +83,21 @@ _METADATA = record(
     ),
     events=each(row(number, text, text, text)),
     final=record(),
-    empty=record(),
 )
 #: A changing speed; a constant speed is a number.
 _PROFILE = record(breaks=each(number), coefficients=each(each(number)))
 
 
 def save(run: RunRecord, path: str | os.PathLike[str], **more: Any) -> None:
-    """Write a recorded run to a ``.npz`` or ``.nc`` file, completely or not at all."""
-    path, ending = suffix(path)
-    metadata = metadata_of(run, more)
-    if ending == ".nc":
-        dataset = to_xarray(run).assign_attrs(metadata=metadata)
-        with replacing(path) as file:
-            write_netcdf(dataset, file)
-        return
-    with replacing(path) as file:
-        np.savez(file, metadata=np.array(metadata), **arrays_of(run))  # type: ignore[arg-type]
+    """Write a recorded run to an archive, completely or not at all."""
+    metadata = np.array(metadata_of(run, more))
+    with replacing(archive_name(path)) as file:
+        np.savez(file, metadata=metadata, **arrays_of(run))  # type: ignore[arg-type]
 
 
-def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
+def read(path: str | os.PathLike[str], argument: str = "path") -> tuple[RunRecord, dict[str, Any]]:
     """Read a file of `save` with its metadata."""
-    with opened(path) as file:
+    with opened(path, argument) as file:
         about = json.loads(file.metadata())
         record(format=whole)(about, "")
         if about["format"] != FORMAT:
@@ -133,20 +122,9 @@ def read(path: str | os.PathLike[str]) -> tuple[RunRecord, dict[str, Any]]:
         return _run(about, arrays), about
 
 
-def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[Any]]:
+def _read_arrays(file: Archive, about: dict[str, Any]) -> dict[str, NDArray[Any]]:
     """Check the type and shape of each array, then read it."""
-
-    def header(name: str) -> Header | None:
-        # The metadata describe arrays without elements, which netCDF cannot contain.
-        if name not in about["empty"]:
-            return file.header(name)
-        row(each(whole), text)(about["empty"][name], f"empty.{name}")
-        shape, kind = about["empty"][name]
-        if prod(shape) != 0:
-            raise GearbowError(f"empty.{name}: must have no elements, got the shape {shape}")
-        return tuple(shape), np.dtype(kind)
-
-    time = header("time")
+    time = file.header("time")
     sizes: dict[str, int | None] = {
         "time": time[0][0] if time is not None and time[0] else 0,
         "axis": 2,
@@ -165,7 +143,7 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
     # arrays of a group.
     for group in {channel.group for channel in CHANNELS.values()} - {None}:
         names = [name for name, channel in CHANNELS.items() if channel.group == group]
-        if all(header(name) is None for name in names):
+        if all(file.header(name) is None for name in names):
             expected = {name: value for name, value in expected.items() if name not in names}
     if not about["rolling_bearings"]:
         expected = {
@@ -173,7 +151,7 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
         }
     arrays: dict[str, NDArray[Any]] = {}
     for name, (kind, shape) in expected.items():
-        found = header(name)
+        found = file.header(name)
         if found is None:
             raise GearbowError(f"{name}: is missing")
         fits = len(found[0]) == len(shape) and all(
@@ -185,8 +163,7 @@ def _read_arrays(file: Container, about: dict[str, Any]) -> dict[str, NDArray[An
                 f"{name}: must be {np.dtype(kind)} of shape ({wanted}), got {found[1]} of shape "
                 f"{found[0]}"
             )
-        values = np.empty(found[0]) if name in about["empty"] else file.read(name)
-        arrays[name] = np.ascontiguousarray(values, dtype=kind)
+        arrays[name] = np.ascontiguousarray(file.read(name), dtype=kind)
     return arrays
 
 
@@ -214,6 +191,6 @@ def _run(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
         kinematics=Kinematics.from_plain(about["kinematics"]),
         accuracy=about["accuracy"],
         request=RunRequest.from_plain(about["request"]),
-        errors=Errors.from_plain(about["errors"]),
+        errors=Errors._from_plain(about["errors"]),
         speed_unit=about["speed_unit"],
     )

@@ -92,7 +92,21 @@ class ContactShares(Shown):
 
 @dataclass(frozen=True)
 class ErrorEstimate(Shown):
-    """Error of one kind of signal: RMS of the difference / RMS of the signal about its mean."""
+    """Error of one kind of signal: RMS of the difference / RMS of the signal about its mean.
+
+    Parameters
+    ----------
+    elements, modes, integration : float
+        Contributions of the elements, of the modes that are left out, and of the integration.
+    total : float
+        Error of the signal with all of them.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.results.ErrorEstimate(elements=2e-3, modes=0.0, integration=1e-4, total=2e-3).total
+    0.002
+    """
 
     elements: float
     modes: float
@@ -127,14 +141,14 @@ class Errors(dict[str, ErrorEstimate]):
             )
         return "\n".join(lines)
 
-    def plain(self) -> dict[str, Plain]:
+    def _plain(self) -> dict[str, Plain]:
         """Convert to data that JSON can hold."""
         estimates = {kind: asdict(each) for kind, each in self.items()}
         return {"window": self.window, "chaotic": self.chaotic, "estimates": estimates}
 
     @classmethod
-    def from_plain(cls, given: Mapping[str, Plain] | None) -> "Errors | None":
-        """Read the data of `plain`."""
+    def _from_plain(cls, given: Mapping[str, Plain] | None) -> "Errors | None":
+        """Read the data of `_plain`."""
         if given is None:
             return None
         estimates = {kind: ErrorEstimate(**each) for kind, each in given["estimates"].items()}
@@ -241,7 +255,7 @@ class RunRecord(Shown):
             f"(recorded: {recorded})"
         )
 
-    def to_record(self) -> "RunRecord":
+    def _to_record(self) -> "RunRecord":
         """Give the record, as a response does."""
         return self
 
@@ -260,15 +274,15 @@ SECTION_FORCES = {
 class Recorded(Protocol):
     """A recorded run, for example a `gearbow.Response`."""
 
-    def to_record(self) -> RunRecord:
+    def _to_record(self) -> RunRecord:
         """Give the recorded run as plain data."""
 
 
 def recorded_run(given: object, path: str) -> RunRecord:
     """Give the data of a response."""
-    if isinstance(given, type) or not hasattr(given, "to_record"):
+    if isinstance(given, type) or not hasattr(given, "_to_record"):
         raise SceneError(f"{path}: must be a Response, got {shown(given)}")
-    found: RunRecord = given.to_record()
+    found: RunRecord = given._to_record()
     return found
 
 
@@ -378,7 +392,35 @@ class MeshResponse(ReadOnly):
 
 @dataclass(frozen=True)
 class Statistics(Shown):
-    """Counts and step lengths of a simulation."""
+    """Counts and step lengths of a simulation.
+
+    Parameters
+    ----------
+    steps, rejected, evaluations, events : int
+        Numbers of steps, of rejected steps, of evaluations of the right-hand side, and of contact
+        changes at which a step ends.
+    step_min, step_max : float
+        Lengths of the shortest and of the longest step [s].
+    omega_max : float
+        Highest undamped natural frequency of the model [rad/s].
+    limited_by : {"step", "stability", "tolerance"}
+        What limited most steps.
+    condition : float
+        Condition number of the modes; NaN if the method does not use modes.
+    modes : int or None
+        Number of modes that a reduced model keeps.
+    modes_error : tuple of float or None
+        Estimated error of displacements and of mesh forces from the reduction to these modes.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
+    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
+    >>> run = gb.RotorSystem([rotor], bearings=bearings).simulate(0.01, 100.0, record=[])
+    >>> isinstance(run.statistics, gb.results.Statistics), run.statistics.events
+    (True, 0)
+    """
 
     steps: int
     rejected: int

@@ -410,7 +410,7 @@ def motion(contents: Contents) -> Iterator[Block]:
     yield Table.of_result(run)
     end = float(run.time[-1])
     times = (max(float(run.time[0]), end - SHOWN_REVOLUTIONS * contents.turn()), end)
-    bodies = [names[0] for _, _, names in run.to_record().data["points"] if names]
+    bodies = [names[0] for _, _, names in run._to_record().data["points"] if names]
     lateral = any(direction == "v" for *_, direction in contents.system.dofs)
     if lateral and bodies:
         for first in range(0, len(bodies), _ORBITS):

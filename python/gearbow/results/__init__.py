@@ -29,7 +29,14 @@ _NAMES = {
     "gearbow.orders.spectrum": ("Spectrum",),
     "gearbow.orders.waterfall": ("Waterfall",),
     "gearbow.recording.access": ("BearingMotion", "EnergyBalance"),
-    "gearbow.recording.record": ("Contact", "ContactShares", "Event", "MeshResponse"),
+    "gearbow.recording.record": (
+        "Contact",
+        "ContactShares",
+        "ErrorEstimate",
+        "Event",
+        "MeshResponse",
+        "Statistics",
+    ),
     "gearbow.results.bow_limits": ("BowLimits", "ReachedLimit"),
     "gearbow.results.campbell": (
         "Campbell",
@@ -39,9 +46,9 @@ _NAMES = {
     ),
     "gearbow.results.continuation": ("Continuation",),
     "gearbow.results.critical_speeds": ("CriticalSpeedMap",),
-    "gearbow.results.properties": ("Discretisation", "MassProperties", "Matrices"),
+    "gearbow.results.properties": ("Discretisation", "MassProperties", "Matrices", "ShaftElements"),
     "gearbow.results.section_forces": ("SectionForces",),
-    "gearbow.results.static": ("Efficiency", "Static"),
+    "gearbow.results.static": ("Efficiency", "MeshState", "Static"),
     "gearbow.results.stresses": ("Stresses",),
     "gearbow.results.harmonic": ("FrequencyComparison",),
     "gearbow.results.frequency_response": ("FrequencyResponse",),
@@ -54,7 +61,7 @@ _NAMES = {
     "gearbow.results.synchronous": ("Synchronous",),
     "gearbow.results.thermal": ("ThermalSpiral", "ThermalStability"),
     "gearbow.sweeps.result": ("Sweep", "SweepPoint"),
-    "gearbow.studies.result": ("Recommendation", "Tradeoff", "Trial"),
+    "gearbow.studies.result": ("Recommendation", "Skipped", "Tradeoff", "Trial"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
@@ -88,8 +95,10 @@ if _typing.TYPE_CHECKING:
     from gearbow.recording.record import (
         Contact as Contact,
         ContactShares as ContactShares,
+        ErrorEstimate as ErrorEstimate,
         Event as Event,
         MeshResponse as MeshResponse,
+        Statistics as Statistics,
     )
     from gearbow.results.bow_limits import BowLimits as BowLimits, ReachedLimit as ReachedLimit
     from gearbow.results.campbell import (
@@ -113,6 +122,7 @@ if _typing.TYPE_CHECKING:
         Discretisation as Discretisation,
         MassProperties as MassProperties,
         Matrices as Matrices,
+        ShaftElements as ShaftElements,
     )
     from gearbow.results.response import Response as Response
     from gearbow.results.section_forces import SectionForces as SectionForces
@@ -120,7 +130,11 @@ if _typing.TYPE_CHECKING:
         ResponseSensitivity as ResponseSensitivity,
         Sensitivity as Sensitivity,
     )
-    from gearbow.results.static import Efficiency as Efficiency, Static as Static
+    from gearbow.results.static import (
+        Efficiency as Efficiency,
+        MeshState as MeshState,
+        Static as Static,
+    )
     from gearbow.results.steady import SteadyState as SteadyState
     from gearbow.results.stresses import Stresses as Stresses
     from gearbow.results.synchronous import Synchronous as Synchronous
@@ -130,6 +144,7 @@ if _typing.TYPE_CHECKING:
     )
     from gearbow.studies.result import (
         Recommendation as Recommendation,
+        Skipped as Skipped,
         Tradeoff as Tradeoff,
         Trial as Trial,
     )

@@ -267,7 +267,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
     _data: RunData
 
     @abstractmethod
-    def to_record(self) -> RunRecord:
+    def _to_record(self) -> RunRecord:
         """Give the recording as plain data."""
 
     @property
@@ -303,7 +303,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
             Names of gears and disks, (shaft, position), (driver, driven), ("bearing", shaft,
             position), "velocity", "acceleration", "energy".
         """
-        return self.to_record().recorded
+        return self._to_record().recorded
 
     @property
     def speeds(self) -> Array:
@@ -314,7 +314,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         ndarray, shape (k,)
             Speeds [rad/s].
         """
-        return access.speeds(self.to_record())
+        return access.speeds(self._to_record())
 
     def angle(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
         """Prescribed angle of a shaft, without its twist.
@@ -336,7 +336,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         ChannelError
             If there is no such shaft, or the response has no kinematics.
         """
-        return access.angle(self.to_record(), shaft, times)
+        return access.angle(self._to_record(), shaft, times)
 
     def spin(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
         """Prescribed angular velocity of a shaft.
@@ -353,13 +353,13 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         ndarray, shape (k,) or (n,)
             Angular velocity about x [rad/s].
         """
-        return access.spin(self.to_record(), shaft, times)
+        return access.spin(self._to_record(), shaft, times)
 
     def _section_forces(self, at: At, side: Side) -> SectionForces:
-        return recorded_forces(self.to_record(), at, side)
+        return recorded_forces(self._to_record(), at, side)
 
     def _at(self, quantity: str, at: Any) -> Any:
-        record = self.to_record()
+        record = self._to_record()
         if quantity in get_args(access.Quantity):
             return access.motion(record, quantity, at)  # type: ignore[arg-type]
         return getattr(access, quantity)(record, at)
@@ -422,7 +422,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         BearingMotion
             Force, number of loaded elements and largest contact force.
         """
-        return access.rolling(self.to_record(), at)
+        return access.rolling(self._to_record(), at)
 
     def mesh(self, at: str | tuple[str, str]) -> MeshResponse:
         """Time history of one mesh.
@@ -437,7 +437,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         MeshResponse
             Force and deflection, and the geometry of the moving centres.
         """
-        return access.mesh(self.to_record(), at)
+        return access.mesh(self._to_record(), at)
 
     def contact_shares(self, at: str | tuple[str, str], *, skip_time: float = 0.0) -> ContactShares:
         """Find the shares of the time with contact of drive flanks, back flanks, both or none.
@@ -462,7 +462,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         SceneError
             If `skip_time` is negative or longer than the record.
         """
-        return access.contact_shares(self.to_record(), at, skip_time)
+        return access.contact_shares(self._to_record(), at, skip_time)
 
     @property
     def energy(self) -> Array:
@@ -473,7 +473,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         ndarray, shape (k,)
             Energy [J].
         """
-        return access.energy(self.to_record())
+        return access.energy(self._to_record())
 
     def energy_balance(self) -> EnergyBalance:
         """Compare the energies of the system with the work done on it.
@@ -483,7 +483,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         EnergyBalance
             The terms, their sums, and the residual, which is the integration error.
         """
-        return access.energy_balance(self.to_record())
+        return access.energy_balance(self._to_record())
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -500,4 +500,4 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
             events, recorded or not. Other meshes have the events that their recorded instants
             show.
         """
-        return access.events(self.to_record())
+        return access.events(self._to_record())

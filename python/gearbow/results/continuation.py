@@ -174,7 +174,7 @@ class Continuation(WithSpeeds, Stored):
 
     def _statistic(self, name: str, at: Record, quantity: SignalQuantity | None) -> Array:
         """Give one statistic of a signal at each point."""
-        found: Array = channel(self._signals.to_record(), at, quantity).values
+        found: Array = channel(self._signals._to_record(), at, quantity).values
         chosen: Array = found[STATISTICS.index(name) :: len(STATISTICS)].copy()
         return chosen
 
@@ -226,7 +226,7 @@ class Continuation(WithSpeeds, Stored):
             factor, unit = written_unit(unit)
             label = f"{self.parameter} [{unit}]" if unit else f"{self.parameter} factor"
         at = self._first() if at is None else at
-        name = channel(self._signals.to_record(), at, quantity)
+        name = channel(self._signals._to_record(), at, quantity)
         values = (
             self.amplitude(at, quantity)
             if statistic is None
@@ -272,7 +272,7 @@ class Continuation(WithSpeeds, Stored):
 
     def _of(self, at: Record, quantity: SignalQuantity | None = None) -> list[Column]:
         """Give a row for each point, with the statistics and the amplitude of a signal."""
-        name = channel(self._signals.to_record(), at, quantity)
+        name = channel(self._signals._to_record(), at, quantity)
         found: dict[str, Array] = {each: self.statistic(each, at, quantity) for each in STATISTICS}
         found["amplitude"] = self.amplitude(at, quantity)
         written = in_micrometres(name.unit)
@@ -309,14 +309,14 @@ class Continuation(WithSpeeds, Stored):
         return recorded[0]
 
     def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
-        return self._signals.to_record(), {"branch": vars(self._data)}
+        return self._signals._to_record(), {"branch": vars(self._data)}
 
     @classmethod
     def _restored(cls, run: RunRecord, about: dict[str, Any], path: Any) -> "Continuation":
         if "branch" not in about:
             raise GearbowError(f"{path}: is not a continuation")
         _BRANCH(about["branch"], "branch")
-        return cls(Response.from_record(run), BranchData(**about["branch"]))
+        return cls(Response._from_record(run), BranchData(**about["branch"]))
 
     def __repr__(self) -> str:
         span = f"{self.values[0]:g} to {self.values[-1]:g}" if self.values.size else "empty"

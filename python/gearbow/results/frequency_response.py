@@ -436,12 +436,10 @@ class FrequencyResponse(HarmonicResponse):
             with replacing(path) as file:
                 harmonic.write_mat(file, curves, *about)
         else:
-            from gearbow.recording.container import suffix, write_netcdf  # noqa: PLC0415
+            from gearbow.recording.container import require_netcdf, save_netcdf  # noqa: PLC0415
 
-            suffix(path)
-            dataset = self._curve_dataset(at, parts=True)
-            with replacing(path) as file:
-                write_netcdf(dataset, file)
+            require_netcdf()
+            save_netcdf(self._curve_dataset(at, parts=True), path)
 
     def _columns(self) -> list[Column]:
         """Give a row for each frequency and source, with the amplitudes at a few places."""

@@ -162,7 +162,21 @@ class Matrices(ReadOnly):
 
 @dataclass(frozen=True)
 class ShaftElements(Shown):
-    """Elements of one shaft."""
+    """Elements of one shaft.
+
+    Parameters
+    ----------
+    numbers : tuple of int
+        Number of elements of each segment.
+    degree : int
+        Degree of their polynomials.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.results.ShaftElements(numbers=(4, 2), degree=3)
+    ShaftElements(numbers=(4, 2), degree=3)
+    """
 
     numbers: tuple[int, ...]
     degree: int

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 class Stored(Result):
     """A result that a file holds without rounding: a recorded run, and entries of its own."""
 
-    _own_endings = (".npz", ".nc")
+    _own_endings = (".npz",)
 
     def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
         """Give the run, and the entries of the metadata of the file."""
@@ -62,6 +62,12 @@ class Stored(Result):
         run, more = self._stored()
         file.save(run, path, **more)
 
+    def _dataset(self) -> "xr.Dataset":
+        run, more = self._stored()
+        dataset = channels.to_xarray(run)
+        dataset.attrs["metadata"] = channels.metadata_of(run, more)
+        return dataset
+
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Self":
         """Read a file that `save` wrote.
@@ -69,7 +75,7 @@ class Stored(Result):
         Parameters
         ----------
         path : str or path-like
-            The file. Its name ends with ".npz" or ".nc".
+            The file. Its name ends with ".npz"; netCDF files (".nc") are for other programs.
 
         Returns
         -------
@@ -154,26 +160,8 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         self._errors: Errors | None = None
 
     @classmethod
-    def from_record(cls, record: RunRecord) -> "Response":
-        """Make a response from plain data, the inverse of `to_record`.
-
-        Parameters
-        ----------
-        record : RunRecord
-            Plain data.
-
-        Returns
-        -------
-        Response
-            The response.
-
-        Raises
-        ------
-        SceneError
-            If it is no such record.
-        """
-        if not isinstance(record, RunRecord):
-            raise SceneError(f"record: must be that of to_record, got {shown(record)}")
+    def _from_record(cls, record: RunRecord) -> "Response":
+        """Make a response from plain data, the inverse of `_to_record`."""
         response = cls(record.data, record.speed)
         response.kinematics, response.accuracy = record.kinematics, record.accuracy
         response.request, response._errors = record.request, record.errors
@@ -182,20 +170,14 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         return response
 
     def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
-        return self.to_record(), {}
+        return self._to_record(), {}
 
     @classmethod
     def _restored(cls, run: RunRecord, _about: dict[str, Any], _path: Any) -> "Response":
-        return cls.from_record(run)
+        return cls._from_record(run)
 
-    def to_record(self) -> RunRecord:
-        """Give the recording as plain data.
-
-        Returns
-        -------
-        RunRecord
-            All data that a file contains.
-        """
+    def _to_record(self) -> RunRecord:
+        """Give the recording as plain data."""
         return RunRecord(
             self._data,
             self.speed,
@@ -312,7 +294,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         GearbowError
             If the times are not equally spaced.
         """
-        return spectrum(self.to_record(), at, quantity, window=window)
+        return spectrum(self._to_record(), at, quantity, window=window)
 
     def orders(
         self,
@@ -381,7 +363,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
             is more than 30 % of the RMS of the signal about its mean.
         """
         return orders(
-            self.to_record(),
+            self._to_record(),
             at,
             quantity,
             shaft_harmonics=shaft_harmonics,
@@ -426,7 +408,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
             If the times are not equally spaced, the rate exceeds that of the recording, or the
             recording is shorter than the filter.
         """
-        return Response.from_record(resampled(self.to_record(), rate, shaft))
+        return Response._from_record(resampled(self._to_record(), rate, shaft))
 
     def stresses(
         self,
@@ -474,7 +456,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
             "line": line,
         }
         given = None if notches is None else parts(notches, Notch, "notches")
-        return recorded_stresses(self.to_record(), strength, given, number(skip_time, "skip_time"))
+        return recorded_stresses(self._to_record(), strength, given, number(skip_time, "skip_time"))
 
     plot = plot
 
@@ -504,7 +486,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
                 raise SceneError(
                     f"sensors[{i}]: must be a Probe or an Accelerometer, got {shown(sensor)}"
                 )
-            found = channel(self.to_record(), sensor)
+            found = channel(self._to_record(), sensor)
             table[f"{found.label} [{found.unit}]"] = found.values
         return table
 
@@ -516,7 +498,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         xarray.Dataset
             Variables over time, point, axis, mesh and bearing, each with its unit as an attribute.
         """
-        return channels.to_xarray(self.to_record())
+        return channels.to_xarray(self._to_record())
 
     def __repr__(self) -> str:
         data = self._data
@@ -552,7 +534,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         return lines
 
     def _columns(self) -> list[Column]:
-        return channels.summary(self.to_record())
+        return channels.summary(self._to_record())
 
     def _series(self) -> list[Column]:
-        return channels.series(self.to_record())
+        return channels.series(self._to_record())

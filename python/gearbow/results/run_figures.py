@@ -101,7 +101,7 @@ def plot(
     SceneError
         If `skip_time` is negative or longer than the record, or `times` are not in it.
     """
-    run = self.to_record()
+    run = self._to_record()
     with extra("plot"):
         from gearbow.plotting import response as figures  # noqa: PLC0415
 
@@ -259,7 +259,7 @@ def animate(
     fps : float
         Frames per second, at most 50.
     """
-    run = self.to_record()
+    run = self._to_record()
     with extra("plot"):
         from gearbow.plotting import animation  # noqa: PLC0415
 
@@ -316,12 +316,12 @@ def _motion(
             "no gear or disk was recorded; give record=['gears', 'meshes'] to simulate"
         )
     shown_mesh, curves = _mesh(run, mesh, named, span, time)
-    angle = _angle(run, time)
+    angle = access.reference_angle(run, time)
     centres = {name: _at(run, access.motion(run, "displacement", name), time) for name in named}
     return animation.Motion(
         train=train,
         time=time,
-        speed=_speed(run, time),
+        speed=access.speeds(run, time),
         angles={name: ratio * angle for name, ratio in train.ratios.items()},
         centres={name: values - values.mean(axis=0) for name, values in centres.items()},
         twists={name: _at(run, access.motion(run, "twist", name), time) for name in named},
@@ -371,7 +371,7 @@ def _span(run: RunRecord, times: tuple[float, float] | None) -> tuple[float, flo
     if times is None:
         ratios = () if run.kinematics is None else run.kinematics.shafts
         slowest = min((abs(ratio) for _, ratio in ratios), default=1.0)
-        speed = abs(float(_speed(run, run.time[-1:])[0]))
+        speed = abs(float(access.speeds(run, run.time[-1:])[0]))
         turn = 2.0 * math.pi / (slowest * speed) if slowest * speed > 0.0 else math.inf
         return max(first, last - turn), last
     return within(run.time, times)
@@ -382,21 +382,3 @@ def _at(run: RunRecord, values: Array, time: Array) -> Array:
     columns = values.reshape(values.shape[0], -1).T
     found = np.column_stack([np.interp(time, run.time, column) for column in columns])
     return found if values.ndim > 1 else found[:, 0]
-
-
-def _speed(run: RunRecord, time: Array) -> Array:
-    """Give the speed of the reference shaft [rad/s]."""
-    if isinstance(run.speed, SpeedProfile):
-        return run.speed(time)
-    return np.full(time.shape, run.speed)
-
-
-def _angle(run: RunRecord, time: Array) -> Array:
-    """Give the angle of the reference shaft [rad]; of a changing speed, since the first time."""
-    if not isinstance(run.speed, SpeedProfile):
-        return run.speed * time
-    grid = np.linspace(run.time[0], time[-1], max(2000, 4 * run.time.size))
-    speed = run.speed(grid)
-    steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(grid)
-    angle: Array = np.interp(time, grid, np.concatenate([[0.0], np.cumsum(steps)]))
-    return angle

@@ -31,7 +31,35 @@ _ROUND_OFF = 1e-9
 
 @dataclass(frozen=True)
 class MeshState(Shown):
-    """State of one mesh at equilibrium."""
+    """State of one mesh at equilibrium.
+
+    The quantities are those of `MeshResponse`.
+
+    Parameters
+    ----------
+    deflection : float
+        Mesh deflection along the line of action [m].
+    force : float
+        Mesh force [N].
+    stiffness : float
+        Mesh stiffness [N/m].
+    pressure_angle : float
+        Operating pressure angle [rad].
+    centre_distance : float
+        Distance between the centres [m].
+    centre_line_angle : float
+        Angle of the line of centres, driver to driven, from y towards z [rad].
+    contact_ratio, pairs_in_contact : float
+        Contact ratio, and number of tooth pairs that carry load.
+    thrust : float
+        Axial force of the teeth on the driven gear [N].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.results.MeshState(1e-6, 200.0, 2e8, 0.35, 0.1, 0.0, 1.6, 2.0, 0.0).thrust
+    0.0
+    """
 
     deflection: float
     force: float

@@ -211,14 +211,14 @@ class SteadyState(WithSpeeds, Stored):
             "method": self.method,
             "multipliers": None if found is None else [[z.real, z.imag] for z in found.tolist()],
         }
-        return self.response.to_record(), {"steady": steady}
+        return self.response._to_record(), {"steady": steady}
 
     @classmethod
     def _restored(cls, run: RunRecord, about: dict[str, Any], path: Any) -> "SteadyState":
         if "steady" not in about:
             raise GearbowError(f"{path}: is a response, not a steady state; use Response.load")
         _STEADY(about["steady"], "steady")
-        return cls(Response.from_record(run), about["steady"])
+        return cls(Response._from_record(run), about["steady"])
 
     def __getstate__(self) -> dict[str, Any]:
         # The response knows the scene, from which the model can be built again.

@@ -19,12 +19,12 @@ import numpy as np
 from gearbow._convert import number, shown, text, whole
 from gearbow._core import __version__
 from gearbow._extras import extra
-from gearbow._files import check_output, printable, replacing
+from gearbow._files import check_name, check_output, printable, replacing
 from gearbow._lookup import checked, nearest
 from gearbow._types import Array, Progress
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.fit import orders as fitted_orders
-from gearbow.recording.container import suffix, write_netcdf
+from gearbow.recording.container import require_netcdf, write_netcdf
 from gearbow.recording.record import Recorded
 from gearbow.results.response import Response
 from gearbow.sensors import Sensor, SignalSensor, Tacho
@@ -299,7 +299,8 @@ def dataset(
     >>> print(made.values("middle").shape, abs(made.values("middle")).max().round(7))
     (2, 301) 0.0001026
     """
-    file, _ = suffix(path, "path", (".nc",))
+    file, _ = check_name(path, (".nc",))
+    require_netcdf()
     card_file = file.with_suffix(".md")
     for each in (file, card_file):
         check_output(each)
@@ -372,7 +373,7 @@ class _Recording:
             found[name] = values
             if self.orders is not None and isinstance(sensor, SignalSensor):
                 measured, noise = _Measured(sensor, values), self.noise.get(name, 0.0)
-                fitted = fitted_orders(response.to_record(), measured, noise=noise, **self.orders)
+                fitted = fitted_orders(response._to_record(), measured, noise=noise, **self.orders)
                 found[f"{name}_orders"] = fitted.tracks
                 found["order"] = np.array([str(order) for order in fitted.orders])
                 found["segment_speed"] = fitted.speeds

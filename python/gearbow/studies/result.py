@@ -168,7 +168,21 @@ class Trial(Shown, Generic[S]):
 
 @dataclass(frozen=True)
 class Skipped(Shown):
-    """A skipped setting."""
+    """A setting that a study did not run or complete.
+
+    Parameters
+    ----------
+    setting, model : str
+        Names of the setting and of the model.
+    reason : str
+        Why it was skipped.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> print(gb.results.Skipped("rk4", "full", "it is above the stability limit"))
+    rk4, full: it is above the stability limit
+    """
 
     setting: str
     model: str

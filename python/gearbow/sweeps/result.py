@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from gearbow._convert import shown, text
 from gearbow._core import require_memory
 from gearbow._extras import extra
-from gearbow._files import check_name, replacing
+from gearbow._files import check_name
 from gearbow._lookup import nearest
 from gearbow._result import Column, Result
 from gearbow._shown import Shown, short
 from gearbow._types import Plain
 from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, SceneError, outside
-from gearbow.recording.container import suffix, write_netcdf
 from gearbow.sweeps import store
 from gearbow.sweeps.points import Outcome, Points, Values
 from gearbow.units.fields import DIMENSIONLESS, unit_of
@@ -95,7 +94,7 @@ class Sweep(Result, Sequence[SweepPoint]):
      [1100.  379.]]
     """
 
-    _own_endings = (store.SUFFIX, ".nc")
+    _own_endings = (store.SUFFIX,)
 
     def __init__(
         self,
@@ -278,14 +277,11 @@ class Sweep(Result, Sequence[SweepPoint]):
         named = {name: self.values(name) for name in self._names()}
         return columns(self._points, named, [point.error for point in self])
 
-    def _save_own(self, path: Any, ending: str) -> None:
-        if ending == store.SUFFIX:
-            store.write(path, self._head(), self._outcomes)
-            return
-        suffix(path)
-        dataset = for_netcdf(self.to_xarray())
-        with replacing(path) as file:
-            write_netcdf(dataset, file)
+    def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
+        store.write(path, self._head(), self._outcomes)
+
+    def _dataset(self) -> "xr.Dataset":
+        return for_netcdf(self.to_xarray())
 
     def _head(self) -> dict[str, Plain]:
         return store.head_of(*self._functions, self._points.plain())

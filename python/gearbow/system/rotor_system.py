@@ -5,9 +5,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
-from gearbow._convert import copied, nested, showing, shown, text
+from gearbow._convert import copied, nested, showing, shown, text, truth
 from gearbow._core import Model
 from gearbow._files import check_name, replacing
 from gearbow._lookup import CheckedKeywords, nearest
@@ -66,20 +64,13 @@ if TYPE_CHECKING:
 _OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing, RollingBearing)}
 
 
-def _flag(value: object, path: str) -> bool:
-    """Convert a truth value."""
-    if not isinstance(value, (bool, np.bool_)):
-        raise SceneError(f"{path}: must be True or False, got {shown(value)}")
-    return bool(value)
-
-
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
     "reference": text,
     "modal_damping": described_ratios,
     "rayleigh": nested,
-    "geometric_stiffness": _flag,
-    "bow_torque": _flag,
+    "geometric_stiffness": truth,
+    "bow_torque": truth,
     "gravity": nested,
     "motion": text,
     "accuracy": text,

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from gearbow._convert import BYTES, number, real, shown
 from gearbow._core import __version__, check_final
@@ -22,13 +22,10 @@ from gearbow.description.speed import SpeedProfile
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, SceneWarning, outside
 from gearbow.recording import file
 from gearbow.recording.channels import signals, with_signals
-from gearbow.recording.container import suffix
+from gearbow.recording.container import archive_name
 from gearbow.recording.record import RunRecord
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
-
-#: Accepted types of the speed of a run.
-SpeedLike: TypeAlias = float | SpeedProfile | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]
 
 
 def given_speed(speed: object, begin: float, duration: float) -> float | SpeedProfile:
@@ -123,7 +120,7 @@ class Checkpoint:
     def __init__(
         self, path: str | os.PathLike[str], interval: float, asked: Mapping[str, Any]
     ) -> None:
-        self.path, _ = suffix(path, "checkpoint")
+        self.path = archive_name(path, "checkpoint")
         self.interval = interval
         if not self.path.parent.is_dir():
             raise SceneError(f"checkpoint: there is no folder {self.path.parent}")

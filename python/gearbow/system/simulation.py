@@ -2,9 +2,9 @@
 
 import os
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,7 +33,6 @@ from gearbow.recording.record import RunRequest
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 from gearbow.system.run import (
-    SpeedLike,
     beginning,
     given_speed,
     in_order,
@@ -43,6 +42,9 @@ from gearbow.system.run import (
 
 if TYPE_CHECKING:
     from gearbow.system.run import Checkpoint
+
+#: Accepted types of the speed of a run. The text is what `help` shows.
+SpeedLike: TypeAlias = "float | SpeedProfile | Callable[[Any], Any] | tuple[ArrayLike, ArrayLike]"
 
 
 def simulate(
@@ -134,7 +136,7 @@ def simulate(
         True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
         the completed fraction.
     checkpoint : str or path-like, optional
-        A ``.npz`` or ``.nc`` file for the state and the recorded data during the run. After an
+        A ``.npz`` file for the state and the recorded data during the run. After an
         interruption, the same call continues the run, with the same result as without
         interruption. At the end the file contains the response, and the same call reads it.
         Only one run at a time can use a file.
@@ -151,8 +153,6 @@ def simulate(
     SceneError
         If an argument is invalid, `accuracy` is higher than that of the system, or the
         checkpoint belongs to another run or is in use by another run.
-    MissingExtraError
-        If the checkpoint is a ``.nc`` file and the extra "netcdf" is not installed.
     StabilityError
         If the step is above the stability limit, or the run diverged.
     ContactError
@@ -218,7 +218,7 @@ def simulate(
     identity = {**arguments, "rtol": tolerance(arguments), "times": wanted, "rows": rows}
     with _checkpoint(system, checkpoint, checkpoint_interval, identity) as file:
         if file is not None and file.complete is not None:
-            return Response.from_record(file.complete)
+            return Response._from_record(file.complete)
         response = _run(system, arguments, profile, (wanted, rows), progress=progress, file=file)
         if level is not None and stages is None and modes is None:
             response.accuracy = level.explanation(response.events, coarse)
@@ -226,7 +226,7 @@ def simulate(
             level = level or LEVELS[system.accuracy]
             check_reduction(response.statistics, level, given=modes is not None)
         if file is not None:
-            file.finish(response.to_record())
+            file.finish(response._to_record())
     return response
 
 

@@ -15,6 +15,7 @@ import gearbow as gb
 from reference import elements, film, independent_solution
 from reference.cases import each_case
 from reference.film import Bearing
+from reference.runs import assert_energy_closes, assert_near, by_both_methods
 from reference.scenes import PAIR
 
 Array = film.Array
@@ -366,50 +367,33 @@ def test_every_method_follows_the_independent_solution(
         np.linalg.norm(judged.q[:, i : i + 2], axis=1) / THIN.clearance,
         atol=1e-6,
     )
-    balance = run.energy_balance()
-    assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
+    assert_energy_closes(run)
 
 
 @pytest.mark.parametrize("options", [{"film": "finite"}, {"film": "finite", "grooves": GROOVES}])
 def test_methods_agree_on_a_finite_film_and_the_energy_balance_closes(options: dict[str, Any]):
     # the mesh presses a shaft towards a groove, which needs a thicker oil
     system = pair(20.0, replace(THIN, viscosity=0.05), **options)
-    runs = [
-        system.simulate(
-            END, SPEED, initial="static", times=TIMES, record=RECORD, method=m, rtol=tol
-        )
-        for m, tol in (("rk45", 1e-9), ("exponential", 1e-8))
-    ]
-    first, second = (run.displacement("g1") for run in runs)
-    moving = np.abs(first - first[0]).max()
+    run: dict[str, Any] = {"times": TIMES, "record": RECORD}
+    runs = by_both_methods(system, END, SPEED, initial="static", **run)
+    first = runs[0].displacement("g1")
     # the equilibrium stays
-    assert moving < 1e-9
-    runs = [
-        system.simulate(END, SPEED, initial="rest", times=TIMES, record=RECORD, method=m, rtol=tol)
-        for m, tol in (("rk45", 1e-9), ("exponential", 1e-9))
-    ]
-    first, second = (run.displacement("g1") for run in runs)
+    assert np.abs(first - first[0]).max() < 1e-9
+    runs = by_both_methods(system, END, SPEED, initial="rest", rtol=1e-9, **run)
     # the third derivative of the interpolated force jumps at the nodes of the table
-    assert np.abs(first - second).max() < 1e-6 * np.ptp(first)
-    for run in runs:
-        balance = run.energy_balance()
-        assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
+    assert_near(runs, "g1")
+    assert_energy_closes(*runs)
 
 
 def test_a_run_up_follows_the_film_of_each_speed():
     profile = gb.SpeedProfile.ramp(100.0, 200.0, 0.05)
-    runs = [
-        pair(20.0, THIN).simulate(0.06, profile, initial="static", output_step=1e-3, record=RECORD, method=m, rtol=tol)
-        for m, tol in (("rk45", 1e-9), ("exponential", 1e-8))
-    ]  # fmt: skip
-    first, second = (run.displacement("g1") for run in runs)
-    assert np.abs(first - second).max() < 1e-6 * np.ptp(first)
-    np.testing.assert_allclose(
-        first[0], pair(20.0, THIN).static(speed=100.0).displacement("g1"), rtol=1e-9
-    )
-    for run in runs:
-        balance = run.energy_balance()
-        assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
+    system = pair(20.0, THIN)
+    run: dict[str, Any] = {"initial": "static", "output_step": 1e-3, "record": RECORD}
+    runs = by_both_methods(system, 0.06, profile, **run)
+    assert_near(runs, "g1")
+    first = runs[0].displacement("g1")[0]
+    np.testing.assert_allclose(first, system.static(speed=100.0).displacement("g1"), rtol=1e-9)
+    assert_energy_closes(*runs)
 
 
 def test_oil_films_work_with_supports_and_forces_over_time():
@@ -423,16 +407,11 @@ def test_oil_films_work_with_supports_and_forces_over_time():
         bearings=[*(b for b in system.bearings if b.shaft == "input"), *output],
         forces=[gb.Force("g1", lambda time: 20.0 * np.sin(500.0 * time) + 0j)],
     )
-    runs = [
-        mixed.simulate(END, SPEED, initial="static", times=TIMES, record=RECORD, method=m, rtol=tol)
-        for m, tol in (("rk45", 1e-9), ("exponential", 1e-9))
-    ]
-    first, second = (run.displacement("g1") for run in runs)
+    run: dict[str, Any] = {"initial": "static", "times": TIMES, "record": RECORD}
+    runs = by_both_methods(mixed, END, SPEED, rtol=1e-9, **run)
     # the third derivative of the interpolated force jumps at the nodes of the table
-    assert np.abs(first - second).max() < 1e-6 * np.ptp(first)
-    for run in runs:
-        balance = run.energy_balance()
-        assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
+    assert_near(runs, "g1")
+    assert_energy_closes(*runs)
 
 
 def test_a_journal_on_a_support_has_the_film_of_its_relative_motion():
@@ -448,18 +427,11 @@ def test_a_journal_on_a_support_has_the_film_of_its_relative_motion():
     moved = supported.displacement(("input", 0.0))
     relative = moved - (supported.bearing_force(("input", 0.0)) - [0.0, weight]) / 2e7
     assert np.hypot(*relative) / THIN.clearance == pytest.approx(state.eccentricity_ratio, rel=1e-9)
-    runs = [
-        system.simulate(
-            END, SPEED, initial="static", times=TIMES, record=RECORD, method=m, rtol=1e-9
-        )
-        for m in ("rk45", "exponential")
-    ]
-    for name in ("g1", "g2"):
-        first, second = (run.displacement(name) for run in runs)
-        assert np.abs(first - second).max() < 1e-6 * np.ptp(first)
+    options: dict[str, Any] = {"initial": "static", "times": TIMES, "record": RECORD}
+    runs = by_both_methods(system, END, SPEED, rtol=1e-9, **options)
+    assert_near(runs, "g1", "g2")
+    assert_energy_closes(*runs)
     for run in runs:
-        balance = run.energy_balance()
-        assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
         force, film = run.bearing_force(("input", 0.0)), run.bearing_displacement(("input", 0.0))
         np.testing.assert_allclose(film[0], relative, atol=1e-6 * THIN.clearance)
         assert force.shape == film.shape

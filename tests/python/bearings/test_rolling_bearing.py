@@ -14,6 +14,7 @@ import gearbow as gb
 from reference import elements, independent_solution, machines
 from reference.cases import each_case
 from reference.rolling import Elements, hertz
+from reference.runs import assert_energy_closes, assert_near, by_both_methods
 from reference.scenes import PAIR
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -307,9 +308,9 @@ def test_every_method_follows_the_independent_solution(
     np.testing.assert_allclose(found.largest_contact_force, largest, atol=10 * part * max(largest))
     # a nearly loose element counts on either side of round-off
     assert np.mean(found.loaded_elements == [np.sum(p > 0) for p in pressed]) > 0.98
-    balance = run.energy_balance()
-    assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
+    assert_energy_closes(run)
     # without the work on the elements, the balance would not close
+    balance = run.energy_balance()
     assert abs(balance.drive[-1]) > 1e-5 * balance.total.max()
 
 
@@ -323,8 +324,7 @@ def test_rollers_preload_and_clearance_follow_the_independent_solution(balls: El
         # the tangent of a roller jumps nearly where it takes up load
         part = 1e-6 if balls.exponent == 1.5 else 3e-6
         assert np.abs(run.displacement("g1") - exact).max() < part * np.ptp(exact)
-        balance = run.energy_balance()
-        assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
+        assert_energy_closes(run)
 
 
 def test_the_compliance_varies_with_the_ball_pass_frequency():
@@ -366,15 +366,11 @@ def test_a_rigid_slow_shaft_moves_as_the_static_deflection_at_each_cage_angle():
 def test_a_run_up_and_a_continued_run_keep_the_angle_of_the_cage():
     profile = gb.SpeedProfile.ramp(100.0, 200.0, 0.05)
     system = pair()
-    runs = [
-        system.simulate(0.06, profile, initial="static", output_step=1e-3, record=RECORD, method=m, rtol=tol)
-        for m, tol in (("rk45", 1e-9), ("exponential", 1e-8))
-    ]  # fmt: skip
-    first, second = (run.displacement("g1") for run in runs)
-    assert np.abs(first - second).max() < 1e-6 * np.ptp(first)
-    for run in runs:
-        balance = run.energy_balance()
-        assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
+    run: dict[str, Any] = {"initial": "static", "output_step": 1e-3, "record": RECORD}
+    runs = by_both_methods(system, 0.06, profile, **run)
+    assert_near(runs, "g1")
+    first = runs[0].displacement("g1")
+    assert_energy_closes(*runs)
     half = system.simulate(0.03, profile, initial="static", record=RECORD, method="rk45", rtol=1e-9)
     rest = system.simulate(0.03, profile, initial=half, times=np.linspace(0.03, 0.06, 31), record=RECORD, method="rk45", rtol=1e-9)  # fmt: skip
     assert np.abs(rest.displacement("g1") - first[30:]).max() < 1e-7 * np.ptp(first)
@@ -392,15 +388,10 @@ def test_rolling_bearings_stand_on_supports_and_housings():
     assert sink == pytest.approx((load + 20.0 * 9.81) / 1e8, rel=1e-9)
     deflection = -(static.displacement(("s", 0.3))[1] + sink)
     assert BALLS.mean_force(deflection) == pytest.approx(load, rel=1e-7)
-    runs = [
-        system.simulate(0.02, 300.0, record=["disks", "bearings", "energy"], method=m, rtol=tol, initial="rest")
-        for m, tol in (("rk45", 1e-9), ("exponential", 1e-8))
-    ]  # fmt: skip
-    first, second = (run.displacement("d") for run in runs)
-    assert np.abs(first - second).max() < 1e-6 * np.ptp(first)
-    for run in runs:
-        balance = run.energy_balance()
-        assert np.abs(balance.residual).max() < 1e-6 * balance.total.max()
+    record = ["disks", "bearings", "energy"]
+    runs = by_both_methods(system, 0.02, 300.0, record=record, initial="rest")
+    assert_near(runs, "d")
+    assert_energy_closes(*runs)
 
 
 def test_files_keep_rolling_bearings(tmp_path: Any):

@@ -174,12 +174,7 @@ RAMP = (30.0, 130.0, 0.6, 0.05)  # through the critical speed, from 0.05 s to 0.
 END = 0.75
 
 
-def turning(t: float) -> tuple[float, float, float]:
-    start, end, duration, begin = RAMP
-    since, slope = min(max(t - begin, 0.0), duration), (end - start) / duration
-    angle = start * min(t, begin + since) + slope * since**2 / 2
-    angle += end * max(0.0, t - begin - duration)
-    return angle, start + slope * since, slope if 0.0 < t - begin < duration else 0.0
+turning = independent_solution.ramp(*RAMP)
 
 
 @pytest.fixture(scope="module")

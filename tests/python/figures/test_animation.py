@@ -7,7 +7,6 @@ import json
 import re
 from math import pi
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from PIL import Image
@@ -21,13 +20,6 @@ from test_response import recorded
 
 SPEED = 100.0
 RECORD = ["gears", "meshes"]
-
-
-@pytest.fixture(autouse=True)
-def unchanged_settings():
-    before = dict(mpl.rcParams)
-    yield
-    assert dict(mpl.rcParams) == before
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +63,7 @@ def test_a_page_contains_all_its_frames(run, tmp_path):
 
 
 def test_the_motion_is_that_of_the_record(run):
-    found = run_figures._motion(run.to_record(), None, (0.1, 0.2), 6, 3.0)
+    found = run_figures._motion(run._to_record(), None, (0.1, 0.2), 6, 3.0)
     time = np.linspace(0.1, 0.2, 6)
     np.testing.assert_allclose(found.time, time)
     np.testing.assert_allclose(found.speed, SPEED)
@@ -94,13 +86,13 @@ def test_the_motion_is_that_of_the_record(run):
 
 
 def test_the_last_turn_of_the_slowest_shaft_is_shown(run):
-    first, last = run_figures._span(run.to_record(), None)
+    first, last = run_figures._span(run._to_record(), None)
     assert last == run.time[-1]
     assert last - first == pytest.approx(2.0 * pi / (23 * 29 / (47 * 53) * SPEED))
 
 
 def test_a_rotor_without_mesh_shows_its_displacement(rotor, tmp_path):
-    found = run_figures._motion(rotor.to_record(), None, (0.0, 1.0), 5, 1.0)
+    found = run_figures._motion(rotor._to_record(), None, (0.0, 1.0), 5, 1.0)
     assert found.mesh is None
     assert list(found.curves) == ["disk y [µm]", "disk z [µm]"]
     # ∫(10 + 20 t) dt = 10 t + 10 t², and the speed at the frames

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -11,13 +10,6 @@ from gearbow.description.train import Train
 from gearbow.plotting.orders import orders
 from reference import scenes
 from reference.bows import HalfSine
-
-
-@pytest.fixture(autouse=True)
-def unchanged_settings():
-    before = dict(mpl.rcParams)
-    yield
-    assert dict(mpl.rcParams) == before
 
 
 def named(panel, label: str) -> list[np.ndarray]:

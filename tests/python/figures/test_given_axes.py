@@ -22,13 +22,6 @@ TIME = 1e-3 * np.arange(64)
 RPM = 30.0 / pi
 
 
-@pytest.fixture(autouse=True)
-def unchanged_settings():
-    before = dict(mpl.rcParams)
-    yield
-    assert dict(mpl.rcParams) == before
-
-
 @pytest.fixture(scope="module")
 def results() -> dict:
     """Return one result of each kind."""

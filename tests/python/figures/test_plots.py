@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -16,13 +15,6 @@ from test_response import recorded
 def drawn(panel) -> list[np.ndarray]:
     """Return the ordinates of the lines of a panel."""
     return [np.asarray(line.get_ydata()) for line in panel.get_lines()]
-
-
-@pytest.fixture(autouse=True)
-def unchanged_settings():
-    before = dict(mpl.rcParams)
-    yield
-    assert dict(mpl.rcParams) == before
 
 
 @pytest.mark.parametrize("kind", list(PLOT_KINDS))

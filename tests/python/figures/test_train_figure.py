@@ -8,7 +8,6 @@ from functools import cache
 from math import pi
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
@@ -30,13 +29,6 @@ from reference.machines import (
     star,
     train,
 )
-
-
-@pytest.fixture(autouse=True)
-def unchanged_settings():
-    before = dict(mpl.rcParams)
-    yield
-    assert dict(mpl.rcParams) == before
 
 
 def gear(name: str, shaft: str, position: float, teeth: int) -> gb.Gear:

@@ -163,7 +163,6 @@ def text(content: str) -> Callable[[Path], None]:
 KINDS: dict[str, tuple[Callable[[Path], Any], Callable[[Path], Any]]] = {
     "scene.toml": (lambda path: rotor().save(path), gb.RotorSystem.load),
     "run.npz": (lambda path: recorded(rows=2).save(path), gb.Response.load),
-    "run.nc": (lambda path: recorded(rows=2).save(path), gb.Response.load),
     "steady.npz": (steady, gb.SteadyState.load),
     "branch.npz": (branch, gb.results.Continuation.load),
     "map.sweep": (sweep, gb.results.Sweep.load),
@@ -279,9 +278,7 @@ print(dict(read_damaged(name, pathlib.Path(folder), int(count), int(seed))))
 @pytest.mark.parametrize("name", KINDS)
 def test_every_damaged_file_is_read_or_refused(tmp_path: Path, name: str):
     """A process of its own: a crash of a library is a failure of this test, not its end."""
-    for module in {".xlsx": ("openpyxl",), ".mat": ("scipy",), ".nc": ("h5netcdf",)}.get(
-        Path(name).suffix, ()
-    ):
+    for module in {".xlsx": ("openpyxl",), ".mat": ("scipy",)}.get(Path(name).suffix, ()):
         pytest.importorskip(module)
     if name.startswith("rotor.") and not ROSS.exists():
         pytest.skip("the examples are not installed")
@@ -323,7 +320,7 @@ def test_every_reader_is_tested():
     found = functions_with("read_bytes", "read_text", "open", "_connect", "loadmat", "UFF")
     others = {
         *(name for name in found if name.startswith(("_files.", "cli.", "plotting."))),
-        *(f"recording.container.{name}" for name in ("open", "header", "read")),  # of `opened`
+        *(f"recording.container.{name}" for name in ("header", "read")),  # of `opened`
         "exchange.rexs_file._unzipped",  # of bytes
         "system.read.format_of",  # only tells formats apart
         "machines.examples._read",  # a file of the package

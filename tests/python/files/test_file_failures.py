@@ -18,8 +18,7 @@ from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked
 from test_persistence import assert_same
 from test_response import recorded
 
-RESPONSES = [".npz", ".nc"]
-SUFFIXES = [*RESPONSES, ".toml"]
+SUFFIXES = [".npz", ".nc", ".toml"]
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and limits of a process")
 
 
@@ -59,9 +58,14 @@ def write(path: Path, *, small: bool = False) -> None:
 
 
 def read(path: Path) -> Any:
-    return (
-        gb.RotorSystem.load(path).description if path.suffix == ".toml" else gb.Response.load(path)
-    )
+    if path.suffix == ".toml":
+        return gb.RotorSystem.load(path).description
+    if path.suffix == ".npz":
+        return gb.Response.load(path)
+    import xarray
+
+    with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
+        return data.load()
 
 
 # --- a full disk ----------------------------------------------------------------------------------
@@ -129,7 +133,6 @@ def small_disk(tmp_path):
 SHORT = """
 import pathlib, resource, sys
 from test_file_failures import read, write
-from test_persistence import assert_same
 from test_response import recorded
 
 path = pathlib.Path(sys.argv[1])
@@ -140,7 +143,7 @@ resource.setrlimit(resource.RLIMIT_AS, (used + 40_000_000, resource.RLIM_INFINIT
 run.save(path)
 resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
 assert path.stat().st_size > 80_000_000
-assert_same(read(path), run)
+read(path).displacement.equals(run.to_xarray().displacement) or sys.exit("other values")
 print("done")
 """
 
@@ -202,9 +205,8 @@ print("done")
 
 @posix
 @pytest.mark.parametrize("there", [True, False])
-@pytest.mark.parametrize("suffix", RESPONSES)
-def test_a_full_disk_does_not_end_a_run(tmp_path, suffix, there):
-    path = tmp_path / f"run{suffix}"
+def test_a_full_disk_does_not_end_a_run(tmp_path, there):
+    path = tmp_path / "run.npz"
     system, options = RUNS["smooth"][0].package(), asked("smooth")
     if there:
         with pytest.raises(EnoughError):
@@ -224,17 +226,16 @@ import os, pathlib, random, signal, sys, time
 import gearbow as gb
 from reference.machines import bowed_pair
 from test_checkpoint import RUNS, asked
-from test_file_failures import big, read
+from test_file_failures import big, read, write
 
 path, chance = pathlib.Path(sys.argv[1]), random.Random(11)
 system, options = RUNS["smooth"][0].package(), asked("smooth")
 texts = [bowed_pair().description, big().description]
 
 def work():
-    if path.suffix == ".toml":
-        while True:
-            bowed_pair().save(path)
-            big().save(path)
+    while path.suffix != ".npz":
+        write(path, small=True)
+        write(path)
     system.simulate(**options, checkpoint=path, checkpoint_interval=1e-9, progress=lambda _: time.sleep(0.06))
     os._exit(0)
 
@@ -259,13 +260,11 @@ def test_a_killed_writer_leaves_a_complete_file(tmp_path, suffix):
     path = tmp_path / f"run{suffix}"
     ended = python(KILLS, path)
     assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
-    if suffix == ".toml":
-        bowed_pair().save(path)
-        assert read(path) == bowed_pair().description
-    else:
+    if suffix == ".npz":
         system, options = RUNS["smooth"][0].package(), asked("smooth")
         assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
-        recorded().save(path)  # A complete checkpoint is only read; the next writer cleans up.
+    write(path, small=True)  # A complete checkpoint is only read; the next writer cleans up.
+    assert suffix != ".toml" or read(path) == bowed_pair().description
     left = [name for name in names(tmp_path) if not name.endswith(".lock")]
     assert left == [path.name]
 
@@ -285,9 +284,8 @@ RUNS["smooth"][0].package().simulate(**asked("smooth"), checkpoint=sys.argv[1], 
 
 
 @posix
-@pytest.mark.parametrize("suffix", RESPONSES)
-def test_a_second_process_is_refused_until_the_first_has_ended(tmp_path, suffix):
-    path = tmp_path / f"run{suffix}"
+def test_a_second_process_is_refused_until_the_first_has_ended(tmp_path):
+    path = tmp_path / "run.npz"
     system, options = RUNS["smooth"][0].package(), asked("smooth")
     command = [sys.executable, "-c", OWNER, path]
     with subprocess.Popen(command, cwd=Path(__file__).parents[1], stdout=subprocess.PIPE) as owner:
@@ -296,7 +294,7 @@ def test_a_second_process_is_refused_until_the_first_has_ended(tmp_path, suffix)
             while float(owner.stdout.readline()) == 0.0:
                 pass
             with pytest.raises(
-                gb.SceneError, match=rf"run{suffix} is in use by another run.*a file of its own"
+                gb.SceneError, match=r"run\.npz is in use by another run.*a file of its own"
             ):
                 system.simulate(**options, checkpoint=path)
         finally:

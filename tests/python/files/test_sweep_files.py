@@ -393,7 +393,7 @@ def test_the_suffix_of_a_saved_sweep_means_its_format(tmp_path):
 @pytest.mark.parametrize("name", ["map", "map.npz", "map.xyz", "map.nc.gz"])
 def test_an_unknown_suffix_is_refused(tmp_path, name):
     sweep = gb.sweep(plain, AB, number)
-    known = r"must end with \.sweep, \.nc, \.csv or \.xlsx, which is the format, got '.*'$"
+    known = r"must end with \.sweep, \.csv, \.xlsx or \.nc, which is the format, got '.*'$"
     with pytest.raises(gb.SceneError, match=f"^path: {known}"):
         sweep.save(tmp_path / name)
     with pytest.raises(gb.SceneError, match=r"^store: must end with \.sweep, which is the format"):

@@ -100,8 +100,7 @@ def test_a_table_has_a_column_for_every_series():
         np.testing.assert_array_equal(table[column], values, err_msg=column)
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".nc"])
-def test_a_file_contains_the_metadata(tmp_path, suffix: str):
+def test_a_file_contains_the_metadata(tmp_path):
     made = response(TIME, speed=-123.25)
     made.accuracy = "engineering: as measured"
     estimate = ErrorEstimate(elements=1e-3, modes=0.0, integration=1e-5, total=2e-3)
@@ -109,8 +108,8 @@ def test_a_file_contains_the_metadata(tmp_path, suffix: str):
     final = {"state": np.array([0.1, 1e-300]), "contact_modes": np.array([-1]), "time": 0.5}
     options = {**dict.fromkeys(OPTIONS), "initial": final, "record": [("g1", "g2"), "g1"]}
     made.request = RunRequest({"shafts": [{"name": "input"}]}, options)
-    made.save(tmp_path / f"run{suffix}")
-    loaded = gb.Response.load(tmp_path / f"run{suffix}")
+    made.save(tmp_path / "run.npz")
+    loaded = gb.Response.load(tmp_path / "run.npz")
     assert loaded.speed == -123.25
     assert loaded.errors() == {"mesh_force": estimate}
     assert loaded.errors().window == 0.125

@@ -77,7 +77,12 @@ def data_set(path: Path) -> None:
 
 #: A file of every format of each writer, by the function of the package that opens it.
 WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
-    "_result.save": {"modes.nc": lambda path: rotor().modes(count=2).save(path)},
+    "recording.container.save_netcdf": {
+        "modes.nc": lambda path: rotor().modes(count=2).save(path),
+        "curves.nc": lambda path: response().save(path),
+        "run.nc": lambda path: recorded(rows=20).save(path),
+        "map.nc": lambda path: gb.sweep(named, {"x": [1.0]}, measured_value).save(path),
+    },
     "_sheets.save_table": {
         "modes.csv": lambda path: rotor().modes(count=2).save(path),
         "modes.xlsx": lambda path: rotor().modes(count=2).save(path),
@@ -88,17 +93,12 @@ WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
     },
     "results.frequency_response._write": {
         "curves.mat": lambda path: response().save(path),
-        "curves.nc": lambda path: response().save(path),
     },
     "recording.file.save": {
         "run.npz": lambda path: recorded(rows=20).save(path),
-        "run.nc": lambda path: recorded(rows=20).save(path),
     },
     "sweeps.store.write": {
         "map.sweep": lambda path: gb.sweep(named, {"x": [1.0]}, measured_value).save(path)
-    },
-    "sweeps.result._save_own": {
-        "map.nc": lambda path: gb.sweep(named, {"x": [1.0]}, measured_value).save(path)
     },
     "studies.dataset.dataset": {"set.nc": data_set},
     "system.rotor_system.save": {"rotor.toml": lambda path: rotor().save(path)},

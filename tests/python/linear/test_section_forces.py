@@ -157,9 +157,9 @@ def test_forces_jump_by_what_acts_at_a_node(method: Any, speed: float) -> None:
     system = machines.hostile()
     record: Any = ["nodes", "bearings", "section_forces"]
     run = system.simulate(5e-3, speed, method=method, rtol=1e-7, record=record)
-    forced = {(shaft, x) for shaft, x, names in run.to_record().data["points"] if names}
+    forced = {(shaft, x) for shaft, x, names in run._to_record().data["points"] if names}
     forced |= {("input", 0.36), ("input", 0.07), ("output", 0.17)}
-    bearings = run.to_record().data["bearings"]
+    bearings = run._to_record().data["bearings"]
     checked = 0
     for shaft in system.shafts:
         along = run.section_forces(shaft.name)
@@ -344,12 +344,11 @@ def test_errors_name_the_place() -> None:
         response.section_forces("a")
 
 
-@pytest.mark.parametrize("ending", [".npz", ".nc"])
-def test_files_keep_section_forces(tmp_path: Any, ending: str) -> None:
+def test_files_keep_section_forces(tmp_path: Any) -> None:
     system = machines.hostile()
     run = system.simulate(1e-3, 120.0, record=["g4", ("input", 0.1), "section_forces"])
-    run.save(tmp_path / f"run{ending}")
-    loaded = gb.Response.load(tmp_path / f"run{ending}")
+    run.save(tmp_path / "run.npz")
+    loaded = gb.Response.load(tmp_path / "run.npz")
     for at in ("g4", ("input", 0.1)):
         one, other = (each.section_forces(at) for each in (run, loaded))
         assert np.array_equal(one.values, other.values)

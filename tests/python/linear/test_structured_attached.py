@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.runs import error
 from test_structured_solver import (
     assert_lowest_modes,
     assert_response_with_modal_damping,
@@ -227,9 +228,6 @@ def test_a_reduced_run_has_the_signals_of_the_complete_one(name: str, speed: Any
     exact = system.simulate(0.1, speed, rtol=1e-6, output_step=2e-4)
     found = system.simulate(0.31, speed, accuracy="engineering", times=exact.time)
     assert found.statistics.modes < 0.9 * len(system.dofs)
-
-    def error(a: Any, b: Any) -> float:
-        return float(np.sqrt(((a - b) ** 2).sum() / ((b - b.mean(axis=0)) ** 2).sum()))
 
     # Twice the error that the level permits: the estimate of the error has an uncertainty of a factor of two.
     for gear in ("g1", "g2"):

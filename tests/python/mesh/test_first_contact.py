@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import json
 import pydoc
@@ -78,6 +79,15 @@ def test_results_that_no_file_holds_are_not_at_the_top():
     assert all(hasattr(getattr(gb, name), "load") for name in {*dir(gb)} & {*dir(gb.results)})
     with pytest.raises(AttributeError, match=r"module 'gearbow\.results' has no attribute 'Mode'"):
         _ = gb.results.Mode
+
+
+@each_case("name", [name for name in PUBLIC if inspect.isclass(PUBLIC[name])])
+def test_signatures_show_array_like_by_its_name(name: str):
+    members = inspect.getmembers(PUBLIC[name], inspect.isfunction)
+    for each in (PUBLIC[name], *(method for key, method in members if key[0] != "_")):
+        # Some exceptions and bases have no signature of their own.
+        with contextlib.suppress(ValueError):
+            assert "numpy._typing" not in str(inspect.signature(each)), each
 
 
 @each_case("name", [name for name in PUBLIC if callable(PUBLIC[name])])

@@ -330,7 +330,7 @@ def test_tradeoff(scene: str, capsys):
             ["response", "SCENE", "--source", "pin:y", "--at", "pinion", "--to", "5Hz"],
             'response: --source: no gear, disk, support or housing is called "pin"',
         ),
-        (["orders", "SCENE"], "orders: run: must end with .npz or .nc"),
+        (["orders", "SCENE"], "orders: run: must end with .npz, which is the format"),
         (["swim"], "invalid choice: 'swim'"),
     ],
 )
@@ -589,15 +589,19 @@ def test_figures_orders_and_tables_follow_from_the_file_of_a_run(saved: Path, ca
     assert found["signal"] == "pinion y"
     assert len(found["orders"]) == len(response.orders("pinion").orders)
 
-    pd = pytest.importorskip("pandas")
+    pd, xr = pytest.importorskip("pandas"), pytest.importorskip("xarray")
     assert called(capsys, "export", saved, folder / "run.csv")[0] == 0
     table = pd.read_csv(folder / "run.csv", index_col=0)
     assert list(table.columns) == list(response.to_dataframe().columns)
     assert called(capsys, "export", saved, folder / "run.nc")[0] == 0
-    np.testing.assert_array_equal(gb.Response.load(folder / "run.nc").time, response.time)
+    with xr.open_dataset(folder / "run.nc", engine="h5netcdf", decode_times=False) as data:
+        np.testing.assert_array_equal(data["time"], response.time)
+    code, out, err = called(capsys, "orders", folder / "run.nc")
+    assert (code, out) == (2, "")
+    assert "run.nc is netCDF, which gearbow writes for other programs and does not read" in err
     code, out, err = called(capsys, "export", saved, folder / "run.txt")
     assert (code, out) == (2, "")
-    assert "must end with .npz, .nc, .csv or .xlsx" in err
+    assert "must end with .npz, .csv, .xlsx or .nc" in err
 
 
 def test_a_run_draws_its_figure(scene: str, tmp_path: Path, capsys):

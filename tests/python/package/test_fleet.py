@@ -313,8 +313,20 @@ class File:
     keeps: Callable[[Any], Any]
 
 
-def signals(run: gb.Response) -> dict[str, Any]:
-    return {name: array.values for name, array in run.to_xarray().data_vars.items()}
+def signals(run: Any) -> dict[str, Any]:
+    """Give the signals of a response, a steady state or the data set of a file."""
+    run = getattr(run, "response", run)
+    data = run.to_xarray() if isinstance(run, gb.Response) else run
+    return {name: array.values for name, array in data.data_vars.items()}
+
+
+def branch(found: Any) -> dict[str, Any]:
+    """Give the points of a branch or of the data set of its file."""
+    if not isinstance(found, gb.Continuation):
+        about = json.loads(found.attrs["metadata"])["branch"]
+        largest = np.array([abs(complex(*point[0])) for point in about["multipliers"]])
+        return {"values": about["values"], "stable": largest < 1.0}
+    return {"values": found.values, "stable": found.stable}
 
 
 FILES = {
@@ -328,32 +340,20 @@ FILES = {
         lambda p: gb.RotorSystem.from_dict(json.loads(p.read_text("utf-8"))),
         lambda s: json.loads(json.dumps(s.description)),
     ),
-    **{
-        f"run{suffix}": File(
-            "run", f"run{suffix}", lambda r, p: r.save(p), gb.Response.load, signals
-        )
-        for suffix in (".npz", ".nc")
-    },
-    **{
-        f"steady{suffix}": File(
-            "steady",
-            f"steady{suffix}",
-            lambda r, p: r.save(p),
-            gb.SteadyState.load,
-            lambda r: {**signals(r.response), "period": r.period, "residual": r.residual},
-        )
-        for suffix in (".npz", ".nc")
-    },
-    **{
-        f"branch{suffix}": File(
-            "branch",
-            f"branch{suffix}",
-            lambda r, p: r.save(p),
-            gb.Continuation.load,
-            lambda r: {"values": r.values, "stable": r.stable},
-        )
-        for suffix in (".npz", ".nc")
-    },
+    "run.npz": File("run", "run.npz", lambda r, p: r.save(p), gb.Response.load, signals),
+    "run.nc": File("run", "run.nc", lambda r, p: r.save(p), load_data_set, signals),
+    "steady.npz": File(
+        "steady",
+        "steady.npz",
+        lambda r, p: r.save(p),
+        gb.SteadyState.load,
+        lambda r: {**signals(r), "period": r.period, "residual": r.residual},
+    ),
+    "steady.nc": File("steady", "steady.nc", lambda r, p: r.save(p), load_data_set, signals),
+    "branch.npz": File(
+        "branch", "branch.npz", lambda r, p: r.save(p), gb.Continuation.load, branch
+    ),
+    "branch.nc": File("branch", "branch.nc", lambda r, p: r.save(p), load_data_set, branch),
     "sweep.sweep": File(
         "sweep",
         "s.sweep",

@@ -175,10 +175,10 @@ def test_pulses_with_twist():
 
 def with_signal(run: gb.Response, values: np.ndarray) -> gb.Response:
     """Replace the displacements of a recorded run by a signal."""
-    record = run.to_record()
+    record = run._to_record()
     displacement = np.repeat(values[:, None, None], record.data["displacement"].shape[1], 1)
     data: Any = {**record.data, "displacement": np.repeat(displacement, 2, 2)}
-    return gb.Response.from_record(
+    return gb.Response._from_record(
         type(record)(data, record.speed, record.kinematics, record.accuracy, record.request)
     )
 
@@ -219,10 +219,9 @@ def test_every_array_is_sampled(tmp_path: Any):
     assert len(table) == size
     assert list(table) == list(run.to_dataframe())
     assert np.all(np.isfinite(table.to_numpy()))
-    for name in ("run.npz", "run.nc"):
-        found.save(tmp_path / name)
-        again = gb.Response.load(tmp_path / name)
-        assert np.array_equal(again.acceleration("g1"), found.acceleration("g1"))
+    found.save(tmp_path / "run.npz")
+    again = gb.Response.load(tmp_path / "run.npz")
+    assert np.array_equal(again.acceleration("g1"), found.acceleration("g1"))
     assert found.events == run.events
     assert found.measure(gb.Tacho("input")).size <= run.measure(gb.Tacho("input")).size
     # filtering and differentiation commute: the filtered velocity is the rate of the filtered motion

@@ -82,22 +82,22 @@ class TestRecords:
     )
     def test_a_channel_has_its_values_and_its_unit(self, of, quantity, unit, find):
         made = response(0.1 * np.arange(6))
-        found = channel(made.to_record(), of, quantity)
+        found = channel(made._to_record(), of, quantity)
         assert found.unit == unit
         np.testing.assert_array_equal(found.values, find(made))
 
     def test_channels_of_a_mesh(self):
         made = response(0.1 * np.arange(6))
         for quantity, unit in MESH_UNITS.items():
-            found = channel(made.to_record(), ("g3", "g4"), quantity)
+            found = channel(made._to_record(), ("g3", "g4"), quantity)
             assert found.unit == unit
             assert found.label == f"g3/g4 {quantity.replace('_', ' ')}"
             np.testing.assert_array_equal(found.values, made._data["mesh"][quantity][:, 1])
         # without a quantity: the force of a mesh, and the first component of the others
-        assert channel(made.to_record(), ("g3", "g4")).label == "g3/g4 force"
-        assert channel(made.to_record(), "g3").label == "g3 y"
+        assert channel(made._to_record(), ("g3", "g4")).label == "g3/g4 force"
+        assert channel(made._to_record(), "g3").label == "g3 y"
         assert (
-            channel(made.to_record(), ("bearing", "input", 0.0)).label == "bearing input at 0 m y"
+            channel(made._to_record(), ("bearing", "input", 0.0)).label == "bearing input at 0 m y"
         )
 
 

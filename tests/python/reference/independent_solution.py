@@ -96,6 +96,19 @@ def from_rest(
 Turning = Callable[[float], tuple[float, float, float]]
 
 
+def ramp(start: float, end: float, duration: float, begin: float = 0.0) -> Turning:
+    """Return angle, speed and acceleration of a ramp in closed form."""
+    slope = (end - start) / duration
+
+    def at(t: float) -> tuple[float, float, float]:
+        since = min(max(t - begin, 0.0), duration)
+        angle = start * min(t, begin + since) + slope * since**2 / 2
+        angle += end * max(0.0, t - begin - duration)
+        return angle, start + slope * since, slope if 0.0 < t - begin < duration else 0.0
+
+    return at
+
+
 def run_up(
     train: Train,
     turning: Turning,

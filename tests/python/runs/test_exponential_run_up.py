@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.runs import error
 from test_contact_events import scene
 from test_random_scenes import Drawn
 
@@ -41,10 +42,6 @@ def system(drawn: Drawn = PAIR, **parts: Any) -> gb.RotorSystem:
 
 def difference(found: gb.Response, exact: gb.Response) -> tuple[float, float]:
     """Return the errors of displacements and of mesh forces, the largest of all gears and meshes."""
-
-    def error(a: Any, b: Any) -> float:
-        variation = np.sqrt(np.mean((b - b.mean(axis=0)) ** 2))
-        return float(np.sqrt(np.mean((a - b) ** 2)) / variation)
 
     gears, pair = ("g0", "g1"), ("g0", "g1")
     displacement = max(error(found.displacement(g), exact.displacement(g)) for g in gears)

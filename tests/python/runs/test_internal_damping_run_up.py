@@ -15,6 +15,7 @@ from scipy.linalg import eigh
 
 import gearbow as gb
 from reference.machines import OIL, pair
+from reference.runs import error
 from test_shaft_forces import rotor_of_ansys
 
 #: Through the threshold of instability at 5000 rpm, 524 rad/s, and back.
@@ -38,12 +39,6 @@ def train(**more: Any) -> gb.RotorSystem:
         "output": {"internal_damping": 1e-4},
     }
     return pair(shaft={"outer_diameter": 0.03, "elements": 2, "degree": 2}, own=own, **more)
-
-
-def error(found: np.ndarray, exact: np.ndarray) -> float:
-    """Return the RMS of the difference over that of the variation."""
-    variation = np.sqrt(np.mean((exact - exact.mean(axis=0)) ** 2))
-    return float(np.sqrt(np.mean((found - exact) ** 2)) / variation)
 
 
 @PROFILES

@@ -12,6 +12,7 @@ import pytest
 import gearbow as gb
 from gearbow.accuracy import LEVELS, check_reduction
 from reference.machines import bowed_double_stage
+from reference.runs import error
 
 # The systems give their numbers of elements, which a level need not find fine enough.
 pytestmark = pytest.mark.filterwarnings("ignore:accuracy:gearbow.AccuracyWarning")
@@ -41,9 +42,6 @@ LARGE = 15
 
 def errors(found: gb.Response, exact: gb.Response) -> np.ndarray:
     """Compute the errors of displacements and of mesh forces."""
-
-    def error(a: np.ndarray, b: np.ndarray) -> float:
-        return float(np.sqrt(((a - b) ** 2).sum() / ((b - b.mean(axis=0)) ** 2).sum()))
 
     return np.array(
         [

@@ -11,6 +11,7 @@ import pytest
 import gearbow as gb
 from reference import machines
 from reference.machines import pair_with_motor
+from reference.runs import error
 
 DURATION, SPEED = 0.1, 100.0
 RUN: dict[str, Any] = {"initial": "static", "output_step": 2e-5}
@@ -21,11 +22,6 @@ def rotor(**changes: Any) -> gb.RotorSystem:
     damped = {"stiffness": 5e7, "damping": 300.0}
     shaft = {"name": "s", "elements": None}
     return machines.rotor(shaft, bearing=damped, **{"disks": disks, **changes})
-
-
-def error(found: np.ndarray, exact: np.ndarray) -> float:
-    """Return the RMS of the difference over the RMS of the variation."""
-    return float(np.sqrt(((found - exact) ** 2).sum() / ((exact - exact.mean(axis=0)) ** 2).sum()))
 
 
 def displacement_errors(system: gb.RotorSystem) -> list[float]:

@@ -488,7 +488,6 @@ def test_the_warning_of_a_speed_points_to_the_line_of_the_user():
 
 
 REFUSED: dict[str, tuple[Callable[[], object], str]] = {
-    "a record": (lambda: gb.Response.from_record(3), "record: must be that of to_record, got 3"),
     "data": (lambda: gb.Response(3, 1), "data: must be the data of a run, got 3"),
     "no run": (lambda: gb.waterfall([], "g1"), "responses: must be a list of at least one"),
     "no responses": (lambda: gb.waterfall(3, "g1"), "responses: must be a list of at least one"),

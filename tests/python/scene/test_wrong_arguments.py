@@ -398,7 +398,6 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Continuation.load": (gb.Continuation.load, {"path": "x.npz"}),
     "SteadyState.load": (gb.SteadyState.load, {"path": "x.npz"}),
     "Sweep.load": (gb.Sweep.load, {"path": "x.sweep"}),
-    "Response.from_record": (gb.Response.from_record, {"record": None}),
 }
 REXS = Path(__file__).parents[1] / "files" / "gearbox.rexs"
 #: A free shaft of ROSS.
@@ -494,7 +493,6 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "spectrum": {"at": "g1"},
             "spin": {"shaft": "input"},
             "to_dataframe": {},
-            "to_record": {},
             "to_xarray": {},
         },
     ),
@@ -661,6 +659,8 @@ METHODS["Efficiency"] = (
     lambda: lossy().efficiency(100.0),
     {"plot": {}},
 )
+METHODS["SectionForces"] = (lambda: system().static().section_forces("input"), {"plot": {}})
+METHODS["Stresses"] = (lambda: system().stresses(100.0), {"plot": {}})
 METHODS["MassProperties"] = (lambda: system().mass_properties(), {})
 METHODS["TrialInfluence"] = (
     lambda: gb.results.TrialInfluence(
