@@ -78,7 +78,12 @@ from gearbow.orders.waterfall import waterfall as waterfall
 from gearbow.results.continuation import Continuation as Continuation
 from gearbow.results.response import Response as Response
 from gearbow.results.steady import SteadyState as SteadyState
-from gearbow.sensors import Accelerometer as Accelerometer, Probe as Probe, Tacho as Tacho
+from gearbow.sensors import (
+    Accelerometer as Accelerometer,
+    Probe as Probe,
+    StrainGauge as StrainGauge,
+    Tacho as Tacho,
+)
 from gearbow.system.rotor_system import RotorSystem as RotorSystem
 from gearbow.units.speed import (
     degrees as degrees,

@@ -302,8 +302,7 @@ class _Optional(_Paused, total=False):
     axial_acceleration: Array
     axial_bearing_force: Array
     bearing_displacement: Array
-    #: Shaft, position and side of each section, and (N, Q_y, Q_z) and (M_y, M_z, T) there.
-    sections: list[Section]
+    #: (N, Q_y, Q_z) and (M_y, M_z, T) of each section.
     section_force: Array
     section_moment: Array
 
@@ -319,6 +318,7 @@ class RunData(_Optional):
     bearing_force: Array
     rolling_bearings: list[tuple[str, float]]
     rolling_contact: Array
+    sections: list[Section]
     meshes: list[tuple[str, str]]
     mesh: dict[str, Array]
     energy: Array | None

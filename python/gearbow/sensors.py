@@ -4,12 +4,13 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearbow._convert import array, complex_number, number, text, truth, whole
+from gearbow._lookup import one_of
 from gearbow._shown import Shown
 from gearbow._times import crossings
 from gearbow._types import Array, At
@@ -20,6 +21,8 @@ from gearbow.recording.access import Quantity, angle, motion
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
 from gearbow.units.values import is_quantity, magnitude
 
+#: What strain gauges measure.
+GaugeQuantity: TypeAlias = Literal["torque", "bending"]
 #: A quantity ("displacement", "axial_acceleration", …) of the motion of a place: over time, or its
 #: phasors.
 Motion: TypeAlias = Callable[[Any, At], Any]
@@ -427,3 +430,100 @@ class Accelerometer(SignalSensor):
             return motion("axial_acceleration", self.at)
         direction = np.array([np.cos(self.angle), np.sin(self.angle)])
         return motion("acceleration", self.at) @ direction
+
+
+@dataclass(frozen=True)
+class StrainGauge(SignalSensor):
+    """Strain gauges on a turning shaft, calibrated in the torque or the bending moment there.
+
+    Gauges of torque measure the torque in the section, those of bending the moment that stretches
+    the fibre at their angle in the shaft: a force that stands still gives a signal once a turn, a
+    bow that turns with the shaft a constant one.
+
+    Parameters
+    ----------
+    at : str or tuple of (str, float)
+        A gear or disk by name, or (shaft, position [m]); at a node, the section just before it. The
+        section forces there must be recorded.
+    quantity : {"torque", "bending"}
+        What the gauges measure.
+    angle : float
+        Angle of the fibre in the shaft, from y towards z at shaft angle zero [rad]; 0 for torque.
+
+    Raises
+    ------
+    SceneError
+        If the place or the quantity is invalid, the angle is not finite, or gauges of torque have
+        an angle.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.StrainGauge(("input", 0.1), "bending").label
+    'strain gauge (input, 0.1 m) bending, 0°'
+    """
+
+    at: At
+    quantity: GaugeQuantity = "torque"
+    _: KW_ONLY
+    angle: float = 0.0
+
+    unit: ClassVar[str] = "N m"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "at", place(self.at, "strain_gauge.at"))
+        one_of(self.quantity, get_args(GaugeQuantity), "strain_gauge.quantity")
+        object.__setattr__(self, "angle", number(self.angle, "strain_gauge.angle"))
+        if self.quantity == "torque" and self.angle != 0.0:
+            raise SceneError(
+                f"strain_gauge.angle: gauges of torque have none, got {self.angle}; leave it out"
+            )
+
+    @property
+    def label(self) -> str:
+        """Name of the signal in tables and figures.
+
+        Returns
+        -------
+        str
+            Kind, place and quantity.
+        """
+        direction = f", {degrees_text(self.angle)}" if self.quantity == "bending" else ""
+        return f"strain gauge {place_label(self.at)} {self.quantity}{direction}"
+
+    def measure(self, recording: Recorded) -> Array:
+        """Measure a recorded run.
+
+        Parameters
+        ----------
+        recording : Response
+            The recorded run.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Torque or bending moment [N m].
+
+        Raises
+        ------
+        ChannelError
+            If the section forces were not recorded; the message says what to record.
+        """
+        run = recorded_run(recording, "recording")
+        sections, forces = access.section_forces(run, self.at)
+        values = forces[:, access.at_side(sections, "before")]
+        if self.quantity == "torque":
+            torque: Array = values[:, 5]
+            return torque
+        turned = np.exp(-1j * (access.angle(run, sections[0][0]) + self.angle))
+        # A fibre is stretched by the moment about the axis that it lies to the right of.
+        moment: Array = -np.imag((values[:, 3] + 1j * values[:, 4]) * turned)
+        return moment
+
+    def _sensed(self, motion: Motion) -> Any:
+        if self.quantity == "bending":
+            raise SceneError(
+                "sensor: gauges of bending turn with the shaft, so that a harmonic motion has no "
+                "phasor of their signal; measure a run, or gauges of torque"
+            )
+        return motion("torque", self.at)

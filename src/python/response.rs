@@ -105,10 +105,10 @@ pub fn response_dict<'py>(
     let rolling: Vec<_> = rolling.collect();
     dict.set_item("rolling_contact", stack(py, record.rolling, times, rolling.len(), ROLLING_CHANNELS.len())?)?;
     dict.set_item("rolling_bearings", rolling)?;
-    if !plan.cuts.is_empty() {
-        let sections: Vec<_> = plan.cuts.iter().map(|cut| section_entry(model, cut)).collect();
-        let count = sections.len();
-        dict.set_item("sections", sections)?;
+    let sections: Vec<_> = plan.cuts.iter().map(|cut| section_entry(model, cut)).collect();
+    let count = sections.len();
+    dict.set_item("sections", sections)?;
+    if count > 0 {
         dict.set_item("section_force", stack(py, record.section_force, times, count, SECTION_FORCES / 2)?)?;
         dict.set_item("section_moment", stack(py, record.section_moment, times, count, SECTION_FORCES / 2)?)?;
     }

@@ -330,7 +330,7 @@ def section_forces(run: RunRecord, at: Any) -> tuple[list[Section], Array]:
     points = run.data["points"]
     point = Places("place", ([(shaft, x), *names] for shaft, x, names in points)).find(at)
     shaft, position, _ = (at, None, ()) if point is None else points[point]
-    known = run.data.get("sections", [])
+    known = run.data["sections"]
     own = [i for i, (name, x, _) in enumerate(known) if name == shaft and position in {None, x}]
     if not own:
         raise run.missing(f"the section forces at {at!r}", "section_forces")

@@ -237,7 +237,7 @@ def _labels(data: RunData, owner: str) -> list[tuple[str, ...]]:
     if owner == "mesh":
         return [("/".join(pair),) for pair in data["meshes"]]
     if owner == "section":
-        sections = data.get("sections", [])
+        sections = data["sections"]
         return [(f"{shaft}@{x:g}" + "+" * (side == "beyond"),) for shaft, x, side in sections]
     bearings = data["bearings"] if owner == "bearing" else data["rolling_bearings"]
     return [(f"{shaft}@{position:g}",) for shaft, position in bearings]
@@ -268,7 +268,7 @@ def metadata_of(run: RunRecord, more: dict[str, Any]) -> str:
         "bearings": data["bearings"],
         "rolling_bearings": data["rolling_bearings"],
         "meshes": data["meshes"],
-        "sections": data.get("sections", []),
+        "sections": data["sections"],
         "statistics": data["statistics"],
         "events": data["events"],
         "final": {

@@ -243,7 +243,7 @@ class RunRecord(Shown):
     @property
     def recorded_shafts(self) -> list[str]:
         """Shafts with recorded section forces."""
-        if not self.data.get("sections"):
+        if not self.data["sections"]:
             raise self.missing("the section forces", "section_forces")
         return list(dict.fromkeys(shaft for shaft, *_ in self.data["sections"]))
 

@@ -109,6 +109,8 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
             found = self._bearing_force[..., 2 * i : 2 * i + 2]
         elif quantity == "bearing_displacement":
             found = self._in_bearing(at)
+        elif quantity == "torque":
+            found = self.section_forces(at).torque
         else:
             found = self.coordinates.motion(self._motion, quantity, at)
             power = time_derivatives(quantity)

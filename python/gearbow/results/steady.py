@@ -9,11 +9,12 @@ from gearbow._convert import number as number_of
 from gearbow._core import Model, multipliers
 from gearbow._progress import working
 from gearbow._result import Column, WithSpeeds
-from gearbow._types import ComplexArray, RunFigure
+from gearbow._types import At, ComplexArray, RunFigure, Side
 from gearbow.errors import GearbowError
 from gearbow.recording.container import any_number, each, number, optional, record, row, text, whole
 from gearbow.recording.record import RunRecord
 from gearbow.results.response import Response, Stored
+from gearbow.results.section_forces import SectionForces
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -158,6 +159,28 @@ class SteadyState(WithSpeeds, Stored):
             options["duration"] *= _PART
         with working(None, "multipliers"):
             return multipliers(model, **options, smallest=smallest, progress=None)
+
+    def section_forces(self, at: At, side: Side = "before") -> SectionForces:
+        """Section forces of a shaft over the recorded period, as `Response.section_forces`.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, float)
+            A gear or disk by name, (shaft, position [m]), or the name of a shaft.
+        side : {"before", "beyond"}
+            Side of a node.
+
+        Returns
+        -------
+        SectionForces
+            N, Q_y, Q_z, M_y, M_z and T at each time.
+
+        Raises
+        ------
+        ChannelError
+            If they were not recorded.
+        """
+        return self.response.section_forces(at, side)
 
     def is_stable(self) -> bool:
         """Return whether small disturbances decay.

@@ -162,6 +162,49 @@ def test_the_limit_of_a_bow_by_stress() -> None:
         assert sign * (use.utilisation[at_disk].max() - 1.0) > 0.0
 
 
+def test_strain_gauges_turn_with_the_shaft() -> None:
+    bow = gb.Bow.half_sine(1e-4, 0.3)
+    system = machines.rotor(
+        {"bow": bow, "elements": 4},
+        gravity=9.81,
+        torques=[gb.Torque(("rotor", 0.0), 5.0), gb.Torque(("rotor", 1.0), -5.0)],
+    )
+    run = system.simulate(0.1, 200.0, record=[("rotor", 0.5), "section_forces"], output_step=1e-4)
+    bending = run.measure(gb.StrainGauge(("rotor", 0.5), "bending", angle=0.7))
+    static = system.static(200.0).section_forces(("rotor", 0.5)).bending
+    turning = system.synchronous([200.0]).section_forces(("rotor", 0.5)).bending[0, 0]
+    # the weight alternates once a turn, the bow is constant; isotropic bearings have no other part
+    assert np.ptp(bending) / 2.0 == pytest.approx(np.hypot(*static), rel=1e-3)
+    mean = -np.imag((turning[0] + 1j * turning[1]) / 2.0 * np.exp(-0.7j))
+    whole = np.abs(200.0 * run.time) < 2 * pi * 3
+    assert bending[whole].mean() == pytest.approx(mean, rel=1e-2)
+    torque = run.measure(gb.StrainGauge(("rotor", 0.5)))
+    assert torque == pytest.approx(run.section_forces(("rotor", 0.5)).torque)
+    found = run.spectrum(gb.StrainGauge(("rotor", 0.5), "bending"))
+    assert found.unit == "N m"
+    harmonic = system.frequency_response([50.0], source=gb.Torque(("rotor", 0.0), 1.0))
+    phasor = harmonic.measure(gb.StrainGauge(("rotor", 0.5)))
+    assert phasor == pytest.approx(harmonic.section_forces(("rotor", 0.5)).torque)
+    with pytest.raises(gb.SceneError, match="gauges of bending turn with the shaft"):
+        harmonic.measure(gb.StrainGauge(("rotor", 0.5), "bending"))
+    with pytest.raises(
+        gb.SceneError, match=r"strain_gauge.quantity: must be one of torque, bending"
+    ):
+        gb.StrainGauge("disk", "shear")  # type: ignore[arg-type]
+    with pytest.raises(gb.SceneError, match=r"strain_gauge.angle: gauges of torque have none"):
+        gb.StrainGauge("disk", angle=1.0)
+
+
+def test_a_steady_state_has_section_forces() -> None:
+    system = machines.rotor(
+        {"bow": gb.Bow.half_sine(1e-4)}, bearing={"stiffness": 1e7, "damping": 900.0}
+    )
+    steady = system.steady_state(150.0, record=[("rotor", 0.5), "section_forces"])
+    phasor = system.synchronous([150.0]).section_forces(("rotor", 0.5)).bending[0, 0, 1]
+    found = steady.section_forces(("rotor", 0.5)).bending[:, 1]
+    assert np.ptp(found) / 2.0 == pytest.approx(abs(phasor), rel=1e-3)
+
+
 def test_scene_files_keep_notches(tmp_path: Any) -> None:
     notch = gb.Notch("rotor", 0.3, bending=2.1, torsion=1.7)
     system = _loaded([notch])

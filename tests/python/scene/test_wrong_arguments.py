@@ -661,6 +661,12 @@ METHODS["Efficiency"] = (
 )
 METHODS["SectionForces"] = (lambda: system().static().section_forces("input"), {"plot": {}})
 METHODS["Stresses"] = (lambda: system().stresses(100.0), {"plot": {}})
+for name in ("FrequencyResponse", "Synchronous", "Static"):
+    METHODS[name][1]["section_forces"] = {"at": "input"}
+METHODS["Response"][1].update({"section_forces": {"at": "g1"}, "stresses": {}})
+METHODS["SteadyState"][1]["section_forces"] = {"at": "g1"}
+METHODS["RotorSystem"][1]["stresses"] = {"speed": 100.0}
+METHODS["StrainGauge"] = (lambda: gb.StrainGauge("g1"), {"measure": {"recording": None}})
 METHODS["MassProperties"] = (lambda: system().mass_properties(), {})
 METHODS["TrialInfluence"] = (
     lambda: gb.results.TrialInfluence(
