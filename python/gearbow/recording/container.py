@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 # Checks of plain data: the valid values of each entry of a file, as a table of small functions.
 #
 # A check receives a value and its path in the file. It raises `GearbowError` for an invalid value.
-# `record`, `entries`, `each`, `row` and `optional` combine checks, `typed` makes those of a dataclass.
+# `record`, `entries`, `each`, `row` and `optional` combine checks; `typed` takes a dataclass.
 
 Check: TypeAlias = Callable[[Any, str], None]
 
