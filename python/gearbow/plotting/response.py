@@ -1,6 +1,7 @@
 """Figures of time responses: orbits, time histories, spectra and energies."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
@@ -36,11 +37,20 @@ from gearbow.plotting.style import (
 TRANSIENT = "0.75"
 
 
-def orbits(
-    motion: Mapping[str, Array], *, skipped: int = 0, transient: bool = False, ax: GivenAxes = None
-) -> Figure:
+@dataclass(frozen=True, eq=False)
+class TimeAxis:
+    """Horizontal axis of a figure, and the number of values before those that set its scale."""
+
+    values: Array
+    label: str = "time [s]"
+    skipped: int = 0
+    #: Whether the skipped times are the transient, which the figure shades.
+    transient: bool = False
+
+
+def orbits(axis: TimeAxis, motion: Mapping[str, Array], *, ax: GivenAxes = None) -> Figure:
     """Draw the orbit of each centre in the plane of rotation."""
-    count = len(motion)
+    count, skipped = len(motion), axis.skipped
     with panels(count, 4.3, columns=4, width=4.2 * min(4, count), ax=ax) as (figure, axes):
         if ax is None:
             # Titles of a row do not touch the labels of the row above.
@@ -51,7 +61,7 @@ def orbits(
             if skipped:
                 early = slice(0, skipped + 1)
                 panel.plot(v[early], w[early], color=TRANSIENT, linewidth=0.8, label="earlier")
-            late = "after the transient" if transient else "last turn"
+            late = "after the transient" if axis.transient else "last turn"
             name = late if skipped else "orbit"
             panel.plot(v[skipped:], w[skipped:], color=PALETTE[0], label=name)
             panel.plot(v[-1:], w[-1:], "o", color=PALETTE[1], label="end")
@@ -62,78 +72,51 @@ def orbits(
     return figure
 
 
-def history(
-    time: Array,
-    motion: Mapping[str, Array],
-    *,
-    skipped: int = 0,
-    transient: bool = False,
-    against: str = "time [s]",
-    ax: GivenAxes = None,
-) -> Figure:
+def history(axis: TimeAxis, motion: Mapping[str, Array], *, ax: GivenAxes = None) -> Figure:
     """Draw the displacement of each centre about its mean against time."""
     with panels(len(motion), 2.9, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
-            mean = values[skipped:].mean(axis=0) if values.size else np.zeros(2)
-            _lines(panel, time, MICRO * (values - mean), ("y − mean", "z − mean"))
+            mean = values[axis.skipped :].mean(axis=0) if values.size else np.zeros(2)
+            _lines(panel, axis.values, MICRO * (values - mean), ("y − mean", "z − mean"))
             y, z = (quantity(part, "m") for part in mean)
             panel.set(ylabel=f"{label} [µm]")
             remark(panel, f"mean y {y}, z {z}")
-            _settle(panel, MICRO * (values - mean), skipped)
-        _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
+            _settle(panel, MICRO * (values - mean), axis.skipped)
+        _finish(figure, axes, axis, ax=ax)
     return figure
 
 
-def twist(
-    time: Array,
-    twists: Mapping[str, Array],
-    *,
-    skipped: int = 0,
-    transient: bool = False,
-    against: str = "time [s]",
-    ax: GivenAxes = None,
-) -> Figure:
+def twist(axis: TimeAxis, twists: Mapping[str, Array], *, ax: GivenAxes = None) -> Figure:
     """Draw the twist of each place against time."""
     with panels(len(twists), 2.6, columns=1, sharex=True, ax=ax) as (figure, axes):
         for panel, (label, values) in zip(axes, twists.items(), strict=True):
-            panel.plot(time, 1e3 * values, color=PALETTE[0], linewidth=1.1)
+            panel.plot(axis.values, 1e3 * values, color=PALETTE[0], linewidth=1.1)
             panel.set(ylabel=f"{label} [mrad]")
-            _settle(panel, 1e3 * values, skipped)
-        _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
+            _settle(panel, 1e3 * values, axis.skipped)
+        _finish(figure, axes, axis, ax=ax)
     return figure
 
 
-def bearings(
-    time: Array,
-    forces: Mapping[str, Array],
-    *,
-    skipped: int = 0,
-    transient: bool = False,
-    against: str = "time [s]",
-    ax: GivenAxes = None,
-) -> Figure:
+def bearings(axis: TimeAxis, forces: Mapping[str, Array], *, ax: GivenAxes = None) -> Figure:
     """Draw the force of the shaft on each bearing against time."""
     with panels(2 * len(forces), 2.6, columns=2, sharex=True, ax=ax) as (figure, axes):
         for row, (label, values) in enumerate(forces.items()):
             for column, along in enumerate("yz"):
                 panel = axes[2 * row + column]
-                panel.plot(time, values[:, column], color=colour(column), linewidth=1.1)
+                panel.plot(axis.values, values[:, column], color=colour(column), linewidth=1.1)
                 panel.set(ylabel=f"force along {along} [N]")
-                _settle(panel, values[:, column], skipped)
+                _settle(panel, values[:, column], axis.skipped)
                 # A short time at the end of a long run has numbers of many digits.
                 panel.locator_params(axis="x", nbins=4)
             axes[2 * row].set_title(label, loc="left", fontsize=text_size(1.0))
-        _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
+        _finish(figure, axes, axis, ax=ax)
     return figure
 
 
 def mesh(
-    time: Array,
+    axis: TimeAxis,
     meshes: Mapping[tuple[str, str], tuple[Array, Array, Array]],
     *,
-    skipped: int = 0,
-    transient: bool = False,
-    against: str = "time [s]",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw force, deflection and stiffness of the meshes."""
@@ -145,16 +128,13 @@ def mesh(
         }
         for pair, (force, deflection, stiffness) in meshes.items()
     }
-    return _columns(time, rows, skipped, against, ax=ax, transient=transient)
+    return _columns(axis, rows, ax=ax)
 
 
 def geometry(
-    time: Array,
+    axis: TimeAxis,
     meshes: Mapping[tuple[str, str], tuple[Array, Array, Array, Array]],
     *,
-    skipped: int = 0,
-    transient: bool = False,
-    against: str = "time [s]",
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the geometry of the meshes at the moving centres."""
@@ -167,7 +147,7 @@ def geometry(
         }
         for pair, (contact_ratio, pressure_angle, centre_line_angle, distance) in meshes.items()
     }
-    return _columns(time, rows, skipped, against, ax=ax, transient=transient)
+    return _columns(axis, rows, ax=ax)
 
 
 def spectrum(
@@ -229,13 +209,7 @@ def energy_balance(
 
 
 def _columns(
-    time: Array,
-    meshes: Mapping[tuple[str, str], Mapping[str, Array]],
-    skipped: int,
-    against: str,
-    *,
-    ax: GivenAxes,
-    transient: bool,
+    axis: TimeAxis, meshes: Mapping[tuple[str, str], Mapping[str, Array]], *, ax: GivenAxes
 ) -> Figure:
     """Draw a column for each mesh, with a panel for each of its quantities."""
     columns, count = len(meshes), len(next(iter(meshes.values())))
@@ -247,17 +221,17 @@ def _columns(
         for column, ((driver, driven), rows) in enumerate(meshes.items()):
             for row, (label, values) in enumerate(rows.items()):
                 panel = axes[row * columns + column]
-                panel.plot(time, values, color=colour(column), linewidth=1.1)
+                panel.plot(axis.values, values, color=colour(column), linewidth=1.1)
                 panel.set(ylabel=label)
                 # Ticks without an offset show an angle of 20.01° in full.
                 panel.ticklabel_format(axis="y", useOffset=False)
-                _settle(panel, values, skipped)
+                _settle(panel, values, axis.skipped)
             name = f"{driver} – {driven}"
             axes[column].set_title(name, loc="left", fontsize=text_size(1.0))
         for panel in axes:
             # A short time at the end of a long run has numbers of many digits.
             panel.locator_params(axis="x", nbins=4)
-        _finish(figure, axes, time, skipped if transient else 0, against, ax=ax)
+        _finish(figure, axes, axis, ax=ax)
     return figure
 
 
@@ -286,18 +260,11 @@ def _settle(panel: Axes, values: Array, skipped: int) -> None:
     remark(panel, f"earlier {' to '.join(ends)} {unit}".rstrip().replace("-", "−"))
 
 
-def _finish(
-    figure: Figure,
-    axes: Sequence[Axes],
-    time: Array,
-    skipped: int,
-    against: str,
-    *,
-    ax: GivenAxes,
-) -> None:
+def _finish(figure: Figure, axes: Sequence[Axes], axis: TimeAxis, *, ax: GivenAxes) -> None:
     """Label the axis, shade the time of the transient, and place the legend."""
-    for panel in axes if skipped else ():
+    for panel in axes if axis.transient and axis.skipped else ():
         shade: dict[str, Any] = {"color": TRANSIENT, "alpha": 0.5, "linewidth": 0.0}
-        panel.axvspan(float(time[0]), float(time[skipped]), label="transient", **shade)
-    label_x(axes, against)
+        begin, end = axis.values[[0, axis.skipped]].tolist()
+        panel.axvspan(begin, end, label="transient", **shade)
+    label_x(axes, axis.label)
     legend(figure, axes[0], ax=ax)

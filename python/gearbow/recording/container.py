@@ -11,10 +11,12 @@ import reprlib
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import is_dataclass
 from io import BufferedRandom, RawIOBase
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from types import UnionType
+from typing import TYPE_CHECKING, Any, TypeAlias, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
 # Checks of plain data: the valid values of each entry of a file, as a table of small functions.
 #
 # A check receives a value and its path in the file. It raises `GearbowError` for an invalid value.
-# `record`, `entries`, `each`, `row` and `optional` combine checks.
+# `record`, `entries`, `each`, `row` and `optional` combine checks; `typed` takes a dataclass.
 
 Check: TypeAlias = Callable[[Any, str], None]
 
@@ -136,6 +138,25 @@ def record(**checks: Check) -> Check:
             check(value[name], place)
 
     return checked
+
+
+#: Checks of values without parts.
+_SCALARS: dict[type, Check] = {str: text, int: whole, float: number, bool: flag}
+
+
+def typed(hint: Any, number: Check = number) -> Check:
+    """Make the check of a dataclass, list, tuple, text or number, or of one of them or None."""
+    if is_dataclass(hint):
+        hints = get_type_hints(hint).items()
+        return record(**{name: typed(each, number) for name, each in hints})
+    origin, inside = get_origin(hint), get_args(hint)
+    if origin is UnionType:
+        return optional(typed(inside[0], number))
+    if origin is list or inside[-1:] == (...,):
+        return each(typed(inside[0], number))
+    if origin is tuple:
+        return row(*(typed(entry, number) for entry in inside))
+    return number if hint is float else _SCALARS[hint]
 
 
 #: Ending of the archives, from which runs continue, and of the files for other programs.

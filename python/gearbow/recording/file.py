@@ -6,7 +6,6 @@ are not rounded, so that a run can continue from a loaded response.
 
 import json
 import os
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -39,9 +38,17 @@ from gearbow.recording.container import (
     record,
     row,
     text,
+    typed,
     whole,
 )
-from gearbow.recording.record import OPTIONS, ErrorEstimate, Errors, RunRecord, RunRequest
+from gearbow.recording.record import (
+    OPTIONS,
+    ErrorEstimate,
+    Errors,
+    RunRecord,
+    RunRequest,
+    Statistics,
+)
 from gearbow.units.speed import speed_factor
 
 #: Arrays of the final state. Their lengths depend on the method.
@@ -58,29 +65,16 @@ _METADATA = record(
         record(
             window=number,
             chaotic=flag,
-            estimates=entries(record(**{each.name: number for each in fields(ErrorEstimate)})),
+            estimates=entries(typed(ErrorEstimate)),
         )
     ),
-    kinematics=optional(
-        record(
-            shafts=each(row(text, number)),
-            meshes=each(row(text, text, text, text, number)),
-            bearings=each(row(text, number, number)),
-            forces=each(row(text, text, number)),
-        )
-    ),
+    kinematics=optional(typed(Kinematics)),
     points=each(row(text, number, each(text))),
     bearings=each(row(text, number)),
     rolling_bearings=each(row(text, number)),
     meshes=each(row(text, text)),
     sections=each(row(text, number, text)),
-    statistics=record(
-        **dict.fromkeys(("steps", "rejected", "evaluations", "events"), whole),
-        **dict.fromkeys(("step_min", "step_max", "omega_max", "condition"), any_number),
-        limited_by=text,
-        modes=optional(whole),
-        modes_error=optional(row(any_number, any_number)),
-    ),
+    statistics=typed(Statistics, any_number),
     events=each(row(number, text, text, text)),
     final=record(),
 )

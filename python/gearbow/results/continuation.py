@@ -22,7 +22,7 @@ from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
 from gearbow.orders.spectrum import channel
 from gearbow.recording.channels import CHANNELS, signals, with_signals
-from gearbow.recording.container import each, number, record, row, text, whole
+from gearbow.recording.container import typed
 from gearbow.recording.record import RunRecord
 from gearbow.results.response import Response, Stored
 from gearbow.results.steady import instability
@@ -37,17 +37,6 @@ if TYPE_CHECKING:
 UNITS = {"speed": "rad/s", "torque": "", "bow": "", "backlash": "m"}
 #: Statistics of a signal over a period, in the order of the rows of each point.
 STATISTICS: tuple[Statistic, ...] = get_args(Statistic)
-
-#: Further entries of the metadata of a file.
-_BRANCH = record(
-    parameter=text,
-    speed=number,
-    unknowns=whole,
-    values=each(number),
-    kinds=each(text),
-    multipliers=each(each(row(number, number))),
-    message=text,
-)
 
 
 @dataclass
@@ -315,7 +304,7 @@ class Continuation(WithSpeeds, Stored):
     def _restored(cls, run: RunRecord, about: dict[str, Any], path: Any) -> "Continuation":
         if "branch" not in about:
             raise GearbowError(f"{path}: is not a continuation")
-        _BRANCH(about["branch"], "branch")
+        typed(BranchData)(about["branch"], "branch")
         return cls(Response._from_record(run), BranchData(**about["branch"]))
 
     def __repr__(self) -> str:

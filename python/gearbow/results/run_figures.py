@@ -111,19 +111,17 @@ def plot(
     with showing_in(run.speed_unit if speed_unit is None else speed_unit):
         x, label = _abscissa(run, kind, against)
     time = x[cut]
-    settled: Any = {"skipped": skipped, "transient": skip_time is not None, "ax": ax}
-    if kind not in _WITHOUT_TIME:
-        settled["against"] = label
+    axis = figures.TimeAxis(time, label, skipped, transient=skip_time is not None)
     if kind in _MESH_FIELDS:
         chosen = {}
         for pair in _connections("mesh", "meshes", run.data["meshes"], at):
             mesh, names = access.mesh(run, pair), access.mesh_names(run, pair)
             chosen[names] = tuple(getattr(mesh, name)[cut] for name in _MESH_FIELDS[kind])
-        return getattr(figures, kind)(time, chosen, **settled)  # type: ignore[no-any-return]
+        return getattr(figures, kind)(axis, chosen, ax=ax)  # type: ignore[no-any-return]
     if kind == "bearings":
         bearings = _connections("bearing", "bearings", run.data["bearings"], at)
         forces = {place_label(one): access.bearing_force(run, one)[cut] for one in bearings}
-        return figures.bearings(time, forces, **settled)
+        return figures.bearings(axis, forces, ax=ax)
     if kind == "section forces":
         from gearbow.plotting.sections import section_forces  # noqa: PLC0415
 
@@ -135,12 +133,12 @@ def plot(
         twists = {place_label(one): access.motion(run, "twist", one)[cut] for one in places_of}
         moving = {label: values for label, values in twists.items() if np.any(values)}
         shown = twists if at is not None or not moving else moving
-        return figures.twist(time, shown, **settled)
+        return figures.twist(axis, shown, ax=ax)
     motion = {place_label(one): access.motion(run, "displacement", one)[cut] for one in places_of}
     if kind == "orbits":
-        return figures.orbits(motion, **settled)
+        return figures.orbits(axis, motion, ax=ax)
     if kind == "history":
-        return figures.history(time, motion, **settled)
+        return figures.history(axis, motion, ax=ax)
     begin = 0 if skip_time is None else skipped
     # A part of a period is no period.
     periodic = run.period is not None and time[begin:].size == run.time.size

@@ -6,7 +6,6 @@ import ast
 import json
 import os
 import random
-import subprocess
 import sys
 import time
 import warnings
@@ -23,6 +22,7 @@ import gearbow as gb
 from gearbow.exchange.rexs_file import _from_xml
 from gearbow.exchange.tables import read_vectors
 from gearbow.exchange.universal import Function, Quantity, function_lines, write
+from reference.processes import printed
 from test_response import recorded
 
 if sys.version_info >= (3, 11):
@@ -284,16 +284,7 @@ def test_every_damaged_file_is_read_or_refused(tmp_path: Path, name: str):
         pytest.skip("the examples are not installed")
     # `make fuzz` reads new files in each call.
     seed = random.randrange(10**6) if COUNT > 40 else 1
-    ended = subprocess.run(
-        [sys.executable, "-c", WORKER, name, tmp_path, str(COUNT), str(seed)],
-        cwd=Path(__file__).parent,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
-        check=False,
-        capture_output=True,
-        text=True,
-    )
-    assert ended.returncode == 0, (seed, ended.stderr[-2000:])
-    found = ast.literal_eval(ended.stdout.splitlines()[-1])
+    found = ast.literal_eval(printed(WORKER, name, tmp_path, COUNT, seed).splitlines()[-1])
     print(name, found)
     assert set(found) <= {"read", "refused"}, (seed, found)
 

@@ -14,6 +14,7 @@ import gearbow as gb
 from gearbow._files import FileLock, replacing
 from reference.cases import each_case
 from reference.machines import bowed_pair
+from reference.processes import assert_done, python
 from test_checkpoint import RUNS, EnoughError, Pause, Stop, asked
 from test_persistence import assert_same
 from test_response import recorded
@@ -24,17 +25,6 @@ posix = pytest.mark.skipif(os.name != "posix", reason="signals and limits of a p
 
 def names(folder: Path) -> list[str]:
     return sorted(entry.name for entry in folder.iterdir())
-
-
-def python(script: str, *given: object) -> subprocess.CompletedProcess[str]:
-    """Run a script in a separate process that can import these tests."""
-    return subprocess.run(
-        [sys.executable, "-c", script, *map(str, given)],
-        cwd=Path(__file__).parents[1],
-        check=False,
-        capture_output=True,
-        text=True,
-    )
 
 
 def big() -> gb.RotorSystem:
@@ -106,8 +96,7 @@ print("done")
 @posix
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_file_that_does_not_fit_leaves_the_previous_file(tmp_path, suffix):
-    ended = python(LIMITED, tmp_path / f"file{suffix}")
-    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert_done(LIMITED, tmp_path / f"file{suffix}")
     read(tmp_path / f"file{suffix}")
 
 
@@ -150,8 +139,7 @@ print("done")
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is Linux's")
 def test_a_netcdf_file_needs_no_memory_of_its_size(tmp_path):
-    ended = python(SHORT, tmp_path / "run.nc")
-    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert_done(SHORT, tmp_path / "run.nc")
 
 
 FULL = """
@@ -212,8 +200,7 @@ def test_a_full_disk_does_not_end_a_run(tmp_path, there):
         with pytest.raises(EnoughError):
             system.simulate(**options, checkpoint=path, progress=Stop(Pause()))
     # A checkpoint of this run has more than 20 kB.
-    ended = python(CHECKPOINT, path, 100 if there else 10_000)
-    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert_done(CHECKPOINT, path, 100 if there else 10_000)
     assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
 
 
@@ -258,8 +245,7 @@ print("done")
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_killed_writer_leaves_a_complete_file(tmp_path, suffix):
     path = tmp_path / f"run{suffix}"
-    ended = python(KILLS, path)
-    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert_done(KILLS, path)
     if suffix == ".npz":
         system, options = RUNS["smooth"][0].package(), asked("smooth")
         assert_same(system.simulate(**options, checkpoint=path), system.simulate(**options))
@@ -353,8 +339,7 @@ print("done" if loads > 3 else loads)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_writers_of_one_file_do_not_disturb_each_other(tmp_path, suffix):
     path = tmp_path / f"file{suffix}"
-    ended = python(WRITERS, path)
-    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert_done(WRITERS, path)
     assert names(tmp_path) == [path.name]
 
 

@@ -7,7 +7,8 @@ import sys
 import pytest
 
 import gearbow as gb
-from test_file_failures import names, python
+from reference.processes import assert_done
+from test_file_failures import names
 from test_response import recorded
 
 EXTRAS = """
@@ -80,8 +81,7 @@ print("done")
     ],
 )
 def test_the_error_says_how_to_install_a_missing_library(tmp_path, extra, missing):
-    ended = python(EXTRAS, missing, tmp_path, extra)
-    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert_done(EXTRAS, missing, tmp_path, extra)
     assert names(tmp_path) == []
 
 

@@ -19,7 +19,8 @@ import pytest
 
 import gearbow as gb
 from gearbow.sweeps import store as files
-from test_sweep import AB, GRID, force, mixed, number, odd, pair, plain, python, same
+from reference.processes import assert_done, python
+from test_sweep import AB, GRID, force, mixed, number, odd, pair, plain, same
 
 
 def test_a_store_contains_the_sweep(tmp_path):
@@ -102,8 +103,7 @@ print("done")
 def test_a_full_disk_keeps_the_complete_records(tmp_path):
     gb.sweep(plain, AB, number, store=tmp_path / "whole.sweep")
     size = (tmp_path / "whole.sweep").stat().st_size
-    ended = python(FULL, tmp_path / "map.sweep", size - 200)
-    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert_done(FULL, tmp_path / "map.sweep", size - 200)
 
 
 KILLED_AT_RANDOM = """
@@ -137,8 +137,7 @@ print("done")
 
 @pytest.mark.skipif(sys.platform == "win32", reason="kills a process")
 def test_a_sweep_killed_at_any_instant_keeps_every_reported_point(tmp_path):
-    ended = python(KILLED_AT_RANDOM, tmp_path / "map.sweep")
-    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr
+    assert_done(KILLED_AT_RANDOM, tmp_path / "map.sweep")
 
 
 @pytest.mark.parametrize("content", [b"", b"not a sweep", bytes(1000), b"PK\x03\x04" * 100])

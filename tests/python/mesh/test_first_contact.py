@@ -6,19 +6,12 @@ import contextlib
 import inspect
 import json
 import pydoc
-import subprocess
-import sys
 
 import pytest
 
 import gearbow as gb
 from reference.cases import each_case
-
-
-def run(code: str) -> str:
-    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return ended.stdout
-
+from reference.processes import printed
 
 #: Modules that only some functions need. The import takes as long as its modules.
 HEAVY = {
@@ -39,7 +32,9 @@ HEAVY |= {"email", "importlib.metadata", "multiprocessing", "asyncio", "sqlite3"
 
 def test_the_import_is_small():
     code = "import json, sys, numpy; before = set(sys.modules); import gearbow"
-    added = set(json.loads(run(f"{code}; print(json.dumps(sorted(set(sys.modules) - before)))")))
+    added = set(
+        json.loads(printed(f"{code}; print(json.dumps(sorted(set(sys.modules) - before)))"))
+    )
     assert added & HEAVY == set()
     assert {name.split(".")[1] for name in added if name.startswith("gearbow.")} & {
         "plotting",

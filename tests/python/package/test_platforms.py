@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from test_file_failures import python
+from reference.processes import printed
 
 WITHOUT_UNIX = """
 import fcntl, os, pathlib, sys, types
@@ -52,9 +52,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 
 def without_unix(script: str, *given: object) -> str:
     """Run a script without the modules and functions of Unix, and return what it prints."""
-    done = python(WITHOUT_UNIX + script, *given)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    return printed(WITHOUT_UNIX + script, *given)
 
 
 @linux

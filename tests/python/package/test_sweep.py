@@ -20,6 +20,7 @@ import gearbow as gb
 from gearbow import _parallel
 from reference.cases import each_case
 from reference.machines import bowed_pair
+from reference.processes import python
 
 GRID = {"torque": [100.0, 250.0, 400.0], "bow": [0.0, 1e-4]}
 
@@ -62,16 +63,6 @@ def same(one: gb.Sweep, other: gb.Sweep) -> None:
             found = (others.values or {})[name]
             assert (value.dtype, value.shape) == (found.dtype, found.shape)
             assert value.tobytes() == found.tobytes()
-
-
-def python(script: str, *arguments: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-c", script, *map(str, arguments)],
-        cwd=Path(__file__).parents[1],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
 
 
 # --- points ---------------------------------------------------------------------------------------

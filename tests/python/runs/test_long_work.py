@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import subprocess
 import sys
 import threading
 import warnings
@@ -17,6 +16,7 @@ from tqdm import tqdm
 import gearbow as gb
 from gearbow import _progress
 from reference.machines import bowed_pair
+from reference.processes import printed
 
 LARGE = """
 import signal, sys, threading, time, warnings
@@ -62,15 +62,6 @@ CALLS = {
 BOUND = 5.0
 
 
-def child(program: str, *arguments: str) -> str:
-    """Run a program and return its output."""
-    run = subprocess.run(
-        [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False
-    )
-    assert run.returncode == 0, run.stderr
-    return run.stdout
-
-
 @pytest.mark.parametrize("name", list(CALLS))
 def test_ctrl_c_ends_every_analysis(name: str):
     program = f"""{LARGE}
@@ -82,7 +73,7 @@ try:
 except KeyboardInterrupt:
     print(time.monotonic() - begin - 1.0)
 """
-    assert float(child(program)) < BOUND
+    assert float(printed(program)) < BOUND
 
 
 def test_ctrl_c_ends_the_loops_over_speeds():
@@ -102,7 +93,7 @@ print([path.parent.name for path in Path("/proc/self/task").glob("*/comm")
 """
     if sys.platform != "linux":
         pytest.skip("lists the threads of a process as Linux does")
-    *times, threads = child(program).splitlines()
+    *times, threads = printed(program).splitlines()
     assert len(times) == 2
     assert all(float(time) < BOUND for time in times)
     assert threads == "[]"  # the work has ended and does not continue in the background
@@ -123,7 +114,7 @@ for delay in (0.0, 0.1):
 assert interrupted == 2
 assert np.array_equal(system.modes(100.0).eigenvalues, expected)
 """
-    child(program)
+    printed(program)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is Linux's")
@@ -151,7 +142,7 @@ def check(name, call):
 
 {calls}
 """
-    lines = child(program).splitlines()
+    lines = printed(program).splitlines()
     assert [line.split()[0] for line in lines] == list(refused)
 
 
@@ -194,7 +185,7 @@ def check(name, call):
 
 {checks}
 """
-    assert child(program).splitlines() == list(calls)
+    assert printed(program).splitlines() == list(calls)
 
 
 def test_arrays_adopt_what_the_core_computed():
@@ -221,7 +212,7 @@ assert np.allclose(response[:, 0, 3000], wanted[:, 0, 200], rtol=1e-4)
 found, wanted = (each.static().displacement(("rotor", 0.5)) for each in (system, coarse))
 assert np.allclose(found, wanted, rtol=1e-4)
 """
-    child(program)
+    printed(program)
 
 
 class TestEstimate:
@@ -397,7 +388,7 @@ try:
 except gb.SceneError as error:
     print(error)
 """
-    found = child(program)
+    found = printed(program)
     assert "amplitudes need 1.600 GB" in found
     # What Python allocates in between is below 10 MB.
     available = float(found.split("memory, ")[1].split(" GB")[0])

@@ -14,7 +14,7 @@ import pytest
 import gearbow as gb
 from reference.cases import each_case
 from reference.machines import SHAFTS, pair
-from test_file_failures import python
+from reference.processes import python
 
 
 def system(**changes: Any) -> gb.RotorSystem:

@@ -262,6 +262,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
         as_limit("bearing_life"),
         {"at": ("input", 0.0), "hours": 1e4, "capacity": 5e4, "exponent": 3.0},
     ),
+    "BowLimit.stress": (
+        as_limit("stress"),
+        {"at": ("input", 0.1), "endurance_limit": 2e8, "tensile_strength": 6e8},
+    ),
     "BowLimit.clearance": (gb.BowLimit.clearance, {"at": ("input", 0.0), "approach": 1e-5}),
     "BowLimit.film": (gb.BowLimit.film, {"at": ("input", 0.0), "thickness": 1e-5}),
     "Gear": (
