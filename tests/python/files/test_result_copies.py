@@ -64,6 +64,8 @@ def everything() -> dict[str, Any]:
             meshes=[dataclasses.replace(mesh, friction=0.05) for mesh in system.meshes]
         ).efficiency(100.0),
         "mass properties": system.mass_properties(),
+        "section forces": system.static().section_forces(system.shafts[0].name),
+        "stresses": system.stresses(100.0),
         "thermal stability": bowed.thermal_bow(HOT, [100.0]),
         "thermal spiral": bowed.thermal_bow(HOT, [100.0]).spiral(100.0, 5.0),
         "peak": response.peaks(("rotor", 0.5))[0],

@@ -51,6 +51,7 @@ def response(time: np.ndarray, speed: float = 100.0, **data: Any) -> gb.Response
         "bearings": [("input", 0.0), ("output", 0.5)],
         "bearing_force": numbers.standard_normal((rows, 2, 2)),
         "rolling_bearings": [],
+        "sections": [],
         "rolling_contact": np.empty((rows, 0, 2)),
         "meshes": [("g1", "g2"), ("g3", "g4")],
         "mesh": {name: numbers.standard_normal((rows, 2)) for name in MESH_UNITS},

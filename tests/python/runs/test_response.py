@@ -54,6 +54,7 @@ def recorded(rows: int = 5, energy: bool = True) -> gb.Response:
             "bearings": [("output", 0.3), ("input", 0.0)],
             "bearing_force": numbers.standard_normal((rows, 2, 2)),
             "rolling_bearings": [],
+            "sections": [],
             "rolling_contact": np.empty((rows, 0, 2)),
             "meshes": [("g4", "g5"), ("g1", "g2")],
             "mesh": {name: numbers.standard_normal((rows, 2)) for name in FIELDS},
