@@ -385,6 +385,16 @@ fn translation(
             _ => {}
         }
     }
+    for (start, elastic) in model.elastic_housings() {
+        let Some([x, y, z]) = &elastic.translation else {
+            return Err(at.error(
+                "the ground moves below an elastic housing that is clamped in its matrices; give free matrices, and stiffnesses of its feet",
+            ));
+        };
+        for mode in 0..elastic.frequencies.len() {
+            translation[start + mode] = axial * x[mode] + value[0] * y[mode] + value[1] * z[mode];
+        }
+    }
     if !model.scene.lateral {
         return Err(missing(at, "lateral motion", "a motion of the ground"));
     }

@@ -516,6 +516,7 @@ fn unmounted(name: &str, motion: DofKind) -> SceneError {
         DofKind::Axial => "positive axial_stiffness",
         DofKind::V | DofKind::W => "stiffness along y and z",
         DofKind::B | DofKind::Gamma | DofKind::Twist => "rotational_stiffness about every axis",
+        DofKind::Mode => "stiffness at its feet, gb.Interface(..., stiffness=(x, y, z))",
     };
     SceneError::new("housings", format!("no static equilibrium: the load moves \"{name}\"; give it a {entry}"))
 }

@@ -5,7 +5,8 @@ use std::ops::Range;
 use super::{Model, Numbering};
 use crate::connection::Row;
 use crate::linalg::BandOrder;
-use crate::scene::{Housing, Node, Scene};
+use crate::scene::description::ElasticBody;
+use crate::scene::{Housing, HousingPoint, Node, Scene};
 
 /// Inertia of the coordinates of all supports and housings.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +23,9 @@ impl HousingInertia {
         let mut inertia = vec![0.0; numbering.len() - start];
         for (index, housing) in scene.housings.iter().enumerate() {
             let node = Node { shaft: scene.shafts.len() + index, node: 0 };
+            if let Some(modes) = numbering.modes(node) {
+                inertia[modes.start - start..modes.end - start].fill(1.0);
+            }
             let Some(first) = numbering.translation(node) else { continue };
             let own = &mut inertia[first - start..];
             own[..2].fill(housing.mass);
@@ -75,19 +79,46 @@ impl Model {
         (0..self.scene.housings.len()).map(move |index| Node { shaft: shafts + index, node: 0 })
     }
 
-    /// Displacement along the axis of a node of a shaft, or of a point of a housing at the distance `arm` (x, y, z) from its
-    /// centre of mass; empty if it does not move along the axis.
-    pub fn axial_row(&self, node: Node, arm: [f64; 3]) -> Row {
-        axial_row(&self.scene, &self.numbering, node, arm)
+    /// Index, in the order of the core, of the first mode of each elastic housing, and its modes.
+    pub fn elastic_housings(&self) -> impl Iterator<Item = (usize, &ElasticBody)> {
+        self.housing_nodes()
+            .zip(&self.scene.housings)
+            .filter_map(|(node, housing)| Some((self.numbering.modes(node)?.start, housing.elastic.as_ref()?)))
     }
 }
 
-/// Displacement along the axis of a node of a shaft, u, or of the point of a housing at the distance `arm` (x, y, z) from its
-/// centre of mass, u + B z − Γ y, as entries over the coordinates. It is empty in a scene without axial motion.
-pub(super) fn axial_row(scene: &Scene, numbering: &Numbering, node: Node, [_, y, z]: [f64; 3]) -> Row {
+/// Rotations of a point of a housing about z, Γ, and about y, −B, as entries over the coordinates; `None` if it does not rotate.
+pub(super) fn slope_rows(scene: &Scene, numbering: &Numbering, node: Node, point: HousingPoint) -> Option<[Row; 2]> {
+    let housing = &scene.housings[node.shaft - scene.shafts.len()];
+    if let (Some(rows), Some(modes)) = (interface_rows(housing, point), numbering.modes(node)) {
+        return Some([modal_row(&rows[5], modes.start, 1.0), modal_row(&rows[4], modes.start, -1.0)]);
+    }
+    let first = numbering.translation(node).filter(|_| housing.inertia.is_some())?;
+    Some([vec![(first + 2, 1.0)], vec![(first + 3, 1.0)]])
+}
+
+/// Rows of an interface of an elastic housing over its modes.
+fn interface_rows(housing: &Housing, point: HousingPoint) -> Option<&[Vec<f64>; 6]> {
+    let HousingPoint::Interface(index) = point else { return None };
+    housing.elastic.as_ref()?.interfaces.values().nth(index).map(|interface| &interface.rows)
+}
+
+/// A row over modes as entries over the coordinates, of which the first mode has the index `start`.
+pub(super) fn modal_row(row: &[f64], start: usize, sign: f64) -> Row {
+    let entries = row.iter().enumerate().filter(|(_, value)| **value != 0.0);
+    entries.map(|(mode, value)| (start + mode, sign * value)).collect()
+}
+
+/// Displacement along the axis of a point of a housing, u + B z − Γ y at the distance (x, y, z) from the centre of mass of a rigid
+/// one, as entries over the coordinates. It is empty in a scene without axial motion.
+pub(super) fn axial_row(scene: &Scene, numbering: &Numbering, node: Node, point: HousingPoint) -> Row {
+    let housing = &scene.housings[node.shaft - scene.shafts.len()];
+    if let (Some(rows), Some(modes)) = (interface_rows(housing, point), numbering.modes(node)) {
+        return if scene.axial { modal_row(&rows[0], modes.start, 1.0) } else { Row::new() };
+    }
+    let HousingPoint::Arm([_, y, z]) = point else { return Row::new() };
     let mut row: Row = numbering.displacement_along(node).map(|index| (index, 1.0)).into_iter().collect();
-    let housing = node.shaft.checked_sub(scene.shafts.len()).map(|index| &scene.housings[index]);
-    let rotates = scene.axial && housing.is_some_and(|housing| housing.inertia.is_some());
+    let rotates = scene.axial && housing.inertia.is_some();
     if let Some(first) = numbering.translation(node).filter(|_| rotates) {
         // The coordinates are Γ and −B.
         row.extend([(first + 2, -y), (first + 3, -z)]);
@@ -95,13 +126,28 @@ pub(super) fn axial_row(scene: &Scene, numbering: &Numbering, node: Node, [_, y,
     row
 }
 
-/// Displacements along y and z of the point of a housing at the distance `arm` (x, y, z) from its centre of mass, as
-/// entries over the coordinates: v + Γ x − θ z and w − B x + θ y. `first` is the index of v of the housing.
-pub fn point_rows(housing: &Housing, first: usize, [x, y, z]: [f64; 3]) -> [Row; 2] {
+/// Displacements along y and z of a point of a housing as entries over the coordinates: v + Γ x − θ z and w − B x + θ y at the
+/// distance (x, y, z) from the centre of mass of a rigid one. `None` without lateral motion.
+pub fn point_rows(scene: &Scene, numbering: &Numbering, node: Node, point: HousingPoint) -> Option<[Row; 2]> {
+    let housing = &scene.housings[node.shaft - scene.shafts.len()];
+    if let (Some(rows), Some(modes)) = (interface_rows(housing, point), numbering.modes(node)) {
+        return Some([1, 2].map(|axis| modal_row(&rows[axis], modes.start, 1.0)));
+    }
+    let HousingPoint::Arm([x, y, z]) = point else { return None };
+    let first = numbering.translation(node)?;
     let mut rows = [vec![(first, 1.0)], vec![(first + 1, 1.0)]];
     if housing.inertia.is_some() {
         rows[0].extend([(first + 2, x), (first + 4, -z)]);
         rows[1].extend([(first + 3, x), (first + 4, y)]);
     }
-    rows
+    Some(rows)
+}
+
+/// Rotation about the axis of a point of a housing as entries over the coordinates; `None` if it does not rotate.
+pub(super) fn roll_row(scene: &Scene, numbering: &Numbering, node: Node, point: HousingPoint) -> Option<Row> {
+    let housing = &scene.housings[node.shaft - scene.shafts.len()];
+    if let (Some(rows), Some(modes)) = (interface_rows(housing, point), numbering.modes(node)) {
+        return Some(modal_row(&rows[3], modes.start, 1.0));
+    }
+    numbering.twist(node).map(|index| vec![(index, 1.0)])
 }

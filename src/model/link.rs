@@ -9,9 +9,10 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use super::at_speed::has_constant_part;
-use super::housing::{axial_row, point_rows};
+use super::housing::{axial_row, modal_row, point_rows, slope_rows as housing_slopes};
 use super::{Model, Numbering, Support};
 use crate::connection::Row;
+use crate::scene::description::ElasticBody;
 use crate::scene::{Attachment, Bearing, Coupling, Housing, Matrix2, Node, Scene};
 
 /// A spring and damper over one or two scalars u = Wᵀq: f = K u + C u̇, which acts as −W f.
@@ -173,6 +174,9 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
     let mut links = Vec::new();
     for (index, housing) in scene.housings.iter().enumerate() {
         let node = Node { shaft: scene.shafts.len() + index, node: 0 };
+        if let (Some(modes), Some(elastic)) = (numbering.modes(node), &housing.elastic) {
+            springs(&housing.name, elastic, modes.start, &mut links);
+        }
         if let Some(first) = numbering.translation(node) {
             mounts(housing, first, numbering.displacement_along(node), &mut links);
         }
@@ -230,8 +234,8 @@ pub(super) fn axial_bearing_row(scene: &Scene, numbering: &Numbering, bearing: &
     let under = match bearing.attachment {
         None => Row::new(),
         Some(Attachment::Shaft(node)) => numbering.displacement_along(node).map(|u| (u, 1.0)).into_iter().collect(),
-        Some(Attachment::Housing { housing, arm }) => {
-            axial_row(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, arm)
+        Some(Attachment::Housing { housing, point }) => {
+            axial_row(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, point)
         }
     };
     std::iter::once((index, 1.0)).chain(under.into_iter().map(|(index, coefficient)| (index, -coefficient))).collect()
@@ -240,18 +244,19 @@ pub(super) fn axial_bearing_row(scene: &Scene, numbering: &Numbering, bearing: &
 /// Slopes dv/dx and dw/dx of the shaft relative to what its bearing stands on; `None` without bending.
 pub(super) fn slope_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> Option<[Row; 2]> {
     let v = numbering.translation(bearing.node)?;
-    let tilting = match bearing.attachment {
-        Some(Attachment::Shaft(node)) => Some(node),
-        Some(Attachment::Housing { housing, .. }) if scene.housings[housing].inertia.is_some() => {
-            Some(Node { shaft: scene.shafts.len() + housing, node: 0 })
-        }
-        Some(Attachment::Housing { .. }) | None => None,
-    };
-    let tilting = tilting.and_then(|node| numbering.translation(node));
     // The coordinates after v and w are Γ = dv/dx and −B = dw/dx.
-    Some([2, 3].map(|lane| {
-        let tilted = tilting.map(|first| (first + lane, -1.0));
-        std::iter::once((v + lane, 1.0)).chain(tilted).collect()
+    let tilting = match bearing.attachment {
+        Some(Attachment::Shaft(node)) => {
+            numbering.translation(node).map(|first| [2, 3].map(|lane| vec![(first + lane, 1.0)]))
+        }
+        Some(Attachment::Housing { housing, point }) => {
+            housing_slopes(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, point)
+        }
+        None => None,
+    };
+    Some([0, 1].map(|lane| {
+        let tilted = tilting.iter().flat_map(|rows| &rows[lane]).map(|(index, factor)| (*index, -factor));
+        std::iter::once((v + 2 + lane, 1.0)).chain(tilted).collect()
     }))
 }
 
@@ -265,9 +270,8 @@ pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> 
             let first = numbering.translation(node)?;
             [vec![(first, 1.0)], vec![(first + 1, 1.0)]]
         }
-        Some(Attachment::Housing { housing, arm }) => {
-            let first = numbering.translation(Node { shaft: scene.shafts.len() + housing, node: 0 })?;
-            point_rows(&scene.housings[housing], first, arm)
+        Some(Attachment::Housing { housing, point }) => {
+            point_rows(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, point)?
         }
     };
     for (row, base) in rows.iter_mut().zip(base) {
@@ -302,6 +306,27 @@ fn join(coupling: &Coupling, number: usize, numbering: &Numbering, links: &mut V
         if let (Some(a), Some(b)) = (a, b) {
             let [stiffness, damping] = [coefficients.stiffness, coefficients.damping].map(single);
             links.push(Link::new(name.clone(), vec![relative(a, b)], stiffness, damping));
+        }
+    }
+}
+
+/// Springs and dampers of the modes of an elastic housing with unit modal mass, and those between its interfaces and the ground.
+/// `start` is the index of the first mode.
+fn springs(name: &str, elastic: &ElasticBody, start: usize, links: &mut Vec<Link>) {
+    let single = |value: f64| [[value, 0.0], [0.0, 0.0]];
+    let mut push = |row: Row, stiffness: f64, damping: f64| {
+        if stiffness != 0.0 || damping != 0.0 {
+            let name = format!("the housing \"{name}\"");
+            links.push(Link::new(name, vec![row], single(stiffness), single(damping)));
+        }
+    };
+    for (mode, (frequency, ratio)) in elastic.frequencies.iter().zip(&elastic.damping_ratios).enumerate() {
+        push(vec![(start + mode, 1.0)], frequency * frequency, 2.0 * ratio * frequency);
+    }
+    for interface in elastic.interfaces.values() {
+        let (stiffness, damping) = (interface.stiffness.unwrap_or_default(), interface.damping.unwrap_or_default());
+        for (axis, row) in interface.rows[..3].iter().enumerate() {
+            push(modal_row(row, start, 1.0), stiffness[axis], damping[axis]);
         }
     }
 }

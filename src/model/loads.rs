@@ -129,6 +129,14 @@ impl Model {
                     (acceleration[v], acceleration[v + 1]) = self.scene.gravity.into();
                 }
             }
+            for (start, elastic) in self.elastic_housings() {
+                let [y, z] = self.scene.gravity;
+                for (mode, acceleration) in
+                    acceleration.iter_mut().skip(start).take(elastic.frequencies.len()).enumerate()
+                {
+                    *acceleration = elastic.translation.as_ref().map_or(0.0, |[_, v, w]| y * v[mode] + z * w[mode]);
+                }
+            }
             self.multiply_mass(acceleration.as_slice(), load);
         }
     }

@@ -28,6 +28,8 @@ pub enum DofKind {
     Gamma,
     /// Rotation about x (torsion).
     Twist,
+    /// Mode of an elastic housing, with its number as the degree.
+    Mode,
 }
 
 impl DofKind {
@@ -40,12 +42,13 @@ impl DofKind {
             Self::B => "B",
             Self::Gamma => "G",
             Self::Twist => "twist",
+            Self::Mode => "mode",
         }
     }
 
     /// Whether it belongs to bending.
     pub fn is_lateral(self) -> bool {
-        !matches!(self, Self::Axial | Self::Twist)
+        matches!(self, Self::V | Self::W | Self::B | Self::Gamma)
     }
 }
 
@@ -81,6 +84,8 @@ struct Block {
     torsion: Option<Range<usize>>,
     /// Indices of the axial coordinates in the order of the core.
     axial: Option<Range<usize>>,
+    /// Indices of the modes of an elastic housing in the order of the core.
+    modes: Option<Range<usize>>,
 }
 
 /// Numbering of the coordinates of a scene.
@@ -111,15 +116,17 @@ impl Numbering {
                 lateral: reserve(scene.lateral, 4 * nodes + 2 * bending * elements),
                 torsion: reserve(scene.torsion, rod),
                 axial: reserve(scene.axial, rod),
+                modes: None,
             }
         };
         let mut blocks: Vec<Block> = scene.shafts.iter().map(block).collect();
         blocks.extend(scene.housings.iter().map(|housing| {
-            let rotates = housing.inertia.is_some();
+            let (rotates, modes) = (housing.inertia.is_some(), housing.mode_count());
             Block {
-                lateral: reserve(scene.lateral, if rotates { 4 } else { 2 }),
+                lateral: reserve(scene.lateral && modes == 0, if rotates { 4 } else { 2 }),
                 torsion: reserve(scene.lateral && rotates, 1),
                 axial: reserve(scene.axial && housing.axial.is_some(), 1),
+                modes: reserve(scene.lateral && modes > 0, modes),
             }
         }));
         let mut dofs = Vec::with_capacity(len);
@@ -194,6 +201,11 @@ impl Numbering {
         self.lateral(node.shaft).map(|start| start + 4 * node.node)
     }
 
+    /// Indices, in the order of the core, of the modes of an elastic housing.
+    pub fn modes(&self, node: Node) -> Option<Range<usize>> {
+        self.blocks[node.shaft].modes.clone()
+    }
+
     /// Index, in the order of the core, of θ at a node.
     pub fn twist(&self, node: Node) -> Option<usize> {
         self.torsion(node.shaft).map(|start| start + node.node)
@@ -251,6 +263,14 @@ fn push_node(dofs: &mut Vec<Dof>, node: Node, block: &Block) {
 
 /// Appends the coordinates of a support or housing.
 fn push_housing(dofs: &mut Vec<Dof>, node: Node, block: &Block) {
+    let modes = block.modes.clone().into_iter().flatten().enumerate();
+    dofs.extend(modes.map(|(number, index)| Dof {
+        node,
+        kind: DofKind::Mode,
+        degree: Some(number + 1),
+        index,
+        sign: 1.0,
+    }));
     let mut push = |kind, index, sign| dofs.push(Dof { node, kind, degree: None, index, sign });
     if let Some(range) = &block.axial {
         push(DofKind::Axial, range.start, 1.0);

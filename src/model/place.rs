@@ -3,11 +3,11 @@
 //!
 //! A force at a place acts on the same coordinates with the same factors.
 
-use super::housing::point_rows;
+use super::housing::{axial_row, point_rows, roll_row};
 use super::{Model, Numbering};
 use crate::connection::Row;
 use crate::element::PlaceShape;
-use crate::scene::{EntryPath, Node, Scene, SceneError, Shaft, description, nearest};
+use crate::scene::{EntryPath, HousingPoint, Node, Scene, SceneError, Shaft, description, nearest};
 
 /// Displacements of a place as entries (index of a coordinate, factor).
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +38,7 @@ impl Model {
         match place {
             description::Place::Body(name) => match (scene.body(name), scene.housing_point(name)) {
                 (Some(body), _) => Ok(self.node_rows(body.node)),
-                (None, Some((node, arm))) => Ok(self.housing_rows(node, arm)),
+                (None, Some((node, point))) => Ok(self.housing_rows(node, point)),
                 (None, None) => {
                     let names = scene.bodies().map(|body| body.name.as_str()).chain(scene.housing_names());
                     let hint = if scene.shaft(name).is_some() {
@@ -50,8 +50,8 @@ impl Model {
                 }
             },
             description::Place::Shaft(name, position) => {
-                if let Some((node, arm)) = scene.housing_point(name) {
-                    return Ok(self.housing_rows(node, arm));
+                if let Some((node, point)) = scene.housing_point(name) {
+                    return Ok(self.housing_rows(node, point));
                 }
                 let index = scene.known_shaft(name, at)?;
                 let shaft = &scene.shafts[index];
@@ -73,13 +73,12 @@ impl Model {
         }
     }
 
-    /// The displacements of a point of a housing at the distance `arm` (x, y, z) from its centre of mass, m.
-    pub fn housing_rows(&self, node: Node, arm: [f64; 3]) -> PlaceRows {
-        let housing = &self.scene.housings[node.shaft - self.scene.shafts.len()];
-        let axial = self.axial_row(node, arm);
+    /// The displacements of a point of a housing.
+    pub fn housing_rows(&self, node: Node, point: HousingPoint) -> PlaceRows {
+        let axial = axial_row(&self.scene, &self.numbering, node, point);
         PlaceRows {
-            displacement: self.numbering.translation(node).map(|first| point_rows(housing, first, arm)),
-            twist: self.numbering.twist(node).map(|index| vec![(index, 1.0)]),
+            displacement: point_rows(&self.scene, &self.numbering, node, point),
+            twist: roll_row(&self.scene, &self.numbering, node, point),
             axial: (!axial.is_empty()).then_some(axial),
         }
     }

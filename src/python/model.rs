@@ -160,10 +160,8 @@ impl PyModel {
         dofs.map(|dof| {
             let (shaft, position) = self.place(dof.node);
             let next = Node { node: dof.node.node + 1, ..dof.node };
-            let site = match dof.degree {
-                None => Site::Node(position),
-                Some(_) => Site::Element(position, self.place(next).1),
-            };
+            let is_inside = dof.degree.is_some() && dof.node.shaft < self.model().shafts.len();
+            let site = if is_inside { Site::Element(position, self.place(next).1) } else { Site::Node(position) };
             (shaft.to_owned(), site, dof.name())
         })
         .collect()

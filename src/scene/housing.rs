@@ -2,7 +2,7 @@
 //!
 //! A support is a housing that does not rotate. The arms of the bearings follow from the positions of the shafts at rest.
 
-use super::description::{self, Base, SceneDescription};
+use super::description::{self, Base, ElasticBody, SceneDescription};
 use super::place::{Names, own_supports};
 use super::speed_table::checked;
 use super::train::Train;
@@ -37,6 +37,40 @@ pub struct Housing {
     pub loss_factor: f64,
     /// Names of the points whose motion can be recorded, with their distance (x, y, z) from the centre of mass, m.
     pub points: Vec<(String, [f64; 3])>,
+    /// The modes of an elastic housing, in place of mass, stiffness and points; `None` for a rigid one.
+    pub elastic: Option<ElasticBody>,
+}
+
+impl Housing {
+    /// Number of modes of an elastic housing; zero for a rigid one.
+    pub fn mode_count(&self) -> usize {
+        self.elastic.as_ref().map_or(0, |elastic| elastic.frequencies.len())
+    }
+
+    /// Finds the housing or a point of it by name. An elastic housing has no point of its own name.
+    pub fn point(&self, name: &str) -> Option<HousingPoint> {
+        if let Some(elastic) = &self.elastic {
+            return elastic.interfaces.keys().position(|known| known == name).map(HousingPoint::Interface);
+        }
+        let point = || self.points.iter().find(|(point, _)| point == name).map(|(_, arm)| *arm);
+        let arm = if self.name == name { Some([0.0; 3]) } else { point() };
+        arm.map(HousingPoint::Arm)
+    }
+
+    /// Names of its points.
+    pub fn point_names(&self) -> impl Iterator<Item = &str> {
+        let interfaces = self.elastic.iter().flat_map(|elastic| elastic.interfaces.keys());
+        self.points.iter().map(|(name, _)| name).chain(interfaces).map(String::as_str)
+    }
+}
+
+/// A point of a support or housing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HousingPoint {
+    /// Distance (x, y, z) from the centre of mass of a rigid one, m; zero if it does not rotate.
+    Arm([f64; 3]),
+    /// Index of an interface of an elastic one, in the order of the names.
+    Interface(usize),
 }
 
 /// Place of a bearing on what it stands on.
@@ -46,9 +80,8 @@ pub enum Attachment {
     Housing {
         /// Index of the housing.
         housing: usize,
-        /// Distance (x, y, z) of the bearing from the centre of mass of the housing, m; zero if the housing does not
-        /// rotate.
-        arm: [f64; 3],
+        /// Place of the bearing on it.
+        point: HousingPoint,
     },
     /// A node of another shaft.
     Shaft(Node),
@@ -70,8 +103,7 @@ pub(super) fn housings(system: &SceneDescription) -> Result<Vec<Housing>, SceneE
         }
     }
     for (list, index, name) in named_bases(system) {
-        let carries =
-            |bearing: &description::Bearing| matches!(&bearing.support, Some(Base::Named(base)) if base == name);
+        let carries = |bearing: &description::Bearing| matches!(&bearing.support, Some(Base::Named(base) | Base::Interface(base, _)) if base == name);
         if !system.bearings.iter().any(carries) {
             let message =
                 format!("no bearing stands on \"{name}\"; give gb.Bearing(..., support=\"{name}\"), or remove it");
@@ -110,7 +142,7 @@ pub(super) fn attachments(
                 own += 1;
                 own - 1
             }
-            Some(Base::Named(name)) => {
+            Some(Base::Named(name) | Base::Interface(name, _)) => {
                 let mut bases = named_bases(system);
                 bases.position(|(_, _, base)| base == name).ok_or_else(|| {
                     let near = nearest(name, named_bases(system).map(|(_, _, base)| base));
@@ -124,10 +156,54 @@ pub(super) fn attachments(
         let shaft = names.shaft(&bearing.shaft, &at.field("shaft"))?;
         let [x, y, z] = origins[shaft];
         let place = [x + bearing.position, y, z];
+        let interface = match &bearing.support {
+            Some(Base::Interface(_, name)) => Some(name.as_str()),
+            _ => None,
+        };
+        if let Some(elastic) = &body.elastic {
+            let radii = shafts[shaft].elements.iter().map(|element| element.outer_radius());
+            let radius = radii.fold(0.0, f64::max);
+            let point = seat(elastic, interface, place, radius, &at.field("support"))?;
+            return Ok(Some(Attachment::Housing { housing, point }));
+        }
+        if interface.is_some() {
+            let message = format!("\"{}\" is no elastic housing and has no interfaces; name it alone", body.name);
+            return Err(at.field("support").error(message));
+        }
         let arm = std::array::from_fn(|axis| place[axis] - body.centre[axis]);
-        Ok(Some(Attachment::Housing { housing, arm: if body.inertia.is_some() { arm } else { [0.0; 3] } }))
+        let point = HousingPoint::Arm(if body.inertia.is_some() { arm } else { [0.0; 3] });
+        Ok(Some(Attachment::Housing { housing, point }))
     };
     system.bearings.iter().enumerate().map(attachment).collect()
+}
+
+/// The interface of an elastic housing on which a bearing at a place, m, stands, within a radius of the shaft, m.
+fn seat(
+    elastic: &ElasticBody,
+    name: Option<&str>,
+    place: [f64; 3],
+    radius: f64,
+    at: &EntryPath<'_>,
+) -> Result<HousingPoint, SceneError> {
+    let Some(name) = name else {
+        let known: Vec<&str> = elastic.interfaces.keys().map(String::as_str).collect();
+        let message = format!("name an interface of the elastic housing, (housing, interface): {}", known.join(", "));
+        return Err(at.error(message));
+    };
+    let found = elastic.interfaces.iter().enumerate().find(|(_, (known, _))| *known == name);
+    let Some((index, (_, interface))) = found else {
+        let near = nearest(name, elastic.interfaces.keys().map(String::as_str));
+        return Err(at.error(format!("the housing has no interface \"{name}\"{near}")));
+    };
+    let distance = (0..3).map(|axis| place[axis] - interface.position[axis]).fold(0.0, f64::hypot);
+    if distance > radius {
+        let message = format!(
+            "the bearing is at {place:.6?} m, {:.6} m from the interface of the housing at {:.6?} m; mend a position, which both count from the left end of the first shaft",
+            distance, interface.position
+        );
+        return Err(at.error(message));
+    }
+    Ok(HousingPoint::Interface(index))
 }
 
 /// Nodes of each bearing between two shafts, on its own shaft and on the other one; `None` for another bearing.
@@ -228,6 +304,7 @@ fn support(given: &description::Support, at: &EntryPath) -> Result<Housing, Scen
         rotational_damping: [0.0; 3],
         loss_factor: at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?,
         points: Vec::new(),
+        elastic: None,
     })
 }
 
@@ -268,7 +345,31 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         rotational_damping: given.rotational_damping.unwrap_or_default(),
         loss_factor: at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?,
         points: given.points.iter().map(point).collect::<Result<_, _>>()?,
+        elastic: given.elastic.as_ref().map(|elastic| checked_body(elastic, &at.field("elastic"))).transpose()?,
     })
+}
+
+/// Checks the modes of an elastic housing.
+fn checked_body(given: &ElasticBody, at: &EntryPath) -> Result<ElasticBody, SceneError> {
+    let count = given.frequencies.len();
+    let each = |name: &str, values: &[f64], check: fn(&EntryPath, f64) -> Result<f64, SceneError>| {
+        let at = at.field(name);
+        if values.len() != count {
+            return Err(at.error(format!("must have one number for each of {count} modes, got {}", values.len())));
+        }
+        values.iter().enumerate().try_for_each(|(mode, value)| check(&at.index(mode), *value).map(drop))
+    };
+    each("frequencies", &given.frequencies, |at, value| at.non_negative(value))?;
+    each("damping_ratios", &given.damping_ratios, |at, value| at.non_negative(value))?;
+    given.translation.iter().flatten().try_for_each(|row| each("translation", row, |at, value| at.finite(value)))?;
+    for (name, interface) in &given.interfaces {
+        let path = format!("interfaces.{name}");
+        interface.position.iter().try_for_each(|value| at.field(&path).finite(*value).map(drop))?;
+        interface.rows.iter().try_for_each(|row| each(&path, row, |at, value| at.finite(value)))?;
+        let mount = interface.stiffness.iter().chain(&interface.damping).flatten();
+        mount.copied().try_for_each(|value| at.field(&path).non_negative(value).map(drop))?;
+    }
+    Ok(given.clone())
 }
 
 /// Stiffness and damping along the axis; `None` without a stiffness.

@@ -57,7 +57,7 @@ pub use error::SceneError;
 pub use friction::{Friction, FrictionLaw};
 pub use gear::Gear;
 pub use hertz::{LINE_CONTACT, POINT_CONTACT};
-pub use housing::{Attachment, Housing};
+pub use housing::{Attachment, Housing, HousingPoint};
 pub use journal::{FilmKind, Journal};
 pub use loads::{Coupling, Drive, Force, LoadLaw, SpringDamper, VaryingLoad};
 pub use material::Material;
@@ -246,23 +246,17 @@ impl Scene {
         self.bodies().find(|body| body.name == name)
     }
 
-    /// Finds a housing, or a point of it, by name: its node, and the distance (x, y, z) of the point from the centre of
-    /// mass, m.
-    pub fn housing_point(&self, name: &str) -> Option<(Node, [f64; 3])> {
+    /// Finds a housing, or a point of it, by name: its node, and the point.
+    pub fn housing_point(&self, name: &str) -> Option<(Node, HousingPoint)> {
         self.housings.iter().enumerate().find_map(|(index, housing)| {
             let node = Node { shaft: self.shafts.len() + index, node: 0 };
-            let point = || housing.points.iter().find(|(point, _)| point == name).map(|(_, arm)| *arm);
-            let arm = if housing.name == name { Some([0.0; 3]) } else { point() };
-            arm.map(|arm| (node, arm))
+            housing.point(name).map(|point| (node, point))
         })
     }
 
     /// Names of all supports, housings and points of housings.
     pub fn housing_names(&self) -> impl Iterator<Item = &str> {
-        self.housings.iter().flat_map(|housing| {
-            let points = housing.points.iter().map(|(name, _)| name.as_str());
-            std::iter::once(housing.name.as_str()).chain(points)
-        })
+        self.housings.iter().flat_map(|housing| std::iter::once(housing.name.as_str()).chain(housing.point_names()))
     }
 
     /// Name of the shaft, or of the housing, and the position x of a node, m.

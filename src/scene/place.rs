@@ -188,7 +188,12 @@ fn housing_names(system: &SceneDescription) -> impl Iterator<Item = NamePlace<'_
             let field = Cow::Owned(format!("points.{name}"));
             NamePlace { list: "housings", index, field, name }
         });
-        std::iter::once(place("housings", index, "name", given.name.as_str())).chain(points)
+        let interfaces = given.elastic.iter().flat_map(|elastic| elastic.interfaces.keys());
+        let interfaces = interfaces.map(move |name| {
+            let field = Cow::Owned(format!("elastic.interfaces.{name}"));
+            NamePlace { list: "housings", index, field, name }
+        });
+        std::iter::once(place("housings", index, "name", given.name.as_str())).chain(points).chain(interfaces)
     });
     listed.chain(rigid).chain(own)
 }

@@ -3,7 +3,7 @@
 //! A sum with a spring of 1e60 N/m keeps no digit of the stiffness of a shaft. A spring is rigid long before: it yields less than
 //! the shaft by the ratio of their stiffnesses. Limiting this ratio once, in the scene, serves every analysis.
 
-use super::{Attachment, Matrix2, Node, Scene, Shaft};
+use super::{Attachment, HousingPoint, Matrix2, Node, Scene, Shaft};
 
 /// Largest stiffness of a spring over that of the shaft next to it. Natural frequencies change by 1e-9 of themselves at most.
 /// Dense decompositions leave 1e-5 of the forces in a mode at this ratio, and 1e-4, more than a mode may have, at 1e10
@@ -66,7 +66,7 @@ impl Scene {
             bearing.stiffness.limit(RIGID * own.lateral);
             limit(&mut bearing.axial[0], own.axial);
             limit(&mut bearing.tilting[0], own.tilting);
-            if let Some(Attachment::Housing { housing, arm }) = bearing.attachment {
+            if let Some(Attachment::Housing { housing, point: HousingPoint::Arm(arm) }) = bearing.attachment {
                 let (sum, rotational) = &mut carried[housing];
                 *sum = sum.plus(own);
                 let square: f64 = arm.iter().map(|distance| distance * distance).sum();

@@ -14,7 +14,13 @@ from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing
-from gearbow.description.places import Places, Support, place_label
+from gearbow.description.places import (
+    Places,
+    Support,
+    housing_and_interface,
+    other_shaft,
+    place_label,
+)
 from gearbow.description.rolling import RollingBearing
 from gearbow.errors import ChannelError, GearbowError
 from gearbow.results.response import Response
@@ -386,9 +392,9 @@ def _stress(motion: BowMotion, limit: BowLimit) -> Check:
 def _relative_ratio(motion: BowMotion, limit: BowLimit) -> float:
     """Give the speed of the shaft in a bearing relative to that on which it stands, as a ratio."""
     bearing = _bearing(motion, limit, (Bearing, JournalBearing, RollingBearing))
-    outer = bearing.support[0] if isinstance(bearing.support, tuple) else None
+    outer = other_shaft(bearing.support)
     own = _ratio(motion, limit.at)
-    return own if outer is None else own - _ratio(motion, (outer, 0.0))
+    return own if outer is None else own - _ratio(motion, outer)
 
 
 def _mesh_force(motion: BowMotion, limit: BowLimit, teeth: _Teeth) -> Check:
@@ -430,7 +436,9 @@ def _clearance(motion: BowMotion, limit: BowLimit) -> Check:
     bearing, approach = _bearing(motion, limit, RollingBearing), float(limit.value)
     signal = motion.displacement(limit.at)
     support = bearing.support
-    name = support.name if isinstance(support, Support) else support
+    seat = housing_and_interface(support)
+    name: Any = support.name if isinstance(support, Support) else support
+    name = name if seat is None else seat[1]
     if support is not None and name is None:
         raise GearbowError(
             f"limits: the support of the bearing at {place_label(limit.at)} has no name, so that "

@@ -103,6 +103,8 @@ class Coordinates(Shown):
     bodies: Mapping[str, tuple[str, float]]
     points: Mapping[str, tuple[str, tuple[float, ...]]] = field(default_factory=dict)
     shear_lengths: Mapping[str, ShearLengths] = field(default_factory=dict, repr=False)
+    #: Housing and rows (6, modes) of each interface of an elastic housing.
+    seats: Mapping[str, tuple[str, Array]] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(
@@ -126,7 +128,13 @@ class Coordinates(Shown):
             for name, point in housing.points.items()
         }
         lengths = {shaft.name: shear_lengths(shaft, sleeves) for shaft in shafts}
-        return cls(tuple(dofs), bodies, points, lengths)
+        seats = {
+            name: (housing.name, np.array(own["rows"], dtype=np.float64))
+            for housing in housings
+            if housing.elastic is not None
+            for name, own in housing.elastic.interfaces.items()
+        }
+        return cls(tuple(dofs), bodies, points, lengths, seats)
 
     def motion(self, values: Any, quantity: str, at: At) -> Any:
         """Give the displacement or twist of a place of which a quantity is a time derivative."""
@@ -139,6 +147,8 @@ class Coordinates(Shown):
     def displacement(self, values: Any, at: At) -> Any:
         """Give the lateral displacement of a place."""
         at = place(at)
+        if isinstance(at, str) and at in self.seats:
+            return self._in_seat(values, at, slice(1, 3))
         within = self._within(at)
         if within is not None:
             planes = [self._combined(values, within, at, kind, "lateral motion") for kind in "vw"]
@@ -163,6 +173,8 @@ class Coordinates(Shown):
     def axial_displacement(self, values: Any, at: At) -> Any:
         """Give the axial displacement of a place."""
         at = place(at)
+        if isinstance(at, str) and at in self.seats:
+            return self._in_seat(values, at, 0)
         within = self._within(at)
         if within is not None:
             return self._combined(values, within, at, "u", "axial motion")
@@ -182,10 +194,22 @@ class Coordinates(Shown):
 
     def twisted(self, values: Any, at: At) -> Any:
         """Give the twist of a place."""
+        if isinstance(at, str) and at in self.seats:
+            return self._in_seat(values, at, 3)
         within = self._within(place(at))
         if within is not None:
             return self._combined(values, within, at, "twist", "twist")
         return values[..., self.twist(at)]
+
+    def _in_seat(self, values: Any, name: str, axes: Any) -> Any:
+        """Give motions of an interface of an elastic housing."""
+        housing, rows = self.seats[name]
+        modes = [
+            n
+            for n, (part, _, kind) in enumerate(self.dofs)
+            if part == housing and kind.startswith("mode")
+        ]
+        return values[..., modes] @ rows[axes].T
 
     def shaft(self, at: At) -> str:
         """Find the shaft of a place."""
@@ -274,7 +298,7 @@ class Coordinates(Shown):
                     f'at: "{at}" is a point of a housing, which only displacements accept; name '
                     f'the housing "{self.points[at][0]}"'
                 )
-            known = [*self.bodies, *self.points]
+            known = [*self.bodies, *self.points, *self.seats]
             raise SceneError(
                 f'at: no gear, disk, support or housing is called "{at}"{_similar(at, known)}'
             )

@@ -20,7 +20,12 @@ from gearbow._types import Array
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
 from gearbow.description.loads import Bearing, Coupling, Force
-from gearbow.description.places import Housing, place_label
+from gearbow.description.places import (
+    Housing,
+    housing_and_interface,
+    other_shaft,
+    place_label,
+)
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import STEEL, Material, Shaft, Sleeve, segments_of
 from gearbow.description.stiffness import Stiffness
@@ -136,7 +141,8 @@ class Kinematics(Shown):
         bearings = {}
         for bearing in system.bearings:
             if isinstance(bearing, RollingBearing):
-                outer = signed[bearing.support[0]] if isinstance(bearing.support, tuple) else 0.0
+                other = other_shaft(bearing.support)
+                outer = 0.0 if other is None else signed[other[0]]
                 own = bearing.cage_order
                 cage = abs(own * signed[bearing.shaft] + (1.0 - own) * outer)
                 name = f"{bearing.shaft}@{bearing.position:g}"
@@ -472,7 +478,9 @@ def _bases(
     feet: dict[str, list[tuple[str, float]]] = {}
     for bearing in bearings:
         base = bearing.support
+        seat = housing_and_interface(base)
         name = base if isinstance(base, str) else getattr(base, "name", None)
+        name = name if seat is None else seat[0]
         if name is not None:
             feet.setdefault(name, []).append((bearing.shaft, float(bearing.position)))
     centres: dict[str, Array] = {
@@ -527,8 +535,9 @@ def _coaxial(
         a, b = (places[at] if isinstance(at, str) else at for at in (coupling.a, coupling.b))
         yield a, b
     for bearing in bearings:
-        if isinstance(bearing.support, tuple):
-            yield (bearing.shaft, bearing.position), bearing.support
+        other = other_shaft(bearing.support)
+        if other is not None:
+            yield (bearing.shaft, bearing.position), other
 
 
 def _next_coaxial(

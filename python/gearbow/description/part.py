@@ -92,7 +92,9 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
     tuples_allowed = (get_args(kind) for kind in kinds if get_origin(kind) is tuple)
     forms = [form for form in tuples_allowed if form[0] is str]
     if forms and isinstance(value, tuple | list):
-        return _read_place(value, forms[0], path)
+        is_text = len(value) > 1 and isinstance(value[1], str)
+        form = next((one for one in forms if (one[1] is str) == is_text), forms[0])
+        return _read_place(value, form, path)
     if str in kinds and (isinstance(value, str) or float not in kinds):
         return text(value, path)
     if float in kinds or int in kinds:

@@ -6,10 +6,12 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Any, TypeAlias
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import BYTES, nested, real, shown, text
 from gearbow._types import Plain
+from gearbow.description.elastic import ElasticBody, Interface, Matrices, reduced
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.errors import ChannelError, SceneError
 from gearbow.units.values import is_quantity
@@ -61,8 +63,25 @@ class Support(Part):
     loss_factor: float = 0.0
 
 
-#: What a bearing stands on: the name of a support or housing, a support, or (shaft, position [m]).
-Base: TypeAlias = str | Support | tuple[str, float]
+#: What a bearing stands on: the name of a support or housing, a support, (shaft, position [m]), or
+#: (elastic housing, interface).
+Base: TypeAlias = str | Support | tuple[str, float] | tuple[str, str]
+
+
+def other_shaft(base: object) -> tuple[str, float] | None:
+    """Give the place of another shaft on which a bearing stands; None for another base."""
+    if not isinstance(base, tuple) or isinstance(base[1], str):
+        return None
+    shaft, position = base
+    return shaft, position
+
+
+def housing_and_interface(base: object) -> tuple[str, str] | None:
+    """Give the elastic housing and the interface on which a bearing stands; None if it has none."""
+    if not isinstance(base, list | tuple) or not isinstance(base[1], str):
+        return None
+    housing, interface = base
+    return housing, interface
 
 
 def with_support(bearing: Mapping[str, Plain]) -> dict[str, Any]:
@@ -80,11 +99,11 @@ def with_support(bearing: Mapping[str, Plain]) -> dict[str, Any]:
 class Housing(Part):
     """A rigid body on springs and dampers that carries several bearings.
 
-    `Bearing(support=name)` puts a bearing on it. A housing adds two coordinates, its displacements
-    v and w, with `inertia` three more: its rotations B, G about y, z and its roll "twist" about x,
-    and with `axial_stiffness` its axial displacement u. The lever arms of the bearings follow from
-    the positions of the shafts at rest: the first shaft begins at the origin, meshes and couplings
-    give the positions of the others.
+    `from_matrices` makes an elastic one. `Bearing(support=name)` puts a bearing on it. A housing
+    adds two coordinates, its displacements v and w, with `inertia` three more: its rotations B, G
+    about y, z and its roll "twist" about x, and with `axial_stiffness` its axial displacement u.
+    The lever arms of the bearings follow from the positions of the shafts at rest: the first shaft
+    begins at the origin, meshes and couplings give the positions of the others.
 
     Parameters
     ----------
@@ -117,6 +136,8 @@ class Housing(Part):
     points : mapping of {str: (float, float, float)}
         Points (x, y, z) [m] whose motion can be recorded by name, for example those of
         accelerometers.
+    elastic : ElasticBody, optional
+        Modes of an elastic housing, which `from_matrices` makes.
 
     Examples
     --------
@@ -146,6 +167,75 @@ class Housing(Part):
     rotational_stiffness: Sequence[float] | None = None
     rotational_damping: Sequence[float] | None = None
     points: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    elastic: ElasticBody | None = None
+
+    @classmethod
+    def from_matrices(
+        cls,
+        name: str,
+        *,
+        mass: Any,
+        stiffness: Any,
+        interfaces: Mapping[str, Interface],
+        highest_frequency: float,
+        damping_ratio: float = 0.0,
+    ) -> "Housing":
+        """Make an elastic housing of the matrices of a finite-element model.
+
+        The model is reduced to its natural modes up to 1.7 times `highest_frequency` and the static
+        responses to forces at the interfaces. `Bearing(support=("housing", "bearing 1"))` puts a
+        bearing on an interface; the motion of every interface can be recorded by its name.
+
+        Parameters
+        ----------
+        name : str
+            Name, unique in the system.
+        mass, stiffness : array_like or sparse matrix, shape (n, n)
+            Symmetric matrices in SI units. A clamped model has no free motion, a free one six.
+        interfaces : mapping of {str: Interface}
+            Bearing seats, feet and sensors by names that are unique in the system. The feet of a
+            free model have a stiffness to the ground.
+        highest_frequency : float
+            Highest frequency of interest [Hz].
+        damping_ratio : float
+            Damping ratio of every elastic mode.
+
+        Returns
+        -------
+        Housing
+            The housing. Its weight counts if it is free; the sag of a clamped one by its own weight
+            is left out.
+
+        Raises
+        ------
+        SceneError
+            If the matrices are no symmetric square matrices of one size, leave some but not six
+            motions free, or do not fit the positions of the interfaces.
+        MissingExtraError
+            If SciPy is not installed.
+
+        Examples
+        --------
+        A mass of 5 kg on springs of 1e6 N/m along x, y and z:
+
+        >>> import numpy as np
+        >>> import gearbow as gb
+        >>> seat = gb.Interface((0.0, 0.0, 0.0), rows=[0, 1, 2])
+        >>> housing = gb.Housing.from_matrices(
+        ...     "housing", mass=5.0 * np.eye(3), stiffness=1e6 * np.eye(3),
+        ...     interfaces={"seat": seat}, highest_frequency=1000.0)
+        >>> print(f"{housing.elastic.frequencies[0]:.1f} rad/s")
+        447.2 rad/s
+        """
+        body, total = reduced(
+            Matrices.of(mass, stiffness),
+            interfaces,
+            highest_frequency=highest_frequency,
+            damping_ratio=damping_ratio,
+        )
+        places_given = np.array([one.position for one in interfaces.values()], dtype=np.float64)
+        middle = tuple(places_given.mean(axis=0).tolist())
+        return cls(name, mass=total, stiffness=0.0, position=middle, elastic=body)
 
     def __post_init__(self) -> None:
         freeze(self, "inertia", "position", "rotational_stiffness", "rotational_damping")
@@ -173,6 +263,8 @@ class Housing(Part):
         given["points"] = {
             name: tuples(place) for name, place in description.get("points", {}).items()
         }
+        if "elastic" in given:
+            given["elastic"] = ElasticBody._from_description(given["elastic"])
         return cls(**given)
 
 

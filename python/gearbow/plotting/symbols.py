@@ -16,7 +16,7 @@ from gearbow.description.gears import Disk
 from gearbow.description.journal import JournalBearing
 from gearbow.description.layout import BodyOutline, ShaftOutline
 from gearbow.description.loads import Torque
-from gearbow.description.places import Support
+from gearbow.description.places import Support, other_shaft
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.train import Train
 from gearbow.plotting.labels import Box, Labels, around
@@ -229,8 +229,9 @@ def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
         ends = [bodies[at] if isinstance(at, str) else at[0] for at in (coupling.a, coupling.b)]
         found += [(other, 0.0) for own, other in (ends, ends[::-1]) if own == known]
     for bearing in train.parts["bearings"]:
-        if isinstance(bearing.support, tuple):
-            pair = (bearing.shaft, bearing.support[0])
+        other = other_shaft(bearing.support)
+        if other is not None:
+            pair = (bearing.shaft, other[0])
             found += [(other, 0.0) for own, other in (pair, pair[::-1]) if own == known]
     return found
 

@@ -12,7 +12,7 @@ from gearbow._result import Column, Figured, Result, WithSpeeds
 from gearbow._shown import ReadOnly, short
 from gearbow._types import Array, At, ComplexArray, Plain, Side
 from gearbow.description.coordinates import Coordinates, time_derivatives
-from gearbow.description.places import Places
+from gearbow.description.places import Places, housing_and_interface
 from gearbow.description.train import Train
 from gearbow.errors import SceneError
 from gearbow.results.at_places import Vibration
@@ -133,6 +133,10 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
         bearings = self.description["bearings"]
         number = Places.of("bearing", [(b["shaft"], b["position"]) for b in bearings]).index(at)
         base = bearings[number].get("support")
+        seat = housing_and_interface(base)
+        if seat is not None:
+            on_seat: ComplexArray = moved - self.coordinates.displacement(self._motion, seat[1])
+            return on_seat
         if base is None:
             return moved
         if isinstance(base, Mapping):

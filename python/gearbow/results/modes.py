@@ -110,8 +110,9 @@ class ModeComparison(Figured, ReadOnly):
 _ROUND_OFF_PERCENT = 1e-10
 #: A smaller share of the largest displacement or rotation of a shape is round-off.
 _ROUND_OFF = 1e-12
-#: Name of the motion to which each direction contributes: bending has the name of its translation.
-_DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u"}
+#: Name of the motion to which each direction contributes: bending has the name of its translation,
+#: and all modes of an elastic housing are one motion.
+_DIRECTION = {"v": "v", "G": "v", "w": "w", "B": "w", "twist": "twist", "u": "u", "mode": "modes"}
 
 
 @dataclass(frozen=True, eq=False)

@@ -132,6 +132,21 @@ fn part(given: &SceneDescription, scene: &Scene, shafts: &[usize]) -> SceneDescr
     part.drives.retain_mut(|drive| rename_place(&mut drive.at));
     part.forces.retain_mut(|force| rename_place(&mut force.at));
     part.bearings.retain_mut(|bearing| rename(&mut bearing.shaft, &names));
+    part.notches.clear();
+    // The positions of interfaces are relative to the first shaft of the train: elastic housings count as ground.
+    part.housings.retain(|housing| housing.elastic.is_none());
+    let rigid: BTreeSet<&str> = part.housings.iter().map(|housing| housing.name.as_str()).collect();
+    let listed: BTreeSet<&str> = part.supports.iter().filter_map(|support| support.name.as_deref()).collect();
+    for bearing in &mut part.bearings {
+        let is_elastic = match &bearing.support {
+            Some(Base::Interface(..)) => true,
+            Some(Base::Named(name)) => !rigid.contains(name.as_str()) && !listed.contains(name.as_str()),
+            _ => false,
+        };
+        if is_elastic {
+            bearing.support = None;
+        }
+    }
     let bases = part.bearings.iter().filter_map(|bearing| match &bearing.support {
         Some(Base::Named(name)) => Some(name.clone()),
         _ => None,
@@ -142,7 +157,7 @@ fn part(given: &SceneDescription, scene: &Scene, shafts: &[usize]) -> SceneDescr
         match &mut bearing.support {
             Some(Base::Shaft(name, _)) => rename(name, &names),
             Some(Base::Named(name)) => rename(name, &bases),
-            Some(Base::Own(_)) | None => true,
+            Some(Base::Own(_) | Base::Interface(..)) | None => true,
         };
     }
     part.supports.retain_mut(|support| support.name.as_mut().is_some_and(|name| rename(name, &bases)));

@@ -241,9 +241,9 @@ impl RecordPlan {
 
     fn add_housing_point(&mut self, model: &Model, name: &str) {
         let known = self.points.iter().any(|point| point.names.iter().any(|known| known == name));
-        if let Some((node, arm)) = model.scene.housing_point(name).filter(|_| !known) {
+        if let Some((node, point)) = model.scene.housing_point(name).filter(|_| !known) {
             let (part, position) = model.scene.place(node);
-            let (names, rows) = (vec![name.to_owned()], model.housing_rows(node, arm));
+            let (names, rows) = (vec![name.to_owned()], model.housing_rows(node, point));
             self.points.push(Point { part: part.to_owned(), position, names, rows });
         }
     }

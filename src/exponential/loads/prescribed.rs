@@ -87,9 +87,10 @@ fn constant_load(
         DofKind::Twist => 0,
         DofKind::V | DofKind::W | DofKind::B | DofKind::Gamma => 1,
         DofKind::Axial => 2,
+        DofKind::Mode => 3,
     };
     let dofs = model.numbering.dofs();
-    let mut sizes = [0.0_f64; 3];
+    let mut sizes = [0.0_f64; 4];
     dofs.iter().for_each(|dof| sizes[kind(dof)] = sizes[kind(dof)].max(scale[dof.index]));
     let acts = dofs.iter().any(|dof| residual[dof.index].abs() > BALANCE_TOLERANCE * sizes[kind(dof)]);
     if acts { residual.iter().copied().enumerate().filter(|(_, value)| *value != 0.0).collect() } else { Vec::new() }

@@ -103,9 +103,15 @@ impl Bodies {
             let shaft = shafts.get(dof.node.shaft);
             let length = shaft.map_or(longest, |shaft| shaft.length());
             let lever = shaft.map_or(0.0, |shaft| shaft.nodes[dof.node.node] - (shaft.nodes[0] + length / 2.0));
-            let is_force = matches!(dof.kind, DofKind::V | DofKind::W | DofKind::Axial);
+            let is_force = matches!(dof.kind, DofKind::V | DofKind::W | DofKind::Axial | DofKind::Mode);
             let length = if is_force { 1.0 } else { length };
-            Place { body: dof.node.shaft, kind: dof.kind, length, lever, is_nodal: dof.degree.is_none() }
+            Place {
+                body: dof.node.shaft,
+                kind: dof.kind,
+                length,
+                lever,
+                is_nodal: dof.degree.is_none() || dof.kind == DofKind::Mode,
+            }
         };
         let mut dofs: Vec<&Dof> = model.numbering.dofs().iter().collect();
         dofs.sort_by_key(|dof| dof.index);
@@ -168,6 +174,8 @@ impl Bodies {
                 DofKind::Twist => sums[3] += force,
                 DofKind::B => sums[4] += force,
                 DofKind::Gamma => sums[5] += force,
+                // Elastic forces of a housing balance mode by mode.
+                DofKind::Mode => {}
             }
             lengths[place.body] = lengths[place.body].max(place.length);
         }

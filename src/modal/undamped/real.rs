@@ -171,7 +171,7 @@ fn separate_equal_modes(
     let mut weights = DVector::zeros(model.len());
     for dof in model.numbering.dofs() {
         let plane = match dof.kind {
-            DofKind::V | DofKind::Gamma => 0.0,
+            DofKind::V | DofKind::Gamma | DofKind::Mode => 0.0,
             DofKind::W | DofKind::B | DofKind::Twist => 0.37,
             DofKind::Axial => 0.71,
         };

@@ -34,7 +34,38 @@ pub struct Support {
     pub loss_factor: Option<f64>,
 }
 
-/// A rigid body on springs and dampers that carries several bearings.
+/// An elastic body by its vibration modes with unit modal mass.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElasticBody {
+    /// Natural frequency of each mode, rad/s; zero for a rigid-body motion.
+    pub frequencies: Vec<f64>,
+    /// Damping ratio of each mode.
+    pub damping_ratios: Vec<f64>,
+    /// Interfaces and points of measurement by name.
+    pub interfaces: BTreeMap<String, Interface>,
+    /// Modal coordinates of a translation of the whole body along x, y and z; a body that is clamped has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub translation: Option<[Vec<f64>; 3]>,
+}
+
+/// A place of an elastic body: a bearing seat, a foot or a sensor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Interface {
+    /// Position (x, y, z), m.
+    pub position: [f64; 3],
+    /// Displacements along x, y and z, 1/√kg, and rotations about them, 1/(m √kg), per unit of each modal coordinate.
+    pub rows: [Vec<f64>; 6],
+    /// Stiffness to the ground along x, y and z, N/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<[f64; 3]>,
+    /// Damping to the ground along x, y and z, N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<[f64; 3]>,
+}
+
+/// A rigid body on springs and dampers that carries several bearings, or an elastic one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Housing {
@@ -72,9 +103,13 @@ pub struct Housing {
     /// Points (x, y, z) whose motion can be recorded, m, by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub points: BTreeMap<String, [f64; 3]>,
+    /// The modes of an elastic body, which has no stiffness, inertia or points of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<ElasticBody>,
 }
 
-/// What a bearing stands on: the name of a support or housing, its own support, or a place of another shaft.
+/// What a bearing stands on: the name of a support or housing, its own support, an interface of an elastic housing, or a place of
+/// another shaft.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Base {
@@ -82,8 +117,18 @@ pub enum Base {
     Named(String),
     /// A support of this bearing alone.
     Own(Support),
+    /// Name of an elastic housing and of its interface.
+    Interface(String, String),
     /// Name of another shaft and position on it, m.
     Shaft(String, f64),
+}
+
+/// The second entry of a pair: a position, m, or the name of an interface.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected a position [m] or the name of an interface")]
+enum Within {
+    Position(f64),
+    Interface(String),
 }
 
 /// Not derived: an error inside a support names the field; an untagged enum only says that no variant fits.
@@ -95,7 +140,9 @@ impl<'de> Deserialize<'de> for Base {
             type Value = Base;
 
             fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("the name of a support or housing, a support, or a pair [shaft, position]")
+                formatter.write_str(
+                    "the name of a support or housing, a support, or a pair [shaft, position] or [housing, interface]",
+                )
             }
 
             fn visit_str<E: Error>(self, name: &str) -> Result<Base, E> {
@@ -108,12 +155,15 @@ impl<'de> Deserialize<'de> for Base {
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Base, A::Error> {
                 let missing = |length: usize| A::Error::invalid_length(length, &self);
-                let shaft = list.next_element()?.ok_or_else(|| missing(0))?;
-                let position = list.next_element()?.ok_or_else(|| missing(1))?;
-                match list.next_element::<IgnoredAny>()? {
-                    Some(_) => Err(missing(3)),
-                    None => Ok(Base::Shaft(shaft, position)),
+                let part = list.next_element()?.ok_or_else(|| missing(0))?;
+                let within = list.next_element()?.ok_or_else(|| missing(1))?;
+                if list.next_element::<IgnoredAny>()?.is_some() {
+                    return Err(missing(3));
                 }
+                Ok(match within {
+                    Within::Position(position) => Base::Shaft(part, position),
+                    Within::Interface(name) => Base::Interface(part, name),
+                })
             }
         }
 

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub use bearing::{Bearing, BearingKind, ContactKind, FilmModel};
 pub use damping::{ModalDampingGiven, RatioTable};
-pub use housing::{Base, Housing, Support};
+pub use housing::{Base, ElasticBody, Housing, Interface, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};
 pub use shaft::{
     Bow, BowShape, Material, STEEL, STEEL_POISSON_RATIO, Segment, Shaft, Sleeve, SleeveStiffness, SleeveStiffnessWord,

@@ -1,0 +1,308 @@
+"""Elastic bodies from the matrices of a finite-element program, reduced to modes.
+
+The basis of the reduction holds the natural modes up to a limit and the displacements under unit
+forces at the interfaces (Rubin 1975, AIAA J. 13, 995–1006; MacNeal 1971), for clamped and for free
+bodies alike. Its modes with unit modal mass are the coordinates of the body.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearbow._convert import array, number, positive, shown, text
+from gearbow._extras import extra
+from gearbow._types import Array, Plain
+from gearbow.description.part import Part, freeze, tuples
+from gearbow.errors import SceneError
+
+#: Rows of numbers over the modes.
+Rows: TypeAlias = tuple[tuple[float, ...], ...]
+
+#: Natural modes of the basis reach up to this multiple of the highest frequency of interest: the
+#: first one left out then responds statically to within 1/(1 − 1/1.7²) − 1 of its own part.
+_REACH = 1.7
+#: Shift of the static responses of a free body, relative to the square of the frequency limit.
+_SHIFT = 1e-4
+#: Frequency of a rigid-body motion relative to the limit, at most: round-off of the matrices.
+_RIGID = 1e-3
+#: Largest asymmetry of a matrix, relative to its largest entry.
+_SYMMETRIC = 1e-6
+#: Squared part of a vector that is not in the space of the others, below which it is left out.
+_DEPENDENT = 1e-12
+#: Largest deviation of interfaces from a rigid-body motion, relative to it.
+_SAME_MOTION = 1e-3
+#: Number of rigid-body motions of a free body.
+_FREE = 6
+
+
+@dataclass(frozen=True)
+class Interface(Part):
+    """A place of a finite-element model: a bearing seat, a foot or a sensor.
+
+    Parameters
+    ----------
+    position : (float, float, float)
+        Position (x, y, z) from the left end of the first shaft [m].
+    rows : sequence
+        Its displacements along x, y and z and, where it has them, its rotations about x, y and z:
+        for each the index of a degree of freedom of the model, a row of factors over all of them,
+        or None. Three entries give displacements only.
+    stiffness, damping : (float, float, float), optional
+        Spring [N/m] and damper [N s/m] to the ground along x, y and z, for example of a foot.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> seat = gb.Interface((0.1, 0.0, 0.0), rows=[0, 1, 2, 3, 4, 5])
+    >>> foot = gb.Interface((0.1, 0.0, -0.2), rows=[6, 7, 8], stiffness=(1e8, 1e8, 3e8))
+    """
+
+    position: Sequence[float]
+    rows: Sequence[Any]
+    _: KW_ONLY
+    stiffness: Sequence[float] | None = None
+    damping: Sequence[float] | None = None
+
+    def __post_init__(self) -> None:
+        freeze(self, "position", "stiffness", "damping")
+
+    def _over(self, size: int, path: str) -> Array:
+        """Give the rows over all degrees of freedom, shape (6, size)."""
+        found = np.zeros((_FREE, size))
+        given = list(self.rows)
+        if len(given) not in (3, _FREE):
+            raise SceneError(
+                f"{path}.rows: must have 3 displacements, or 3 more rotations, got {len(given)}"
+            )
+        for axis, row in enumerate(given):
+            where = f"{path}.rows[{axis}]"
+            if row is None:
+                continue
+            if isinstance(row, int | np.integer):
+                if not 0 <= row < size:
+                    raise SceneError(f"{where}: must be below the {size} degrees of freedom")
+                found[axis, row] = 1.0
+                continue
+            values = np.ravel(array(row, where))
+            if values.size != size:
+                raise SceneError(f"{where}: must have {size} factors, got {values.size}")
+            found[axis] = values
+        return found
+
+
+@dataclass(frozen=True)
+class ElasticBody(Part):
+    """Modes of an elastic body with unit modal mass, and the motion of its interfaces in them.
+
+    Parameters
+    ----------
+    frequencies : tuple of float
+        Natural frequencies of the h modes [rad/s]; zero for rigid-body motions.
+    damping_ratios : tuple of float
+        Damping ratio of each mode.
+    interfaces : mapping
+        For each interface its position, rows (6, h) and springs to the ground, as plain data.
+    translation : tuple of three tuples, optional
+        Modal coordinates of a translation along x, y and z; None for a clamped body.
+    """
+
+    frequencies: tuple[float, ...]
+    damping_ratios: tuple[float, ...]
+    interfaces: Mapping[str, Mapping[str, Any]]
+    translation: Rows | None = None
+
+    def _describe(self, path: str) -> dict[str, Plain]:  # noqa: ARG002  # the core has the path
+        given: dict[str, Plain] = {
+            "frequencies": list(self.frequencies),
+            "damping_ratios": list(self.damping_ratios),
+            "interfaces": {
+                name: {key: _lists(value) for key, value in own.items()}
+                for name, own in self.interfaces.items()
+            },
+        }
+        if self.translation is not None:
+            given["translation"] = [list(row) for row in self.translation]
+        return given
+
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "ElasticBody":
+        given = dict(description)
+        given["interfaces"] = {
+            name: {key: tuples(value) for key, value in own.items()}
+            for name, own in description["interfaces"].items()
+        }
+        for name in ("frequencies", "damping_ratios", "translation"):
+            given[name] = tuples(description.get(name))
+        return cls(**given)
+
+
+def _lists(value: Any) -> Plain:
+    """Convert nested tuples to lists."""
+    return [_lists(item) for item in value] if isinstance(value, tuple) else value
+
+
+@dataclass(frozen=True, eq=False)
+class Matrices:
+    """Checked matrices of a model as sparse matrices of SciPy, n × n."""
+
+    mass: Any
+    stiffness: Any
+
+    @classmethod
+    def of(cls, mass: Any, stiffness: Any) -> "Matrices":
+        """Check the matrices of a user."""
+        with extra("sparse"):
+            from scipy import sparse  # noqa: PLC0415
+
+        found = {}
+        for name, given in (("mass", mass), ("stiffness", stiffness)):
+            matrix = given if sparse.issparse(given) else np.asarray(given, dtype=np.float64)
+            if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
+                raise SceneError(f"{name}: must be a square matrix, got the shape {matrix.shape}")
+            csc = sparse.csc_matrix(matrix, dtype=np.float64)
+            if not np.isfinite(csc.data).all():
+                raise SceneError(f"{name}: every entry must be finite")
+            largest = float(np.abs(csc.data).max(initial=0.0))
+            lopsided = float(np.abs((csc - csc.T).data).max(initial=0.0))
+            if largest == 0.0 or lopsided > _SYMMETRIC * largest:
+                raise SceneError(
+                    f"{name}: must be symmetric and not zero; the largest difference from its "
+                    f"transpose is {lopsided:.3g}, the largest entry {largest:.3g}"
+                )
+            found[name] = (csc + csc.T) / 2.0
+        if found["mass"].shape != found["stiffness"].shape:
+            raise SceneError(
+                f"stiffness: must have the shape of mass, {found['mass'].shape}, got "
+                f"{found['stiffness'].shape}"
+            )
+        return cls(**found)
+
+
+def reduced(
+    matrices: Matrices,
+    interfaces: Mapping[str, Interface],
+    *,
+    highest_frequency: float,
+    damping_ratio: float,
+) -> tuple[ElasticBody, float]:
+    """Reduce a model to modes; give the body and its mass [kg], 1 of a clamped one."""
+    limit = 2.0 * np.pi * positive(highest_frequency, "highest_frequency") * _REACH
+    ratio = number(damping_ratio, "damping_ratio")
+    if not interfaces:
+        raise SceneError(f"interfaces: must be a dict of gb.Interface, got {shown(interfaces)}")
+    size = matrices.mass.shape[0]
+    rows = {}
+    for name, one in interfaces.items():
+        path = f"interfaces[{text(name, 'interfaces')!r}]"
+        if not isinstance(one, Interface):
+            raise SceneError(f"{path}: must be a gb.Interface, got {shown(one)}")
+        rows[name] = one._over(size, path)
+    basis = _basis(matrices, np.vstack(list(rows.values())), limit)
+    squares, modes = _modes(matrices, basis)
+    rigid = squares < (_RIGID * limit) ** 2
+    if np.count_nonzero(rigid) not in (0, _FREE):
+        raise SceneError(
+            f"stiffness: leaves {np.count_nonzero(rigid)} rigid-body motions free; a housing is "
+            "clamped (none) or free (6), and then stands on the stiffness of its interfaces"
+        )
+    frequencies = np.where(rigid, 0.0, np.sqrt(np.maximum(squares, 0.0)))
+    own = {name: row @ modes for name, row in rows.items()}
+    translation, mass = None, 1.0
+    if rigid.any():
+        translation = _translations(own, interfaces, rigid)
+        mass = float(np.mean(np.sum(translation**2, axis=1)))
+    return (
+        ElasticBody(
+            tuple(frequencies.tolist()),
+            tuple(np.where(rigid, 0.0, ratio).tolist()),
+            {name: _seat(interfaces[name], own[name]) for name in interfaces},
+            None if translation is None else tuples(translation.tolist()),
+        ),
+        mass,
+    )
+
+
+def _seat(interface: Interface, rows: Array) -> dict[str, Any]:
+    """Give an interface with its rows over the modes."""
+    given = {"position": interface.position, "rows": tuples(rows.tolist())}
+    springs = {"stiffness": interface.stiffness, "damping": interface.damping}
+    return given | {name: value for name, value in springs.items() if value is not None}
+
+
+def _basis(matrices: Matrices, rows: Array, limit: float) -> Array:
+    """Give natural modes up to a frequency, and static responses to forces at interfaces."""
+    from scipy import sparse  # noqa: PLC0415
+    from scipy.sparse import linalg  # noqa: PLC0415
+
+    mass, stiffness = matrices.mass, matrices.stiffness
+    size = mass.shape[0]
+    used = rows[np.abs(rows).sum(axis=1) > 0.0]
+    # A shift keeps the factors of a free body regular; the kept modes contain what it changes.
+    factors = linalg.splu(sparse.csc_matrix(stiffness + _SHIFT * limit**2 * mass))
+    static = factors.solve(used.T)
+    if size <= max(3 * used.shape[0], 60):
+        return np.hstack([static, np.eye(size)])
+    count = _count_below(matrices, limit)
+    if count >= size - 1:
+        return np.eye(size)
+    operator = linalg.LinearOperator((size, size), matvec=factors.solve, dtype=np.float64)
+    _, modes = linalg.eigsh(
+        stiffness, max(count, 1), mass, sigma=-_SHIFT * limit**2, OPinv=operator
+    )
+    return np.hstack([modes, static])
+
+
+def _count_below(matrices: Matrices, limit: float) -> int:
+    """Count the natural frequencies below a limit by Sylvester's law of inertia."""
+    from scipy import sparse  # noqa: PLC0415
+    from scipy.sparse import linalg  # noqa: PLC0415
+
+    shifted = sparse.csc_matrix(matrices.stiffness - limit**2 * matrices.mass)
+    # Without exchanges of rows, the signs of the pivots are those of LDLᵀ.
+    factors = linalg.splu(
+        shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    return int(np.count_nonzero(factors.U.diagonal() < 0.0))
+
+
+def _modes(matrices: Matrices, basis: Array) -> tuple[Array, Array]:
+    """Give squared frequencies and modes with unit modal mass in the space of a basis."""
+    scaled = basis / np.sqrt(np.einsum("ij,ij->j", basis, matrices.mass @ basis))
+    gram = scaled.T @ (matrices.mass @ scaled)
+    sizes, directions = np.linalg.eigh(gram)
+    kept = sizes > _DEPENDENT * sizes.max()
+    space = scaled @ (directions[:, kept] / np.sqrt(sizes[kept]))
+    projected = space.T @ (matrices.stiffness @ space)
+    squares, shapes = np.linalg.eigh((projected + projected.T) / 2.0)
+    return squares, space @ shapes
+
+
+def _translations(
+    rows: Mapping[str, Array], interfaces: Mapping[str, Interface], rigid: NDArray[np.bool_]
+) -> Array:
+    """Give the modal coordinates of translations of a free body, shape (3, modes).
+
+    The interfaces must move as their positions say in each rigid-body motion.
+    """
+    moved, wanted = [], []
+    for name, own in rows.items():
+        x, y, z = (float(value) for value in interfaces[name].position)
+        lever = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+        motions = np.block([[np.eye(3), lever], [np.zeros((3, 3)), np.eye(3)]])
+        known = np.abs(own).sum(axis=1) > 0.0
+        moved.append(own[known][:, rigid])
+        wanted.append(motions[known])
+    found, *_ = np.linalg.lstsq(np.vstack(moved), np.vstack(wanted), rcond=None)
+    left = np.abs(np.vstack(moved) @ found - np.vstack(wanted)).max()
+    if left > _SAME_MOTION * max(1.0, float(np.abs(np.vstack(wanted)).max())):
+        raise SceneError(
+            "interfaces: positions and rows do not fit the rigid-body motions of the matrices (a "
+            f"deviation of {left:.3g} in a unit motion); check the order of the rows x, y, z and "
+            "rotations about them, the positions, and that all units are SI"
+        )
+    translation = np.zeros((3, rigid.size))
+    translation[:, rigid] = found[:, :3].T
+    return translation
