@@ -15,6 +15,7 @@ from gearbow.description.bow_limit import BowLimit
 from gearbow.description.layout import assumptions
 from gearbow.description.places import place_label
 from gearbow.errors import GearbowError
+from gearbow.recording.record import recorded_run
 from gearbow.report import api617
 from gearbow.report.page import Block, Note, Picture, Table, parts_tables, picture
 from gearbow.report.shared import SHOWN_REVOLUTIONS, Contents, Make, reason_of
@@ -410,7 +411,7 @@ def motion(contents: Contents) -> Iterator[Block]:
     yield Table.of_result(run)
     end = float(run.time[-1])
     times = (max(float(run.time[0]), end - SHOWN_REVOLUTIONS * contents.turn()), end)
-    bodies = [names[0] for _, _, names in run._to_record().data["points"] if names]
+    bodies = [names[0] for _, _, names in recorded_run(run, "run").data["points"] if names]
     lateral = any(direction == "v" for *_, direction in contents.system.dofs)
     if lateral and bodies:
         for first in range(0, len(bodies), _ORBITS):

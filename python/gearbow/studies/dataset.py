@@ -25,7 +25,7 @@ from gearbow._types import Array, Progress
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.fit import orders as fitted_orders
 from gearbow.recording.container import require_netcdf, write_netcdf
-from gearbow.recording.record import Recorded
+from gearbow.recording.record import Recorded, recorded_run
 from gearbow.results.response import Response
 from gearbow.sensors import Sensor, SignalSensor, Tacho
 from gearbow.sweeps.points import Parameters, Points, identity
@@ -373,7 +373,9 @@ class _Recording:
             found[name] = values
             if self.orders is not None and isinstance(sensor, SignalSensor):
                 measured, noise = _Measured(sensor, values), self.noise.get(name, 0.0)
-                fitted = fitted_orders(response._to_record(), measured, noise=noise, **self.orders)
+                fitted = fitted_orders(
+                    recorded_run(response, "run"), measured, noise=noise, **self.orders
+                )
                 found[f"{name}_orders"] = fitted.tracks
                 found["order"] = np.array([str(order) for order in fitted.orders])
                 found["segment_speed"] = fitted.speeds
