@@ -11,8 +11,8 @@ import pytest
 import gearbow as gb
 from fleet import FOLDER
 from gearbow.accuracy import LEVELS
+from reference.comparisons import error
 from reference.machines import inertia, rotor, toothed_pair
-from reference.runs import error
 from test_errors import difference
 
 SPEED = 100.0
