@@ -374,7 +374,7 @@ class _Recording:
             if self.orders is not None and isinstance(sensor, SignalSensor):
                 measured, noise = _Measured(sensor, values), self.noise.get(name, 0.0)
                 fitted = fitted_orders(
-                    recorded_run(response, "response"), measured, noise=noise, **self.orders
+                    recorded_run(response, "run"), measured, noise=noise, **self.orders
                 )
                 found[f"{name}_orders"] = fitted.tracks
                 found["order"] = np.array([str(order) for order in fitted.orders])

@@ -11,7 +11,7 @@ import pytest
 
 import gearbow as gb
 from gearbow.orders import Kinematics
-from reference.runs import assert_energy_closes
+from reference.comparisons import assert_energy_closes
 
 # Rigid shafts have fast modes.
 pytestmark = pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")

@@ -14,8 +14,8 @@ import pytest
 import gearbow as gb
 from reference import elements, film, independent_solution
 from reference.cases import each_case
+from reference.comparisons import assert_energy_closes, assert_near, by_both_methods
 from reference.film import Bearing
-from reference.runs import assert_energy_closes, assert_near, by_both_methods
 from reference.scenes import PAIR
 
 Array = film.Array

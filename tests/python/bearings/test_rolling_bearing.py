@@ -13,8 +13,8 @@ import pytest
 import gearbow as gb
 from reference import elements, independent_solution, machines
 from reference.cases import each_case
+from reference.comparisons import assert_energy_closes, assert_near, by_both_methods
 from reference.rolling import Elements, hertz
-from reference.runs import assert_energy_closes, assert_near, by_both_methods
 from reference.scenes import PAIR
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

@@ -15,6 +15,7 @@ from gearbow._core import Model
 from reference import elements, independent_solution
 from reference.bows import HalfSine
 from reference.cases import each_case
+from reference.comparisons import assert_modes_of_speeds
 from reference.elements import Section
 from reference.independent_solution import Array
 from reference.machines import pair_with_two_ranges
@@ -110,10 +111,7 @@ def test_campbell_intersections_are_modes_of_their_speed():
     system = rotor()
     speeds = np.linspace(5.0, 160.0, 25)
     diagram = system.campbell(speeds, count=6)
-    for k in (0, 12, 24):
-        modes = system.modes(speeds[k]).eigenvalues
-        for value in diagram.eigenvalues[k]:
-            assert np.abs(modes - value).min() < 1e-9 * abs(value)
+    assert_modes_of_speeds(system, diagram, (0, 12, 24), 1e-9)
     assert len(diagram.intersections) >= 2
     for meeting in diagram.intersections:
         values = frozen(meeting.speed).modes(meeting.speed).eigenvalues

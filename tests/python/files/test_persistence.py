@@ -14,7 +14,7 @@ import pytest
 import gearbow as gb
 from gearbow.description.speed import plain_speed
 from gearbow.recording.channels import arrays_of
-from reference.machines import bowed_pair, hostile
+from reference.machines import bowed_pair, hostile, rotor
 from test_response import recorded
 
 
@@ -169,10 +169,8 @@ def test_numbers_with_all_digits_are_read_back_exactly():
 
 
 def test_a_steady_state_goes_through_pickle():
-    bow = gb.Bow.half_sine(1e-4)
-    rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2, bow=bow)
-    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    shaft = {"elements": 2, "bow": gb.Bow.half_sine(1e-4)}
+    system = rotor(shaft, bearing={"stiffness": 1e8, "damping": 1e3})
     steady = system.steady_state(100.0, record=[("rotor", 0.5)])
     for found in (pickle.loads(pickle.dumps(steady)), copy.deepcopy(steady)):
         assert_same(found.response, steady.response)

@@ -14,6 +14,7 @@ import pytest
 import gearbow as gb
 from gearbow.cli.main import _parser, main
 from reference.cases import each_case
+from reference.machines import inertia, rotor
 
 REXS = Path(__file__).with_name("gearbox.rexs")
 GIVEN = {"load_case": 1, "bearings": {"other": 1e8}}
@@ -197,13 +198,11 @@ def test_the_given_roving_hammer_is_the_response_of_its_rotor():
     folder = os.environ.get("GEARBOW_TEST_DATA")
     if folder is None:
         pytest.skip("GEARBOW_TEST_DATA does not name the folder of the given files")
-    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    disk = gb.Disk("disk", "rotor", 0.3, 10.0, diametral_inertia=0.05, polar_inertia=0.1)
-    bearings = [gb.Bearing("rotor", x, stiffness=1e7, damping=500.0) for x in (0.0, 1.0)]
-    rotor = gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
+    disk, bearing = inertia(10.0, 0.05, 0.1, position=0.3), {"stiffness": 1e7, "damping": 500.0}
+    system = rotor({"elements": None}, disk, bearing)
     places = {1: ("rotor", 0.3), 2: ("rotor", 0.7)}
     force = gb.Force(places[1], 1j)
-    response = rotor.frequency_response([10.0, 20.0], source=force, speed=0.0)
+    response = system.frequency_response([10.0, 20.0], source=force, speed=0.0)
     found = response.compare(Path(folder, "cases", "roving.uff"), places=places)
     assert found.frac == pytest.approx([1.0, 1.0], abs=1e-6)
     for measured, computed in zip(found.measured, found.computed, strict=True):

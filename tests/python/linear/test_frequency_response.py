@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.machines import helical_pair, hostile
+from reference.machines import helical_pair, hostile, two_disks_in_torsion
 from reference.receptance import Beam
 
 #: Names, and springs at the left and the right end, of a beam.
@@ -95,18 +95,7 @@ def test_receptances_of_a_thin_shaft_are_those_of_bishop_and_johnson(ends: str):
 
 
 def test_torsion_at_engine_orders_is_that_of_two_disks():
-    shaft = gb.Shaft(
-        "s",
-        length=0.5,
-        outer_diameter=0.03,
-        elements=1,
-        material=gb.Material(207e9, 1e-3, poisson_ratio=0.3),
-    )
-    disks = [
-        gb.Disk(f"d{i}", "s", x, 5.0, 0.01, inertia)
-        for i, (x, inertia) in enumerate([(0.0, 0.02), (0.5, 0.05)])
-    ]
-    system = gb.RotorSystem([shaft], disks=disks, motion="torsion")
+    system = two_disks_in_torsion()
     orders, speeds = [0.5, 1.0, 1.5, 4.0], np.array([50.0, 180.0, 400.0])
     found = system.frequency_response(order=orders, speeds=speeds, source=gb.Torque("d0", 3.0))
     assert found.axes == ("speed", "order")

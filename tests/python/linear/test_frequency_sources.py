@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.machines import two_disks_in_torsion
 from test_frequency_response import train
 
 
@@ -139,18 +140,7 @@ def test_a_transmission_error_has_the_forces_of_a_run():
 
 
 def test_a_torsional_drive_line_of_two_disks():
-    shaft = gb.Shaft(
-        "s",
-        length=0.5,
-        outer_diameter=0.03,
-        elements=1,
-        material=gb.Material(207e9, 1e-3, poisson_ratio=0.3),
-    )
-    disks = [
-        gb.Disk(f"d{i}", "s", x, 5.0, 0.01, j)
-        for i, (x, j) in enumerate([(0.0, 0.02), (0.5, 0.05)])
-    ]
-    system = gb.RotorSystem([shaft], disks=disks, motion="torsion")
+    system = two_disks_in_torsion()
     k = 207e9 / 2.6 * np.pi * 0.03**4 / 32.0 / 0.5
     for w in (100.0, 900.0, 3000.0):
         found = system.frequency_response([w], source=gb.Torque("d0", 2.0))

@@ -107,9 +107,8 @@ def test_intersections_thresholds_and_critical_speeds_carry_their_residuals():
 
 @pytest.mark.parametrize("elements", [8, 40])
 def test_equal_overdamped_modes_do_not_oscillate_by_round_off(elements: int) -> None:
-    bearings = [gb.Bearing("s", x, stiffness=1e8, damping=1e6) for x in (0.0, 1.0)]
-    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=elements)
-    values = gb.RotorSystem([shaft], bearings=bearings).modes(0.0, count=10).eigenvalues
+    system = rotor({"elements": elements}, bearing={"stiffness": 1e8, "damping": 1e6})
+    values = system.modes(0.0, count=10).eigenvalues
     # The planes are equal, and nothing turns: eigenvalues are real in pairs. Round-off had left 1e-13 of them.
     assert not np.any((values.imag != 0.0) & (values.imag < 1e-9 * np.abs(values)))
     # Each plane relaxes at both bearings; its faster motions are not among the ten lowest.

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.runs import error
+from reference.comparisons import error
 from test_structured_solver import (
     assert_lowest_modes,
     assert_response_with_modal_damping,

@@ -234,9 +234,8 @@ def test_equal_and_close_modes_are_all_found(factor: float, ratio: float):
 
 
 def test_undamped_modes_have_the_modal_damping_ratio():
-    shaft = gb.Shaft("s", length=1.0, outer_diameter=0.05, elements=30, degree=1)
-    bearings = [gb.Bearing("s", x, stiffness=1e7) for x in (0.0, 1.0)]
-    system = gb.RotorSystem([shaft], bearings=bearings, modal_damping=0.05)
+    shaft = {"elements": 30, "degree": 1}
+    system = rotor(shaft, bearing={"stiffness": 1e7}, modal_damping=0.05)
     found = system.modes(count=8)
     free = system.replace(modal_damping=0.0).modes(count=8)
     elastic = free.frequencies_hz > 0.0

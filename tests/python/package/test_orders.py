@@ -14,7 +14,7 @@ from gearbow.orders import Kinematics, spectrum
 from gearbow.orders.separation import cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes
 from gearbow.system import response_sensitivity
-from reference.machines import bowed_pair, hostile
+from reference.machines import bowed_pair, hostile, inertia, rotor
 from test_response import recorded
 
 SPEED = 100.0
@@ -288,10 +288,8 @@ def test_the_segments_of_a_settled_run_agree_with_the_complete_record():
 def test_the_peak_of_a_run_up_through_a_resonance_is_that_of_the_exact_envelope():
     # a bowed shaft through its first critical speed; both directions have one frequency, so that
     # y + iz is a complex envelope times the rotation
-    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(2e-5))
-    disk = gb.Disk("disk", "rotor", 0.5, 20.0, 0.1, 0.0)
-    bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    system = gb.RotorSystem([shaft], disks=[disk], bearings=bearings, modal_damping=0.02)
+    shaft = {"elements": None, "bow": gb.Bow.half_sine(2e-5)}
+    system = rotor(shaft, inertia(20.0, 0.1, 0.0), modal_damping=0.02)
     critical = 2.0 * np.pi * system.modes(count=1).frequencies_hz[0]
     profile = gb.SpeedProfile.ramp(0.3 * critical, 1.7 * critical, duration=6.0)
     run = system.simulate(6.0, profile, output_step=4e-4, record=["disk"], rtol=1e-8)

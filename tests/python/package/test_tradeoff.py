@@ -16,6 +16,7 @@ from gearbow.studies.study import measure
 from reference import independent_solution
 from reference.bows import HalfSine
 from reference.cases import each_case
+from reference.machines import rotor
 from reference.scenes import PAIR
 
 SPEED, END = 100.0, 4e-3
@@ -470,11 +471,7 @@ def test_separation_limits_the_expected_accuracy():
 
 def test_a_linear_rotor_has_an_error_of_round_off(tmp_path):
     # the exponential method is exact without meshes: reference and check are equal to the last bit
-    rotor = gb.Shaft(
-        "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
-    )
-    bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    found = gb.RotorSystem([rotor], bearings=bearings).tradeoff(
+    found = rotor({"elements": 2, "bow": gb.Bow.half_sine(1e-4)}).tradeoff(
         0.01, 100.0, signals=("rotor", 0.5), initial="rest", methods="exponential", repeats=1
     )
     assert found.floor >= np.finfo(float).eps

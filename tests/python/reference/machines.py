@@ -561,6 +561,17 @@ def massless_rotor(
     )
 
 
+def two_disks_in_torsion() -> gb.RotorSystem:
+    """Build a free shaft of almost no mass between disks of 0.02 and 0.05 kg m², in torsion."""
+    material = gb.Material(207e9, 1e-3, poisson_ratio=0.3)
+    disks = [
+        gb.Disk(f"d{i}", "s", x, **inertia(5.0, 0.01, polar))
+        for i, (x, polar) in enumerate([(0.0, 0.02), (0.5, 0.05)])
+    ]
+    shaft = {"name": "s", "length": 0.5, "outer_diameter": 0.03, "elements": 1}
+    return rotor({**shaft, "material": material}, disks=disks, bearings=[], motion="torsion")
+
+
 def rotor_with_two_disks() -> gb.RotorSystem:
     """Build a bowed shaft with two disks, one of them with unbalance, on different bearings."""
     return rotor(

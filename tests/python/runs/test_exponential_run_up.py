@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.runs import error
+from reference.comparisons import error
 from test_contact_events import scene
 from test_random_scenes import Drawn
 

@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 
 import gearbow as gb
+from reference.comparisons import error
 from reference.machines import OIL, pair
-from reference.runs import error
 from test_shaft_forces import rotor_of_ansys
 
 #: Through the threshold of instability at 5000 rpm, 524 rad/s, and back.

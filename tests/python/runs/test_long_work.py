@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 import gearbow as gb
 from gearbow import _progress
-from reference.machines import bowed_pair
+from reference.machines import bowed_pair, rotor
 from reference.processes import printed
 
 LARGE = """
@@ -190,9 +190,7 @@ def check(name, call):
 
 def test_arrays_adopt_what_the_core_computed():
     # A conversion row by row would stop the other threads of Python.
-    shaft = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
-    bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    model = gb.RotorSystem([shaft], bearings=bearings)._model
+    model = rotor({"elements": 2})._model
     response, modes = model.synchronous(np.array([100.0]), "both", 1), model.modes(0.0)
     arrays = [response["phasors"], response["bearing_force"], modes["shapes"]]
     arrays += [modes["kinetic_shares"], model.matrices(0.0)["mass"]]

@@ -11,8 +11,8 @@ import pytest
 
 import gearbow as gb
 from gearbow.accuracy import LEVELS, check_reduction
+from reference.comparisons import error
 from reference.machines import bowed_double_stage
-from reference.runs import error
 
 # The systems give their numbers of elements, which a level need not find fine enough.
 pytestmark = pytest.mark.filterwarnings("ignore:accuracy:gearbow.AccuracyWarning")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from reference.comparisons import assert_modes_of_speeds
 
 MASS, BASE_MASS = 12.0, 5.0
 BEARING, BASE = (4e6, 300.0), (3e6, 500.0)
@@ -293,10 +294,7 @@ def test_analyses_over_the_speed():
     system = on_housing(disks=[gb.Disk("disk", "rotor", 0.0, MASS, 0.1, 0.2, unbalance=1e-4)])
     speeds = np.linspace(50.0, 400.0, 4)
     diagram = system.campbell(speeds, count=6)
-    for k in (0, 3):
-        modes = system.modes(speeds[k]).eigenvalues
-        for value in diagram.eigenvalues[k]:
-            assert np.abs(modes - value).min() < 1e-8 * abs(value)
+    assert_modes_of_speeds(system, diagram, (0, 3), 1e-8)
     amplitude = system.synchronous([150.0])
     run = system.simulate(0.01, 150.0, initial="synchronous", record=["disk", "box"])
     turning = np.exp(150j * run.time)[:, None]

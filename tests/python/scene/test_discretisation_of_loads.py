@@ -10,8 +10,8 @@ import pytest
 
 import gearbow as gb
 from reference import machines
+from reference.comparisons import error
 from reference.machines import pair_with_motor
-from reference.runs import error
 
 DURATION, SPEED = 0.1, 100.0
 RUN: dict[str, Any] = {"initial": "static", "output_step": 2e-5}

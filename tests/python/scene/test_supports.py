@@ -12,6 +12,7 @@ import pytest
 import gearbow as gb
 from reference.attached import Attached, RigidBody
 from reference.cases import each_case
+from reference.comparisons import assert_matrices, assert_modes_of_speeds
 from reference.elements import Section
 from reference.scenes import DENSITY, E, G, single_shaft
 from reference.train import RigidSpec, ShaftPart, ShaftSpec, Train
@@ -96,14 +97,7 @@ CASES = pytest.mark.parametrize("make", [on_housing, on_supports])
 
 @CASES
 def test_matrices_are_those_of_the_independent_assembly(make: Any):
-    system, reference = make()
-    found = system.matrices()
-    for name in ("mass", "stiffness", "damping", "gyroscopic"):
-        expected = getattr(reference, name)
-        # quadrature of the shaft elements
-        np.testing.assert_allclose(
-            getattr(found, name), expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max()
-        )
+    assert_matrices(*make())
 
 
 @CASES
@@ -307,10 +301,7 @@ def test_analyses_over_the_speed_and_files(tmp_path: Any):
     system, _ = on_housing()
     speeds = np.linspace(50.0, 400.0, 8)
     diagram = system.campbell(speeds, count=6)
-    for k in (0, 7):
-        modes = system.modes(speeds[k]).eigenvalues
-        for value in diagram.eigenvalues[k]:
-            assert np.abs(modes - value).min() < 1e-8 * abs(value)
+    assert_modes_of_speeds(system, diagram, (0, 7), 1e-8)
     file = tmp_path / "scene.toml"
     system.save(file)
     assert gb.RotorSystem.load(file).description == system.description

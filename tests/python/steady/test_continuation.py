@@ -14,7 +14,7 @@ from gearbow import _core
 from gearbow.analysis.arclength import Settings, branch
 from gearbow.results.steady import instability
 from gearbow.system import continuation
-from reference.machines import bowed_pair
+from reference.machines import bowed_pair, rotor
 from reference.teeth import Toothed
 from test_steady_state import train
 
@@ -71,11 +71,8 @@ class Duffing:
 
 
 def test_a_branch_ends_at_the_bound_of_the_interval():
-    rotor = gb.Shaft(
-        "rotor", length=1.0, outer_diameter=0.05, elements=2, bow=gb.Bow.half_sine(1e-4)
-    )
-    bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
+    shaft = {"elements": 2, "bow": gb.Bow.half_sine(1e-4)}
+    system = rotor(shaft, bearing={"stiffness": 1e8, "damping": 1e3})
     middle = ("rotor", 0.5)
     for start, stop in ((1.0, 2.0), (2.0, 1.0)):
         branch = system.continuation("bow", start, stop, speed=100.0, record=[middle])

@@ -1,4 +1,4 @@
-"""Comparisons that the tests of runs share."""
+"""Comparisons that several files of tests share."""
 
 from __future__ import annotations
 
@@ -36,3 +36,23 @@ def assert_energy_closes(*runs: gb.Response, share: float = 1e-6) -> None:
     for run in runs:
         balance = run.energy_balance()
         assert np.abs(balance.residual).max() < share * balance.total.max()
+
+
+def assert_matrices(system: gb.RotorSystem, expected: Any) -> None:
+    """Check that the matrices of a system are those of an independent assembly."""
+    found = system.matrices()
+    for name in ("mass", "stiffness", "damping", "gyroscopic"):
+        wanted = getattr(expected, name)
+        # quadrature of the shaft elements
+        atol = 1e-12 * np.abs(wanted).max()
+        np.testing.assert_allclose(getattr(found, name), wanted, rtol=1e-9, atol=atol)
+
+
+def assert_modes_of_speeds(
+    system: gb.RotorSystem, diagram: gb.results.Campbell, speeds: tuple[int, ...], share: float
+) -> None:
+    """Check that a Campbell diagram has the modes of some of its speeds."""
+    for k in speeds:
+        modes = system.modes(diagram.speeds[k]).eigenvalues
+        for value in diagram.eigenvalues[k]:
+            assert np.abs(modes - value).min() < share * abs(value)
