@@ -36,6 +36,7 @@ class System(Protocol):
     couplings: tuple[Coupling, ...]
     forces: tuple[Force, ...]
     sleeves: tuple[Sleeve, ...]
+    reference: str | None
     accuracy: str
     _model: Model
     _speed_unit: SpeedUnit

@@ -30,6 +30,7 @@ _NAMES = {
     "gearbow.orders.waterfall": ("Waterfall",),
     "gearbow.recording.access": ("BearingMotion", "EnergyBalance"),
     "gearbow.recording.record": ("Contact", "ContactShares", "Event", "MeshResponse"),
+    "gearbow.results.bearing_life": ("BearingLife", "RatedBearing", "SpectrumCase"),
     "gearbow.results.bow_limits": ("BowLimits", "ReachedLimit"),
     "gearbow.results.campbell": (
         "Campbell",
@@ -88,6 +89,11 @@ if _typing.TYPE_CHECKING:
         ContactShares as ContactShares,
         Event as Event,
         MeshResponse as MeshResponse,
+    )
+    from gearbow.results.bearing_life import (
+        BearingLife as BearingLife,
+        RatedBearing as RatedBearing,
+        SpectrumCase as SpectrumCase,
     )
     from gearbow.results.bow_limits import BowLimits as BowLimits, ReachedLimit as ReachedLimit
     from gearbow.results.campbell import (
