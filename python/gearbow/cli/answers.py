@@ -244,6 +244,14 @@ def efficiency(given: argparse.Namespace) -> Answer:
     return _answer(given, found, _fields(found, "meshes", *keys), given.speed, draw=found.plot)
 
 
+def life(given: argparse.Namespace) -> Answer:
+    """Find the life of the rolling bearings."""
+    options = _fields(given, "speed", "spectrum", "factor", "reliability")
+    found = read_system(given).bearing_life(**options)
+    data = _fields(found, "factor", "reliability", "torque_at", "bearings", "cases", "notes")
+    return _answer(given, found, data, [case.speed for case in found.cases], draw=found.plot)
+
+
 def bow_limits(given: argparse.Namespace) -> Answer:
     """Find the limits of a bow."""
     found = read_system(given).bow_limits(given.shaft, given.speed, phase=given.phase)

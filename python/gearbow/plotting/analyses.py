@@ -382,8 +382,8 @@ def work_precision(
 
 def lives(bearings: Sequence[str], hours: Mapping[str, Array], ax: GivenAxes = None) -> Figure:
     """Draw lives of bearings [h] as bars; an infinite one ends at the edge."""
-    finite = np.concatenate([each[np.isfinite(each)] for each in hours.values()])
-    edge = 10.0 * float(finite.max(initial=1.0))
+    finite = [value for each in hours.values() for value in each if np.isfinite(value)] or [1.0]
+    edge = 10.0 * max(finite)
     height = 0.8 / len(hours)
     with panels(1, 1.5 + 0.4 * len(bearings), columns=1, ax=ax) as (figure, (panel,)):
         places = np.arange(len(bearings))
@@ -392,7 +392,7 @@ def lives(bearings: Sequence[str], hours: Mapping[str, Array], ax: GivenAxes = N
             shift = height * (i - (len(hours) - 1) / 2.0)
             panel.barh(places + shift, own, height, color=colour(i), label=name)
         panel.set_xscale("log")
-        panel.set_xlim(float(finite.min(initial=1.0)) / 10.0, edge)
+        panel.set_xlim(min(finite) / 10.0, edge)
         named_ticks(panel.yaxis, places, list(bearings))
         panel.invert_yaxis()
         panel.set_xlabel("life [h]")
