@@ -183,12 +183,10 @@ class LoadRating(Shown):
         return _static_factor(0.2 if self.elements is None else self.elements.gamma)
 
     def revolutions_of_elements(self, forces: Array, rotating: tuple[bool, bool]) -> float:
-        """Give the life [million turns] under forces on the elements around the bearing [N].
-
-        ISO/TS 16281, with laminae of equal load. `rotating` says which of the inner and the outer
-        ring turns relative to the load. Edge stresses are not known, so that their factor 0.83
-        stays in the ratings of the lines.
-        """
+        """Give the life [million turns] under forces on the elements around the bearing [N]."""
+        # ISO/TS 16281, with laminae of equal load. `rotating` says which of the inner and the outer
+        # ring turns relative to the load. Edge stresses of rollers are not known, so that their
+        # factor 0.83 stays in the ratings of the lines.
         own = self.elements
         if own is None:
             raise AssertionError("only bearings with elements have loads of elements")
@@ -300,11 +298,10 @@ def _static(own: _Elements, angle: float) -> float:
 
 
 def _static_factor(gamma: float) -> float:
-    """Give f₀ of ISO 76 [N/mm²]: the force on the most loaded ball is 5/Z of that on the bearing.
-
-    At the rating, the contact pressure is 4200 MPa with grooves of 0.52 and 0.53 ball diameters in
-    inner and outer ring. The ellipse is that of Brewe and Hamrock; the table is met within 1.5 %.
-    """
+    """Give f₀ of ISO 76 [N/mm²]: the force on the most loaded ball is 5/Z of that on the bearing."""
+    # At the rating, the contact pressure is 4200 MPa with grooves of 0.52 and 0.53 ball diameters
+    # in inner and outer ring. The ellipse is that of Brewe and Hamrock; the table of the standard
+    # is met within 1.7 %.
     modulus, poisson, pressure = 2.07e5, 0.3, 4200.0
     found = []
     for groove, sign in ((0.52, -1.0), (0.53, 1.0)):
@@ -341,11 +338,9 @@ def load_for_hours(hours: float, speed: float, dynamic: float, exponent: float) 
 
 
 def reliability_factor(reliability: float) -> float:
-    """Give the factor a₁ of ISO 281 for a reliability from 0.9 to 0.9995.
-
-    Between the values of its table, the logarithm of a₁ is linear in that of -ln(reliability), as
-    in a Weibull distribution.
-    """
+    """Give the factor a₁ of ISO 281 for a reliability from 0.9 to 0.9995."""
+    # Between the values of its table, the logarithm of a₁ is linear in that of -ln(reliability), as
+    # in a Weibull distribution.
     known = np.array(list(_RELIABILITY))
     given = number(reliability, "reliability")
     if not known[0] <= given <= known[-1]:
