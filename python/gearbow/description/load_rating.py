@@ -298,7 +298,7 @@ def _static(own: _Elements, angle: float) -> float:
 
 
 def _static_factor(gamma: float) -> float:
-    """Give f₀ of ISO 76 [N/mm²]: the force on the most loaded ball is 5/Z of that on the bearing."""
+    """Give f₀ of ISO 76 [N/mm²]: force on the most loaded ball, 5/Z of that on the bearing."""
     # At the rating, the contact pressure is 4200 MPa with grooves of 0.52 and 0.53 ball diameters
     # in inner and outer ring. The ellipse is that of Brewe and Hamrock; the table of the standard
     # is met within 1.7 %.
