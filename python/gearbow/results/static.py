@@ -195,8 +195,8 @@ class Static(WithSpeeds, Figured, ReadOnly, AxialMotion[Array, float]):
         Raises
         ------
         SceneError
-            If the equilibrium is at standstill, no bearing has a dynamic rating, or an argument is
-            invalid.
+            If the equilibrium is at standstill, the system has no lateral motion, no bearing has a
+            dynamic rating, or an argument is invalid.
 
         Notes
         -----
@@ -210,6 +210,8 @@ class Static(WithSpeeds, Figured, ReadOnly, AxialMotion[Array, float]):
 
     def _life(self, factor: float, reliability: float) -> BearingLife:
         """Find the life of the bearings, also at standstill."""
+        if not any(direction == "v" for *_, direction in self.coordinates.dofs):
+            raise SceneError('motion: "torsion" has no forces on bearings, and so no life')
         return life_at(
             self,
             self._bearings,

@@ -698,6 +698,9 @@ def test_wrong_systems():
     none = rotor(*(gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 0.5)), gravity=9.81)
     with pytest.raises(gb.SceneError, match="bearings: no bearing has a dynamic rating; give"):
         none.bearing_life(SPEED)
+    twisting = rotor(gb.RollingBearing("rotor", 0.0, "6208"), motion="torsion")
+    with pytest.raises(gb.SceneError, match='motion: "torsion" has no forces on bearings'):
+        twisting.bearing_life(SPEED)
     limit = gb.BowLimit.bearing_life(("rotor", 0.0), 1e4)
     with pytest.raises(
         gb.GearbowError, match="has no dynamic rating; give capacity= and exponent="
