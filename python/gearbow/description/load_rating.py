@@ -7,6 +7,7 @@ standards have mm.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -15,7 +16,7 @@ from gearbow._convert import number
 from gearbow._shown import Shown
 from gearbow._types import Array
 from gearbow.description.loads import Bearing
-from gearbow.description.rolling import RollingBearing
+from gearbow.description.rolling import RollingBearing, RollingEstimate
 from gearbow.errors import SceneError
 
 #: Where a rating comes from: an entry of the bearing, the catalogue below, or the formulas.
@@ -225,7 +226,7 @@ def rating_of(bearing: object) -> LoadRating | None:
     if not isinstance(bearing, RollingBearing):
         return None
     rolls, angle, own = bearing._rolls, abs(bearing._angle), _elements(bearing)
-    listed = _catalogue(bearing.designation)
+    listed = _listed(bearing.estimate)
     dynamic, static = listed or (_dynamic(own, angle), _static(own, angle))
     source: RatingSource = "computed" if listed is None else "catalogue"
     if bearing.dynamic_rating is not None:
@@ -255,16 +256,29 @@ def _elements(bearing: RollingBearing) -> _Elements:
     )
 
 
-def _catalogue(designation: str | None) -> tuple[float, float] | None:
-    """Look up dynamic and static rating [N] of a designation."""
-    name = "".join((designation or "").split())
-    series = ("60", "62", "63")
-    if name[:2] not in series:
+def _listed(estimate: RollingEstimate | None) -> tuple[float, float] | None:
+    """Look up dynamic and static rating [N] of a deep groove ball bearing by its dimensions."""
+    if estimate is None or estimate.kind != "deep_groove":
         return None
-    rows = (row.split() for row in _CATALOGUE.strip().split("\n"))
-    first = 1 + 2 * series.index(name[:2])
-    found = next((row[first : first + 2] for row in rows if row[0] == name[2:]), None)
-    return None if found is None else (1e3 * float(found[0]), 1e3 * float(found[1]))
+    return _catalogue().get(_in_tenths(estimate))
+
+
+@cache
+def _catalogue() -> dict[tuple[int, ...], tuple[float, float]]:
+    """Give the ratings [N] of the catalogue by bore, outside diameter and width [0.1 mm]."""
+    found = {}
+    for code, *ratings in (row.split() for row in _CATALOGUE.strip().split("\n")):
+        pairs = zip(ratings[::2], ratings[1::2], strict=True)
+        for series, (dynamic, static) in zip(("60", "62", "63"), pairs, strict=True):
+            estimate = RollingBearing("", 0.0, series + code).estimate
+            if estimate is not None:
+                found[_in_tenths(estimate)] = (1e3 * float(dynamic), 1e3 * float(static))
+    return found
+
+
+def _in_tenths(estimate: RollingEstimate) -> tuple[int, ...]:
+    """Give bore, outside diameter and width [0.1 mm]."""
+    return tuple(round(1e4 * size) for size in (estimate.bore, estimate.outer, estimate.width))
 
 
 def _dynamic(own: _Elements, angle: float) -> float:

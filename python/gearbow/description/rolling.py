@@ -199,7 +199,7 @@ class RollingBearing(Part):
         Damping of these rotations [N m s/rad].
     dynamic_rating, static_rating : float, optional
         Basic load ratings C and C₀ [N], which `bearing_life` uses. None is that of a catalogue for
-        the designations of deep groove ball bearings, or that of ISO 281 and ISO 76 for the
+        deep groove ball bearings of the series 60, 62 and 63, or that of ISO 281 and ISO 76 for the
         elements.
     support : str, Support or tuple of (str, float), optional
         What it stands on: the name of a support or housing of the system, a support of its own, or

@@ -67,9 +67,9 @@ def bearing_life(
     L₁₀ = (C/P)^p million turns, p = 3 for balls and 10/3 for rollers, with P = X F_r + Y F_a of ISO
     281. Where the rings have five degrees of freedom, the life follows from the loads of the
     elements (ISO/TS 16281), and P is the load with this life. Turns are those of one ring relative
-    to the other. C is `dynamic_rating` of the bearing; else, for the designations of deep groove
-    ball bearings, that of a catalogue (SKF 17000/1 EN, 2018); else that of ISO 281 for number and
-    size of the elements. Over a spectrum, the parts of the life that the cases use up are added
+    to the other. C is `dynamic_rating` of the bearing; else, for the dimensions of deep groove ball
+    bearings of the series 60, 62 and 63, that of a catalogue (SKF 17000/1 EN, 2018); else that of
+    ISO 281 for number and size of the elements. Over a spectrum, the parts of the life that the cases use up are added
     (Palmgren and Miner). P₀ is that of ISO 76. Bearings with two degrees of freedom have the thrust
     of their `axial_stiffness` only; that which a radial load induces in inclined contacts needs
     five.

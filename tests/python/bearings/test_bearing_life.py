@@ -149,6 +149,12 @@ def test_a_given_rating_wins():
     assert (found.dynamic, found.source, found.static) == (50e3, "given", 24e3)
     assert rating_of(replace(own, static_rating=30e3)).static == 30e3
     assert rating_of(gb.RollingBearing("rotor", 0.0, "6308")).dynamic == 42.3e3
+    # a file may have dimensions in place of the designation
+    sizes = {"bore": 0.04, "outer": 0.09, "width": 0.023}
+    by_size = gb.RollingBearing.from_dimensions("rotor", 0.0, **sizes)
+    assert rating_of(by_size).dynamic == 42.3e3
+    of_balls = gb.RollingBearing.from_dimensions("rotor", 0.0, **sizes, kind="angular_contact")
+    assert rating_of(of_balls).source == "computed"
     assert rating_of(gb.RollingBearing("rotor", 0.0, "NU209")).source == "computed"
     assert rating_of(gb.Bearing("rotor", 0.0, stiffness=1e8)) is None
     # rollers whose length is not known, and a thrust bearing, have no formula of a radial bearing
