@@ -249,7 +249,8 @@ def life(given: argparse.Namespace) -> Answer:
     options = _fields(given, "speed", "spectrum", "factor", "reliability")
     found = read_system(given).bearing_life(**options)
     data = _fields(found, "factor", "reliability", "torque_at", "bearings", "cases", "notes")
-    return _answer(given, found, data, [case.speed for case in found.cases], draw=found.plot)
+    speeds = [given.speed] if given.spectrum is None else [case[0] for case in given.spectrum]
+    return _answer(given, found, data, speeds, draw=found.plot)
 
 
 def bow_limits(given: argparse.Namespace) -> Answer:

@@ -69,10 +69,10 @@ def bearing_life(
     elements (ISO/TS 16281), and P is the load with this life. Turns are those of one ring relative
     to the other. C is `dynamic_rating` of the bearing; else, for the dimensions of deep groove ball
     bearings of the series 60, 62 and 63, that of a catalogue (SKF 17000/1 EN, 2018); else that of
-    ISO 281 for number and size of the elements. Over a spectrum, the parts of the life that the cases use up are added
-    (Palmgren and Miner). P₀ is that of ISO 76. Bearings with two degrees of freedom have the thrust
-    of their `axial_stiffness` only; that which a radial load induces in inclined contacts needs
-    five.
+    ISO 281 for number and size of the elements. Over a spectrum, the parts of the life that the
+    cases use up are added (Palmgren and Miner). P₀ is that of ISO 76. Bearings with two degrees of
+    freedom have the thrust of their `axial_stiffness` only; that which a radial load induces in
+    inclined contacts needs five.
 
     Examples
     --------
