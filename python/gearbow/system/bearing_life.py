@@ -82,7 +82,7 @@ def bearing_life(
     >>> force = gb.Force(("rotor", 0.25), -4000j)
     >>> system = gb.RotorSystem([shaft], bearings=bearings, forces=[force])
     >>> print(f"{system.bearing_life(gb.rpm(1500)).shortest.hours:.0f} h")
-    47675 h
+    47678 h
     """
     if (speed is None) == (spectrum is None):
         raise SceneError("speed: give either a speed or a spectrum")
