@@ -743,6 +743,14 @@ def test_wrong_ratings(bearing: Any, error: str):
         rotor(bearing, gb.Bearing("rotor", 0.5, stiffness=1e8))
 
 
+def test_a_rating_in_kilonewtons_is_a_warning():
+    other = gb.Bearing("rotor", 0.5, stiffness=1e8)
+    for name in ("dynamic_rating", "static_rating"):
+        bearing = gb.RollingBearing("rotor", 0.0, "6308", **{name: 42.3})
+        with pytest.warns(gb.SceneWarning, match=rf"bearings\[0\].{name}: .* is it in kN\?"):
+            rotor(bearing, other)
+
+
 def test_an_oil_film_has_no_rating():
     plain = rotor(
         gb.JournalBearing("rotor", 0.0, diameter=0.1, length=0.05, clearance=1e-4, viscosity=0.02),
