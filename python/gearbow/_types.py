@@ -234,6 +234,7 @@ class StaticData(BalanceData):
     bearing_force: Array
     bearing_displacement: Array
     axial_bearing_force: Array
+    contact_forces: list[Array | None]
 
 
 class FilmData(TypedDict):

@@ -14,6 +14,8 @@
 //! rolling elements varies with the angle of the cage; equilibrium and operating point use its mean over this angle, as those
 //! of a mesh use its mean stiffness.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::instant::{Instant, InterfaceOptions, OutOfRange, Tangent, Touch};
@@ -224,6 +226,16 @@ impl NonlinearBearing {
             BearingLaw::Rolling(elements) => elements.loaded(self.scalars(q), cage),
             BearingLaw::Ring(ring) => ring.loaded(self.scalars(q), cage),
         }
+    }
+
+    /// Contact force, N, at evenly spaced angles around a [`Ring`] at displacements q: `count` or more, a whole number for each
+    /// element; none for another bearing.
+    pub fn contact_forces(&self, q: &[f64], count: usize) -> Option<Vec<f64>> {
+        let BearingLaw::Ring(ring) = &self.law else { return None };
+        let (u, elements) = (self.scalars(q), ring.count());
+        let angles = count.div_ceil(elements);
+        let cage = |i: usize| TAU * i as f64 / (angles * elements) as f64;
+        Some((0..angles).flat_map(|i| ring.contacts(u, cage(i)).map(|[force, _]| force)).collect())
     }
 
     /// Whether it has no force at a speed of the reference shaft, rad/s, because its shaft stands still.

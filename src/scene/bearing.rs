@@ -1,5 +1,7 @@
 //! Checked bearings.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::place::Names;
 use super::{
     Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, Rolling, SceneDescription, SceneError, Shaft,
@@ -55,6 +57,7 @@ pub(super) fn bearings(
 ) -> Result<Vec<Bearing>, SceneError> {
     let bearing = |(index, bearing): (usize, &description::Bearing)| {
         let at = EntryPath::entry("bearings", index);
+        check_ratings(bearing, &at)?;
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
             nonlinear: nonlinear::nonlinear(bearing, &at)?,
@@ -77,6 +80,25 @@ pub(super) fn bearings(
         })
     };
     system.bearings.iter().enumerate().map(bearing).collect()
+}
+
+/// Checks load ratings, which analyses of the life of a bearing use, and the contact of a linear bearing that has them.
+fn check_ratings(given: &description::Bearing, at: &EntryPath) -> Result<(), SceneError> {
+    for (name, rating) in [("dynamic_rating", given.dynamic_rating), ("static_rating", given.static_rating)] {
+        let Some(rating) = rating else { continue };
+        let place = at.field(name);
+        place.positive(rating)?;
+        if given.stiffness.is_none() && !given.is_rolling() {
+            return Err(place.error("is that of a rolling bearing, and an oil film has none; remove it"));
+        }
+    }
+    if let (Some(angle), Some(_)) = (given.contact_angle, &given.stiffness) {
+        let place = at.field("contact_angle");
+        if place.finite(angle)?.abs() >= FRAC_PI_2 {
+            return Err(place.error(format!("must be between -pi/2 and pi/2 rad, got {angle}; is it in degrees?")));
+        }
+    }
+    Ok(())
 }
 
 /// The loss factor of a linear bearing.

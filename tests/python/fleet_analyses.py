@@ -19,6 +19,7 @@ import pytest
 import gearbow as gb
 from reference.equations import Balance, Equations, rotating_force
 from reference.machines import without_tooth_errors
+from reference.standards import rated_hours
 
 #: Number of modes.
 COUNT = 6
@@ -232,6 +233,26 @@ def check_limits(system: gb.RotorSystem, speed: float, found: gb.results.BowLimi
         assert (worst.limit, worst.at) == (one.limit, one.at)
         # The phases and instants meet the worst motion to 1 − cos 5° of the orbits.
         assert one.bow >= (1.0 - 5e-3) * worst.bow
+
+
+def check_life(system: gb.RotorSystem, speed: float, found: gb.results.BearingLife) -> None:
+    """Compare the life with the load, the relative speed of the rings and the static load rating."""
+    ratios = dict(zip([s.name for s in system.shafts], system.speed_ratios, strict=True))
+    bearings = {(one.shaft, one.position): one for one in system.bearings}
+    static = system.static(speed)
+    for one in found.bearings:
+        base = bearings[one.at].support
+        relative = ratios[one.at[0]] - (ratios[base[0]] if isinstance(base, tuple) else 0.0)
+        hours = rated_hours(one.equivalent_load, one.dynamic_rating, one.exponent, speed * relative)
+        # the printed speed and the sum of both ratios have round-off
+        assert one.hours == pytest.approx(hours, rel=1e-9)
+        radial = float(np.linalg.norm(static.bearing_force(one.at)))
+        assert one.radial_force == pytest.approx(radial, rel=1e-9)
+        # P is at least X F_r of a contact of 40° and at most the load of pure thrust, except at light loads of rollers
+        if one.method == "ISO 281":
+            most = (radial + 2.3 * one.axial_force) * (1.0 + 1e-9)
+            assert 0.35 * radial <= one.equivalent_load <= most
+        assert one.static_safety <= one.static_rating / radial * (1.0 + 1e-9)
 
 
 def compute_peaks(
@@ -579,6 +600,11 @@ class Analysis:
 
 ANALYSES = {
     "static": Analysis(lambda s, speed: s.static(speed=speed), check_static),
+    "life": Analysis(
+        lambda s, speed: s.bearing_life(speed),
+        check_life,
+        applies=lambda s: any(isinstance(one, gb.RollingBearing) for one in s.bearings),
+    ),
     "modes": Analysis(
         lambda s, speed: s.modes(speed, count=COUNT, vibrating=internally_damped(s)),
         check_modes,

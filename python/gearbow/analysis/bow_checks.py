@@ -10,15 +10,16 @@ import numpy as np
 from gearbow._core import mesh_geometry
 from gearbow._types import Array, MeshGeometry
 from gearbow.analysis.bow_motion import BowMotion, BowSignal, Margin
+from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing
+from gearbow.description.load_rating import load_for_hours, rating_of, ring_ratios
 from gearbow.description.loads import Bearing
 from gearbow.description.places import (
     Places,
     Support,
     housing_and_interface,
-    other_shaft,
     place_label,
 )
 from gearbow.description.rolling import RollingBearing
@@ -346,21 +347,34 @@ def _bearing_force(motion: BowMotion, limit: BowLimit) -> Check:
 
 
 def _bearing_life(motion: BowMotion, limit: BowLimit) -> Check:
-    hours, power = float(limit.value), limit.exponent or math.nan
     signal = motion.bearing_force(limit.at)  # an unknown bearing is an error that lists the known
-    turns = 60.0 * hours * 30.0 / math.pi * abs(motion.speed * _relative_ratio(motion, limit))
-    allowed = (limit.capacity or math.nan) * (1e6 / turns) ** (1.0 / power) if turns else math.inf
-    why = f"life {hours:g} h: mean force {allowed:.4g} N"
+    bearing = _bearing(motion, limit, (Bearing, JournalBearing, RollingBearing))
+    rating = rating_of(bearing)
+    capacity, power = limit.capacity, limit.exponent
+    if rating is not None:
+        capacity, power = capacity or rating.dynamic, power or rating.exponent
+    if capacity is None or power is None:
+        raise GearbowError(
+            f"limits: the bearing at {place_label(limit.at)} has no dynamic rating; give capacity= "
+            "and exponent=, or dynamic_rating= of the bearing"
+        )
+    inner, outer = ring_ratios(bearing, ratios_by_shaft(motion.variants.base))
+    hours, speed = float(limit.value), motion.speed * (inner - outer)
+    allowed = load_for_hours(hours, speed, capacity, power)
+    thrust = motion.static.axial_bearing_force(limit.at)
 
-    def mean_force(bow: float, phases: Array) -> Array:
+    def mean_load(bow: float, phases: Array) -> Array:
         values = signal.instants(bow, phases)
-        forces = np.hypot(values[..., 0], values[..., 1])
-        mean: Array = np.mean(forces**power, axis=1) ** (1.0 / power)
+        loads = np.hypot(values[..., 0], values[..., 1])
+        if rating is not None:
+            loads = rating.equivalent_load(loads, thrust)
+        mean: Array = np.mean(loads**power, axis=1) ** (1.0 / power)
         return mean
 
     if math.isinf(allowed):
         return Check("bearing life", place_label(limit.at), "the rings turn together")
-    return _linear(limit, why, signal, allowed, mean_force)
+    why = f"life {hours:g} h: mean load {allowed:.4g} N"
+    return _linear(limit, why, signal, allowed, mean_load)
 
 
 def _stress(motion: BowMotion, limit: BowLimit) -> Check:
@@ -387,14 +401,6 @@ def _stress(motion: BowMotion, limit: BowLimit) -> Check:
         return Check("stress", name, "the bow does not load this section")
     why = f"endurance limit {1e-6 * float(limit.value):.4g} MPa"
     return Check("stress", name, why, margin, first=_SMALL_BOW / unit)
-
-
-def _relative_ratio(motion: BowMotion, limit: BowLimit) -> float:
-    """Give the speed of the shaft in a bearing relative to that on which it stands, as a ratio."""
-    bearing = _bearing(motion, limit, (Bearing, JournalBearing, RollingBearing))
-    outer = other_shaft(bearing.support)
-    own = _ratio(motion, limit.at)
-    return own if outer is None else own - _ratio(motion, outer)
 
 
 def _mesh_force(motion: BowMotion, limit: BowLimit, teeth: _Teeth) -> Check:

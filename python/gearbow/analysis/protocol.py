@@ -37,6 +37,7 @@ class System(Protocol):
     forces: tuple[Force, ...]
     sleeves: tuple[Sleeve, ...]
     notches: tuple[Notch, ...]
+    reference: str | None
     accuracy: str
     _model: Model
     _speed_unit: SpeedUnit

@@ -242,6 +242,15 @@ def efficiency(given: argparse.Namespace) -> Answer:
     return _answer(given, found, _fields(found, "meshes", *keys), given.speed, draw=found.plot)
 
 
+def life(given: argparse.Namespace) -> Answer:
+    """Find the life of the rolling bearings."""
+    options = _fields(given, "speed", "spectrum", "factor", "reliability")
+    found = read_system(given).bearing_life(**options)
+    data = _fields(found, "factor", "reliability", "torque_at", "bearings", "cases", "notes")
+    speeds = [given.speed] if given.spectrum is None else [case[0] for case in given.spectrum]
+    return _answer(given, found, data, speeds, draw=found.plot)
+
+
 def bow_limits(given: argparse.Namespace) -> Answer:
     """Find the limits of a bow."""
     found = read_system(given).bow_limits(given.shaft, given.speed, phase=given.phase)

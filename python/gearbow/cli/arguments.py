@@ -67,6 +67,17 @@ def speed(text: str) -> float:
     return RevolutionsPerMinute(value) if unit_in_texts(text) == "rpm" else value
 
 
+def spectrum_case(text: str) -> tuple[float, float, float]:
+    """Read a case of a load spectrum: speed, torque and share of the time."""
+    parts = text.split(",")
+    if len(parts) != 3:
+        raise argparse.ArgumentTypeError(
+            f'must be "speed, torque, share", such as "1500 rpm, 250 N m, 0.6", got "{text}"'
+        )
+    torque, share = quantity("spectrum.torque"), quantity("spectrum.share")
+    return speed(parts[0]), torque(parts[1]), share(parts[2])
+
+
 def output(text: str) -> Path:
     """Read the name of a file for signals, and check that it can be written."""
     return _writable(partial(_check_signals, text))

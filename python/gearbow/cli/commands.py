@@ -26,6 +26,7 @@ from gearbow.cli.arguments import (
     progress,
     quantity,
     scene,
+    spectrum_case,
     speed,
 )
 from gearbow.exchange.tables import DETECTIONS
@@ -174,6 +175,27 @@ COMMANDS = (
         '  gearbow efficiency scene.toml --speed "500 rpm" "3000 rpm" --out losses.png',
         scene(),
         SPEEDS,
+        drawn("--out", "write a figure to this file, for example .png"),
+    ),
+    Command(
+        "life",
+        answers.life,
+        "print loads, rating life in hours and static safety of the rolling bearings",
+        '  gearbow life scene.toml --speed "1500 rpm"\n'
+        '  gearbow life scene.toml --spectrum "1500 rpm, 250 N m, 0.6" "3000 rpm, 100 N m, 0.4"',
+        scene(),
+        option("--speed", 'for example "1500 rpm"; or give --spectrum', speed),
+        option(
+            "--spectrum",
+            'cases "speed, torque, share of the time"; the torque is that of the drive',
+            spectrum_case,
+            nargs="+",
+            metavar="CASE",
+        ),
+        option(
+            "--factor", "factor of lubrication and contamination; default: 1", float, default=1.0
+        ),
+        option("--reliability", "from 0.9 to 0.9995; default: 0.9", float, default=0.9),
         drawn("--out", "write a figure to this file, for example .png"),
     ),
     Command(

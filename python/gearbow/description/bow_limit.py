@@ -51,9 +51,9 @@ class BowLimit(Part):
     support : str, optional
         What a displacement is measured from.
     capacity : float, optional
-        Basic dynamic load rating [N], for "bearing_life".
+        Basic dynamic load rating [N], for "bearing_life"; None is that of the bearing.
     exponent : float, optional
-        Exponent of the life, for "bearing_life".
+        Exponent of the life, for "bearing_life"; None is that of the bearing.
     tensile_strength : float, optional
         Tensile strength [Pa], for "stress".
     line : {"goodman", "din743"}
@@ -197,12 +197,18 @@ class BowLimit(Part):
 
     @classmethod
     def bearing_life(
-        cls, at: tuple[str, float], hours: float, *, capacity: float, exponent: float
+        cls,
+        at: tuple[str, float],
+        hours: float,
+        *,
+        capacity: float | None = None,
+        exponent: float | None = None,
     ) -> "BowLimit":
-        """Require a basic rating life of a rolling bearing (ISO 281).
+        """Require a basic rating life of a rolling bearing (ISO 281), as `bearing_life` finds it.
 
-        The life is (C/P)^p million turns; P is the mean of the radial force over the time with the
-        exponent p. Axial forces do not count. A bearing between shafts counts relative turns.
+        The life is (C/P)^p million turns; P is the mean of the equivalent load over the time with
+        the exponent p, from the radial force of each instant and the thrust of the equilibrium. A
+        bearing between shafts counts relative turns.
 
         Parameters
         ----------
@@ -210,10 +216,10 @@ class BowLimit(Part):
             Shaft and position of the bearing [m].
         hours : float
             Smallest life L₁₀ [h].
-        capacity : float
-            Basic dynamic load rating C [N], from the catalogue.
-        exponent : float
-            Exponent p: 3 for ball bearings, 10/3 for roller bearings.
+        capacity : float, optional
+            Basic dynamic load rating C [N]; None is that of the bearing.
+        exponent : float, optional
+            Exponent p; None is that of the bearing, 3 for balls and 10/3 for rollers.
 
         Returns
         -------
@@ -224,8 +230,8 @@ class BowLimit(Part):
             "bearing_life",
             place(at, kind="bearing"),
             positive(hours, "hours"),
-            capacity=positive(capacity, "capacity"),
-            exponent=positive(exponent, "exponent"),
+            capacity=None if capacity is None else positive(capacity, "capacity"),
+            exponent=None if exponent is None else positive(exponent, "exponent"),
         )
 
     @classmethod

@@ -7,7 +7,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from gearbow._convert import complex_number, real
-from gearbow._types import At, Plain
+from gearbow._types import At, Plain, RollingContact
 from gearbow.description.journal import JournalBearing
 from gearbow.description.part import Part
 from gearbow.description.places import Base, place, with_support
@@ -211,6 +211,13 @@ class Bearing(Part):
     loss_factor : float
         Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
         Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+    dynamic_rating, static_rating : float, optional
+        Basic load ratings C and C₀ of the rolling bearing for which it stands [N]: `bearing_life`
+        then contains it.
+    contact : {"ball", "roller"}, optional
+        Rolling elements of a bearing with a rating; None is balls.
+    contact_angle : float, optional
+        Contact angle of a bearing with a rating [rad]; None is 0.
     support : str, Support or tuple of (str, float), optional
         What it stands on: the name of a support or housing of the system, a support of its own, or
         (shaft, position [m]) of another shaft. None is the ground.
@@ -231,6 +238,10 @@ class Bearing(Part):
     tilting_stiffness: float = 0.0
     tilting_damping: float = 0.0
     loss_factor: float = 0.0
+    dynamic_rating: float | None = None
+    static_rating: float | None = None
+    contact: RollingContact | None = None
+    contact_angle: float | None = None
     support: Base | None = None
 
     @classmethod

@@ -197,6 +197,10 @@ class RollingBearing(Part):
         Stiffness against rotations of the shaft about y and z [N m/rad].
     tilting_damping : float
         Damping of these rotations [N m s/rad].
+    dynamic_rating, static_rating : float, optional
+        Basic load ratings C and C₀ [N], which `bearing_life` uses. None is that of a catalogue for
+        deep groove ball bearings of the series 60, 62 and 63, or that of ISO 281 and ISO 76 for the
+        elements.
     support : str, Support or tuple of (str, float), optional
         What it stands on: the name of a support or housing of the system, a support of its own, or
         (shaft, position [m]) of another shaft. None is the ground.
@@ -249,6 +253,8 @@ class RollingBearing(Part):
     axial_damping: float = 0.0
     tilting_stiffness: float = 0.0
     tilting_damping: float = 0.0
+    dynamic_rating: float | None = None
+    static_rating: float | None = None
     support: Base | None = None
 
     def _describe(self, path: str) -> dict[str, Plain]:

@@ -24,6 +24,7 @@ from gearbow.exchange.rexs_file import (
     segment,
 )
 from gearbow.exchange.rexs_joints import Joints, MissingValue, check_given
+from gearbow.units.speed import RevolutionsPerMinute
 
 #: Components that gearbow cannot represent, and why. The first that a file has is reported.
 _REFUSED = {
@@ -58,7 +59,8 @@ class LoadCase(Shown):
     number : int
         Number in the order of the file, from 1.
     speed : float or None
-        Speed of the reference shaft, positive about +x [rad/s]; None if the file has none.
+        Speed of the reference shaft, positive about +x [rad/s]; None if the file has none. Results
+        at this speed show speeds in rpm.
     torques : dict of str to float
         The given torques, positive about +x [N m], by the name of the load.
 
@@ -512,7 +514,10 @@ class _Train:
 
     def _speed(self, case: Mapping[int, Component]) -> float | None:
         shaft = case[self.reference.id]
-        return shaft.number("rotational_speed", "speed") if shaft.has("rotational_speed") else None
+        if not shaft.has("rotational_speed"):
+            return None
+        # REXS has speeds in 1/min: results at this speed show them in rpm.
+        return RevolutionsPerMinute(shaft.number("rotational_speed", "speed"))
 
     def _loads(self, case: Mapping[int, Component]) -> list[Component]:
         return [each for each in case.values() if each.kind == "external_load"]

@@ -378,3 +378,24 @@ def work_precision(
         else:
             panel.legend(handles, labels, loc="best", fontsize="small")
     return figure
+
+
+def lives(bearings: Sequence[str], hours: Mapping[str, Array], ax: GivenAxes = None) -> Figure:
+    """Draw lives of bearings [h] as bars; an infinite one ends at the edge."""
+    finite = [value for each in hours.values() for value in each if np.isfinite(value)] or [1.0]
+    edge = 10.0 * max(finite)
+    height = 0.8 / len(hours)
+    with panels(1, 1.5 + 0.4 * len(bearings), columns=1, ax=ax) as (figure, (panel,)):
+        places = np.arange(len(bearings))
+        for i, (name, values) in enumerate(hours.items()):
+            own = np.where(np.isfinite(values), values, edge)
+            shift = height * (i - (len(hours) - 1) / 2.0)
+            panel.barh(places + shift, own, height, color=colour(i), label=name)
+        panel.set_xscale("log")
+        panel.set_xlim(min(finite) / 10.0, edge)
+        named_ticks(panel.yaxis, places, list(bearings))
+        panel.invert_yaxis()
+        panel.set_xlabel("life [h]")
+        if len(hours) > 1:
+            legend(figure, panel, ax=ax)
+    return figure

@@ -14,6 +14,7 @@ from gearbow._result import Column, in_micrometres, in_percent
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.layout import assumptions
 from gearbow.description.places import place_label
+from gearbow.description.rolling import RollingBearing
 from gearbow.errors import GearbowError
 from gearbow.recording.record import recorded_run
 from gearbow.report import api617
@@ -116,6 +117,23 @@ def static(contents: Contents) -> Iterator[Block]:
         force = f"{quantity(abs(state.force), 'N')}, {'–'.join(pair)}"
         contents.findings.append((f"Largest static mesh force: {force}.", False))
     yield picture(found.plot(), "Static deflection of the shafts.")
+
+
+def life(contents: Contents) -> Iterator[Block]:
+    """Give the rating life of the bearings."""
+    contents.need_operating()
+    bearings = contents.system.bearings
+    if all(getattr(one, "dynamic_rating", None) is None for one in bearings) and not any(
+        isinstance(one, RollingBearing) for one in bearings
+    ):
+        yield Note("No bearing is a rolling bearing or has a dynamic rating.")
+        return
+    found = contents.static.bearing_life()
+    yield Table.of_result(found)
+    yield picture(found.plot(), "Basic rating life of the bearings.")
+    first = found.shortest
+    text = f"Shortest basic rating life: {first.hours:.4g} h, bearing {place_label(first.at)}."
+    contents.findings.append((text, False))
 
 
 def modes(contents: Contents) -> Iterator[Block]:
@@ -517,6 +535,7 @@ SECTIONS: tuple[tuple[str, str, Make], ...] = (
     ("data", "Data and assumptions", data),
     ("mass", "Mass properties", mass),
     ("static", "Static loads", static),
+    ("life", "Life of bearings", life),
     ("modes", "Natural modes", modes),
     ("campbell", "Campbell diagram", campbell),
     ("criticals", "Critical speeds", criticals),

@@ -37,6 +37,7 @@ _NAMES = {
         "MeshResponse",
         "Statistics",
     ),
+    "gearbow.results.bearing_life": ("BearingLife", "RatedBearing", "SpectrumCase"),
     "gearbow.results.bow_limits": ("BowLimits", "ReachedLimit"),
     "gearbow.results.campbell": (
         "Campbell",
@@ -99,6 +100,11 @@ if _typing.TYPE_CHECKING:
         Event as Event,
         MeshResponse as MeshResponse,
         Statistics as Statistics,
+    )
+    from gearbow.results.bearing_life import (
+        BearingLife as BearingLife,
+        RatedBearing as RatedBearing,
+        SpectrumCase as SpectrumCase,
     )
     from gearbow.results.bow_limits import BowLimits as BowLimits, ReachedLimit as ReachedLimit
     from gearbow.results.campbell import (

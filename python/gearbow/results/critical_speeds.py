@@ -126,10 +126,25 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
         GearbowError
             If no mode has this whirl.
         """
+        return self._lines(whirl, joined=False)
+
+    def _lines(self, whirl: str, *, joined: bool) -> Array:
+        """Give the lines of a whirl; joined ones begin at the last point before it."""
         text(whirl, "whirl")
+        classes = [
+            {int(line): name for name, line in zip(*row, strict=True)}
+            for row in zip(self.whirl, self.line, strict=True)
+        ]
+        after = [*classes[1:], {}] if joined else [{}] * len(classes)
         own = [
-            {line: speed for speed, name, line in zip(*row, strict=True) if name == whirl}
-            for row in zip(self.speeds, self.whirl, self.line, strict=True)
+            {
+                line: speed
+                for speed, name, line in zip(*row, strict=True)
+                if whirl in (name, following.get(int(line)))
+            }
+            for row, following in zip(
+                zip(self.speeds, self.whirl, self.line, strict=True), after, strict=True
+            )
         ]
         rows = [(i, line, speed) for i, row in enumerate(own) for line, speed in row.items()]
         if not rows:
@@ -164,7 +179,8 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
         Returns
         -------
         matplotlib.figure.Figure
-            One line for each mode. Its style shows the whirl. A vertical line or a grey
+            One line for each mode. Its style shows the whirl: a piece with another whirl begins at
+            the last point before it. A vertical line or a grey
             range shows the stiffness of the bearings of the system.
 
         Raises
@@ -177,7 +193,7 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
 
         most = whole(count, "count")
         found = dict.fromkeys(name for names in self.whirl for name in names)
-        lines = {whirl: self.lines(whirl)[:, :most] for whirl in found}
+        lines = {whirl: self._lines(whirl, joined=True)[:, :most] for whirl in found}
         with self._showing(speed_unit):
             return campbell.critical_speed_map(
                 self.stiffnesses, lines, self.order, actual=self.actual, ax=ax

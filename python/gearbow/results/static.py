@@ -16,8 +16,10 @@ from gearbow._types import Array, At, Plain, Side, StaticData, StaticFigure
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.layout import Layout
 from gearbow.description.places import Places, place, place_label
+from gearbow.errors import SceneError
 from gearbow.recording.access import journal_motion
 from gearbow.results.at_places import AxialMotion
+from gearbow.results.bearing_life import BearingLife, life_at
 from gearbow.results.section_forces import SectionForces, forces_at_rest
 from gearbow.units.speed import SpeedUnit
 
@@ -92,6 +94,10 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         Speed of the reference shaft [rad/s].
     geometry : {"live", "frozen"}
         Whether the line of action follows the moving centres or is that at rest.
+    ratios : mapping, optional
+        Speed of each shaft over that of the reference shaft by its name.
+    excitations : tuple of str
+        Excitations of the system, which the equilibrium does not contain.
 
     Attributes
     ----------
@@ -126,10 +132,13 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         description: Mapping[str, Plain],
         speed: float = 0.0,
         geometry: str = "live",
+        ratios: Mapping[str, float] | None = None,
+        excitations: tuple[str, ...] = (),
     ) -> None:
         self.speed, self.geometry = speed, geometry
         self._layout = layout
         self._description = description
+        self._ratios, self._excitations = dict(ratios or {}), excitations
         self._data = read_only(data)
         self.state = data["state"]
         self.coordinates = coordinates
@@ -205,6 +214,55 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         if found["pairs_in_contact"] > 0.0:
             found["pairs_in_contact"] = found["contact_ratio"]
         return MeshState(**found)
+
+    def bearing_life(self, *, factor: float = 1.0, reliability: float = 0.9) -> BearingLife:
+        """Find the rating life of the rolling bearings under the forces of the equilibrium.
+
+        Parameters
+        ----------
+        factor : float
+            Factor of the modified life for lubrication and contamination, a_ISO of ISO 281.
+        reliability : float
+            Reliability of the modified life, from 0.9 to 0.9995.
+
+        Returns
+        -------
+        BearingLife
+            Loads, rating life and static safety of each bearing.
+
+        Raises
+        ------
+        SceneError
+            If the equilibrium is at standstill, the system has no lateral motion, no bearing has a
+            dynamic rating, or an argument is invalid.
+
+        Notes
+        -----
+        `RotorSystem.bearing_life` says which formulas it uses.
+        """
+        if self.speed == 0.0:
+            raise SceneError("speed: must not be zero: bearings at standstill have no life")
+        found = self._life(factor, reliability)
+        found._remember(self.speed_unit)
+        return found
+
+    def _life(self, factor: float, reliability: float) -> BearingLife:
+        """Find the life of the bearings, also at standstill."""
+        if not any(direction == "v" for *_, direction in self.coordinates.dofs):
+            raise SceneError('motion: "torsion" has no forces on bearings, and so no life')
+        return life_at(
+            self,
+            self._description.get("bearings", ()),
+            self._ratios,
+            factor=factor,
+            reliability=reliability,
+            left_out=self._excitations,
+        )
+
+    def _contact_forces(self, at: tuple[str, float]) -> Array | None:
+        """Give the contact forces around a ring of five degrees of freedom [N]."""
+        places = Places.of("bearing", self._data["bearings"])
+        return self._data["contact_forces"][places.index(at)]
 
     def __repr__(self) -> str:
         forces = [

@@ -20,6 +20,7 @@ import numpy as np
 from gearbow._convert import BYTES, shown
 from gearbow._types import Plain
 from gearbow.errors import GearbowError, SceneError
+from gearbow.units.speed import SpeedUnit, given_unit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,7 +36,10 @@ class Points(Sequence[dict[str, Any]]):
     def __init__(self, given: object) -> None:
         self.axes: dict[str, list[Any]] | None = None
         self._rows: list[dict[str, Any]] = []
+        #: Unit in which the speeds of a grid were given.
+        self.speed_unit: SpeedUnit = "rad/s"
         if isinstance(given, Mapping):
+            self.speed_unit = given_unit(list(given.values())) or "rad/s"
             self.axes = {
                 _name(name, "parameters"): _list(values, f"parameters.{name}")
                 for name, values in given.items()

@@ -22,10 +22,20 @@ from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, SceneE
 from gearbow.sweeps import store
 from gearbow.sweeps.points import Outcome, Points, Values
 from gearbow.units.fields import DIMENSIONLESS, unit_of
+from gearbow.units.speed import showing_in, shown_unit, speed_factor
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+
+def _readable(unit: str, largest: float) -> tuple[float, str]:
+    """Give factor and unit in which a figure shows values up to the largest one."""
+    if unit == "m" and largest < 1.0:
+        return (1e6, "µm") if largest < 1e-3 else (1e3, "mm")
+    if unit == "rad":
+        return 180.0 / np.pi, "°"
+    return (speed_factor(), shown_unit()) if unit == "rad/s" else (1.0, unit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,6 +227,8 @@ class Sweep(Result, Sequence[SweepPoint]):
         units : mapping of {str: str}, optional
             Units of parameters and values for the labels, e.g. ``{"bow": "m"}``. A parameter with
             the name of a field of a part, such as ``outer_diameter``, has the unit of this field.
+            The figure has lengths [m] in m, mm or µm, angles [rad] in degrees, and speeds [rad/s]
+            in the unit in which the grid gives them.
         ax : Axes or sequence of Axes, optional
             Panel for the value, for three parameters one for each value of the first; None makes a
             new figure.
@@ -255,8 +267,16 @@ class Sweep(Result, Sequence[SweepPoint]):
         if units is not None and not isinstance(units, Mapping):
             raise SceneError(f"units: must be a mapping of names to units, got {shown(units)}")
         named = {**known, **{key: text(unit, "units") for key, unit in (units or {}).items()}}
-        labels = {key: f"{key} [{named[key]}]" if key in named else key for key in (*axes, name)}
-        return figures.sweep(axes, values.squeeze(), name, labels=labels, ax=ax)
+        labels = dict.fromkeys((*axes, name), "")
+        drawn: dict[str, Any] = {**axes, name: values.squeeze()}
+        with showing_in(self._points.speed_unit):
+            for key in labels:
+                own = np.array(drawn[key])
+                largest = np.abs(own[np.isfinite(own)]).max(initial=0.0)
+                factor, unit = _readable(named.get(key, ""), float(largest))
+                labels[key], drawn[key] = f"{key} [{unit}]" if unit else key, factor * own
+        value = drawn.pop(name)
+        return figures.sweep(drawn, value, name, labels=labels, ax=ax)
 
     def _heading(self) -> list[str]:
         return [repr(self)]

@@ -11,7 +11,7 @@ from gearbow._lookup import one_of
 from gearbow._parallel import thread_count
 from gearbow._progress import working
 from gearbow._types import Excitation, Geometry
-from gearbow.analysis.protocol import System
+from gearbow.analysis.protocol import System, ratios_by_shaft
 from gearbow.description.layout import Layout, layout, left_out
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
@@ -192,6 +192,8 @@ def static(
         description=self._model.resolved(),
         speed=speed,
         geometry=geometry,
+        ratios=ratios_by_shaft(self),
+        excitations=left_out(self, ()),
     )
 
 

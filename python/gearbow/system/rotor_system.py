@@ -33,6 +33,7 @@ from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.results.properties import Discretisation
 from gearbow.sweeps.many import simulate_many
+from gearbow.system.bearing_life import bearing_life
 from gearbow.system.bow_limits import bow_limits
 from gearbow.system.continuation import continuation
 from gearbow.system.frequency import frequency_response, mesh_response
@@ -708,6 +709,7 @@ class RotorSystem(CheckedKeywords, Shown):
     mesh_response = in_given_unit(mesh_response)
     sensitivity = in_given_unit(sensitivity)
     balance = in_given_unit(balance)
+    bearing_life = in_given_unit(bearing_life)
     bow_limits = in_given_unit(bow_limits)
     thermal_bow = in_given_unit(thermal_bow)
     simulate = in_given_unit(simulate)

@@ -108,6 +108,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "roller_length": "m",
     "contact_angle": "rad",
     "cage_angle": "rad",
+    "dynamic_rating": "N",
+    "static_rating": "N",
     # Loads
     "torques.value": "N m",
     "torques.value.values": "N m",
@@ -137,6 +139,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "speed.start": "rad/s",
     "speed.end": "rad/s",
     "operating": "rad/s",
+    "spectrum.torque": "N m",
+    "spectrum.share": DIMENSIONLESS,
     "noise": "m",
     "phase_angle": "rad",
     "time": "s",

@@ -75,6 +75,8 @@ def given_unit(speeds: Any) -> SpeedUnit | None:
     """Give the unit in which the user gave speeds; None for plain numbers."""
     if isinstance(speeds, list | tuple):
         return next(filter(None, map(given_unit, speeds)), None)
+    if isinstance(speeds, str):
+        return "rpm" if unit_in_texts(speeds) == "rpm" else None
     if isinstance(speeds, RevolutionsPerMinute | RevolutionsPerMinuteArray):
         return "rpm"
     if is_quantity(speeds) and "revolutions_per_minute" in str(speeds.units):

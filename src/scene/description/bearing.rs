@@ -97,6 +97,12 @@ pub struct Bearing {
     /// Effective length of a roller, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roller_length: Option<f64>,
+    /// Basic dynamic load rating of a rolling bearing, or of one that a linear bearing stands for, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dynamic_rating: Option<f64>,
+    /// Basic static load rating, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub static_rating: Option<f64>,
     /// What it stands on; the ground by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub support: Option<Base>,
@@ -117,16 +123,17 @@ impl Bearing {
         }
     }
 
-    /// Whether an entry of a rolling bearing is given.
+    /// Whether an entry of a rolling bearing is given. Contact and contact angle of a linear bearing with a rating are those of
+    /// the rolling bearing for which it stands.
     pub fn is_rolling(&self) -> bool {
-        let lengths =
-            [self.element_diameter, self.pitch_diameter, self.hertz_stiffness, self.contact_angle, self.phase];
+        let lengths = [self.element_diameter, self.pitch_diameter, self.hertz_stiffness, self.phase];
         let others = [self.inner_groove, self.outer_groove, self.roller_length, self.axial_preload];
         let catalogue = self.designation.is_some() || self.kind.is_some() || self.boundary.is_some();
+        let is_rated_spring = self.stiffness.is_some() && self.dynamic_rating.is_some();
         catalogue
             || self.degrees_of_freedom.is_some()
             || self.elements.is_some()
-            || self.contact.is_some()
+            || (self.contact.is_some() || self.contact_angle.is_some()) && !is_rated_spring
             || lengths.iter().chain(&others).any(Option::is_some)
     }
 

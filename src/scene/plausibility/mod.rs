@@ -20,10 +20,10 @@ use findings::Findings;
 use ranges::{
     ASK_MILLIMETRES, AXIAL_PRELOAD, BEARING_STIFFNESS, BODY_ECCENTRICITY, BODY_GYRATION, BODY_MASS, CENTRE_DISTANCE,
     FACE_WIDTH, FLANK_ROUGHNESS, GEAR_ADDENDUM, GEAR_DENSITY, GEAR_GYRATION, GEAR_MODULE, GEAR_RUNOUT, GRAVITY,
-    JOURNAL_CLEARANCE, LOSS_FACTOR, MESH_BACKLASH, MESH_DAMPING, MESH_FRICTION, MESH_STIFFNESS, MODAL_DAMPING,
-    OIL_VISCOSITY, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF_LENGTH, ROLLING_CLEARANCE, SHAFT_BOW, SHAFT_DIAMETER,
-    SHAFT_LENGTH, SHAFT_SAG, SHAFT_SLENDERNESS, SHAFT_TORSION, SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH, TIP_RELIEF,
-    TRANSMISSION_ERROR, YOUNGS_MODULUS,
+    JOURNAL_CLEARANCE, LOAD_RATING, LOSS_FACTOR, MESH_BACKLASH, MESH_DAMPING, MESH_FRICTION, MESH_STIFFNESS,
+    MODAL_DAMPING, OIL_VISCOSITY, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF_LENGTH, ROLLING_CLEARANCE, SHAFT_BOW,
+    SHAFT_DIAMETER, SHAFT_LENGTH, SHAFT_SAG, SHAFT_SLENDERNESS, SHAFT_TORSION, SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH,
+    TIP_RELIEF, TRANSMISSION_ERROR, YOUNGS_MODULUS,
 };
 
 /// Largest plausible pitch-line speed, m/s. Turbo gears reach 200 m/s; AGMA 6011 covers speeds above 35 m/s.
@@ -84,6 +84,16 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
                 let area = f64::from(rolling.elements) * (rolling.diameter_ratio * rolling.pitch_diameter).powi(2);
                 let preload = rolling.axial_preload.unwrap_or(0.0);
                 found.check(&at.field("axial_preload"), preload.abs() / area, &AXIAL_PRELOAD);
+            }
+        }
+    }
+    for (index, given) in system.bearings.iter().enumerate() {
+        let (at, node) = (EntryPath::entry("bearings", index), scene.bearings[index].node);
+        let shaft = &scene.shafts[node.shaft];
+        let diameter = 2.0 * shaft.radius_at(node.node);
+        for (name, rating) in [("dynamic_rating", given.dynamic_rating), ("static_rating", given.static_rating)] {
+            if let Some(rating) = rating {
+                found.check(&at.field(name), rating / diameter.powi(2), &LOAD_RATING);
             }
         }
     }

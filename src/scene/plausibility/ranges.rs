@@ -138,6 +138,11 @@ pub(super) const ROLLING_CLEARANCE: Usual =
 /// Static load ratings of thrust bearings, ISO 76: up to 1e8 Pa.
 pub(super) const AXIAL_PRELOAD: Usual =
     usual("axial preload over the number and the squared diameter of the rolling elements", "Pa", 0.0, 1e8, ASK_UNIT);
+/// Rolling bearings of catalogues: 1e6 to 1e8 Pa; slewing rings of 2 m: 3e5 Pa.
+pub(super) const LOAD_RATING: Usual = Usual {
+    below: "is it in kN?",
+    ..usual("a load rating over the squared diameter of the shaft", "Pa", 1e5, 1e9, ASK_UNIT)
+};
 /// Gases: 1e-5 Pa s; cold gear oil: a few Pa s.
 pub(super) const OIL_VISCOSITY: Usual =
     usual("the viscosity of an oil", "Pa s", 1e-6, 50.0, "is it in mPa s (centipoise)?");

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -42,6 +44,30 @@ def test_a_critical_speed_map_draws_both_whirl_senses():
     # two lines for each whirl, and the stiffness of the system
     assert len(panel.get_lines()) == 5
     assert panel.get_xscale() == panel.get_yscale() == "log"
+
+
+def test_lines_of_a_critical_speed_map_have_no_gaps():
+    """Each mode is drawn between all neighbouring stiffnesses, also where its whirl changes."""
+    system = gb.examples()["idler_train"].load()
+    found = system.critical_speed_map(np.logspace(7.0, 8.8, 9), count=5)
+    modes = [dict(zip(*row, strict=True)) for row in zip(found.line, found.speeds, strict=True)]
+    whirl = [dict(zip(*row, strict=True)) for row in zip(found.line, found.whirl, strict=True)]
+    pairs = {
+        (i, modes[i][line], modes[i + 1][line])
+        for i in range(len(modes) - 1)
+        for line in modes[i].keys() & modes[i + 1].keys()
+    }
+    # the machine has modes whose whirl changes
+    assert any(a[line] != b[line] for a, b in pairwise(whirl) for line in a.keys() & b.keys())
+    (panel,) = found.plot(count=20).axes
+    drawn = {
+        (i, *ends)
+        for line in panel.get_lines()
+        if len(line.get_ydata()) == len(modes)
+        for i, ends in enumerate(pairwise(line.get_ydata()))
+        if np.isfinite(ends).all()
+    }
+    assert drawn == pairs
 
 
 def test_bode_draws_amplitude_and_phase():

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import gearbow as gb
 from reference.cases import each_case
-from reference.machines import hostile, jeffcott
+from reference.machines import hostile, jeffcott, rated
 from reference.records import of_series, response
 from test_tradeoff_numbers import STUDY
 
@@ -42,6 +42,7 @@ def results() -> dict:
         "sensitivity": system.sensitivity("bearings[0].stiffness", system.modes(count=3)),
         "measurement": measured,
         "identification": gb.identify(system, measured, [gb.unknown.bow("input")], runout=False),
+        "bearing life": rated(system).bearing_life(10.0, factor=2.0),
         "bow limits": system.bow_limits("input", [10.0, 20.0]),
         "thermal stability": (thermal := system.thermal_bow(HOT, [10.0, 20.0])),
         "thermal spiral": thermal.spiral(10.0, 5.0),

@@ -13,6 +13,7 @@ import numpy as np
 
 import gearbow as gb
 from reference.cases import each_case
+from reference.machines import rated
 
 #: Longest representation [characters], and longest table in HTML [rows].
 LONGEST, MOST_ROWS = 350, 12
@@ -153,6 +154,9 @@ def objects() -> dict[str, object]:
         pair.sensitivity([f"bearings[{i}].damping" for i in range(4)], synchronous, at="gear 0"),
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5)),
         rotor.synchronous(MANY[1:]).peaks(("s", 0.5))[0],
+        life := rated(pair).bearing_life(20.0),
+        life.bearings[0],
+        life.cases[0],
         rotor.bow_limits("s", 100.0, limits=[gb.BowLimit.displacement(("s", 0.5), 1e-4)]),
         gb.BowLimit.displacement(("s", 0.5), 1e-4),
         gb.results.ReachedLimit("backlash used up", "gear 0/gear 1", 100.0, 2e-4),

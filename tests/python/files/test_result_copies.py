@@ -14,7 +14,7 @@ import gearbow as gb
 from gearbow._core import Model
 from gearbow._shown import ReadOnly
 from reference.cases import each_case
-from reference.machines import bowed_pair, bowed_rotor, hostile
+from reference.machines import bowed_pair, bowed_rotor, hostile, rated
 from test_read_only import results, writable
 from test_response import recorded
 
@@ -70,6 +70,9 @@ def everything() -> dict[str, Any]:
         "thermal spiral": bowed.thermal_bow(HOT, [100.0]).spiral(100.0, 5.0),
         "peak": response.peaks(("rotor", 0.5))[0],
         "peaks": response.peaks(("rotor", 0.5)),
+        "life": (life := rated(system).bearing_life(100.0)),
+        "life of a bearing": life.bearings[0],
+        "case of a spectrum": life.cases[0],
         "limits": system.bow_limits(system.shafts[0].name, 100.0),
         "limit": system.bow_limits(system.shafts[0].name, 100.0).limits[0],
         "orders": run.orders("g1", mesh_harmonics=0),

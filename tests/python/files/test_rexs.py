@@ -25,6 +25,7 @@ import gearbow as gb
 from gearbow.cli.main import main
 from gearbow.exchange.rexs import read_rexs, read_system
 from gearbow.exchange.rexs_joints import bearing_of_designation
+from gearbow.units.speed import given_unit
 
 FILE = Path(__file__).with_name("gearbox.rexs")
 
@@ -188,6 +189,7 @@ def test_load_cases_bearings_missing_values_and_notes_are_listed(write):
     contents = gb.rexs_contents(FILE)
     assert (contents.version, contents.application) == ("1.4", "gearbow example 1")
     assert [case.speed for case in contents.load_cases] == [gb.rpm(1500), gb.rpm(3000)]
+    assert {given_unit(case.speed) for case in contents.load_cases} == {"rpm"}
     assert [case.torques for case in contents.load_cases] == [
         {"motor torque": 50.0},
         {"motor torque": 30.0},

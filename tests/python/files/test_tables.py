@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import gearbow as gb
 from reference import scenes
-from reference.machines import bowed_pair, hostile, inertia, jeffcott, rigid_rotor
+from reference.machines import bowed_pair, hostile, inertia, jeffcott, rated, rigid_rotor
 from reference.records import of_series
 from test_tradeoff_numbers import STUDY
 
@@ -27,6 +27,7 @@ RESULTS = [
         "map",
         "synchronous",
         "peaks",
+        "life",
         "limits",
         "sensitivity",
         "static",
@@ -217,6 +218,7 @@ def results() -> dict[str, Any]:
         "map": jeffcott().critical_speed_map([1e6, 1e7, 1e8]),
         "synchronous": system.synchronous(speeds),
         "peaks": synchronous.peaks("disk", operating=gb.rpm(4000)),
+        "life": rated(system).bearing_life(speed),
         "limits": system.bow_limits("input", speeds[:4]),
         "sensitivity": system.sensitivity(
             [f"bearings[{i}].stiffness" for i in range(4)], system.modes(speed, count=5)

@@ -500,4 +500,4 @@ def test_the_life_of_a_bearing_between_shafts_counts_relative_turns():
     life = gb.BowLimit.bearing_life(at, hours, capacity=capacity, exponent=3.0)
     found = system.bow_limits("inner", gb.rpm(1000), limits=[life]).limits[0]
     force = capacity * (1e6 / (60.0 * hours * 1500.0)) ** (1.0 / 3.0)
-    assert f"mean force {force:.4g} N" in found.why
+    assert f"mean load {force:.4g} N" in found.why

@@ -52,7 +52,7 @@ def machine(**changes: Any) -> gb.RotorSystem:
         ],
         "disks": [gb.Disk("rotor", "motor", 0.15, 10.0, 0.02, 0.03)],
         "bearings": [
-            gb.Bearing(name, x, stiffness=(1e8, 6e7), damping=1e3)
+            gb.Bearing(name, x, stiffness=(1e8, 6e7), damping=1e3, dynamic_rating=3e4)
             for name, length in lengths.items()
             for x in (0.02, length - 0.03)
         ],
@@ -158,6 +158,7 @@ COLUMNS: dict[str, Callable[[gb.RotorSystem], tuple[np.ndarray, str]]] = {
         np.array([system.static(SPEED).displacement(one) for one in ("g1", "g2", "rotor")]),
         "",
     ),
+    "bearing_life": lambda system: ((found := system.bearing_life(SPEED)).hours, str(found)),
     "efficiency": lambda system: (
         (found := system.efficiency(SPEED)).loss,
         str(found),

@@ -182,6 +182,34 @@ def test_modes(scene: str, capsys):
     )
 
 
+def test_life(tmp_path: Path, capsys):
+    scene = tmp_path / "reducer.toml"
+    scene.write_bytes(gb.examples()["coaxial_reducer"].path.read_bytes())
+    given = ["life", scene, "--reliability", 0.95, "--factor", 2]
+    found = answer(capsys, *given, "--speed", "1234 rpm", "--out", tmp_path / "life.png")
+    system = gb.RotorSystem.load(scene)
+    expected = system.bearing_life(gb.rpm(1234), reliability=0.95, factor=2.0)
+    hours = [one["modified_hours"] for one in found["bearings"]]
+    np.testing.assert_allclose(hours, [one.modified_hours for one in expected.bearings])
+    assert found["notes"] == list(expected.notes)
+    assert (tmp_path / "life.png").stat().st_size > 1000
+    cases = ["1234 rpm, 150 N m, 60 %", "150, 80 N m, 0.4"]
+    code, out, _ = called(capsys, *given, "--spectrum", *cases)
+    assert code == 0
+    spectrum = [(gb.rpm(1234), 150.0, 0.6), (150.0, 80.0, 0.4)]
+    expected = system.bearing_life(spectrum=spectrum, reliability=0.95, factor=2.0)
+    assert out == f"1234 to 1432.39 rpm = 129.22 to 150 rad/s\n{expected.table()}\n"
+    code, _, err = called(capsys, *given, "--spectrum", cases[0])
+    assert (code, err.split(";")[0]) == (
+        2,
+        "life: --spectrum: the shares of the time must sum to 1, got 0.6",
+    )
+    code, _, err = called(capsys, *given, "--spectrum", "1 rpm, 2")
+    assert 'must be "speed, torque, share", such as' in err
+    code, _, err = called(capsys, *given)
+    assert (code, err) == (2, "life: --speed: give either a speed or a spectrum\n")
+
+
 def test_bow_limits(scene: str, tmp_path: Path, capsys):
     given = ["bow-limits", scene, "--shaft", "input", "--speed", "1500 rpm", "--phase", "0 deg"]
     found = answer(capsys, *given, "--out", tmp_path / "limits.png")
@@ -384,6 +412,7 @@ def test_every_command_has_examples_in_its_help(capsys):
         "plot",
         "modes",
         "campbell",
+        "life",
         "response",
         "run",
         "steady",

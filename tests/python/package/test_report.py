@@ -23,12 +23,13 @@ from reference.equations import base_radius
 from reference.machines import (
     bowed_rotor_with_disk,
     hostile,
+    rated,
     rotor_with_two_disks,
     without_tooth_errors,
 )
 
 SECTION_NAMES = (
-    *("summary", "drawing", "data", "mass", "static", "modes", "campbell", "criticals"),
+    *("summary", "drawing", "data", "mass", "static", "life", "modes", "campbell", "criticals"),
     *("stability", "response", "bow", "motion", "accuracy", "reproduction"),
 )
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -60,7 +61,7 @@ def written(system: gb.RotorSystem, folder: Path, **options: Any) -> Path:
 
 @pytest.fixture(scope="module")
 def train() -> gb.RotorSystem:
-    return hostile()
+    return rated(hostile())
 
 
 @pytest.fixture(scope="module")
@@ -142,6 +143,11 @@ def test_tables_are_those_of_the_results(page, train):
     assert float(first[4]) == pytest.approx(
         np.degrees(static.mesh("g1/g2").pressure_angle), rel=1e-5
     )
+    life = static.bearing_life()
+    head, *bearings = rows(sections["life"], "Basic rating life")
+    hours = [row[head.index("life [h]")] for row in bearings]
+    assert [float(one) for one in hours] == pytest.approx(list(life.hours), rel=1e-3)
+    assert "Shortest basic rating life" in sections["summary"]
     _, *shafts = rows(sections["data"], "Shafts")
     assert [row[0] for row in shafts] == ["input", "idler", "middle", "output"]
     assert any("amplitude 0.1 mm" in cell for cell in shafts[0])

@@ -110,7 +110,7 @@ def test_life_and_displacement_are_those_at_the_speed_of_their_shaft(shaft):
     zone = gb.BowLimit.displacement((shaft, 0.25), "ISO 20816-3 B/C")
     found = system.bow_limits("input", speed, limits=[force, life, zone], phase=0.0)
     texts = {one.limit: one for one in found.limits}
-    assert "mean force 4000 N" in str(texts["bearing life"])
+    assert "mean load 4000 N" in str(texts["bearing life"])
     turns = abs(ratio) * speed * 30.0 / pi
     largest = standards.ZONES_OF_DISPLACEMENT["B/C"] / sqrt(turns)
     assert texts["displacement"].why.startswith(f"{largest:.4g} µm")

@@ -549,6 +549,18 @@ def test_a_sweep_is_drawn_over_one_or_two_parameters():
     assert (panel.get_xlabel(), panel.get_ylabel(), bar.get_ylabel()) == ("a", "c", "y")
     with pytest.raises(gb.GearbowError, match=r"^plot: text is not one number"):
         two.plot("text")
+    speeds = {"speed": gb.rpm([1000.0, 2000.0]), "amplitude": [2e-5, 5e-5]}
+    sized = gb.sweep(lambda speed, amplitude: speed, speeds, lambda s, speed, amplitude: amplitude)
+    panel, bar = sized.plot(units={"value": "m"}).axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("speed [rpm]", "amplitude [µm]")
+    assert panel.get_xlim()[1] > 2000.0
+    assert bar.get_ylabel() == "value [µm]"
+    np.testing.assert_allclose(panel.collections[0].get_array()[:, 0], [20.0, 50.0])
+    sizes = {"outer_diameter": [0.04, 0.05], "phase": [0.0, np.pi], "speed": [10.0, 20.0]}
+    sized = gb.sweep(lambda **_: 1, sizes, lambda s, **_: 2.0)
+    first = sized.plot().axes[0]
+    assert (first.get_xlabel(), first.get_ylabel()) == ("phase [°]", "speed [rad/s]")
+    assert first.get_title() == "outer_diameter [mm] = 40"
     points = gb.sweep(lambda x: x, [{"x": 1.0}], lambda s, x: x)
     with pytest.raises(gb.GearbowError, match=r"^plot: needs a sweep over a grid"):
         points.plot("value")

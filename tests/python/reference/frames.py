@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ class Frame:
         """Add a bar of several elements."""
         a, b = np.array(begin, dtype=float), np.array(end, dtype=float)
         along = [self.node(*(a + (b - a) * i / parts)) for i in range(parts + 1)]
-        self.bars += [(*pair, radius) for pair in zip(along, along[1:], strict=False)]
+        self.bars += [(*pair, radius) for pair in pairwise(along)]
 
     def clamp(self, *place: float) -> None:
         self.clamped.add(self.node(*place))

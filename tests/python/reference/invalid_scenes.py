@@ -109,6 +109,9 @@ SCENE: dict[str, Any] = {
             "tilting_stiffness": 1e4,
             "tilting_damping": 1.0,
             "loss_factor": 0.02,
+            "dynamic_rating": 3e4,
+            "static_rating": 2e4,
+            "contact_angle": 0.2,
         },
         {"shaft": "input", "position": 0.5, "stiffness": (1e8, 2e8), "damping": (500.0, 100.0)},
         {

@@ -237,6 +237,17 @@ def hostile(**changes: Any) -> gb.RotorSystem:
     return gb.RotorSystem(**{**given, **changes})
 
 
+def rated(system: gb.RotorSystem) -> gb.RotorSystem:
+    """Give every linear bearing load ratings, each others."""
+    bearings = [
+        replace(one, dynamic_rating=3e4 + 1e3 * i, static_rating=2e4)
+        if isinstance(one, gb.Bearing)
+        else one
+        for i, one in enumerate(system.bearings)
+    ]
+    return system.replace(bearings=bearings)
+
+
 #: A point of measurement of the default machine away from gears, bearings and nodes.
 BETWEEN = ("middle", 0.2137)
 

@@ -92,7 +92,7 @@ def test_every_numeric_field_is_in_that_scene():
     known = {key for path in numbers(SCENE) for key in path}
     for part in parts:
         for field in dataclasses.fields(part):
-            texts = {"name", "shaft", "driver", "driven", "material", "support"}
+            texts = {"name", "shaft", "driver", "driven", "material", "support", "contact"}
             flags = {"shear", "damping_in_separation"}
             assert field.name in known | beside | texts | flags, (part, field.name)
 

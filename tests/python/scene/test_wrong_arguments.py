@@ -18,7 +18,7 @@ import pytest
 
 import gearbow as gb
 from reference.cases import each_case
-from reference.machines import bowed_pair
+from reference.machines import bowed_pair, rated
 
 pytestmark = pytest.mark.implausible
 pytest.importorskip("matplotlib")
@@ -48,7 +48,7 @@ WRONG: dict[str, Any] = {
 
 @cache
 def system() -> gb.RotorSystem:
-    return bowed_pair()
+    return rated(bowed_pair())
 
 
 def lossy() -> gb.RotorSystem:
@@ -417,6 +417,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         system,
         {
             "balance": {"planes": ["g1"], "speed": 100.0},
+            "bearing_life": {"speed": 100.0},
             "bow_limits": {"shaft": "input", "speed": 100.0},
             "campbell": {"speeds": [0.0, 100.0]},
             "continuation": {
@@ -501,8 +502,9 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         },
     ),
     "Static": (
-        lambda: system().static(),
+        lambda: system().static(100.0),
         {
+            "bearing_life": {},
             **{name: {"at": "g1"} for name in ("axial", "displacement", "twist")},
             **dict.fromkeys(
                 ("axial_bearing_force", "bearing_displacement", "bearing_force", "journal"), BEARING
@@ -651,6 +653,10 @@ METHODS["Correction"] = (
 )
 METHODS["Balance"] = (lambda: system().balance(["g1"], 100.0), {"plot": {}})
 METHODS["BowLimits"] = (lambda: system().bow_limits("input", 100.0), {"plot": {}})
+METHODS["BearingLife"] = (
+    lambda: system().bearing_life(100.0),
+    {"plot": {}, "bearing": BEARING},
+)
 METHODS["ThermalStability"] = (
     lambda: system().thermal_bow(gb.ThermalBow(**THERMAL), [100.0]),
     {"plot": {}, "spiral": {"speed": 100.0, "duration": 5.0}},
