@@ -182,7 +182,7 @@ class Housing(Part):
     ) -> "Housing":
         """Make an elastic housing of the matrices of a finite-element model.
 
-        The model is reduced to its natural modes up to 1.7 times `highest_frequency` and the static
+        The model is reduced to its natural modes up to 2.2 times `highest_frequency` and the static
         responses to forces at the interfaces. `Bearing(support=("housing", "bearing 1"))` puts a
         bearing on an interface; the motion of every interface can be recorded by its name.
 

@@ -475,13 +475,16 @@ _AXES = {"v": "y", "w": "z", "u": "x"}
 def _name(groups: Sequence[tuple[str, str]]) -> str:
     """Write (shaft, direction) pairs as text: "input y and z, twist of output"."""
     lateral: dict[str, list[str]] = {}
-    twist = []
+    twist, elastic = [], []
     for shaft, direction in groups:
         if direction == "twist":
             twist.append(shaft)
+        elif direction == "modes":
+            elastic.append(shaft)
         else:
             lateral.setdefault(shaft, []).append(_AXES[direction])
     words = [f"{shaft} {' and '.join(directions)}" for shaft, directions in lateral.items()]
+    words += [f"modes of {part}" for part in elastic]
     if twist:
         words.append(f"twist of {' and '.join(twist)}")
     return ", ".join(words)

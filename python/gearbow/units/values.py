@@ -61,8 +61,13 @@ def without_texts(plain: Any, path: str = "") -> Any:
         return {key: without_texts(value, inner[key]) for key, value in plain.items()}
     if isinstance(plain, list | tuple):
         return [without_texts(value, f"{path}[{i}]") for i, value in enumerate(plain)]
-    if isinstance(plain, str) and unit_of(path) not in (None, "1"):
+    if isinstance(plain, str) and unit_of(path) not in (None, "1") and not _is_name(plain, path):
         from gearbow.units.parse import parsed  # noqa: PLC0415  # most descriptions have no texts
 
         return parsed(plain, path)
     return plain
+
+
+def _is_name(given: str, path: str) -> bool:
+    """Return whether a text is the name of an interface, in (housing, interface), and no number."""
+    return path.endswith("support[1]") and given[:1] not in set("+-.0123456789")
