@@ -248,8 +248,7 @@ fn push_housings(sum: &mut CoupledBands, housings: &HousingInertia, weights: &We
     if housings.inertia.is_empty() {
         return;
     }
-    let order = housings.band_order();
-    let mut band = BandChain::zeros(order.len(), order.reach());
+    let mut band = BandChain::zeros(housings.inertia.len(), housings.reach());
     for (row, inertia) in housings.inertia.iter().enumerate() {
         band.add(row, row, weights.mass * *inertia);
     }

@@ -15,6 +15,8 @@ pub struct HousingInertia {
     pub start: usize,
     /// Mass, kg, or moment of inertia, kg m², of each coordinate.
     pub inertia: Vec<f64>,
+    /// Whether bearings couple all coordinates, as the modes of an elastic housing.
+    pub is_dense: bool,
 }
 
 impl HousingInertia {
@@ -36,7 +38,7 @@ impl HousingInertia {
                 inertia[along - start] = housing.mass;
             }
         }
-        Self { start, inertia }
+        Self { start, inertia, is_dense: scene.housings.iter().any(|housing| housing.elastic.is_some()) }
     }
 
     /// Indices of the coordinates, in the order of the core.
@@ -48,6 +50,11 @@ impl HousingInertia {
     /// Order of the coordinates in a band matrix.
     pub fn band_order(&self) -> BandOrder {
         BandOrder { per_node: 1, nodes: self.inertia.len(), per_element: 0 }
+    }
+
+    /// Largest distance of coordinates that couple in their matrix.
+    pub fn reach(&self) -> usize {
+        if self.is_dense { self.inertia.len() - 1 } else { self.band_order().reach() }
     }
 
     /// `out += M x`.
