@@ -138,6 +138,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "speed.end": "rad/s",
     "operating": "rad/s",
     "noise": "m",
+    "endurance_limit": "Pa",
+    "tensile_strength": "Pa",
     "phase_angle": "rad",
     "time": "s",
     "duration": "s",

@@ -29,7 +29,8 @@ from reference.machines import (
 
 SECTION_NAMES = (
     *("summary", "drawing", "data", "mass", "static", "modes", "campbell", "criticals"),
-    *("stability", "response", "bow", "motion", "accuracy", "reproduction"),
+    *("resonances", "stability", "response", "strength", "bow", "motion", "accuracy"),
+    "reproduction",
 )
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 #: Width and height of A4 without the margins of the page [px of CSS], 96 to an inch.
