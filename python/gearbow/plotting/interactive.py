@@ -35,6 +35,9 @@ _LONGEST = 1.8
 #: Magnification at which a simplified line looks like the complete one: of the image with 72 points
 #: per inch, which the page shows with 80.
 _MAGNIFIED = 5.6
+#: Steps of a range to which values are rounded, a power of two, so that a file with them compresses
+#: well: the labels of points have five digits.
+_STEPS = 2.0**17
 #: Line styles and markers of plotly by those of matplotlib.
 _DASHES = {"--": "dash", "-.": "dashdot", ":": "dot", "dashed": "dash", "dotted": "dot"}
 _SYMBOLS = {
@@ -284,7 +287,8 @@ class _Converter:
         """Give the values of points on the axes of plotly."""
         found = []
         for values, axis in zip(points.T, (panel.xaxis, panel.yaxis), strict=True):
-            found.append(values if axis.get_scale() in _SCALES else _forward(axis)(values))
+            placed = values if axis.get_scale() in _SCALES else _forward(axis)(values)
+            found.append(placed if axis.get_scale() == "log" else _rounded(placed))
         return found[0], found[1]
 
     def _true(self, panel: Axes, points: Array) -> dict[str, Any]:
@@ -413,6 +417,17 @@ def _data(panel: Axes, points: Array) -> Array:
     """Convert points of the page [px] to the values of a panel."""
     found: Array = panel.transData.inverted().transform(points)
     return found
+
+
+def _rounded(values: Array) -> Array:
+    """Round values to the steps of their range."""
+    known = values[np.isfinite(values)]
+    size = float(np.ptp(known)) if known.size else 0.0
+    if not size > 0.0:
+        return values
+    step = 2.0 ** math.floor(math.log2(size / _STEPS))
+    rounded: Array = np.round(values / step) * step
+    return rounded
 
 
 def _forward(axis: Any) -> Any:

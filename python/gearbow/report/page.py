@@ -5,6 +5,7 @@ reader without scripts and a printer see the image.
 """
 
 import cmath
+import gzip
 import math
 import re
 from base64 import b64encode
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 #: Columns whose texts are words of the program, not names of the user.
 _WORDED = (
-    *("whirl", "verdict", "within", "largest motion", "excited by", "limit", "why", "place"),
+    *("shaft", "whirl", "verdict", "within", "largest motion", "excited by", "limit", "why", "place"),
     *(
         "at",
         "signal",
@@ -43,8 +44,13 @@ _WORDED = (
         "response",
     ),
 )
-#: Resolution of an image in three dimensions [1/in]; the others are vector graphics.
+#: Resolution of an image of pixels [1/in], 190 on paper.
 _RESOLUTION = 110
+#: Largest vector graphic [bytes]: one with more curves is smaller as an image of pixels, which has
+#: 60 to 150 kB.
+_LARGE_VECTORS = 100_000
+#: Number of colours of an image of pixels: curves with soft edges, and shaded surfaces.
+_COLOURS = 64
 
 
 @dataclass(frozen=True)
@@ -119,7 +125,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure: its caption, an image, and the interactive figure as JSON of plotly."""
+    """A figure: its caption, an image, and the interactive figure as packed JSON of plotly."""
 
     caption: str
     image: str
@@ -155,15 +161,32 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
         text.set_text(word(text.get_text()))
     stream = BytesIO()
     given = space or converted(figure, stream)
-    if space is not None:
-        figure.savefig(stream, format="png", dpi=_RESOLUTION)
-    kind = "svg+xml" if space is None else "png"
-    image = f"data:image/{kind};base64,{b64encode(stream.getvalue()).decode()}"
+    kind, content = "svg+xml", stream.getvalue()
+    if space is not None or len(content) > _LARGE_VECTORS:
+        if content:
+            # The vector graphic has the same layout, which is half of the work.
+            figure.set_layout_engine("none")
+        kind, content = "png", _pixels(figure)
+    image = f"data:image/{kind};base64,{b64encode(content).decode()}"
     layout = given["layout"]
-    # A "</" would end the element of the page.
-    text = to_json_plotly(given).replace("</", "<\\/")
     size = (float(layout["width"]), float(layout["height"]))
-    return Picture(caption, image, text, size, 100.0 * size[0] / WIDTH)
+    return Picture(caption, image, _packed(to_json_plotly(given)), size, 100.0 * size[0] / WIDTH)
+
+
+def _pixels(figure: "Figure") -> bytes:
+    """Draw a figure as PNG with few colours."""
+    from PIL import Image  # noqa: PLC0415  # matplotlib needs it
+
+    drawn, stream = BytesIO(), BytesIO()
+    figure.savefig(drawn, format="png", dpi=_RESOLUTION)
+    with Image.open(drawn) as image:
+        image.convert("RGB").quantize(_COLOURS).save(stream, "PNG", optimize=True)
+    return stream.getvalue()
+
+
+def _packed(text: str) -> str:
+    """Compress a text that a script of the page reads."""
+    return b64encode(gzip.compress(text.encode(), mtime=0)).decode()
 
 
 def write(
@@ -179,7 +202,11 @@ def write(
     )
     template = files(__package__).joinpath("page.html").read_text("utf-8")
     text = environment.from_string(template).render(
-        title=title, facts=facts, sections=sections, script=get_plotlyjs(), language=language()
+        title=title,
+        facts=facts,
+        sections=sections,
+        script=_packed(get_plotlyjs()),
+        language=language(),
     )
     with replacing(path) as file:
         file.write(printable(text).encode())

@@ -174,6 +174,10 @@ class Contents:
         speeds = np.sort(np.abs(self._speeds()))
         if speeds.size > _DIAGRAM_SPEEDS:
             speeds = speeds[np.linspace(0, speeds.size - 1, _DIAGRAM_SPEEDS).round().astype(int)]
+        if speeds[0] < abs(self.speed) < speeds[-1]:
+            # There the modes have the numbers of the other sections.
+            added = np.union1d(speeds, [abs(self.speed)])
+            speeds = added.view(type(speeds))
         # The modes that were asked for, without rigid-body motions, which do not count there.
         last = self.modes._vibrations()[: self.options.modes][-1:]
         rigid = sum(whirl == "rigid" for whirl in self.modes.whirl)
@@ -205,16 +209,15 @@ class Contents:
     def numbers(self, diagram: Campbell) -> list[int]:
         """Give the numbers that the modes of a diagram have at the operating speed, from 1."""
         at = int(np.abs(diagram.speeds - abs(self.speed)).argmin())
-        own = self.modes.frequencies_hz * 2j * math.pi
-        own = own - self.modes.damping_ratios * np.abs(self.modes.frequencies_hz) * 2.0 * math.pi
-        left, found = list(range(len(own))), {}
-        for mode, value in enumerate(diagram.eigenvalues[at]):
-            if left:
-                nearest = left[int(np.abs(own[left] - value).argmin())]
-                left.remove(nearest)
-                found[mode] = nearest + 1
-        more = iter(range(len(own) + 1, len(own) + 1 + diagram.eigenvalues.shape[1]))
-        return [found.get(mode) or next(more) for mode in range(diagram.eigenvalues.shape[1])]
+        own, others = self.modes.eigenvalues, diagram.eigenvalues[at]
+        distances = np.abs(others[:, np.newaxis] - own)
+        found: dict[int, int] = {}
+        for pair in np.argsort(distances, axis=None, kind="stable").tolist():
+            mode, number = divmod(pair, len(own))
+            if mode not in found and number + 1 not in found.values():
+                found[mode] = number + 1
+        more = iter(range(len(own) + 1, len(own) + len(others) + 1))
+        return [found.get(mode) or next(more) for mode in range(len(others))]
 
     @property
     def synchronous(self) -> Synchronous:

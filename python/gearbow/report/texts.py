@@ -55,7 +55,8 @@ def word(text: str) -> str:
         found = pattern.fullmatch(text)
         if found:
             return template.format(**{key: word(value) for key, value in found.groupdict().items()})
-    return text
+    # Lists of motions or orders.
+    return ", ".join(map(word, text.split(", "))) if ", " in text else text
 
 
 @cache
