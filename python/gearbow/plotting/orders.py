@@ -31,6 +31,8 @@ from gearbow.plotting.style import (
 #: Smallest amplitude that spectra, their ranges of frequencies and waterfalls show, relative to the
 #: largest one: 60 dB below it is less than the noise of most measurements.
 _SHOWN = 1e-3
+#: Number of letters of the name of a bar from which its gears have a line each: a third of a figure.
+_LONG = 32
 #: Smallest amplitude of a waterfall that the order lines do not cover, relative to the largest, and
 #: number of points of such a line.
 _STRONG, _POINTS = 1e-2, 600
@@ -288,9 +290,10 @@ def orders(
     top = float(amplitudes.max(initial=0.0))
     low = max(float(amplitudes.min(initial=top)), _SMALLEST * top)
     logarithmic = top > _LOGARITHMIC * low > 0.0
-    with panels(1, 1.2 + 0.45 * len(names), columns=1, ax=ax) as (figure, (panel,)):
-        names = _short(names)
-        shades = [FAMILIES[family(name)][1] for name in names]
+    shades = [FAMILIES[family(name)][1] for name in names]
+    names = [each.replace("–", "–\n") if len(each) > _LONG else each for each in _short(names)]
+    row = 0.45 if max(map(_lines_of, names), default=1) == 1 else 0.6
+    with panels(1, 1.2 + row * len(names), columns=1, ax=ax) as (figure, (panel,)):
         begin = 0.5 * low if logarithmic else 0.0
         # The value of a bar that is too short to be seen stands at the edge of the panel.
         lengths = np.maximum(amplitudes, begin)
