@@ -31,7 +31,8 @@ from gearbow.plotting.style import (
 #: Smallest amplitude that spectra, their ranges of frequencies and waterfalls show, relative to the
 #: largest one: 60 dB below it is less than the noise of most measurements.
 _SHOWN = 1e-3
-#: Number of letters of the name of a bar from which its gears have a line each: a third of a figure.
+#: Number of letters of the name of a bar from which its gears have a line each: a third of the
+#: width of a figure.
 _LONG = 32
 #: Smallest amplitude of a waterfall that the order lines do not cover, relative to the largest, and
 #: number of points of such a line.

@@ -31,7 +31,17 @@ if TYPE_CHECKING:
 
 #: Columns whose texts are words of the program, not names of the user.
 _WORDED = (
-    *("shaft", "whirl", "verdict", "within", "largest motion", "excited by", "limit", "why", "place"),
+    *(
+        "shaft",
+        "whirl",
+        "verdict",
+        "within",
+        "largest motion",
+        "excited by",
+        "limit",
+        "why",
+        "place",
+    ),
     *(
         "at",
         "signal",

@@ -11,7 +11,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 
-from gearbow._types import Array
+from gearbow._types import Array, Language
 from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.description.bow import Bow, amplitude_of, scaled
@@ -20,7 +20,7 @@ from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed import SpeedTable
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
 from gearbow.report.page import Block, Note, Section
-from gearbow.report.texts import Language, say, word
+from gearbow.report.texts import say, word
 from gearbow.results.campbell import Campbell
 from gearbow.results.modes import Modes
 from gearbow.results.response import Response

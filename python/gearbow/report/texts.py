@@ -8,12 +8,10 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
+from gearbow._types import Language
 from gearbow.report.german import GERMAN, WORDS
-
-#: Language of a report: English or German.
-Language: TypeAlias = Literal["en", "de"]
 
 _language: ContextVar[Language] = ContextVar("language", default="en")
 #: Names that the user gave, which are no words.

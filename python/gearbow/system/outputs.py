@@ -4,7 +4,7 @@ import os
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output, reading
 from gearbow._lookup import one_of
-from gearbow._types import Progress
+from gearbow._types import Language, Progress
 from gearbow.analysis.protocol import System
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.part import parts
@@ -111,7 +111,7 @@ def report(
     author: str | None = None,
     document_number: str | None = None,
     date: str | None = None,
-    language: Literal["en", "de"] = "en",
+    language: Language = "en",
     progress: bool | Progress | None = None,
 ) -> None:
     """Write a report: one HTML page with drawing, data, and the results of the usual analyses.
@@ -179,7 +179,7 @@ def report(
     count = whole(modes, "modes")
     added = tuple(parts(limits, BowLimit, "limits"))
     heading = file.stem if title is None else text(title, "title")
-    one_of(language, ("en", "de"), "language")
+    one_of(language, get_args(Language), "language")
     Strength.of([shaft.name for shaft in self.shafts], endurance_limit, tensile_strength, "goodman")
     given = {
         "company": company,
