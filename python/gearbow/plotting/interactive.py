@@ -56,13 +56,19 @@ _FEW_DECADES = 2.0
 _SCALES = {"linear": "linear", "log": "log"}
 
 
-def converted(figure: Figure, image: BinaryIO | None = None) -> dict[str, Any]:
-    """Convert a figure into the data and the layout of plotly, and write its image as SVG."""
+def converted(
+    figure: Figure, image: BinaryIO | None = None, resolution: float | None = None
+) -> dict[str, Any]:
+    """Convert a figure for plotly, and write its image as SVG, or as PNG of a resolution [1/in]."""
     # One drawing gives the layout, the ticks and the image.
     figure.set_dpi(_POINTS)
     drawing = BytesIO() if image is None else image
-    FigureCanvasSVG(figure).print_svg(drawing)  # type: ignore[no-untyped-call]
-    FigureCanvasAgg(figure)
+    if resolution is None:
+        FigureCanvasSVG(figure).print_svg(drawing)  # type: ignore[no-untyped-call]
+        FigureCanvasAgg(figure)
+    else:
+        FigureCanvasAgg(figure)
+        figure.savefig(drawing, format="png", dpi=resolution)
     return _Converter(figure).result()
 
 
@@ -288,7 +294,7 @@ class _Converter:
         found = []
         for values, axis in zip(points.T, (panel.xaxis, panel.yaxis), strict=True):
             placed = values if axis.get_scale() in _SCALES else _forward(axis)(values)
-            found.append(placed if axis.get_scale() == "log" else _rounded(placed))
+            found.append(_five_digits(placed) if axis.get_scale() == "log" else _rounded(placed))
         return found[0], found[1]
 
     def _true(self, panel: Axes, points: Array) -> dict[str, Any]:
@@ -427,6 +433,13 @@ def _rounded(values: Array) -> Array:
         return values
     step = 2.0 ** math.floor(math.log2(size / _STEPS))
     rounded: Array = np.round(values / step) * step
+    return rounded
+
+
+def _five_digits(values: Array) -> Array:
+    """Round values relative to their size, so that a file with them compresses well."""
+    parts, exponents = np.frexp(values)
+    rounded: Array = np.ldexp(np.round(parts * _STEPS) / _STEPS, exponents)
     return rounded
 
 

@@ -56,9 +56,9 @@ _WORDED = (
 )
 #: Resolution of an image of pixels [1/in], 190 on paper.
 _RESOLUTION = 110
-#: Largest vector graphic [bytes]: one with more curves is smaller as an image of pixels, which has
-#: 60 to 150 kB.
-_LARGE_VECTORS = 100_000
+#: Number of points of curves above which a vector graphic is larger than an image of pixels, which
+#: has 50 to 150 kB.
+_DENSE_POINTS = 2_000
 #: Number of colours of an image of pixels: curves with soft edges, and shaded surfaces.
 _COLOURS = 64
 
@@ -170,25 +170,25 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
     for text in figure.findobj(Text) if language() != "en" else ():
         text.set_text(word(text.get_text()))
     stream = BytesIO()
-    given = space or converted(figure, stream)
+    lines = [line for panel in figure.axes for line in panel.lines]
+    dense = sum(np.size(line.get_xdata()) for line in lines) > _DENSE_POINTS
+    given = space or converted(figure, stream, _RESOLUTION if dense else None)
+    if space is not None:
+        figure.savefig(stream, format="png", dpi=_RESOLUTION)
     kind, content = "svg+xml", stream.getvalue()
-    if space is not None or len(content) > _LARGE_VECTORS:
-        if content:
-            # The vector graphic has the same layout, which is half of the work.
-            figure.set_layout_engine("none")
-        kind, content = "png", _pixels(figure)
+    if dense or space is not None:
+        kind, content = "png", _with_few_colours(stream)
     image = f"data:image/{kind};base64,{b64encode(content).decode()}"
     layout = given["layout"]
     size = (float(layout["width"]), float(layout["height"]))
     return Picture(caption, image, _packed(to_json_plotly(given)), size, 100.0 * size[0] / WIDTH)
 
 
-def _pixels(figure: "Figure") -> bytes:
-    """Draw a figure as PNG with few colours."""
+def _with_few_colours(drawn: BytesIO) -> bytes:
+    """Reduce the colours of an image, a PNG."""
     from PIL import Image  # noqa: PLC0415  # matplotlib needs it
 
-    drawn, stream = BytesIO(), BytesIO()
-    figure.savefig(drawn, format="png", dpi=_RESOLUTION)
+    stream = BytesIO()
     with Image.open(drawn) as image:
         image.convert("RGB").quantize(_COLOURS).save(stream, "PNG", optimize=True)
     return stream.getvalue()

@@ -31,10 +31,12 @@ def vibration(contents: Contents) -> Iterator[Block]:
         return
     rows = []
     for name in places:
-        for axis, values in zip("yz", series[name].T, strict=True):
-            order = _largest_order(run, name, axis) if steady is not None else ""
-            alternating = values - values.mean()
-            rms = float(np.sqrt(np.mean(alternating**2)))
+        effective_of = series[name].std(axis=0)
+        for k, axis in enumerate("yz"):
+            values, rms = series[name][:, k], float(effective_of[k])
+            # The orders of the larger of the two stand for both.
+            largest = steady is not None and k == int(effective_of.argmax())
+            order = _largest_order(run, name, axis) if largest else ""
             rows.append((f"{name} {axis}", float(np.abs(values).max()), rms, order))
     names, peaks, effective, largest_orders = zip(*rows, strict=True)
     columns = [

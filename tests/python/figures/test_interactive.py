@@ -50,7 +50,7 @@ def test_lines_axes_and_legend():
     assert entry["legendgroup"] == "square"
     (marks,) = traces(found, xaxis="x2")
     assert (marks["mode"], marks["marker"]["symbol"]) == ("markers", "circle")
-    np.testing.assert_allclose(marks["y"], 10.0**x)
+    np.testing.assert_allclose(marks["y"], 10.0**x, rtol=2.0**-17)
     axis = layout["yaxis2"]
     assert axis["type"] == "log"
     assert axis["range"] == pytest.approx(np.log10(lower.get_ylim()))
