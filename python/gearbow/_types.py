@@ -69,6 +69,8 @@ RunFigure: TypeAlias = Literal[
 ]
 #: What a figure of an equilibrium shows.
 StaticFigure: TypeAlias = Literal["deflection", "section forces"]
+#: Language of a report: English or German.
+Language: TypeAlias = Literal["en", "de"]
 #: How a mean stress lowers the amplitude that a shaft endures.
 StrengthLine: TypeAlias = Literal["goodman", "din743"]
 #: Side of a node: just before it, or just beyond it.

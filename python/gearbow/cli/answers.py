@@ -121,6 +121,13 @@ def report(given: argparse.Namespace) -> Answer:
         speeds=speeds,
         modes=given.modes,
         title=given.title or given.scene.stem,
+        endurance_limit=given.endurance_limit,
+        tensile_strength=given.tensile_strength,
+        company=given.company,
+        author=given.author,
+        document_number=given.document_number,
+        date=given.date,
+        language=given.language or "en",
         progress=given.progress,
     )
     return Answer(f"report: {out}", {"file": str(out)})

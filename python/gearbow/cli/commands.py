@@ -88,6 +88,19 @@ COMMANDS = (
         number("--points", 100, "number of speeds"),
         number("--modes", 8, "number of modes"),
         option("--title", "heading; default: the name of the scene file"),
+        option(
+            "--endurance-limit",
+            "endurance limit of all shafts, for example 250MPa",
+            quantity("endurance_limit"),
+        ),
+        option(
+            "--tensile-strength", "tensile strength of all shafts", quantity("tensile_strength")
+        ),
+        option("--company", "company below the heading"),
+        option("--author", "author below the heading"),
+        option("--document-number", "number of the document below the heading"),
+        option("--date", "date of the document below the heading"),
+        option("--language", "language of the page; default: en", choices=["en", "de"]),
         option("--out", "file .html; default: the name of the scene file"),
         progress,
     ),

@@ -171,6 +171,10 @@ def _signed_scale(panel: Axes, damping: Array) -> None:
     panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
+#: Width of a name beside the panel, relative to the panel, from which its gears have a line each.
+_WIDE = 0.3
+
+
 @dataclass
 class _Above:
     """Names of excitation lines above the panel."""
@@ -206,8 +210,11 @@ def _excitation_lines(panel: Axes, lines: Sequence[tuple[str, float]]) -> None:
             above.append(_Above(reach, reach - width / 2.0, [name]))
     free = -np.inf
     for end, name in beside:
-        at = max(end, free)
-        free = at + 1.1 * text_extent(panel, name, **style).height * top / panel_size.height
+        if text_extent(panel, name, **style).width > _WIDE * panel_size.width:
+            name = name.replace("–", "–\n")  # noqa: PLW2901
+        half = 0.55 * text_extent(panel, name, **style).height * top / panel_size.height
+        at = max(end, free + half)
+        free = at + half
         aside: dict[str, Any] = {"xytext": (5, 0), "va": "center", "ha": "left"}
         panel.annotate(name, (last, at), **aside, **shift, **style)
     for group in above:

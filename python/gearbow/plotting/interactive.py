@@ -35,6 +35,9 @@ _LONGEST = 1.8
 #: Magnification at which a simplified line looks like the complete one: of the image with 72 points
 #: per inch, which the page shows with 80.
 _MAGNIFIED = 5.6
+#: Steps of a range to which values are rounded, a power of two, so that a file with them compresses
+#: well: the labels of points have five digits.
+_STEPS = 2.0**17
 #: Line styles and markers of plotly by those of matplotlib.
 _DASHES = {"--": "dash", "-.": "dashdot", ":": "dot", "dashed": "dash", "dotted": "dot"}
 _SYMBOLS = {
@@ -53,13 +56,19 @@ _FEW_DECADES = 2.0
 _SCALES = {"linear": "linear", "log": "log"}
 
 
-def converted(figure: Figure, image: BinaryIO | None = None) -> dict[str, Any]:
-    """Convert a figure into the data and the layout of plotly, and write its image as SVG."""
+def converted(
+    figure: Figure, image: BinaryIO | None = None, resolution: float | None = None
+) -> dict[str, Any]:
+    """Convert a figure for plotly, and write its image as SVG, or as PNG of a resolution [1/in]."""
     # One drawing gives the layout, the ticks and the image.
     figure.set_dpi(_POINTS)
     drawing = BytesIO() if image is None else image
-    FigureCanvasSVG(figure).print_svg(drawing)  # type: ignore[no-untyped-call]
-    FigureCanvasAgg(figure)
+    if resolution is None:
+        FigureCanvasSVG(figure).print_svg(drawing)  # type: ignore[no-untyped-call]
+        FigureCanvasAgg(figure)
+    else:
+        FigureCanvasAgg(figure)
+        figure.savefig(drawing, format="png", dpi=resolution)
     return _Converter(figure).result()
 
 
@@ -284,7 +293,8 @@ class _Converter:
         """Give the values of points on the axes of plotly."""
         found = []
         for values, axis in zip(points.T, (panel.xaxis, panel.yaxis), strict=True):
-            found.append(values if axis.get_scale() in _SCALES else _forward(axis)(values))
+            placed = values if axis.get_scale() in _SCALES else _forward(axis)(values)
+            found.append(_five_digits(placed) if axis.get_scale() == "log" else _rounded(placed))
         return found[0], found[1]
 
     def _true(self, panel: Axes, points: Array) -> dict[str, Any]:
@@ -413,6 +423,24 @@ def _data(panel: Axes, points: Array) -> Array:
     """Convert points of the page [px] to the values of a panel."""
     found: Array = panel.transData.inverted().transform(points)
     return found
+
+
+def _rounded(values: Array) -> Array:
+    """Round values to the steps of their range."""
+    known = values[np.isfinite(values)]
+    size = float(np.ptp(known)) if known.size else 0.0
+    if not size > 0.0:
+        return values
+    step = 2.0 ** math.floor(math.log2(size / _STEPS))
+    rounded: Array = np.round(values / step) * step
+    return rounded
+
+
+def _five_digits(values: Array) -> Array:
+    """Round values relative to their size, so that a file with them compresses well."""
+    parts, exponents = np.frexp(values)
+    rounded: Array = np.ldexp(np.round(parts * _STEPS) / _STEPS, exponents)
+    return rounded
 
 
 def _forward(axis: Any) -> Any:

@@ -28,9 +28,12 @@ from gearbow.plotting.style import (
     text_size,
 )
 
-#: Smallest amplitudes of a spectrum, of its highest frequency and of a waterfall, relative to the
-#: largest amplitude.
-_LINES, _SIGNAL, _COLOURS = 1e-6, 1e-4, 1e-3
+#: Smallest amplitude that spectra, their ranges of frequencies and waterfalls show, relative to the
+#: largest one: 60 dB below it is less than the noise of most measurements.
+_SHOWN = 1e-3
+#: Number of letters of the name of a bar from which its gears have a line each: a third of the
+#: width of a figure.
+_LONG = 32
 #: Smallest amplitude of a waterfall that the order lines do not cover, relative to the largest, and
 #: number of points of such a line.
 _STRONG, _POINTS = 1e-2, 600
@@ -100,10 +103,10 @@ def spectrum_limits(
     if not top > 0.0:
         return 0.0
     largest = amplitudes.reshape(len(amplitudes), -1).max(axis=1)
-    highest = _highest(frequencies_hz, largest, _SIGNAL)
+    highest = _highest(frequencies_hz, largest, _SHOWN)
     # The floor between the lines says nothing: most of it stays below the panel.
     floor = 0.0 if periodic else 0.3 * float(np.median(largest[frequencies_hz <= highest]))
-    panel.set_ylim(min(max(_LINES * top, floor), 0.1 * top), 2.0 * top)
+    panel.set_ylim(min(max(_SHOWN * top, floor), 0.1 * top), 2.0 * top)
     return highest
 
 
@@ -288,9 +291,10 @@ def orders(
     top = float(amplitudes.max(initial=0.0))
     low = max(float(amplitudes.min(initial=top)), _SMALLEST * top)
     logarithmic = top > _LOGARITHMIC * low > 0.0
-    with panels(1, 1.2 + 0.45 * len(names), columns=1, ax=ax) as (figure, (panel,)):
-        names = _short(names)
-        shades = [FAMILIES[family(name)][1] for name in names]
+    shades = [FAMILIES[family(name)][1] for name in names]
+    names = [each.replace("–", "–\n") if len(each) > _LONG else each for each in _short(names)]
+    row = 0.45 if max(map(_lines_of, names), default=1) == 1 else 0.6
+    with panels(1, 1.2 + row * len(names), columns=1, ax=ax) as (figure, (panel,)):
         begin = 0.5 * low if logarithmic else 0.0
         # The value of a bar that is too short to be seen stands at the edge of the panel.
         lengths = np.maximum(amplitudes, begin)
@@ -350,9 +354,9 @@ def waterfall(
     top = float(amplitudes.max())
     frequencies_hz = np.broadcast_to(frequencies_hz, amplitudes.shape)
     if highest is None:
-        highest = _highest(frequencies_hz, amplitudes, _COLOURS)
+        highest = _highest(frequencies_hz, amplitudes, _SHOWN)
     with panels(1, 6.0, columns=1, ax=ax) as (figure, (panel,)):
-        speed_map(panel, frequencies_hz, factor * speeds, amplitudes, label, least=_COLOURS * top)
+        speed_map(panel, frequencies_hz, factor * speeds, amplitudes, label, least=_SHOWN * top)
         panel.set(ylabel=speed)
         panel.set_xlim(0.0, highest)
         background = _Background(frequencies_hz, factor * speeds, amplitudes < _STRONG * top)

@@ -357,12 +357,10 @@ def _force(labels: Labels, at: tuple[float, float, float], force: Any) -> None:
 
 def _arrow(labels: Labels, tail: tuple[float, float], head: tuple[float, float], text: str) -> None:
     arrow(labels.panel, np.array([tail, head]))
-    box = (
-        min(tail[0], head[0]),
-        min(tail[1], head[1]),
-        max(tail[0], head[0]),
-        max(tail[1], head[1]),
-    )
+    # A line has no area: the box is as wide as the head of the arrow.
+    (left, bottom), (right, top) = np.sort([tail, head], axis=0)
+    half = 5.0 * labels.point
+    box = (left - half, bottom - half, right + half, top + half)
     labels.avoid(box, strictly=True)
     labels.add(text, around(_WAYS, box))
 

@@ -21,6 +21,7 @@ from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
 from gearbow.report.page import Block, Note, Table, picture
 from gearbow.report.shared import Contents
+from gearbow.report.texts import say
 from gearbow.results.modes import Modes
 
 #: Unbalance of the response analysis: W/N times this [g mm rpm/kg].
@@ -46,7 +47,7 @@ def unbalance(contents: Contents) -> Iterator[Block]:
     speed, system = contents.need_operating(), contents.system
     bodies = [*system.gears, *system.disks]
     if not any(direction == "v" for *_, direction in system.dofs):
-        yield Note("Unbalance placement of API 617: the system has no lateral motion.")
+        yield Note(say("Unbalance placement of API 617: the system has no lateral motion."))
         return
     planes: dict[str, complex] = {}
     rows: list[tuple[Any, ...]] = []
@@ -57,12 +58,16 @@ def unbalance(contents: Contents) -> Iterator[Block]:
         own = [body.name for body in bodies if body.shaft == shaft.name]
         mode = _own_mode(contents.modes, shaft.name)
         if not own or mode is None:
-            lacks = (
-                "no gear or disk as a plane"
-                if not own
-                else f"no mode of its own among {len(contents.modes.whirl)}"
+            lacks = say("no mode of its own among {count}", count=len(contents.modes.whirl))
+            if not own:
+                lacks = say("no gear or disk as a plane")
+            yield Note(
+                say(
+                    "Unbalance placement of API 617: {shaft} has {lacks}.",
+                    shaft=shaft.name,
+                    lacks=lacks,
+                )
             )
-            yield Note(f"Unbalance placement of API 617: {shaft.name} has {lacks}.")
             continue
         rpm = abs(ratio * speed) * 30.0 / math.pi
         amount = 1e-6 * _UNBALANCE * mass / rpm
@@ -71,14 +76,15 @@ def unbalance(contents: Contents) -> Iterator[Block]:
         first[shaft.name] = next(iter(chosen))
         hertz, whirl = contents.modes.frequencies_hz[mode], contents.modes.whirl[mode]
         places = ", ".join(
-            f"{name}{'' if share.real > 0 else ' (opposite)'}" for name, share in chosen.items()
+            name if share.real > 0 else say("{name} (opposite)", name=name)
+            for name, share in chosen.items()
         )
         rows.append((shaft.name, mass, rpm, hertz, whirl, places, 1e6 * amount))
     if not rows:
         return
     names, masses, speeds, frequencies, whirls, at, amounts = zip(*rows, strict=True)
     yield Table.of(
-        "Unbalance of API 617, 2 · 6350 W/N, where the lowest mode of each shaft moves most",
+        say("Unbalance of API 617, 2 · 6350 W/N, where the lowest mode of each shaft moves most"),
         [
             Column("shaft", names),
             Column("mass W", np.array(masses), "kg"),
@@ -88,7 +94,7 @@ def unbalance(contents: Contents) -> Iterator[Block]:
             Column("planes", at),
             Column("unbalance", np.array(amounts), "g mm"),
         ],
-        remarks=["Two planes of opposite motion have half of it each. The bows are left out."],
+        remarks=[say("Two planes of opposite motion have half of it each. The bows are left out.")],
     )
     made = variant(
         contents.meshed,
@@ -105,11 +111,18 @@ def unbalance(contents: Contents) -> Iterator[Block]:
     for name, place in first.items():
         peaks = found._peaks(made._model, place, name, contents.options.operating)
         if len(peaks):
-            yield Table.of_result(peaks, f"Unbalance of API 617 on {name}")
+            title = say(
+                "Unbalance of API 617 on {shaft}: peaks of {place}", shaft=name, place=place
+            )
+            yield Table.of_result(peaks, title)
         else:
             yield Note(
-                f"Unbalance of API 617 on {name}: the response at {place} has no peak in this "
-                "range."
+                say(
+                    "Unbalance of API 617 on {shaft}: the response at {place} has no peak in this "
+                    "range.",
+                    shaft=name,
+                    place=place,
+                )
             )
     yield from _vibration(contents, made, list(first))
 
@@ -159,7 +172,7 @@ def _vibration(contents: Contents, made: Any, shafts: list[str]) -> Iterator[Blo
     ]
     within = ["yes" if size <= limit else "no" for size, limit in zip(largest, limits, strict=True)]
     yield Table.of(
-        "Vibration at the bearings with this unbalance, at the operating speed",
+        say("Vibration at the bearings with this unbalance, at the operating speed"),
         [
             Column("bearing", list(map(place_label, places))),
             Column("peak-to-peak", np.array(largest), "m", ".4g", in_micrometres()),
@@ -167,7 +180,10 @@ def _vibration(contents: Contents, made: Any, shafts: list[str]) -> Iterator[Blo
             Column("within", within),
         ],
         remarks=[
-            "25.4 µm √(12000/N), at most 25.4 µm; of the shaft itself, not relative to a support."
+            say(
+                "25.4 µm √(12000/N), at most 25.4 µm; of the shaft itself, not relative to a "
+                "support."
+            )
         ],
     )
 
@@ -175,10 +191,14 @@ def _vibration(contents: Contents, made: Any, shafts: list[str]) -> Iterator[Blo
 def level_1(contents: Contents) -> Iterator[Block]:
     """Find the cross-coupled stiffness at which the first forward mode loses its damping."""
     system, speed = contents.system, contents.need_operating()
-    name = "Stability level 1 of API 617"
+    name = say("Stability level 1 of API 617")
     if len(system.shafts) > 1:
         yield Note(
-            f"{name}: it is defined for one rotor, and this train has {len(system.shafts)} shafts."
+            say(
+                "{name}: it is defined for one rotor, and this train has {count} shafts.",
+                name=name,
+                count=len(system.shafts),
+            )
         )
         return
     modes, (shaft,) = contents.modes, system.shafts
@@ -191,8 +211,10 @@ def level_1(contents: Contents) -> Iterator[Block]:
     ]
     bodies = [*system.gears, *system.disks]
     if not forward or not bodies:
-        lacks = "no disk or gear" if not bodies else f"no forward mode among {len(modes.whirl)}"
-        yield Note(f"{name}: the rotor has {lacks}.")
+        lacks = say("no forward mode among {count}", count=len(modes.whirl))
+        if not bodies:
+            lacks = say("no disk or gear")
+        yield Note(say("{name}: the rotor has {lacks}.", name=name, lacks=lacks))
         return
     mode = forward[0]
     body = max(bodies, key=lambda body: float(np.abs(modes.displacement(body.name)[mode]).max()))
@@ -212,14 +234,21 @@ def level_1(contents: Contents) -> Iterator[Block]:
 
     first = decrement(0.0)
     if not first > 0.0:
-        yield Note(f"{name}: the first forward mode is unstable without cross coupling.", True)
+        text = say("{name}: the first forward mode is unstable without cross coupling.", name=name)
+        yield Note(text, warning=True)
         return
     # A mass m on a shaft with the damping c loses it at the stiffness c ω, which is m ω² δ/π.
     mass = float(system.mass_properties().mass.sum())
     scale = mass * (2.0 * math.pi * float(modes.frequencies_hz[mode])) ** 2 * first / math.pi
     removing = _zero(decrement, first, scale)
     if removing is None:
-        yield Note(f"{name}: a cross-coupled stiffness at {body.name} does not remove the damping.")
+        yield Note(
+            say(
+                "{name}: a cross-coupled stiffness at {body} does not remove the damping.",
+                name=name,
+                body=body.name,
+            )
+        )
         return
     # Unequal bearings keep the damping up to a stiffness at which it falls steeply.
     curve = np.unique([*np.linspace(0.0, 1.2, _CURVE) * removing, removing])
@@ -227,18 +256,31 @@ def level_1(contents: Contents) -> Iterator[Block]:
     limits = [float(_crossing(curve, values, level)) for level in (0.0, _DECREMENT)]
     yield picture(
         _figure(curve, values),
-        f"{name}: logarithmic decrement of the first forward mode over a cross-coupled stiffness "
-        f"at {body.name}.",
+        say(
+            "{name}: logarithmic decrement of the first forward mode over a cross-coupled "
+            "stiffness at {body}.",
+            name=name,
+            body=body.name,
+        ),
     )
     largest = min(limits[0] / _RATIO, limits[1])
-    passed = f"Level 1 is passed up to an anticipated cross coupling Q_A of {largest:.3g} N/m"
+    passed = say(
+        "Level 1 is passed up to an anticipated cross coupling Q_A of {largest} N/m",
+        largest=f"{largest:.3g}",
+    )
     if not largest > 0.0:
-        passed = "Level 1 is not passed even without cross coupling"
+        passed = say("Level 1 is not passed even without cross coupling")
     yield Note(
-        f"{name}: the decrement is {first:.3g} without cross coupling and zero at Q₀ = "
-        f"{limits[0]:.3g} N/m. {passed} (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, "
-        "diameters and densities of the stages, which a scene does not have; the criterion of the "
-        "gas density is not evaluated.",
+        say(
+            "{name}: the decrement is {first} without cross coupling and zero at Q₀ = {zero} N/m. "
+            "{passed} (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, diameters and "
+            "densities of the stages, which a scene does not have; the criterion of the gas "
+            "density is not evaluated.",
+            name=name,
+            first=f"{first:.3g}",
+            zero=f"{limits[0]:.3g}",
+            passed=passed,
+        ),
         warning=not largest > 0.0,
     )
 

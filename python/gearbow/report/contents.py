@@ -6,6 +6,7 @@ reason, and the blocks before it stay.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,17 @@ from gearbow.description.bow_limit import BowLimit
 from gearbow.description.layout import assumptions
 from gearbow.description.places import place_label
 from gearbow.description.rolling import RollingBearing
+from gearbow.description.shafts import Shaft, segments_of
 from gearbow.errors import GearbowError
 from gearbow.recording.record import recorded_run
 from gearbow.report import api617
 from gearbow.report.page import Block, Note, Picture, Table, parts_tables, picture
+from gearbow.report.resonances import resonances
 from gearbow.report.shared import SHOWN_REVOLUTIONS, Contents, Make, reason_of
+from gearbow.report.strength import strength
+from gearbow.report.texts import say, word
+from gearbow.report.vibration import vibration
+from gearbow.results.bow_limits import BowLimits
 from gearbow.results.campbell import Intersection
 from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak, marks
@@ -39,7 +46,7 @@ _ORBITS, _BEARINGS, _SPECTRA = 8, 4, 3
 def drawing(contents: Contents) -> Iterator[Block]:
     """Draw the train to scale."""
     system = contents.system
-    yield picture(system.plot(), "The train to scale; bows are enlarged.")
+    yield picture(system.plot(), say("The train to scale; bows are enlarged."))
     turns = contents.speed / (2.0 * math.pi)
     rows = []
     for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True):
@@ -51,7 +58,10 @@ def drawing(contents: Contents) -> Iterator[Block]:
         teeth = [abs(ratio * gear.teeth) * (abs(turns) or 1.0) for gear in gears]
         rows.append([*row, ", ".join(dict.fromkeys(f"{each:.6g}" for each in teeth))])
     head = ["shaft", "speed ratio", "speed [rpm]", "1× [Hz]", "gears (teeth)"]
-    at = f" at {contents.text(contents.speed)}" if contents.speed else ""
+    title = say("Shafts and tooth frequencies")
+    if contents.speed:
+        speed = contents.text(contents.speed)
+        title = say("Shafts and tooth frequencies at {speed}", speed=speed)
     if not contents.speed:
         head = [*head[:2], head[-1]]
     if system.gears:
@@ -59,24 +69,26 @@ def drawing(contents: Contents) -> Iterator[Block]:
     else:
         head, rows = head[:-1], [row[:-2] for row in rows]
     numeric = [name not in ("shaft", "gears (teeth)") for name in head]
-    yield Table(f"Shafts and tooth frequencies{at}", head, rows, numeric=numeric)
+    yield Table(title, list(map(word, head)), rows, numeric=numeric)
 
 
 def data(contents: Contents) -> Iterator[Block]:
     """List the data and what is assumed."""
     system = contents.system
     yield Note(
-        "Values are those of the description; fields that are not listed have their defaults. "
-        "x runs along the shafts; seen with +x towards the viewer, y points right and z up. "
-        "Positions count from the left end of a shaft."
+        say(
+            "Values are those of the description; fields that are not listed have their defaults. "
+            "x runs along the shafts; seen with +x towards the viewer, y points right and z up. "
+            "Positions count from the left end of a shaft."
+        )
     )
     yield from parts_tables(system)
     assumed = assumptions(system.shafts, system.gears, system.meshes, system.bearings)
     if assumed:
         yield Table(
-            "Assumed where the description says nothing",
-            ("parts", "assumption"),
-            [text.split(": ", 1) for text in assumed],
+            say("Assumed where the description says nothing"),
+            (word("parts"), word("assumption")),
+            [list(map(word, text.split(": ", 1))) for text in assumed],
             numeric=(False, False),
         )
 
@@ -85,10 +97,13 @@ def mass(contents: Contents) -> Iterator[Block]:
     """List masses and inertias."""
     system = contents.system
     found = system.mass_properties()
-    yield Table.of_result(found)
+    yield Table.of_result(found, say("Mass properties of the shafts with sleeves, gears and disks"))
     reduced = float(system.speed_ratios**2 @ found.polar_inertia)
     yield Note(
-        f"The polar inertia of all shafts, reduced to the reference shaft, is {reduced:.4g} kg m²."
+        say(
+            "The polar inertia of all shafts, reduced to the reference shaft, is {inertia} kg m².",
+            inertia=f"{reduced:.4g}",
+        )
     )
 
 
@@ -97,7 +112,10 @@ def static(contents: Contents) -> Iterator[Block]:
     from gearbow.plotting.style import quantity  # noqa: PLC0415
 
     found = contents.static
-    yield Table.of_result(found)
+    title = say("Static equilibrium")
+    if contents.speed:
+        title = say("Static equilibrium at {speed}", speed=contents.text(contents.speed))
+    yield Table.of_result(found, title)
     meshes = [(mesh.driver, mesh.driven) for mesh in contents.system.meshes]
     if meshes:
         states = [found.mesh(pair) for pair in meshes]
@@ -112,11 +130,11 @@ def static(contents: Contents) -> Iterator[Block]:
         ):
             values = factor * np.array([getattr(state, name) for state in states])
             columns.append(Column(name.replace("_", " "), values, unit, ".6g"))
-        yield Table.of("Meshes at equilibrium", columns)
+        yield Table.of(say("Meshes at equilibrium"), columns)
         pair, state = max(zip(meshes, states, strict=True), key=lambda one: abs(one[1].force))
         force = f"{quantity(abs(state.force), 'N')}, {'–'.join(pair)}"
-        contents.findings.append((f"Largest static mesh force: {force}.", False))
-    yield picture(found.plot(), "Static deflection of the shafts.")
+        contents.find(say("Largest static mesh force: {force}.", force=force))
+    yield picture(found.plot(), say("Static deflection of the shafts."))
 
 
 def life(contents: Contents) -> Iterator[Block]:
@@ -126,21 +144,29 @@ def life(contents: Contents) -> Iterator[Block]:
     if all(getattr(one, "dynamic_rating", None) is None for one in bearings) and not any(
         isinstance(one, RollingBearing) for one in bearings
     ):
-        yield Note("No bearing is a rolling bearing or has a dynamic rating.")
+        yield Note(say("No bearing is a rolling bearing or has a dynamic rating."))
         return
     found = contents.static.bearing_life()
-    yield Table.of_result(found)
-    yield picture(found.plot(), "Basic rating life of the bearings.")
+    yield Table.of_result(found, say("Life of bearings"))
+    yield picture(found.plot(), say("Basic rating life of the bearings."))
     first = found.shortest
-    text = f"Shortest basic rating life: {first.hours:.4g} h, bearing {place_label(first.at)}."
-    contents.findings.append((text, False))
+    contents.find(
+        say(
+            "Shortest basic rating life: {hours} h, bearing {bearing}.",
+            hours=f"{first.hours:.4g}",
+            bearing=place_label(first.at),
+        )
+    )
 
 
 def modes(contents: Contents) -> Iterator[Block]:
     """Show natural modes."""
     found = contents.modes
-    yield Table.of_result(found)
-    yield picture(found.plot(count=_OVERVIEW), "Shapes along the shafts.")
+    title = say("Modes at standstill")
+    if contents.speed:
+        title = say("Modes at {speed}", speed=contents.text(contents.speed))
+    yield Table.of_result(found, title)
+    yield picture(found.plot(count=_OVERVIEW), say("Shapes along the shafts."))
     elastic = found._vibrations()
     for number in elastic[:_IN_SPACE]:
         yield _in_space(found, number + 1)
@@ -153,7 +179,10 @@ def _in_space(found: Modes, number: int) -> Picture:
 
     title, shape, dofs = found._drawn(number)
     space = scene(parts(shape, dofs, found.layout), title)
-    caption = f"Mode {number} in three dimensions, enlarged; the mouse turns and enlarges the view."
+    caption = say(
+        "Mode {number} in three dimensions, enlarged; the mouse turns and enlarges the view.",
+        number=number,
+    )
     return picture(found.plot(number), caption, space=space)
 
 
@@ -163,13 +192,16 @@ def campbell(contents: Contents) -> Iterator[Block]:
     operating = contents.options.operating
     if contents.speed < 0.0:
         yield Note(
-            "The diagram is that of positive speeds; it shades the size of the operating speed."
+            say(
+                "The diagram is that of positive speeds; it shades the size of the operating speed."
+            )
         )
-    yield picture(found.plot(operating=operating), "Campbell diagram. Grey: operating speed.")
+    yield picture(found.plot(operating=operating), say("Campbell diagram. Grey: operating speed."))
     if found.intersections or found.thresholds:
-        yield Table.of_result(found)
+        title = say("Intersections and stability thresholds")
+        yield Table.of_result(found, title, contents.numbers(found))
     else:
-        yield Note("No line of excitation crosses a mode, and no mode changes its stability.")
+        yield Note(say("No line of excitation crosses a mode, and no mode changes its stability."))
 
 
 def criticals(contents: Contents) -> Iterator[Block]:
@@ -191,8 +223,9 @@ def criticals(contents: Contents) -> Iterator[Block]:
             for one in found
         ]
         yield Table.of(
-            "Critical speeds of the Campbell diagram, with the amplification factor 1/(2ζ)",
+            say("Critical speeds of the Campbell diagram, with the amplification factor 1/(2ζ)"),
             [
+                Column("mode", [contents.numbers(contents.campbell)[one.mode] for one in found]),
                 Column("critical speed", [one.speed for one in found], "rad/s", ".2f"),
                 Column("frequency", [one.frequency_hz for one in found], "Hz", ".3f"),
                 Column("excited by", [one.line.name for one in found]),
@@ -206,30 +239,39 @@ def criticals(contents: Contents) -> Iterator[Block]:
                 ),
                 *_margins(peaks),
             ],
-            [_API_684, _OTHER_MODES],
+            [say(API_684), say(_OTHER_MODES)],
         )
-        contents.findings.append((_nearest(contents, found), False))
+        contents.find(_nearest(contents, found))
     else:
-        yield Note("No shaft excites a mode at its own frequency in this range of speeds.")
+        yield Note(say("No shaft excites a mode at its own frequency in this range of speeds."))
     places = _largest(contents)
     close = 0
     for place in places:
-        peaks_at = _peaks(contents, place)
+        peaks_at, at = _peaks(contents, place), place_label(place)
         close += sum(peak.verdict in ("too close", "unstable") for peak in peaks_at)
         if len(peaks_at):
-            yield Table.of_result(peaks_at)
+            yield Table.of_result(
+                peaks_at,
+                say("Peaks of {place}, excited by {shaft}", place=at, shaft=peaks_at.source),
+            )
         else:
-            yield Note(f"{place_label(place)}: the response has no peak in this range of speeds.")
+            yield Note(say("{place}: the response has no peak in this range of speeds.", place=at))
     if operating is not None and places:
-        text = "no peak of the response is too close to the operating speed"
+        text = say(
+            "Separation margins after API RP 684: no peak of the response to bow and unbalance is "
+            "too close to the operating speed."
+        )
         if close:
-            count = f"{close} peak{'s' if close > 1 else ''} of the response"
-            text = f"{count} too close to the operating speed, or unstable"
-        contents.findings.append((f"Separation margins after API 684: {text}.", close > 0))
+            text = say(
+                "Separation margins after API RP 684: peaks of the response to bow and unbalance "
+                "that are too close to the operating speed, or unstable: {count}.",
+                count=close,
+            )
+        contents.find(text, warning=close > 0)
     yield from api617.unbalance(contents)
 
 
-_API_684 = (
+API_684 = (
     "Required margin after API RP 684: 17 (1 − 1/(AF − 1.5)) % below and 10 % more above the "
     "operating speed; none for AF < 2.5."
 )
@@ -243,13 +285,15 @@ def _nearest(contents: Contents, found: Sequence[Intersection]) -> str:
         key=lambda one: abs(one.speed - speed),
     )[:_NAMED]
     if not near:
-        return "No shaft excites a lightly damped mode at its own frequency."
+        return say("No shaft excites a lightly damped mode at its own frequency.")
     texts = [
-        f"{speed_factor(unit) * one.speed:.4g} ({one.line.name}, {one.whirl})"
+        f"{speed_factor(unit) * one.speed:.4g} ({one.line.name}, {word(one.whirl)})"
         for one in sorted(near, key=lambda one: one.speed)
     ]
-    which = "Critical speeds" if len(near) == len(found) else "Nearest critical speeds"
-    return f"{which} [{unit}]: {', '.join(texts)}."
+    speeds = ", ".join(texts)
+    if len(near) == len(found):
+        return say("Critical speeds [{unit}]: {speeds}.", unit=unit, speeds=speeds)
+    return say("Nearest critical speeds [{unit}]: {speeds}.", unit=unit, speeds=speeds)
 
 
 _LINEARISED = (
@@ -296,9 +340,11 @@ def stability(contents: Contents) -> Iterator[Block]:
     with np.errstate(divide="ignore"):
         decrement = 2.0 * math.pi * ratio / np.sqrt(1.0 - ratio**2)
     names = found.names()
-    where = "at standstill" if not contents.speed else f"at {contents.text(contents.speed)}"
+    where = say("at standstill")
+    if contents.speed:
+        where = say("at {speed}", speed=contents.text(contents.speed))
     yield Table.of(
-        f"Logarithmic decrement {where}",
+        say("Logarithmic decrement {where}", where=where),
         [
             Column("mode", np.array(order) + 1),
             Column("frequency", found.frequencies_hz[order], "Hz", ".3f"),
@@ -306,25 +352,45 @@ def stability(contents: Contents) -> Iterator[Block]:
             Column("whirl", [found.whirl[i] for i in order]),
             Column("largest motion", [names[i] for i in order]),
         ],
-        remarks=[_LINEARISED],
+        remarks=[say(_LINEARISED)],
     )
     growing = [
         i
         for i in range(len(ratio))
         if found.eigenvalues[i].real > _GROWTH * abs(found.eigenvalues[i])
     ]
-    state = "unstable" if growing else "stable"
-    contents.findings.append((f"The linear motion {where} is {state}.", bool(growing)))
+    state = say("unstable") if growing else say("stable")
+    free = [i + 1 for i in order if abs(ratio[i]) <= _GROWTH]
+    contents.find(
+        say("The linear motion {where} is {state}.", where=where, state=state),
+        warning=bool(growing),
+    )
+    if len(free) == len(order) and not growing:
+        contents.find(
+            say("No mode has damping: resonances have no finite amplitude."), warning=True
+        )
     yield Note(
-        f"The motion {where} is {state}: {len(growing)} of {len(ratio)} modes grow.", bool(growing)
+        say(
+            "The motion {where} is {state}: {growing} of {count} modes grow.",
+            where=where,
+            state=state,
+            growing=len(growing),
+            count=len(ratio),
+        ),
+        bool(growing),
     )
     ranges = contents.campbell.unstable_ranges
     if ranges:
-        ends = ", ".join(f"{contents.text(low)} to {contents.text(high)}" for low, high in ranges)
-        yield Note(f"Speeds at which a mode is unstable: {ends}.", True)
-        contents.findings.append((f"A mode is unstable at {ends}.", True))
+        ends = ", ".join(
+            say("{low} to {high}", low=contents.text(low), high=contents.text(high))
+            for low, high in ranges
+        )
+        yield Note(say("Speeds at which a mode is unstable: {speeds}.", speeds=ends), True)
+        contents.find(
+            say("Speeds at which a mode is unstable: {speeds}.", speeds=ends), warning=True
+        )
     else:
-        yield Note("No mode of the Campbell diagram is unstable in its range of speeds.")
+        yield Note(say("No mode of the Campbell diagram is unstable in its range of speeds."))
     yield from api617.level_1(contents)
 
 
@@ -337,11 +403,11 @@ def response(contents: Contents) -> Iterator[Block]:
     if not places:
         lateral = any(direction == "v" for *_, direction in system.dofs)
         reason = (
-            "no shaft has a bow and no body an unbalance"
+            say("no shaft has a bow and no body an unbalance")
             if lateral
-            else "the system has no lateral motion"
+            else say("the system has no lateral motion")
         )
-        yield Note(f"There is no response to bow and unbalance: {reason}.")
+        yield Note(say("There is no response to bow and unbalance: {reason}.", reason=reason))
         return
     curves, peaks = {}, {}
     for place in places:
@@ -356,8 +422,10 @@ def response(contents: Contents) -> Iterator[Block]:
     )
     yield picture(
         figure,
-        "Phase and amplitude (major semi-axis) where the orbits are largest; AF: amplification "
-        "factor.",
+        say(
+            "Phase and amplitude (major semi-axis) where the orbits are largest; AF: amplification "
+            "factor."
+        ),
     )
     speed = contents.need_operating()
     parts = {
@@ -370,7 +438,10 @@ def response(contents: Contents) -> Iterator[Block]:
     }
     phase = np.array([parts["both"]._own(parts["both"].phase(at), at)[0] for at in every])
     yield Table.of(
-        f"Major semi-axis of the orbit that the own shaft excites at {contents.text(speed)}",
+        say(
+            "Major semi-axis of the orbit that the own shaft excites at {speed}",
+            speed=contents.text(speed),
+        ),
         [
             Column("place", list(map(place_label, every))),
             *(
@@ -385,7 +456,7 @@ def response(contents: Contents) -> Iterator[Block]:
             ),
             Column("phase", np.degrees(phase), "°", ".1f"),
         ],
-        remarks=["Phase: angle of the high spot in the shaft, from its mark at angle 0."],
+        remarks=[say("Phase: angle of the high spot in the shaft, from its mark at angle 0.")],
     )
 
 
@@ -393,7 +464,7 @@ def bow(contents: Contents) -> Iterator[Block]:
     """Give the largest bow of each shaft."""
     speed, system = contents.need_operating(), contents.system
     if not any(direction == "v" for *_, direction in system.dofs):
-        yield Note("A bow has no effect: the system has no lateral motion.")
+        yield Note(say("A bow has no effect: the system has no lateral motion."))
         return
     for shaft in system.shafts:
         bearings = [bearing.position for bearing in system.bearings if bearing.shaft == shaft.name]
@@ -404,18 +475,60 @@ def bow(contents: Contents) -> Iterator[Block]:
             )
         except Exception as error:  # noqa: BLE001  # the limits of the other shafts are of use
             reason = reason_of(error)
-            yield Note(f"{shaft.name}: not computed, because {reason}")
-            contents.findings.append((f"Limits of the bow of {shaft.name}: {reason}.", True))
+            yield Note(
+                say("{shaft}: not computed, because {reason}", shaft=shaft.name, reason=reason)
+            )
+            contents.find(
+                say("Limits of the bow of {shaft}: {reason}.", shaft=shaft.name, reason=reason),
+                warning=True,
+            )
             continue
-        yield Table.of_result(found)
+        found = _meaningful(found, shaft)
+        yield Table.of_result(
+            found,
+            say(
+                "Limits of the bow of {shaft} at {speed}; present bow {bow} µm",
+                shaft=shaft.name,
+                speed=contents.text(speed),
+                bow=f"{1e6 * found.present:.4g}",
+            ),
+        )
         first = found.deciding
-        if first is not None and found.present > 0.0:
-            sizes = f"{1e6 * found.present:.4g} µm of at most {1e6 * first.bow:.4g} µm"
-            text = f"Bow of {shaft.name}: {sizes}, by the limit {first.limit} ({first.at})."
-            contents.findings.append((text, found.margin < 0.0))
+        if first is not None:
+            text = say(
+                "Bow of {shaft}: {present} µm of at most {most} µm, by the limit {limit} ({at}).",
+                shaft=shaft.name,
+                present=f"{1e6 * found.present:.4g}",
+                most=f"{1e6 * first.bow:.4g}",
+                limit=word(first.limit),
+                at=word(first.at),
+            )
+            contents.find(text, warning=found.margin < 0.0)
+        else:
+            contents.find(
+                say("No bow of {shaft} up to its diameter reaches a limit.", shaft=shaft.name)
+            )
     yield Note(
-        "The value of API 617 for the vibration of a shaft, 25.4 µm √(12000/n), is a reference at "
-        "each bearing; whether the standard applies to this machine is for its user to decide."
+        say(
+            "The value of API 617 for the vibration of a shaft, 25.4 µm √(12000/n), is a reference "
+            "at each bearing; whether the standard applies to this machine is for its user to "
+            "decide. Bows above the largest diameter of the shaft are no limits: the shaft is "
+            "destroyed before."
+        )
+    )
+
+
+def _meaningful(found: BowLimits, shaft: Shaft) -> BowLimits:
+    """Leave out bows that are larger than the largest diameter of the shaft."""
+    ends = ((one.outer_diameter, one.end_outer_diameter or 0.0) for one in segments_of(shaft))
+    diameter = max(size for pair in ends for size in pair)
+    why = say("above the diameter of the shaft, {diameter} mm", diameter=f"{1e3 * diameter:.4g}")
+    return replace(
+        found,
+        found=tuple(
+            replace(one, bow=math.inf, why=why) if diameter < one.bow < math.inf else one
+            for one in found.found
+        ),
     )
 
 
@@ -423,10 +536,11 @@ def motion(contents: Contents) -> Iterator[Block]:
     """Show orbits, spectra and mesh geometry at the operating speed."""
     run, what, steady = contents.motion
     speed = contents.need_operating()
-    yield Note(f"Motion at {contents.text(speed)}: {what}.")
+    yield Note(say("Motion at {speed}: {what}.", speed=contents.text(speed), what=what))
     if steady is not None:
         yield _floquet(contents, steady)
-    yield Table.of_result(run)
+    yield from vibration(contents)
+    yield Table.of_result(run, say("Recorded signals"))
     end = float(run.time[-1])
     times = (max(float(run.time[0]), end - SHOWN_REVOLUTIONS * contents.turn()), end)
     bodies = [names[0] for _, _, names in recorded_run(run, "run").data["points"] if names]
@@ -434,82 +548,97 @@ def motion(contents: Contents) -> Iterator[Block]:
     if lateral and bodies:
         for first in range(0, len(bodies), _ORBITS):
             own = bodies[first : first + _ORBITS]
-            yield picture(run.plot("orbits", own, times=times), f"Orbits: {', '.join(own)}.")
+            caption = say("Orbits: {names}.", names=", ".join(own))
+            yield picture(run.plot("orbits", own, times=times), caption)
         size = {name: float(np.ptp(run.displacement(name), axis=0).max()) for name in bodies}
         largest = sorted(bodies, key=lambda name: -size[name])[:_SPECTRA]
         yield picture(
             run.plot("spectrum", [name for name in bodies if name in largest]),
-            "Amplitude spectra of the places with the largest motion.",
+            say("Amplitude spectra of the places with the largest motion."),
         )
     elif bodies:
-        yield picture(run.plot("twist", bodies[:_ORBITS], times=times), "Twist of gears and disks.")
+        figure = run.plot("twist", bodies[:_ORBITS], times=times)
+        yield picture(figure, say("Twist of gears and disks."))
     pairs = [(mesh.driver, mesh.driven) for mesh in contents.system.meshes]
     for first in range(0, len(pairs), 2):
         two = pairs[first : first + 2]
         names = ", ".join("–".join(pair) for pair in two)
         figure = run.plot("mesh", two, times=times)
-        yield picture(figure, f"Force, deflection and stiffness: {names}.")
+        yield picture(figure, say("Force, deflection and stiffness: {names}.", names=names))
         figure = run.plot("geometry", two, times=times)
-        yield picture(figure, f"Mesh geometry at the moving centres: {names}.")
+        yield picture(figure, say("Mesh geometry at the moving centres: {names}.", names=names))
     if not pairs:
-        yield Note("There is no mesh geometry: the system has no gears in mesh.")
+        yield Note(say("There is no mesh geometry: the system has no gears in mesh."))
     places = [(bearing.shaft, bearing.position) for bearing in contents.system.bearings]
     for first in range(0, len(places) if lateral else 0, _BEARINGS):
         few = places[first : first + _BEARINGS]
         names = ", ".join(map(place_label, few))
-        yield picture(run.plot("bearings", few, times=times), f"Bearing forces: {names}.")
+        figure = run.plot("bearings", few, times=times)
+        yield picture(figure, say("Bearing forces: {names}.", names=names))
 
 
 def _floquet(contents: Contents, steady: SteadyState) -> Note:
     """Say whether small disturbances of the steady state decay."""
     if not contents.system.meshes:
         return Note(
-            "Whether small disturbances of this motion decay follows from the eigenvalues in the "
-            "section on stability: no teeth change the stiffness of the system."
+            say(
+                "Whether small disturbances of this motion decay follows from the eigenvalues in "
+                "the section on stability: no teeth change the stiffness of the system."
+            )
         )
     if steady.method == "quasi-periodic":
-        contents.findings.append(("The steady state is stable.", False))
-        return Note("The steady state is stable: the motion ran in, so that disturbances decay.")
+        contents.find(say("The steady state is {state}.", state=say("stable")))
+        return Note(
+            say("The steady state is stable: the motion ran in, so that disturbances decay.")
+        )
     try:
         kind = steady.instability()
     except GearbowError as error:
-        return Note(f"Stability of the steady state: not computed, because {error}")
+        text = say("Stability of the steady state: not computed, because {reason}", reason=error)
+        return Note(text)
     largest = max(map(abs, steady.multipliers()), default=0.0)
     # A motion that decays slowly has a multiplier that rounds to 1.
     near = abs(largest - 1.0) < 1e-3
     sign = "−" if largest < 1.0 else "+"
     shown = f"1 {sign} {abs(largest - 1.0):.1e}" if near else f"{largest:.4g}"
-    size = f"the largest is {shown}" if largest else f"all are below {SMALLEST_MULTIPLIER:g}"
-    section = "a part of the motion" if math.isinf(steady.period) else "a period"
-    text = f"Floquet multipliers over {section}, with the changing stiffness of the teeth: {size}"
-    state = "stable" if kind is None else f"unstable ({kind})"
-    contents.findings.append((f"The steady state is {state}.", kind is not None))
-    return Note(f"The steady state is {state}. {text}.", kind is not None)
+    size = say("all are below {least}", least=f"{SMALLEST_MULTIPLIER:g}")
+    if largest:
+        size = say("the largest is {size}", size=shown)
+    section = say("a part of the motion") if math.isinf(steady.period) else say("a period")
+    state = say("stable") if kind is None else say("unstable ({kind})", kind=word(kind))
+    text = say("The steady state is {state}.", state=state)
+    contents.find(text, warning=kind is not None)
+    more = say(
+        "Floquet multipliers over {section}, with the changing stiffness of the teeth: {size}.",
+        section=section,
+        size=size,
+    )
+    return Note(f"{text} {more}", kind is not None)
 
 
 def accuracy(contents: Contents) -> Iterator[Block]:
     """Give elements, residuals and warnings."""
     system = contents.system
     for line in str(system.discretisation).splitlines()[len(system.shafts) :]:
-        yield Note(f"{line[:1].upper()}{line[1:]}.")
+        yield Note(f"{word(line[:1].upper() + line[1:])}.")
     elements = system.discretisation.shafts.items()
     rows = [(name, " + ".join(map(str, each.numbers)), str(each.degree)) for name, each in elements]
     yield Table(
-        "Elements",
-        ("shaft", "elements of its segments", "degree"),
+        say("Elements"),
+        (word("shaft"), word("elements of its segments"), word("degree")),
         rows,
         numeric=(False, False, True),
     )
     residuals: list[tuple[str, str]] = []
     measured: dict[str, tuple[str, Callable[[Any], float]]] = {
-        "static": ("static equilibrium: unbalanced part of the load", lambda r: r.residual),
-        "modes": ("modes: part of the forces, largest", lambda r: r.residuals.max()),
+        "static": (say("static equilibrium: unbalanced part of the load"), lambda r: r.residual),
+        "modes": (say("modes: part of the forces, largest"), lambda r: r.residuals.max()),
         "campbell": (
-            "critical speeds and tooth resonances, largest",
+            say("critical speeds and tooth resonances, largest"),
             lambda r: max((one.residual for one in r.intersections), default=0.0),
         ),
         "synchronous": (
-            "response to bow and unbalance: backward error, largest",
+            say("response to bow and unbalance: backward error, largest"),
             lambda r: r.residuals.max(),
         ),
     }
@@ -518,15 +647,19 @@ def accuracy(contents: Contents) -> Iterator[Block]:
         if found is not None:
             residuals.append((title, f"{float(value(found)):.1e}"))
     yield Table(
-        "Residuals of the equations", ("result", "residual"), residuals, numeric=(False, True)
+        say("Residuals of the equations"),
+        (word("result"), word("residual")),
+        residuals,
+        numeric=(False, True),
     )
-    given = [("file", text) for text in system._notes]
-    given += [("description", text) for text in system._model.warnings]
+    given = [(word("file"), text) for text in system._notes]
+    given += [(word("description"), text) for text in system._model.warnings]
     every = [*given, *contents.warned]
     if every:
-        yield Table("Warnings", ("section", "warning"), every, numeric=(False, False))
+        head = (word("section"), word("warning"))
+        yield Table(say("Warnings"), head, every, numeric=(False, False))
     else:
-        yield Note("There were no warnings.")
+        yield Note(say("There were no warnings."))
 
 
 #: Name, title and content of each section, in their order.
@@ -539,8 +672,10 @@ SECTIONS: tuple[tuple[str, str, Make], ...] = (
     ("modes", "Natural modes", modes),
     ("campbell", "Campbell diagram", campbell),
     ("criticals", "Critical speeds", criticals),
+    ("resonances", "Resonances near the operating speed", resonances),
     ("stability", "Stability", stability),
     ("response", "Response to unbalance and bow", response),
+    ("strength", "Strength of the shafts", strength),
     ("bow", "Limits of the bow", bow),
     ("motion", "Motion at the operating speed", motion),
     ("accuracy", "Accuracy and warnings", accuracy),

@@ -5,11 +5,12 @@ reader without scripts and a printer see the image.
 """
 
 import cmath
+import gzip
 import math
 import re
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
@@ -21,14 +22,45 @@ from gearbow._extras import extra
 from gearbow._files import printable, replacing
 from gearbow._result import Column, Result
 from gearbow._shown import short
+from gearbow.report.texts import language, say, word
 from gearbow.units.fields import DIMENSIONLESS, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Resolution of an image in three dimensions [1/in]; the others are vector graphics.
+#: Columns whose texts are words of the program, not names of the user.
+_WORDED = (
+    *(
+        "shaft",
+        "whirl",
+        "verdict",
+        "within",
+        "largest motion",
+        "excited by",
+        "limit",
+        "why",
+        "place",
+    ),
+    *(
+        "at",
+        "signal",
+        "bearing",
+        "side",
+        "notch",
+        "planes",
+        "quantity",
+        "largest order",
+        "response",
+    ),
+)
+#: Resolution of an image of pixels [1/in], 190 on paper.
 _RESOLUTION = 110
+#: Number of points of curves above which a vector graphic is larger than an image of pixels, which
+#: has 50 to 150 kB.
+_DENSE_POINTS = 2_000
+#: Number of colours of an image of pixels: curves with soft edges, and shaded surfaces.
+_COLOURS = 64
 
 
 @dataclass(frozen=True)
@@ -48,6 +80,11 @@ class Code:
     text: str
     file: str | None = None
     kind = "code"
+
+    @property
+    def label(self) -> str:
+        """What the link to save the file says."""
+        return say("save as {file}", file=self.file)
 
     @property
     def link(self) -> str:
@@ -75,22 +112,30 @@ class Table:
     ) -> "Table":
         """Make a table of columns with units."""
         count = len(columns[0].values) if columns else 0
-        cells = [column.cells(range(count)) for column in columns]
+        cells = []
+        for column in columns:
+            heading, *own = column.cells(range(count))
+            cells.append([word(heading), *(map(word, own) if column.name in _WORDED else own)])
         head, *rows = zip(*cells, strict=True)
         return cls(title, head, rows, remarks, [not column.is_text for column in columns])
 
     @classmethod
-    def of_result(cls, result: Result, title: str | None = None) -> "Table":
-        """Make a table of a result, with its heading and remarks."""
+    def of_result(cls, result: Result, title: str, numbers: Sequence[int] | None = None) -> "Table":
+        """Make a table of a result with its remarks, and with other numbers of its modes."""
         with result._showing():
-            first, *others = [*([] if title is None else [title]), *result._heading()]
-            remarks = [*others, *result._remarks(), *result._left_out()]
-            return cls.of(first[:1].upper() + first[1:], result._columns(), remarks)
+            columns = [
+                replace(column, values=[numbers[i - 1] for i in column.values])
+                if numbers is not None and column.name == "mode"
+                else column
+                for column in result._columns()
+            ]
+            remarks = [word(text) for text in (*result._remarks(), *result._left_out())]
+            return cls.of(title, columns, remarks)
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure: its caption, an image, and the interactive figure as JSON of plotly."""
+    """A figure: its caption, an image, and the interactive figure as packed JSON of plotly."""
 
     caption: str
     image: str
@@ -117,21 +162,41 @@ class Section:
 def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = None) -> Picture:
     """Make a picture of a figure of matplotlib, or of it and an interactive one in space."""
     with extra("report"):
+        from matplotlib.text import Text  # noqa: PLC0415
         from plotly.io.json import to_json_plotly  # noqa: PLC0415
 
         from gearbow.plotting.interactive import WIDTH, converted  # noqa: PLC0415
 
+    for text in figure.findobj(Text) if language() != "en" else ():
+        text.set_text(word(text.get_text()))
     stream = BytesIO()
-    given = space or converted(figure, stream)
+    lines = [line for panel in figure.axes for line in panel.lines]
+    dense = sum(np.size(line.get_xdata()) for line in lines) > _DENSE_POINTS
+    given = space or converted(figure, stream, _RESOLUTION if dense else None)
     if space is not None:
         figure.savefig(stream, format="png", dpi=_RESOLUTION)
-    kind = "svg+xml" if space is None else "png"
-    image = f"data:image/{kind};base64,{b64encode(stream.getvalue()).decode()}"
+    kind, content = "svg+xml", stream.getvalue()
+    if dense or space is not None:
+        kind, content = "png", _with_few_colours(stream)
+    image = f"data:image/{kind};base64,{b64encode(content).decode()}"
     layout = given["layout"]
-    # A "</" would end the element of the page.
-    text = to_json_plotly(given).replace("</", "<\\/")
     size = (float(layout["width"]), float(layout["height"]))
-    return Picture(caption, image, text, size, 100.0 * size[0] / WIDTH)
+    return Picture(caption, image, _packed(to_json_plotly(given)), size, 100.0 * size[0] / WIDTH)
+
+
+def _with_few_colours(drawn: BytesIO) -> bytes:
+    """Reduce the colours of an image, a PNG."""
+    from PIL import Image  # noqa: PLC0415  # matplotlib needs it
+
+    stream = BytesIO()
+    with Image.open(drawn) as image:
+        image.convert("RGB").quantize(_COLOURS).save(stream, "PNG", optimize=True)
+    return stream.getvalue()
+
+
+def _packed(text: str) -> str:
+    """Compress a text that a script of the page reads."""
+    return b64encode(gzip.compress(text.encode(), mtime=0)).decode()
 
 
 def write(
@@ -147,7 +212,11 @@ def write(
     )
     template = files(__package__).joinpath("page.html").read_text("utf-8")
     text = environment.from_string(template).render(
-        title=title, facts=facts, sections=sections, script=get_plotlyjs()
+        title=title,
+        facts=facts,
+        sections=sections,
+        script=_packed(get_plotlyjs()),
+        language=language(),
     )
     with replacing(path) as file:
         file.write(printable(text).encode())
@@ -178,16 +247,18 @@ def parts_tables(system: Any) -> list[Table]:
     tables, options = [], []
     for key, given in system.description.items():
         if not (isinstance(given, list) and given and isinstance(given[0], Mapping)):
-            options.append((key.replace("_", " "), _cell(given, key)))
+            options.append((word(key.replace("_", " ")), _cell(given, key)))
             continue
         kinds = [type(part).__name__ for part in getattr(system, key)]
         for kind in dict.fromkeys(kinds):
             own = [part for part, its in zip(given, kinds, strict=True) if its == kind]
             words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind).lower()
             title = key if len(set(kinds)) == 1 or words == "bearing" else f"{words}s"
-            tables += _parts_tables(title.capitalize(), key, own)
+            title = word(title if title == key else title.capitalize())
+            tables += _parts_tables(title[:1].upper() + title[1:], key, own)
     if options:
-        tables.append(Table("Options", ("option", "value"), options, numeric=(False, False)))
+        head = (word("option"), word("value"))
+        tables.append(Table(word("Options"), head, options, numeric=(False, False)))
     return tables
 
 
@@ -204,7 +275,9 @@ def _parts_tables(title: str, key: str, given: Sequence[Mapping[str, Any]]) -> l
         plain.append(own)
     tables = [_parts_table(title, key, plain)]
     for name, rows in pieces.items():
-        heading = f"{name.replace('_', ' ').capitalize()} of {title.lower()}, from left to right"
+        parts = title if language() == "de" else title.lower()
+        heading = f"{name.replace('_', ' ').capitalize()} of {parts}, from left to right"
+        heading = word(heading)
         tables.append(_parts_table(heading, f"{key}[0].{name}", rows))
     return tables
 
@@ -228,7 +301,7 @@ def _is_number(value: Any) -> bool:
 def _heading(path: str, values: Sequence[Any]) -> str:
     """Write the name of a field, with its unit if a value is a number or a list of numbers."""
     unit = unit_of(path)
-    name = path.rpartition(".")[2].replace("_", " ")
+    name = word(path.rpartition(".")[2].replace("_", " "))
     plain = any(_is_number(value) or _is_numbers(value) for value in values)
     if not plain or unit in (None, DIMENSIONLESS):
         return name
@@ -258,14 +331,15 @@ def _cell(value: Any, path: str, unit: str | None = None) -> str:
     if value is None:
         return ""
     if isinstance(value, bool | np.bool_):
-        return "yes" if value else "no"
+        return word("yes" if value else "no")
     if isinstance(value, Mapping):
         return ", ".join(
-            f"{_NAMES.get(k, k.replace('_', ' '))} {_cell(v, f'{path}.{k}')}"
+            f"{word(_NAMES.get(k, k.replace('_', ' ')))} {_cell(v, f'{path}.{k}')}"
             for k, v in value.items()
         )
     if _is_place(value):
-        return f"{value[0]} at {_cell(value[1], 'shafts[0].length')}"
+        position = _cell(value[1], "shafts[0].length")
+        return word(f"{value[0]} at {position}")
     if isinstance(value, list | tuple):
         if path.endswith(_TURNING) and len(value) == 2:
             number = complex(*value)
@@ -280,7 +354,7 @@ def _cell(value: Any, path: str, unit: str | None = None) -> str:
     if not _is_number(value):
         # A word of a fixed set, not a name that the user gave.
         is_word = path.rpartition(".")[2] in _WORDS
-        return str(value).replace("_", " ") if is_word else str(value)
+        return word(str(value).replace("_", " ")) if is_word else str(value)
     factor, written = _written(unit_of(path))
     digits = 4 if written == "°" else 6
     text = f"{factor * value:.{digits}g}".replace("e+0", "e")

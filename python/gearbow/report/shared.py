@@ -2,21 +2,25 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 
-from gearbow._types import Array
+from gearbow._types import Array, Language
 from gearbow.analysis.bow_motion import with_elements_for
+from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.rolling import RollingBearing
+from gearbow.description.speed import SpeedTable
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
 from gearbow.report.page import Block, Note, Section
+from gearbow.report.texts import say, word
 from gearbow.results.campbell import Campbell
 from gearbow.results.modes import Modes
 from gearbow.results.response import Response
@@ -29,6 +33,12 @@ from gearbow.units.speed import SpeedUnit, speed_text
 _DIAGRAM_SPEEDS = 25
 #: Revolutions of the slowest shaft of a run in place of a steady state, and of its figures.
 _REVOLUTIONS, SHOWN_REVOLUTIONS = 20.0, 1.0
+#: Largest number of modes that are compared with tooth frequencies.
+_MOST_MODES = 64
+#: Where peaks may need a margin by API RP 684: 17 % below the operating speeds, 27 % above them.
+BELOW, ABOVE = 0.83, 1.27
+#: Folder of the library that draws, whose warnings concern figures and no result.
+_DRAWING = str(Path(mpl.__file__).parent)
 #: Damping ratio below which a mode has none but round-off.
 _NO_DAMPING = 1e-9
 #: Lines of many points keep those that are half a point of the page away from the others.
@@ -45,6 +55,12 @@ class Options:
     modes: int
     limits: tuple[BowLimit, ...]
     unit: SpeedUnit
+    #: Endurance limit and tensile strength of the shafts [Pa], for all or by name.
+    endurance_limit: float | Mapping[str, float] | None = None
+    tensile_strength: float | Mapping[str, float] | None = None
+    language: Language = "en"
+    #: Name and text of what the document is: company, author, number, date.
+    imprint: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass
@@ -53,11 +69,12 @@ class Contents:
 
     system: Any
     options: Options
-    #: Sentences of the summary; True for one that asks for attention.
-    findings: list[tuple[str, bool]] = field(default_factory=list)
+    #: Section and block of what the summary contains.
+    findings: list[tuple[str, Block]] = field(default_factory=list)
     #: Section and text of each warning.
     warned: list[tuple[str, str]] = field(default_factory=list)
     _kept: dict[str, Any] = field(default_factory=dict)
+    _section: str = ""
 
     def kept(self, name: str, compute: Callable[[], Any]) -> Any:
         """Give a result, or raise the error of the first attempt."""
@@ -69,6 +86,11 @@ class Contents:
         if isinstance(self._kept[name], Exception):
             raise self._kept[name]
         return self._kept[name]
+
+    def find(self, what: str | Block, *, warning: bool = False) -> None:
+        """Add a sentence or a table to the summary; a warning asks for attention."""
+        block = Note(what, warning) if isinstance(what, str) else what
+        self.findings.append((self._section, block))
 
     def finished(self, name: str) -> Any:
         """Give a result that was computed; None for another one."""
@@ -103,10 +125,17 @@ class Contents:
         """Duration of a revolution of the slowest shaft at the highest operating speed [s]."""
         return 2.0 * math.pi / float(np.abs(self.system.speed_ratios * self.need_operating()).min())
 
+    @cached_property
+    def sensors(self) -> list[str]:
+        """Names of the points of housings, or of housings without points."""
+        return [
+            name for each in self.system.housings for name in (list(each.points) or [each.name])
+        ]
+
     def need_operating(self) -> float:
         """Give the highest operating speed, which must be given."""
         if self.options.operating is None:
-            raise GearbowError("no operating speed was given (operating=, or --speed)")
+            raise GearbowError(say("no operating speed was given (operating=, or --speed)"))
         return self.speed
 
     def text(self, speed: float) -> str:
@@ -120,7 +149,7 @@ class Contents:
 
     @property
     def modes(self) -> Modes:
-        """Modes at the highest operating speed: as many oscillations as wanted."""
+        """Modes at the highest operating speed: as wanted, and those that teeth can excite."""
         return self.kept("modes", self._modes)  # type: ignore[no-any-return]
 
     def _modes(self) -> Modes:
@@ -128,7 +157,10 @@ class Contents:
         while True:
             found: Modes = self.system.modes(self.speed, count=count)
             oscillating = len(found._vibrations())
-            if oscillating >= wanted or len(found.whirl) < count:
+            enough = oscillating >= wanted
+            if count < _MOST_MODES and found.frequencies_hz.max(initial=0.0) < self.excited:
+                enough = False
+            if enough or len(found.whirl) < count:
                 return found
             # Overdamped modes may be most of the modes.
             count *= 2
@@ -142,9 +174,50 @@ class Contents:
         speeds = np.sort(np.abs(self._speeds()))
         if speeds.size > _DIAGRAM_SPEEDS:
             speeds = speeds[np.linspace(0, speeds.size - 1, _DIAGRAM_SPEEDS).round().astype(int)]
-        # The rigid-body rotation does not count there.
+        if speeds[0] < abs(self.speed) < speeds[-1]:
+            # There the modes have the numbers of the other sections.
+            added = np.union1d(speeds, [abs(self.speed)])
+            speeds = added.view(type(speeds))
+        # The modes that were asked for, without rigid-body motions, which do not count there.
+        last = self.modes._vibrations()[: self.options.modes][-1:]
         rigid = sum(whirl == "rigid" for whirl in self.modes.whirl)
-        return self.system.campbell(speeds, count=len(self.modes.whirl) - rigid)  # type: ignore[no-any-return]
+        return self.system.campbell(speeds, count=max([i + 1 - rigid for i in last], default=1))  # type: ignore[no-any-return]
+
+    @property
+    def near(self) -> Campbell:
+        """Intersections of all modes within the largest margins about the operating speeds."""
+        return self.kept("near", self._near)  # type: ignore[no-any-return]
+
+    def _near(self) -> Campbell:
+        self.need_operating()
+        assert self.options.operating is not None
+        ends = tuple(map(abs, self.options.operating))
+        wanted = np.array([BELOW * ends[0], *ends, ABOVE * ends[1]])
+        low, high = table_range(self.system)
+        speeds = np.unique(np.clip(wanted, low, high))
+        rigid = sum(whirl == "rigid" for whirl in self.modes.whirl)
+        return self.system.campbell(speeds, count=max(1, len(self.modes.whirl) - rigid))  # type: ignore[no-any-return]
+
+    @cached_property
+    def excited(self) -> float:
+        """Highest tooth frequency at the operating speed with the largest margin [Hz]."""
+        of_shaft = ratios_by_shaft(self.system)
+        orders = [abs(of_shaft[gear.shaft]) * gear.teeth for gear in self.system.gears]
+        # A resonance above the operating speed has a mode above the tooth frequency.
+        return ABOVE * max(orders, default=0.0) * abs(self.speed) / (2.0 * math.pi)
+
+    def numbers(self, diagram: Campbell) -> list[int]:
+        """Give the numbers that the modes of a diagram have at the operating speed, from 1."""
+        at = int(np.abs(diagram.speeds - abs(self.speed)).argmin())
+        own, others = self.modes.eigenvalues, diagram.eigenvalues[at]
+        distances = np.abs(others[:, np.newaxis] - own)
+        found: dict[int, int] = {}
+        for pair in np.argsort(distances, axis=None, kind="stable").tolist():
+            mode, number = divmod(pair, len(own))
+            if mode not in found and number + 1 not in found.values():
+                found[mode] = number + 1
+        more = iter(range(len(own) + 1, len(own) + len(others) + 1))
+        return [found.get(mode) or next(more) for mode in range(len(others))]
 
     @property
     def synchronous(self) -> Synchronous:
@@ -157,7 +230,7 @@ class Contents:
 
     def _speeds(self) -> Array:
         if self.options.speeds is None:
-            raise GearbowError("no speeds were given (speeds=, or --to)")
+            raise GearbowError(say("no speeds were given (speeds=, or --to)"))
         return self.options.speeds
 
     @property
@@ -167,7 +240,7 @@ class Contents:
 
     def _motion(self) -> tuple[Response, str, SteadyState | None]:
         speed = self.need_operating()
-        record = ["gears", "disks", "meshes", "bearings"]
+        record = ["gears", "disks", "meshes", "bearings", *self.sensors, "acceleration"]
         least = np.min(
             self.modes.damping_ratios, where=self.modes.frequencies_hz > 0.0, initial=1.0
         )
@@ -177,21 +250,28 @@ class Contents:
             run: Response
             turns = self._tooth_turns()
             run = self.system.simulate(turns * 2.0 * math.pi / abs(speed), speed, record=record)
-            what = (
-                f"a run over {360.0 * turns:.0f}° of the reference shaft, as a mode has no "
-                "damping, so that nothing settles; give bearings and meshes damping"
+            what = say(
+                "a run over {angle}° of the reference shaft, as a mode has no damping, so that "
+                "nothing settles; give bearings and meshes damping",
+                angle=f"{360.0 * turns:.0f}",
             )
             return run, what, None
         try:
             steady = self.system.steady_state(speed, record=record)
         except (ConvergenceError, StabilityError) as error:
             run = self.system.simulate(_REVOLUTIONS * self.turn(), speed, record=record)
-            what = f"a run of {_REVOLUTIONS:g} revolutions of the slowest shaft, because {error}"
+            what = say(
+                "a run of {count} revolutions of the slowest shaft, because {reason}",
+                count=f"{_REVOLUTIONS:g}",
+                reason=error,
+            )
             return run, what, None
-        period = (
-            "without a common period" if math.isinf(steady.period) else f"{steady.period:.4g} s"
+        what = say(
+            "the steady state, {method}, period {period}, residual {residual}",
+            method=word(steady.method),
+            period=say("none in common") if math.isinf(steady.period) else f"{steady.period:.4g} s",
+            residual=f"{steady.residual:.1e}",
         )
-        what = f"the steady state, {steady.method}, period {period}, residual {steady.residual:.1e}"
         return steady.response, what, steady
 
     def _tooth_turns(self) -> float:
@@ -203,7 +283,7 @@ class Contents:
 
     def section(self, name: str, title: str, make: "Make") -> Section:
         """Make a section, with a sentence in place of what cannot be computed."""
-        section = Section(name, title)
+        section, self._section = Section(name, title), name
         with warnings.catch_warnings(record=True) as caught, mpl.rc_context(_DENSE):
             warnings.simplefilter("always")
             try:
@@ -211,18 +291,38 @@ class Contents:
                     section.blocks.append(block)
             except Exception as error:  # noqa: BLE001  # the other sections are of use
                 reason = reason_of(error).rstrip(".")
-                section.blocks.append(Note(f"Not computed: {reason}."))
-                self.findings.append((f"{title}: not complete, because {reason}.", True))
-        for text in dict.fromkeys(str(one.message) for one in caught):
+                section.blocks.append(Note(say("Not computed: {reason}.", reason=reason)))
+                text = say("{title}: not complete, because {reason}.", title=title, reason=reason)
+                self.find(text, warning=True)
+        own = [one for one in caught if not one.filename.startswith(_DRAWING)]
+        for text in dict.fromkeys(str(one.message) for one in own):
             self.warned.append((title, text))
-            section.blocks.append(Note(f"Warning: {text}", warning=True))
+            section.blocks.append(Note(say("Warning: {text}", text=text), warning=True))
         return section
 
 
 def reason_of(error: Exception) -> str:
     """Give the text of an error; one that is not of gearbow has its type."""
     known = isinstance(error, GearbowError)
-    return str(error) if known else f"an unexpected {type(error).__name__}: {error}"
+    if known:
+        return str(error)
+    return say("an unexpected {kind}: {error}", kind=type(error).__name__, error=error)
+
+
+def table_range(system: Any) -> tuple[float, float]:
+    """Give the speeds that every table of bearing coefficients contains [rad/s]."""
+    of_shaft, low, high = ratios_by_shaft(system), 0.0, math.inf
+    for bearing in system.bearings:
+        base = getattr(bearing, "support", None)
+        other = of_shaft[base[0]] if isinstance(base, tuple) else 0.0
+        ratio = abs(of_shaft[bearing.shaft] - other)
+        for table in (getattr(bearing, name, None) for name in ("stiffness", "damping")):
+            if not isinstance(table, SpeedTable) or table.speeds is None or not ratio:
+                continue
+            if table.outside == "error":
+                ends = np.asarray(table.speeds, dtype=np.float64)[[0, -1]] / ratio
+                low, high = max(low, float(ends[0])), min(high, float(ends[1]))
+    return low, high
 
 
 Make = Callable[[Contents], Iterator[Block]]

@@ -3,8 +3,8 @@
 import os
 import re
 import sys
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,13 +13,15 @@ from gearbow._convert import array, copied, number, showing, text, whole
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output, reading
-from gearbow._types import Progress
+from gearbow._lookup import one_of
+from gearbow._types import Language, Progress
 from gearbow.analysis.protocol import System
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.part import parts
 from gearbow.description.train import Train
 from gearbow.errors import SceneError
 from gearbow.results.peak import operating_range
+from gearbow.results.stresses import Strength
 from gearbow.units.speed import (
     RevolutionsPerMinute,
     RevolutionsPerMinuteArray,
@@ -103,6 +105,13 @@ def report(
     modes: int = 8,
     limits: Sequence[BowLimit] = (),
     title: str | None = None,
+    endurance_limit: float | Mapping[str, float] | None = None,
+    tensile_strength: float | Mapping[str, float] | None = None,
+    company: str | None = None,
+    author: str | None = None,
+    document_number: str | None = None,
+    date: str | None = None,
+    language: Language = "en",
     progress: bool | Progress | None = None,
 ) -> None:
     """Write a report: one HTML page with drawing, data, and the results of the usual analyses.
@@ -120,13 +129,22 @@ def report(
         has standstill, and no motion.
     speeds : array_like, shape (k,), optional
         Speeds of the reference shaft for the diagrams [rad/s]; None is 100 speeds from 5 % to 150 %
-        of the highest operating speed. The Campbell diagram takes up to 25 of them.
+        of the highest operating speed, within the tables of bearings. The Campbell diagram takes up
+        to 25 of them.
     modes : int
         Number of modes that oscillate.
     limits : sequence of BowLimit
         Limits of the bow in addition to those of the teeth.
     title : str, optional
         Heading of the page; None is the name of the file.
+    endurance_limit, tensile_strength : float or mapping, optional
+        Strength of the shafts [Pa], for all or by name, as for `stresses`; None gives stresses
+        without utilisation.
+    company, author, document_number, date : str, optional
+        Facts of the document below the heading, as they are.
+    language : {"en", "de"}
+        Language of the page, English or German. Numbers, messages of errors and warnings and the
+        names in the description are the same in both.
     progress : bool or callable, optional
         True shows a progress bar; None shows one on a terminal after 2 s; a callable receives the
         completed fraction.
@@ -161,22 +179,44 @@ def report(
     count = whole(modes, "modes")
     added = tuple(parts(limits, BowLimit, "limits"))
     heading = file.stem if title is None else text(title, "title")
+    one_of(language, get_args(Language), "language")
+    Strength.of([shaft.name for shaft in self.shafts], endurance_limit, tensile_strength, "goodman")
+    given = {
+        "company": company,
+        "author": author,
+        "document number": document_number,
+        "date": date,
+    }
+    with extra("report"):
+        import jinja2  # noqa: F401, PLC0415
+        import matplotlib as mpl  # noqa: F401, PLC0415
+        import plotly  # noqa: F401, PLC0415
+    imprint = tuple((key, text(each, key)) for key, each in given.items() if each is not None)
+    from gearbow.report.compose import compose  # noqa: PLC0415
+    from gearbow.report.shared import Options, table_range  # noqa: PLC0415
+
     if wanted is None and span is not None:
-        wanted = np.linspace(_LOWEST, _HIGHEST, _SPEEDS) * span[1]
+        low, high = np.clip([_LOWEST * abs(span[1]), _HIGHEST * abs(span[1])], *table_range(self))
+        wanted = np.copysign(np.linspace(low, high, _SPEEDS), span[1])
     if unit == "rpm":
         span = (
             None if span is None else (RevolutionsPerMinute(span[0]), RevolutionsPerMinute(span[1]))
         )
         wanted = None if wanted is None else wanted.view(RevolutionsPerMinuteArray)
-    with extra("report"):
-        import jinja2  # noqa: F401, PLC0415
-        import matplotlib as mpl  # noqa: F401, PLC0415
-        import plotly  # noqa: F401, PLC0415
-    from gearbow.report.compose import compose  # noqa: PLC0415
-    from gearbow.report.shared import Options  # noqa: PLC0415
-
+    options = Options(
+        heading,
+        span,
+        wanted,
+        count,
+        added,
+        unit,
+        endurance_limit=endurance_limit,
+        tensile_strength=tensile_strength,
+        language=language,
+        imprint=imprint,
+    )
     with showing_in(unit):
-        compose(self, file, Options(heading, span, wanted, count, added, unit), progress)
+        compose(self, file, options, progress)
 
 
 _NUL = re.compile(r"\\(u0000|U00000000)")

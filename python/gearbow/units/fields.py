@@ -142,6 +142,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "spectrum.torque": "N m",
     "spectrum.share": DIMENSIONLESS,
     "noise": "m",
+    "endurance_limit": "Pa",
+    "tensile_strength": "Pa",
     "phase_angle": "rad",
     "time": "s",
     "duration": "s",

@@ -445,3 +445,23 @@ def test_a_spectrum_names_only_orders_that_it_resolves():
     assert {text.get_text() for text in panel.texts} == {"1× mesh\na–b ± sidebands", "1× mesh\nc–d"}
     assert panel.get_title(loc="right") == "orders closer than 2 Hz have no name of their own"
     check_texts(figure)
+
+
+def test_a_spectrum_ends_60_db_below_its_largest_line():
+    frequencies = np.arange(1.0, 200.0)
+    amplitudes = np.full(199, 1e-9)
+    amplitudes[[19, 59, 149]] = 1.0, 2e-3, 1e-4
+    (panel,) = orders.spectrum(frequencies, amplitudes, "g1 y [m]", periodic=True).axes
+    assert panel.get_ylim()[0] == pytest.approx(1e-3)
+    assert panel.get_xlim()[1] == pytest.approx(1.1 * 60.0)
+
+
+def test_long_names_leave_the_bars_most_of_a_figure():
+    names = [
+        f"1× mesh Cylindrical gear [{n}]–Cylindrical gear [{n + 1}] + 1× shaft" for n in (1, 3)
+    ]
+    figure = orders.orders(names, np.array([1.0, 0.5]), "amplitude [µm]")
+    figure.draw_without_rendering()
+    (panel,) = figure.axes
+    assert panel.get_position().width > 0.55
+    check_texts(figure)

@@ -38,8 +38,8 @@ def test_lines_axes_and_legend():
     # 8 of the 12 inches of a page
     assert (layout["width"], layout["height"]) == (2.0 / 3.0 * WIDTH, 0.5 * WIDTH)
     (line,) = traces(found, xaxis="x", legendgroup="square")
-    np.testing.assert_allclose(line["x"], x)
-    np.testing.assert_allclose(line["y"], x**2)
+    np.testing.assert_allclose(line["x"], x, atol=2.0**-17 * np.ptp(x))  # rounded to steps
+    np.testing.assert_allclose(line["y"], x**2, atol=2.0**-17 * np.ptp(x**2))
     assert (line["mode"], line["line"]["dash"]) == ("lines", "dash")
     assert line["line"]["color"] == "rgba(255,0,0,1)"
     assert line["line"]["width"] == pytest.approx(2.0 * WIDTH / (72.0 * 12.0))
@@ -50,7 +50,7 @@ def test_lines_axes_and_legend():
     assert entry["legendgroup"] == "square"
     (marks,) = traces(found, xaxis="x2")
     assert (marks["mode"], marks["marker"]["symbol"]) == ("markers", "circle")
-    np.testing.assert_allclose(marks["y"], 10.0**x)
+    np.testing.assert_allclose(marks["y"], 10.0**x, rtol=2.0**-17)
     axis = layout["yaxis2"]
     assert axis["type"] == "log"
     assert axis["range"] == pytest.approx(np.log10(lower.get_ylim()))
@@ -68,7 +68,8 @@ def test_a_scale_that_plotly_lacks_keeps_its_values():
     found = converted(made)
     (line,) = traces(found, xaxis="x")
     np.testing.assert_allclose(line["customdata"], values)
-    np.testing.assert_allclose(line["y"], upper.yaxis.get_transform().transform(values))
+    placed = upper.yaxis.get_transform().transform(values)
+    np.testing.assert_allclose(line["y"], placed, atol=2.0**-17 * np.ptp(placed))  # of steps
     assert len(found["layout"]["yaxis"]["tickvals"]) == len(found["layout"]["yaxis"]["ticktext"])
 
 

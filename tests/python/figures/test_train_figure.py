@@ -15,6 +15,7 @@ from matplotlib.transforms import Bbox
 
 import gearbow as gb
 from gearbow.description.train import Train
+from gearbow.plotting.labels import Labels
 from gearbow.plotting.symbols import developed
 from gearbow.plotting.views import line_of_action
 from reference.equations import base_radius
@@ -371,3 +372,18 @@ def test_equal_torques_side_by_side_have_one_label():
     assert "3 × 3 N m" in found
     assert "3 N m" not in found
     assert "−9 N m (balance)" in found
+
+
+def test_labels_keep_away_from_arrows_of_forces(monkeypatch):
+    # A box without area, as that of a line, keeps no label away.
+    avoided = []
+    of_class = Labels.avoid
+
+    def avoid(self, *boxes, strictly=False):
+        avoided.extend(boxes if strictly else [])
+        of_class(self, *boxes, strictly=strictly)
+
+    monkeypatch.setattr(Labels, "avoid", avoid)
+    rotor_on_pedestal(forces=[gb.Force("left", 30.0), gb.Force(("rotor", 0.1), axial=-7.0)]).plot()
+    assert avoided
+    assert all(right > left and top > bottom for left, bottom, right, top in avoided)

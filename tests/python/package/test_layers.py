@@ -38,7 +38,7 @@ PRIVATE = {
         "_places",
         "_vibrations",
     },
-    "report/page.py": {"_columns", "_heading", "_left_out", "_remarks", "_showing"},
+    "report/page.py": {"_columns", "_left_out", "_remarks", "_showing"},
     "report/shared.py": {"_from_description", "_model", "_vibrations"},
     "studies/study.py": {"_speed_unit"},
 }

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import ast
 import base64
+import gzip
 import html
 import json
 import re
 import shutil
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +19,13 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.report.contents import accuracy, bow, campbell, data
+from gearbow.report import texts
+from gearbow.report.contents import SECTIONS, accuracy, bow, campbell, data
+from gearbow.report.german import GERMAN, WORDS
 from gearbow.report.page import parts_tables
-from gearbow.report.shared import Contents, Options
+from gearbow.report.resonances import resonances
+from gearbow.report.shared import Contents, Options, table_range
+from gearbow.report.strength import strength
 from reference.equations import base_radius
 from reference.machines import (
     bowed_rotor_with_disk,
@@ -30,7 +37,8 @@ from reference.machines import (
 
 SECTION_NAMES = (
     *("summary", "drawing", "data", "mass", "static", "life", "modes", "campbell", "criticals"),
-    *("stability", "response", "bow", "motion", "accuracy", "reproduction"),
+    *("resonances", "stability", "response", "strength", "bow", "motion", "accuracy"),
+    "reproduction",
 )
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 #: Width and height of A4 without the margins of the page [px of CSS], 96 to an inch.
@@ -79,10 +87,13 @@ def page(train, tmp_path_factory) -> Path:
 def test_a_report_is_one_file_with_every_section(page):
     text = page.read_text(encoding="utf-8")
     assert tuple(read_sections(page)) == SECTION_NAMES
+    assert "matplotlib" not in re.sub(
+        r"<script.*?</script>|src=\"[^\"]*\"", "", text, flags=re.DOTALL
+    )
     assert "<title>a &lt;pair&gt;</title>" in text
     # The page loads nothing; addresses in the script of plotly are texts.
-    scripts = re.findall(r"<script[^>]*>.*?</script>", text, re.DOTALL)
-    assert len([script for script in scripts if "plotly.js v" in script[:1000]]) == 1
+    (script,) = re.findall(r'<script type="text/plain" id="plotly">(.*?)</script>', text, re.DOTALL)
+    assert "plotly.js v" in unpacked(script)[:1000]
     without = re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
     addresses = re.findall(r'(?:src|href)="(.{5})', without)
     assert addresses
@@ -90,12 +101,18 @@ def test_a_report_is_one_file_with_every_section(page):
     for section in read_sections(page).values():
         for image, figure in zip(
             re.findall(r'<img class="image" src="data:image/([^"]*)', section),
-            re.findall(r'<script type="application/json">(.*?)</script>', section, re.DOTALL),
+            re.findall(r'<script type="text/plain">(.*?)</script>', section, re.DOTALL),
             strict=True,
         ):
             kind, data = image.split(";base64,")
             assert base64.b64decode(data).startswith(b"\x89PNG" if kind == "png" else b"<?xml")
-            assert json.loads(figure)["data"]
+            assert json.loads(unpacked(figure))["data"]
+    assert len(text) < 6e6
+
+
+def unpacked(text: str) -> str:
+    """Give a text that the script of the page unpacks."""
+    return gzip.decompress(base64.b64decode(text)).decode()
 
 
 def eigenvalues(system: gb.RotorSystem, speed: float) -> np.ndarray:
@@ -329,6 +346,10 @@ def test_wrong_arguments(train, tmp_path):
         train.report(tmp_path / "report.pdf")
     with pytest.raises(gb.SceneError, match="operating: must be above 0"):
         train.report(tmp_path / "report.html", operating=(-1.0, 1.0))
+    with pytest.raises(gb.SceneError, match="tensile_strength: the line for mean stresses"):
+        train.report(tmp_path / "report.html", endurance_limit=250e6)
+    with pytest.raises(gb.SceneError, match="language: "):
+        train.report(tmp_path / "report.html", language="fr")
     with pytest.raises(FileNotFoundError):
         train.report(tmp_path / "none" / "report.html")
 
@@ -493,6 +514,157 @@ def test_a_run_without_damping_has_a_tooth_of_every_mesh():
     teeth = [turns * abs(ratios[gear.shaft]) * gear.teeth for gear in system.gears]
     assert turns >= 1.0
     assert min(teeth) >= 1.0 - 1e-12  # round-off
+
+
+def found_in_summary(contents: Contents, make: Callable[..., Any]) -> list[Any]:
+    """Give what a section adds to the summary."""
+    list(make(contents))
+    return [block for _, block in contents.findings]
+
+
+def test_the_summary_names_resonances_of_teeth_and_shafts():
+    machine = gb.examples()["double_stage_train"]
+    system = machine.load()
+    # Mode 2 does not depend on the speed; g3 has 25 teeth and half the speed of the input. The
+    # tooth frequency is 0.9 % below that of the mode.
+    frequency, order = system.modes(machine.speed, count=2).frequencies_hz[1], 12.5
+    near = 2.0 * np.pi * frequency / order / 1.009
+    contents = Contents(system, Options("", (near, near), None, 4, (), "rad/s"))
+    table, text = found_in_summary(contents, resonances)
+    (row,) = [row for row in table.rows if float(row[6]) == 0.9]
+    assert (row[0], row[3], float(row[4])) == ("2", "1× teeth of g3–g4", order)
+    assert float(row[1]) == pytest.approx(frequency, rel=1e-5)  # of three decimals
+    assert "0.9 % beside the operating speed" in text.text
+    assert text.warning
+    # The response is that of the mesh to 1 µm at the resonance.
+    mesh = ("g3", "g4")
+    response = system.mesh_response(mesh, speeds=[float(row[5])])
+    force = abs(response.mesh_force(mesh)).max()
+    assert float(row[7].split(" ")[0]) == pytest.approx(force, rel=1e-2)  # of the printed speed
+
+
+def test_the_summary_has_the_largest_utilisation():
+    rotor = gb.examples()["bowed_rotor"].load()
+    limits = {"endurance_limit": 250e6, "tensile_strength": 600e6}
+    options = Options("", (100.0, 100.0), None, 4, (), "rad/s")
+    (alone,) = found_in_summary(Contents(rotor, options), strength)
+    assert "no endurance limit was given" in alone.text
+    (text,) = found_in_summary(Contents(rotor, replace(options, **limits)), strength)
+    found = rotor.stresses(100.0, **limits)
+    assert f"utilisation of a shaft: {found.utilisation.max():.3f} " in text.text
+
+
+def test_bow_limits_above_the_diameter_are_none(monkeypatch):
+    rotor = gb.examples()["bowed_rotor"].load()
+    options = Options("", (100.0, 100.0), None, 4, (), "rad/s")
+    limit = gb.results.ReachedLimit("displacement", "far", 100.0, 8.0)
+    made = gb.results.BowLimits(("rotor",), 0.0, np.array([100.0]), (limit,))
+    monkeypatch.setattr(gb.RotorSystem, "bow_limits", lambda *_, **__: made)
+    contents = Contents(rotor, options)
+    table, _ = list(bow(contents))
+    assert table.rows[0][3] == "–"
+    assert "above the diameter of the shaft" in table.rows[0][-1]
+    assert [one.text for _, one in contents.findings] == [
+        "No bow of rotor up to its diameter reaches a limit."
+    ]
+
+
+def test_default_speeds_stay_within_the_tables_of_bearings():
+    table = gb.SpeedTable([0.0, 80.0, 120.0], [1e7, 1.1e7, 1.2e7])
+    shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.03)
+    bearings = [gb.Bearing("rotor", at, stiffness=table) for at in (0.0, 0.4)]
+    rotor = gb.RotorSystem([shaft], bearings=bearings)
+    assert table_range(rotor) == (0.0, 120.0)
+    held = gb.SpeedTable([0.0, 80.0, 120.0], [1e7, 1.1e7, 1.2e7], outside="hold")
+    others = [gb.Bearing("rotor", at, stiffness=held) for at in (0.0, 0.4)]
+    assert table_range(rotor.replace(bearings=others)) == (0.0, np.inf)
+
+
+def test_modes_have_one_numbering():
+    # The rotation of the train is mode 1, which a Campbell diagram does not have.
+    machine = gb.examples()["double_stage_train"]
+    speeds = np.linspace(0.05, 1.5, 5) * machine.speed
+    options = Options("", (machine.speed, machine.speed), speeds, 4, (), "rad/s")
+    contents = Contents(machine.load(), options)
+    diagram = contents.campbell
+    numbers = contents.numbers(diagram)
+    at = int(np.abs(diagram.speeds - machine.speed).argmin())
+    np.testing.assert_allclose(
+        diagram.frequencies_hz[at], contents.modes.frequencies_hz[np.array(numbers) - 1], rtol=1e-8
+    )
+    table = next(block for block in campbell(contents) if getattr(block, "kind", "") == "table")
+    assert {int(row[4]) for row in table.rows} <= set(numbers)
+    assert min(numbers) == 2
+
+
+def sentences() -> set[str]:
+    """Give every text that the program of the report says: literals, and those of tables."""
+    found = {title for _, title, _ in SECTIONS}
+    found |= {"company", "author", "document number", "date"}
+    for path in Path(texts.__file__).parent.glob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        constants = {
+            node.targets[0].id: node.value.value
+            for node in tree.body
+            if isinstance(node, ast.Assign)
+            and isinstance(node.targets[0], ast.Name)
+            and isinstance(node.value, ast.Constant)
+        }
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "say":
+                (text, *_) = node.args
+                if isinstance(text, ast.Constant):
+                    found.add(text.value)
+                elif isinstance(text, ast.Name) and text.id in constants:
+                    found.add(constants[text.id])
+    return found
+
+
+def test_every_sentence_has_a_german_one():
+    assert sentences() == set(GERMAN)
+    places = re.compile(r"\{\w+\}")
+    for english, german in {**GERMAN, **WORDS}.items():
+        assert sorted(places.findall(english)) == sorted(places.findall(german)), english
+
+
+def test_a_german_report(tmp_path):
+    shaft = gb.Shaft("disk shaft", length=0.4, outer_diameter=0.03)
+    disk = gb.Disk("mesh", "disk shaft", 0.2, 5.0, 0.01, 0.02, unbalance=1e-5)
+    bearings = [gb.Bearing("disk shaft", at, stiffness=1e7, damping=1e3) for at in (0, 0.4)]
+    rotor = gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
+    options = {"operating": gb.rpm(3000.0), "modes": 3, "speeds": np.linspace(50.0, 500.0, 9)}
+    german = written(
+        rotor, tmp_path, language="de", company="Ä & Söhne", document_number="4711", **options
+    )
+    page = german.read_text(encoding="utf-8")
+    assert '<html lang="de">' in page
+    assert "<dt>Firma</dt><dd>Ä &amp; Söhne</dd>" in page
+    section = read_sections(german)["modes"]
+    head, *found = rows(section, "Eigenschwingungen bei 3000 rpm")
+    assert head == [
+        "Eigenform",
+        "Frequenz [Hz]",
+        "Dämpfung [%]",
+        "Bewegungsform",
+        "größte Bewegung",
+    ]
+    assert {row[3] for row in found} <= {
+        "Gleichlauf",
+        "Gegenlauf",
+        "eben",
+        "axial",
+        "Torsion",
+        "starr",
+    }
+    # Headings of tables have German words, and names of the user stay.
+    texts_of = re.sub(r"<(script|style|pre).*?</\1>|<img[^>]*>", "", page, flags=re.DOTALL)
+    for heading in re.findall(r"<th[^>]*>(.*?)</th>", texts_of):
+        name = html.unescape(heading).partition(" [")[0]
+        assert name not in WORDS or WORDS[name] == name, name
+    assert "<td>mesh</td>" in texts_of
+    # Numbers have the digits of the English page.
+    frequencies = rotor.modes(gb.rpm(3000.0), count=len(found)).frequencies_hz
+    assert [row[1] for row in found] == [f"{one:.3f}" for one in frequencies]
 
 
 def test_elements_for_the_limits_of_all_bows_are_chosen_once(monkeypatch):
