@@ -258,6 +258,15 @@ def life(given: argparse.Namespace) -> Answer:
     return _answer(given, found, data, speeds, draw=found.plot)
 
 
+def stresses(given: argparse.Namespace) -> Answer:
+    """Find the stresses of the shafts."""
+    options = _fields(given, "endurance_limit", "tensile_strength", "line")
+    found = read_system(given).stresses(given.speed, **options)
+    keys = ("sections", "radius", "fibre", "bending", "axial", "torsion", "amplitude", "mean")
+    data = _fields(found, *keys, "utilisation", "notches", "left_out")
+    return _answer(given, found, data, [given.speed], draw=found.plot)
+
+
 def bow_limits(given: argparse.Namespace) -> Answer:
     """Find the limits of a bow."""
     found = read_system(given).bow_limits(given.shaft, given.speed, phase=given.phase)

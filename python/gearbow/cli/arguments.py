@@ -125,6 +125,16 @@ SPEED = option(
 )
 SPEEDS = option("--speed", 'for example "1500 rpm"; or several', speed, nargs="+", required=True)
 DURATION = option("--duration", 'for example 0.5 or "500 ms"', quantity("duration"), required=True)
+ENDURANCE_LIMIT = option(
+    "--endurance-limit",
+    'stress amplitude that the shafts endure without a mean stress, for example "250 MPa"',
+    quantity("endurance_limit"),
+)
+TENSILE_STRENGTH = option(
+    "--tensile-strength",
+    'tensile strength of the shafts, for example "700 MPa"; the endurance limit needs it',
+    quantity("tensile_strength"),
+)
 COUNT = number("--count", 10, "number of modes")
 
 

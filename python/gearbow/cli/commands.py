@@ -3,19 +3,23 @@
 import argparse
 from collections.abc import Callable
 from pathlib import Path
+from typing import get_args
 
+from gearbow._types import StrengthLine
 from gearbow.cli import answers
 from gearbow.cli.answers import Answer
 from gearbow.cli.arguments import (
     ACCURACY,
     COUNT,
     DURATION,
+    ENDURANCE_LIMIT,
     JSON,
     RECORD,
     RUN,
     SIGNALS_OUT,
     SPEED,
     SPEEDS,
+    TENSILE_STRENGTH,
     Argument,
     drawn,
     flag,
@@ -88,14 +92,8 @@ COMMANDS = (
         number("--points", 100, "number of speeds"),
         number("--modes", 8, "number of modes"),
         option("--title", "heading; default: the name of the scene file"),
-        option(
-            "--endurance-limit",
-            "endurance limit of all shafts, for example 250MPa",
-            quantity("endurance_limit"),
-        ),
-        option(
-            "--tensile-strength", "tensile strength of all shafts", quantity("tensile_strength")
-        ),
+        ENDURANCE_LIMIT,
+        TENSILE_STRENGTH,
         option("--company", "company below the heading"),
         option("--author", "author below the heading"),
         option("--document-number", "number of the document below the heading"),
@@ -188,6 +186,22 @@ COMMANDS = (
         '  gearbow efficiency scene.toml --speed "500 rpm" "3000 rpm" --out losses.png',
         scene(),
         SPEEDS,
+        drawn("--out", "write a figure to this file, for example .png"),
+    ),
+    Command(
+        "stresses",
+        answers.stresses,
+        "print mean and alternating stresses of the turning shafts",
+        '  gearbow stresses scene.toml --speed "1500 rpm"\n'
+        '  gearbow stresses scene.toml --speed "1500 rpm" --endurance-limit "280 MPa"'
+        ' --tensile-strength "700 MPa" --line din743',
+        scene(),
+        SPEED,
+        ENDURANCE_LIMIT,
+        TENSILE_STRENGTH,
+        option(
+            "--line", "line of mean stresses", choices=get_args(StrengthLine), default="goodman"
+        ),
         drawn("--out", "write a figure to this file, for example .png"),
     ),
     Command(

@@ -179,7 +179,7 @@ class Stresses(WithSpeeds, Figured, ReadOnly):
 
         def _stress(name: str, values: Array) -> Column:
             largest = float(np.nanmax(self.amplitude, initial=0.0))
-            return Column(name, values, "Pa", ".4g", mpa, 1e-9 * largest)
+            return Column(name, values, "Pa", ".4g", mpa, 1e-6 * largest)
 
         return [
             Column("shaft", [shaft for shaft, *_ in self.sections]),

@@ -182,6 +182,23 @@ def test_modes(scene: str, capsys):
     )
 
 
+def test_stresses(tmp_path: Path, capsys):
+    scene = tmp_path / "reducer.toml"
+    scene.write_bytes(gb.examples()["coaxial_reducer"].path.read_bytes())
+    strength = ["--endurance-limit", "280 MPa", "--tensile-strength", "700 MPa"]
+    given = ["stresses", scene, "--speed", "-1234 rpm", *strength, "--line", "din743"]
+    found = answer(capsys, *given, "--out", tmp_path / "stresses.png")
+    expected = gb.RotorSystem.load(scene).stresses(
+        gb.rpm(-1234), endurance_limit=280e6, tensile_strength=700e6, line="din743"
+    )
+    for name in ("amplitude", "mean", "utilisation", "bending"):
+        np.testing.assert_allclose(found[name], getattr(expected, name))
+    assert (tmp_path / "stresses.png").stat().st_size > 1000
+    code, out, error = called(capsys, *given[:4], *strength[:2])
+    assert code == 1
+    assert "--tensile-strength" in error
+
+
 def test_life(tmp_path: Path, capsys):
     scene = tmp_path / "reducer.toml"
     scene.write_bytes(gb.examples()["coaxial_reducer"].path.read_bytes())
@@ -412,6 +429,7 @@ def test_every_command_has_examples_in_its_help(capsys):
         "plot",
         "modes",
         "campbell",
+        "stresses",
         "life",
         "response",
         "run",

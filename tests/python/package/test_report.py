@@ -161,7 +161,7 @@ def test_tables_are_those_of_the_results(page, train):
         np.degrees(static.mesh("g1/g2").pressure_angle), rel=1e-5
     )
     life = static.bearing_life()
-    head, *bearings = rows(sections["life"], "Basic rating life")
+    head, *bearings = rows(sections["life"], "Life of bearings")
     hours = [row[head.index("life [h]")] for row in bearings]
     assert [float(one) for one in hours] == pytest.approx(list(life.hours), rel=1e-3)
     assert "Shortest basic rating life" in sections["summary"]
