@@ -186,7 +186,8 @@ def wind_turbine() -> Iterable[str]:
 
     Jonkman, Butterfield, Musial and Scott, Definition of a 5-MW reference wind turbine,
     NREL/TP-500-38060 (2009): generator 534.116 kg m² behind a gear of ratio 97, spring
-    867.637 MN m/rad, damper 6.215 MN m s/rad. Inertia of the rotor: 38,759,228 kg m².
+    867.637 MN m/rad, damper 6.215 MN m s/rad. Control programs for this turbine
+    have 38,759,228 kg m² for its rotor.
     """
     rotor, generator = 38_759_228.0, 534.116 * 97.0**2
     light = gb.Material(207e9, 1.0, poisson_ratio=0.3)
