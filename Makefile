@@ -69,7 +69,7 @@ test-python: $(VENV)/.dev
 # Changes in python/ are then active at once. It builds no wheel, which takes minutes after each change.
 quick: $(BIN)/maturin
 	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --quiet --locked --profile quick
-	$(PIP) install "gearbow[dev]"
+	$(PIP) install --group dev
 
 # New random cases in each call; `make test` always takes the same cases.
 random: $(VENV)/.dev
@@ -210,7 +210,12 @@ clean:
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
-$(BIN)/maturin: | $(BIN)/python
+# The groups of pyproject.toml need a newer pip than Python 3.10 has.
+$(VENV)/.pip: | $(BIN)/python
+	$(PIP) install --upgrade "pip>=25.1"
+	touch $@
+
+$(BIN)/maturin: | $(VENV)/.pip
 	$(PIP) install "maturin>=1.9.4,<2"
 
 $(VENV)/.wheel: $(SOURCES) | $(BIN)/maturin
@@ -219,7 +224,6 @@ $(VENV)/.wheel: $(SOURCES) | $(BIN)/maturin
 	$(PIP) install --force-reinstall --no-deps $(WHEELS)/gearbow-*.whl
 	touch $@
 
-# The group of pyproject.toml, which needs a newer pip than Python 3.10 has.
 $(TOOLS)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(TOOLS)
 	$(TOOLS)/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
@@ -231,14 +235,17 @@ target/tools/bin/cargo-deny:
 
 # ROSS is optional: where it cannot be installed, the tables say so.
 $(VENV)/.compare: $(VENV)/.wheel
-	$(PIP) install "$$(echo $(WHEELS)/gearbow-*.whl)[compare]" \
-	|| { echo "ROSS cannot be installed."; $(PIP) install "$$(echo $(WHEELS)/gearbow-*.whl)[test]"; }
+	$(PIP) install --group compare || { echo "ROSS cannot be installed."; $(PIP) install --group test; }
 	touch $@
 
 # One installation at a time.
 $(VENV)/.docs: $(VENV)/.dev
 
-# The wheel with one of its extras: plot, docs or dev.
+# The demo needs an extra of the wheel, all other targets a group of pyproject.toml, such as dev or docs.
+$(VENV)/.plot: $(VENV)/.wheel
+	$(PIP) install "$$(echo $(WHEELS)/gearbow-*.whl)[plot]"
+	touch $@
+
 $(VENV)/.%: $(VENV)/.wheel
-	$(PIP) install "$$(echo $(WHEELS)/gearbow-*.whl)[$*]"
+	$(PIP) install --group $*
 	touch $@

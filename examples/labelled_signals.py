@@ -5,7 +5,7 @@ shaft. It has a bow and an unbalance, as every machine; one of them is the fault
 larger one. The features of the classifier are complex 1× amplitudes of the probe, relative to the
 largest of them: at one speed, over a part of the speeds, or over all. A quarter of the machines is
 held back. Run with ``python examples/labelled_signals.py``; it needs scikit-learn
-(``pip install "gearbow[learn,netcdf]"``).
+(``pip install "gearbow[netcdf]" scikit-learn``).
 """
 
 import argparse

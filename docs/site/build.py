@@ -2,8 +2,9 @@
 
 The pages are the documents of the repository, in the folders that they have there, so that their
 links lead to the same places. `index.md` has the navigation; a document that is missing there
-is an error. The examples of the gallery and the notebooks run if they, or gearbow, have changed.
-Run with ``python docs/site/build.py``.
+is an error. For programs that read the site, each page has its Markdown beside it, and `llms.txt`
+lists the pages. The examples of the gallery and the notebooks run if they, or gearbow, have
+changed. Run with ``python docs/site/build.py``.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import sys
 from pathlib import Path
 
 from links import problems
+from markdown_pages import llms, markdown_pages
 from sphinx.cmd.build import main as sphinx
 
 import gearbow
@@ -73,6 +75,16 @@ def digest() -> str:
     return digest.hexdigest()
 
 
+def add_markdown(output: Path) -> None:
+    """Write the Markdown of every page beside it, and the list of the pages, `llms.txt`."""
+    texts = markdown_pages(pages(), ROOT / "examples" / "gallery")
+    index = (HERE / "index.md").read_text(encoding="utf-8")
+    for name, text in {**texts, "llms.txt": llms(index, texts)}.items():
+        target = output / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, encoding="utf-8")
+
+
 def add_trial_page(output: Path) -> None:
     """Copy the page that runs gearbow in a browser to the site, or say that it is left out."""
     built = ROOT / "target" / "web" / "try.html"
@@ -107,6 +119,7 @@ def main() -> None:
         sys.exit("\n".join(found))
     shutil.rmtree(output, ignore_errors=True)
     shutil.copytree(html, output)
+    add_markdown(output)
     add_trial_page(output)
     print(f"open {output / 'index.html'}")
 

@@ -1,6 +1,7 @@
 """What each command does and prints: one function for each command."""
 
 import argparse
+import json
 import math
 import warnings
 import webbrowser
@@ -51,6 +52,10 @@ if TYPE_CHECKING:
 
 #: The scene that `gearbow new` writes by itself: a pair with a comment on each part.
 EXAMPLE = Path(__file__).with_name("example.toml")
+#: The guide that `gearbow skill` prints.
+SKILL = Path(__file__).with_name("skill.md")
+#: The JSON schema of what each command prints with --json, by the name of the command.
+SCHEMAS = Path(__file__).with_name("schemas.json")
 #: The keys of a description that are lists of parts.
 _LISTS = (
     *("shafts", "gears", "disks", "meshes", "bearings", "torques"),
@@ -488,6 +493,21 @@ def identify(given: argparse.Namespace) -> Answer:
     system = read_system(given)
     found = identified(system, measured, unknowns, runout=not given.no_runout, noise=given.noise)
     return _answer(given, found, dict(found.to_dict()), [], draw=found.plot)
+
+
+def skill(_: argparse.Namespace) -> Answer:
+    """Print the guide for coding assistants."""
+    return Answer(SKILL.read_text(encoding="utf-8").rstrip(), {})
+
+
+def schema(given: argparse.Namespace) -> Answer:
+    """Print the JSON schema of what a command prints."""
+    schemas = json.loads(SCHEMAS.read_text(encoding="utf-8"))
+    known = schemas["properties"]
+    if given.of not in known:
+        raise SceneError(f"COMMAND: must be one of {', '.join(known)}, got {given.of!r}")
+    found = {"$schema": schemas["$schema"], **known[given.of], "$defs": schemas["$defs"]}
+    return Answer(json.dumps(found, indent=2, ensure_ascii=False), {})
 
 
 def completion(given: argparse.Namespace) -> Answer:

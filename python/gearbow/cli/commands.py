@@ -363,6 +363,19 @@ COMMANDS = (
         drawn("--plot", "write a figure to this file"),
     ),
     Command(
+        "skill",
+        answers.skill,
+        "print a short guide for coding assistants: calls, units, traps",
+        "  gearbow skill\n  gearbow skill > AGENTS.md",
+    ),
+    Command(
+        "schema",
+        answers.schema,
+        "print the JSON schema of what a command prints with --json",
+        "  gearbow schema modes",
+        option("of", "a command, such as modes", metavar="COMMAND"),
+    ),
+    Command(
         "completion",
         answers.completion,
         "print a script with which a shell completes commands, options and files",

@@ -9,15 +9,18 @@ import shlex
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 
 import gearbow as gb
-from gearbow.cli.answers import EXAMPLE
+from gearbow.cli.answers import EXAMPLE, SCHEMAS
 from gearbow.cli.main import _parser, main
 from reference.cases import each_case
+from reference.machines import bowed_pair
 
 COMMAND = [sys.executable, "-m", "gearbow"]
 
@@ -39,9 +42,60 @@ def called(capsys, *arguments: object) -> tuple[int, str, str]:
 
 
 def answer(capsys, *arguments: object) -> dict:
+    """Run a command with --json; what it prints must follow the schema of the command."""
     code, out, err = called(capsys, *arguments, "--json")
     assert (code, err) == (0, "")
-    return json.loads(out)
+    found = json.loads(out)
+    code, schema, err = called(capsys, "schema", arguments[0])
+    assert (code, err) == (0, "")
+    Draft202012Validator(json.loads(schema)).validate(found)
+    return found
+
+
+def test_every_command_with_json_has_a_schema(capsys):
+    schemas = json.loads(SCHEMAS.read_text(encoding="utf-8"))
+    Draft202012Validator.check_schema(schemas)
+    commands = _parser().parse_args(["skill"]).commands.choices
+    with_json = [
+        name
+        for name, each in commands.items()
+        if any("--json" in action.option_strings for action in each._actions)
+    ]
+    assert sorted(schemas["properties"]) == sorted(with_json)
+    code, _, err = called(capsys, "schema", "nothing")
+    assert (code, err.count("\n")) == (2, 1)
+    assert err.startswith("schema: COMMAND: must be one of report, demo,")
+
+
+def test_files_that_commands_write_are_named_in_json(
+    scene: str, tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
+):
+    """The commands whose JSON no other test reads; reports take seconds and have tests of their own."""
+    monkeypatch.setattr(gb.RotorSystem, "report", lambda *_, **__: None)
+    run, exported = tmp_path / "run.npz", tmp_path / "run.csv"
+    answer(capsys, "run", scene, "--duration", 1e-4, "--speed", 100, "--out", run)
+    assert answer(capsys, "export", run, exported) == {"file": str(exported)}
+    assert answer(capsys, "import", scene)["file"] == scene
+    figure = tmp_path / "train.png"
+    assert answer(capsys, "plot", scene, "--out", figure) == {"file": str(figure)}
+    page = tmp_path / "train.html"
+    assert answer(capsys, "report", scene, "--out", page) == {"file": str(page)}
+    assert answer(capsys, "demo", "bowed_rotor", "--out", page, "--no-open") == {"file": str(page)}
+    response = ("--source", "pinion:y", "--at", "pinion", "--to", "500Hz", "--points", 3)
+    assert answer(capsys, "response", scene, *response)["unit"] == "m"
+
+
+def test_losses_of_meshes_follow_their_schema(tmp_path: Path, capsys):
+    path = tmp_path / "train.toml"
+    system = bowed_pair(torque=100.0)
+    system.replace(meshes=[replace(mesh, friction=0.05) for mesh in system.meshes]).save(path)
+    assert answer(capsys, "efficiency", path, "--speed", 100)["efficiency"][0] < 1.0
+
+
+def test_the_guide_for_assistants_is_printed(capsys):
+    code, out, _ = called(capsys, "skill")
+    assert code == 0
+    assert out.startswith("# gearbow for coding assistants\n")
 
 
 def test_new_writes_a_scene_with_comments(tmp_path: Path, capsys):
@@ -438,6 +492,8 @@ def test_every_command_has_examples_in_its_help(capsys):
         "orders",
         "export",
         "identify",
+        "skill",
+        "schema",
     ]
     for command in commands:
         _, out, _ = called(capsys, command, "--help")

@@ -47,6 +47,7 @@ ARGUMENTS: dict[str, list[str] | None] = {
     "resonance_sweep": ["--output", "figure.png"],
     "signals": [],
     "tradeoff": None,
+    "verification": ["--measured"],
 }
 #: Libraries that a complete run needs and the tests do not install.
 LIBRARIES = {"labelled_signals": "sklearn"}

@@ -51,15 +51,17 @@ def test_workflows_test_the_oldest_and_the_newest_python():
     assert supported[0] == "3.10"
     test = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))
     matrix = test["jobs"]["python"]["strategy"]["matrix"]
-    assert matrix["python"] == [supported[0], supported[-1]]
-    assert {one["python"] for one in matrix["include"]} == set(supported[1:-1])
+    assert {supported[0], supported[-1]} <= set(matrix["python"])
+    tested = [*matrix["python"], *(one["python"] for one in matrix["include"])]
+    assert sorted(tested) == sorted(supported)
     for job in ("linux", "others"):
         found = [
             step["with"]["python-version"]
             for step in jobs(ROOT / ".github/workflows/release.yml")[job]["steps"]
             if "setup-python" in step.get("uses", "")
         ]
-        assert found == [supported[0], supported[-1]]
+        assert found[0] == supported[0]
+        assert supported[-1] in found
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.name)

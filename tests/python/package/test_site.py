@@ -23,7 +23,7 @@ def site(monkeypatch: pytest.MonkeyPatch):
     """Make the modules of the site importable."""
     monkeypatch.syspath_prepend(SITE)
     yield
-    for name in ("links", "flowchart", "index_entries", "numbers_in_tables"):
+    for name in ("links", "markdown_pages", "flowchart", "index_entries", "numbers_in_tables"):
         sys.modules.pop(name, None)
 
 
@@ -90,6 +90,36 @@ def test_links_and_anchors_are_checked(tmp_path: Path):
         "d.html: no anchor b.html#away",
         "d.html: no file e.html",
     ]
+
+
+@pytest.mark.usefixtures("site")
+def test_every_page_of_the_navigation_has_markdown():
+    from markdown_pages import llms, markdown_pages
+
+    documents = {
+        path.relative_to(ROOT).as_posix(): path
+        for pattern in ("*.md", "docs/*.md", "docs/notebooks/*.ipynb", "examples/machines/*.md")
+        for path in ROOT.glob(pattern)
+    }
+    documents |= {path.name: path for path in SITE.glob("*.md")}
+    pages = markdown_pages(documents, ROOT / "examples" / "gallery")
+    index = (SITE / "index.md").read_text(encoding="utf-8")
+    text = llms(index, pages)
+    assert text.startswith("# gearbow\n\n> gearbow computes the dynamics of geared shaft trains")
+    linked = re.findall(r"^- \[.+\]\((\S+)\): \S", text, flags=re.M)
+    assert {name for name in linked if name not in pages} == set()
+    assert {"docs/validation.md", "docs/notebooks/study.md", "reference.md"} <= set(linked)
+    # The reference has a page for every public name, with the docstrings of its members.
+    assert "toctree" not in "".join(pages.values())
+    names = {f"reference/gearbow.{name}.md" for name in dir(gb)} - {
+        "reference/gearbow.__version__.md"
+    }
+    assert names <= set(pages)
+    system = pages["reference/gearbow.RotorSystem.md"]
+    assert "## modes\n\n`(self, speed=0.0, *, count=None, vibrating=False" in system
+    assert pages["gallery/01_bowed_rotor.md"].startswith(
+        "# Bowed rotor and its critical speed\n\nA"
+    )
 
 
 @pytest.mark.usefixtures("site")
